@@ -1,0 +1,30 @@
+"""Universal (Cardan) joints and drivelines: motion, moments and phasing over large angle arrays.
+
+Angles are in radians and quantities in SI units; degrees appear only where a name or keyword says
+so. A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft 0 drives.
+
+>>> import cardan
+>>> joint = cardan.Driveline.from_bends([30], degrees=True)
+>>> result = joint.evaluate([0.0, 0.5, 1.0], outputs=("angle_error", "speed_ratio"))
+>>> result.speed_ratio.round(6)
+array([1.154701, 1.072288, 0.934235])
+"""
+
+from cardan import reference
+from cardan._core import __version__
+from cardan.driveline import Driveline
+from cardan.equivalent import EquivalentJoint
+from cardan.load import Load
+from cardan.outputs import OUTPUTS, Output
+from cardan.result import Result
+
+__all__ = [
+    "OUTPUTS",
+    "Driveline",
+    "EquivalentJoint",
+    "Load",
+    "Output",
+    "Result",
+    "__version__",
+    "reference",
+]

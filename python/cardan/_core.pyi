@@ -1,0 +1,45 @@
+from typing import TypeAlias, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+_Flat: TypeAlias = NDArray[np.float64]
+_Broadcast: TypeAlias = tuple[_Flat, list[int]]
+
+__version__: str
+
+def levels() -> list[str]: ...
+def from_bends(
+    joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat
+) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...
+def from_directions(
+    joints: int, shape: list[int], directions: _Flat, phases: _Flat
+) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...
+def from_points(
+    joints: int, shape: list[int], points: _Flat, phases: _Flat
+) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...
+def equivalent(
+    joints: int, shaft: int, bends: _Flat, twists: _Flat, phases: _Flat
+) -> list[_Flat]: ...
+@final
+class Plan:
+    def __new__(
+        cls,
+        joints: int,
+        outputs: list[str],
+        shaft_items: list[int],
+        joint_items: list[int],
+        load: str | None,
+        inertias: list[int],
+    ) -> Plan: ...
+    def run(
+        self,
+        shape: list[int],
+        geometry: list[_Flat],
+        lines: list[int],
+        angle: _Broadcast,
+        load: tuple[_Broadcast, _Broadcast, _Broadcast, list[tuple[int, _Flat, list[int]]]] | None,
+        out: list[_Flat],
+        workers: int | None,
+        level: str | None,
+    ) -> None: ...

@@ -1,0 +1,35 @@
+"""Arguments as arrays of doubles: what is accepted, and in which words it is refused."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+def real(name: str, value: ArrayLike) -> FloatArray:
+    """Return the argument as a contiguous array of doubles, without a copy where it is one.
+
+    Raises:
+        TypeError: complex numbers, objects, text or anything else that is not a real number.
+    """
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiub":
+        raise TypeError(f"{name} has dtype {array.dtype}; it must hold real numbers")
+    array = np.asarray(array, dtype=np.float64, order="C")
+    return array if array.flags.aligned else array.copy()
+
+
+def scalar_or_array(array: FloatArray) -> Any:  # noqa: ANN401 - as NumPy's own functions
+    """Return a 0-d array as a NumPy scalar, anything else unchanged."""
+    return array[()]
+
+
+def at_place(name: str, array: FloatArray, wrong: NDArray[np.bool_]) -> str:
+    """Name the first offending element and its value: ``bends[2] is 1.6``."""
+    index = tuple(int(i) for i in np.argwhere(wrong)[0])
+    place = f"[{', '.join(map(str, index))}]" if index else ""
+    return f"{name}{place} is {array[index]!s}"

@@ -1,0 +1,441 @@
+"""Drivelines: joints and shafts in space, one or a batch."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan import _core, evaluation
+from cardan.arrays import FloatArray, at_place, real, scalar_or_array
+from cardan.equivalent import EquivalentJoint
+from cardan.load import Load
+from cardan.result import Result
+
+
+class Driveline:
+    """Shafts joined by universal joints, or a batch of such drivelines of equal length.
+
+    Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or
+    ``from_projected_bends``; leading dimensions are the batch. Drivelines are immutable: their
+    arrays are read-only, and ``with_phases`` makes a new one.
+
+    Geometry: ``u_i`` is the unit vector along shaft ``i`` in the direction of power flow, the bend
+    of joint ``j`` the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j
+    x u_{j+1})``. The twist of an intermediate shaft is the angle about it from one normal to the
+    next, its phase the angle from its input-side to its output-side pin; phase 0 means both yokes
+    in one plane. The drive angle counts from the driving pin of joint 0 lying in the plane of
+    shafts 0 and 1. All rotations are right-handed about ``u_i``.
+    """
+
+    __slots__ = ("_bends", "_directions", "_normals", "_phases", "_twists")
+    _bends: FloatArray
+    _twists: FloatArray
+    _phases: FloatArray
+    _directions: FloatArray
+    _normals: FloatArray
+
+    def __init__(self) -> None:
+        """Refuse: a driveline is made from bends, points, directions or slopes."""
+        raise TypeError("use Driveline.from_bends, from_points, from_directions or from_slopes")
+
+    @classmethod
+    def from_bends(
+        cls,
+        bends: ArrayLike,
+        twists: ArrayLike = 0.0,
+        phases: ArrayLike = 0.0,
+        *,
+        degrees: bool = False,
+    ) -> Self:
+        """Make drivelines from the angles at their joints.
+
+        Shaft 0 points along +x and the first bend-plane normal along +z, so shaft 1 points along
+        ``(cos b, sin b, 0)``.
+
+        Args:
+            bends: bend of each joint, ``(..., n)``; a single number is one joint.
+            twists: twist of each intermediate shaft, ``(..., n - 1)`` or one for all.
+            phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+            degrees: whether the three are in degrees.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a bend outside [0, 90°), a value that is not finite, shapes that do not fit.
+        """
+        bend_array = np.atleast_1d(real("bends", bends))
+        n = bend_array.shape[-1]
+        if degrees:
+            # Here and not in radians, so that the message shows what was given.
+            wrong = ~((bend_array >= 0.0) & (bend_array < 90.0))
+            if wrong.any():
+                place = at_place("bends", bend_array, wrong)
+                raise ValueError(f"{place} deg; a bend must lie in [0, 90) deg")
+            bend_array = np.radians(bend_array)
+        twist_array = _per_shaft("twists", twists, n, degrees)
+        phase_array = _per_shaft("phases", phases, n, degrees)
+        shape = _broadcast_shapes(
+            bends=bend_array.shape[:-1],
+            twists=twist_array.shape[:-1],
+            phases=phase_array.shape[:-1],
+        )
+        flat = [
+            _flat(array, (*shape, array.shape[-1]))
+            for array in (bend_array, twist_array, phase_array)
+        ]
+        return cls._laid_out(n, shape, _core.from_bends(n, list(shape), *flat), flat[2])
+
+    @classmethod
+    def from_directions(
+        cls, directions: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
+    ) -> Self:
+        """Make drivelines from a vector along each shaft.
+
+        A straight joint takes the bend-plane normal of the previous joint, a straight first joint
+        that of the next bent one.
+
+        Args:
+            directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow.
+            phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+            degrees: whether the phases are in degrees.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a direction that is zero or not finite, a bend of 90° or more, shapes that
+                do not fit.
+        """
+        array = _vectors("directions", directions, 2)
+        n = array.shape[-2] - 1
+        return cls._along(_core.from_directions, array, n, _per_shaft("phases", phases, n, degrees))
+
+    @classmethod
+    def from_points(
+        cls, points: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
+    ) -> Self:
+        """Make drivelines from their ends and joint centres.
+
+        Args:
+            points: ``(..., n + 2, 3)``: the driving end, the joint centres, the driven end, in any
+                unit of length.
+            phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+            degrees: whether the phases are in degrees.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: two equal successive points, a point that is not finite, a bend of 90° or
+                more, shapes that do not fit.
+        """
+        array = _vectors("points", points, 3)
+        n = array.shape[-2] - 2
+        return cls._along(_core.from_points, array, n, _per_shaft("phases", phases, n, degrees))
+
+    @classmethod
+    def from_slopes(
+        cls,
+        vertical: ArrayLike,
+        horizontal: ArrayLike,
+        phases: ArrayLike = 0.0,
+        *,
+        degrees: bool = False,
+    ) -> Self:
+        """Make drivelines from the slope of each shaft in side view and in top view.
+
+        A shaft points along ``(1, tan vertical, tan horizontal)``: x is the travel, y up, z to the
+        right seen along the travel.
+
+        Args:
+            vertical: slope of each shaft in side view, ``(..., n + 1)``.
+            horizontal: slope of each shaft in top view, ``(..., n + 1)``.
+            phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
+            degrees: whether all three are in degrees.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a slope outside (-90°, 90°), a bend of 90° or more, shapes that do not fit.
+        """
+        directions = _sloping(
+            _slopes("vertical", vertical, degrees), _slopes("horizontal", horizontal, degrees)
+        )
+        return cls.from_directions(directions, phases, degrees=degrees)
+
+    @classmethod
+    def from_projected_bends(
+        cls,
+        vertical: ArrayLike,
+        horizontal: ArrayLike,
+        phases: ArrayLike = 0.0,
+        *,
+        degrees: bool = False,
+        reference: Literal["common", "input", "output"] = "common",
+    ) -> Self:
+        """Make shafts with two joints from their bends as projected in side view and top view.
+
+        This is the catalogues' form. The bends of a drawing add up along the shaft, so it matters
+        which shaft the drawing lays along the travel: by the catalogue's figure the common one,
+        for which ``tan(bend)**2 = tan(vertical)**2 + tan(horizontal)**2`` holds exactly.
+
+        Args:
+            vertical: bend of both joints in side view, ``(..., 2)``, positive upwards.
+            horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right.
+            phases: phase of the common shaft, ``(..., 1)`` or one for all.
+            degrees: whether all three are in degrees.
+            reference: the shaft along the travel: ``"common"``, ``"input"`` or ``"output"``.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: not two joints, an unknown reference, and as for ``from_slopes``.
+        """
+        views = []
+        for name, value in (("vertical", vertical), ("horizontal", horizontal)):
+            bend = real(name, value)
+            if bend.ndim == 0 or bend.shape[-1] != 2:
+                raise ValueError(f"{name} has shape {bend.shape}; two joints need (..., 2)")
+            first, second = np.moveaxis(bend, -1, 0)
+            zero = np.zeros_like(first)
+            slopes = {
+                "common": (-first, zero, second),
+                "input": (zero, first, first + second),
+                "output": (-first - second, -second, zero),
+            }
+            if reference not in slopes:
+                known = ", ".join(map(repr, slopes))
+                raise ValueError(f"reference is {reference!r}; it must be one of {known}")
+            views.append(np.stack(slopes[reference], axis=-1))
+        return cls.from_slopes(*views, phases, degrees=degrees)
+
+    @classmethod
+    def _along(
+        cls,
+        lay_out: Any,  # noqa: ANN401 - one of the two functions of the native module
+        array: FloatArray,
+        n: int,
+        phases: FloatArray,
+    ) -> Self:
+        shape = _broadcast_shapes(vectors=array.shape[:-2], phases=phases.shape[:-1])
+        flat_phases = _flat(phases, (*shape, max(n - 1, 0)))
+        flat = _flat(array, (*shape, *array.shape[-2:]))
+        return cls._laid_out(n, shape, lay_out(n, list(shape), flat, flat_phases), flat_phases)
+
+    @classmethod
+    def _laid_out(
+        cls, n: int, shape: tuple[int, ...], flat: Sequence[FloatArray], phases: FloatArray
+    ) -> Self:
+        bends, twists, directions, normals = flat
+        return cls._of(
+            bends.reshape(*shape, n),
+            twists.reshape(*shape, n - 1),
+            phases.reshape(*shape, n - 1),
+            directions.reshape(*shape, n + 1, 3),
+            normals.reshape(*shape, n, 3),
+        )
+
+    @classmethod
+    def _of(cls, *arrays: FloatArray) -> Self:
+        self = object.__new__(cls)
+        self._bends, self._twists, self._phases, self._directions, self._normals = arrays
+        for array in arrays:
+            array.flags.writeable = False
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as the five arrays."""
+        arrays = (self._bends, self._twists, self._phases, self._directions, self._normals)
+        return (Driveline._of, arrays)
+
+    def __copy__(self) -> Self:
+        """Return the driveline itself: it never changes."""
+        return self
+
+    def __deepcopy__(self, memo: object) -> Self:
+        """Return the driveline itself: it never changes."""
+        return self
+
+    def __repr__(self) -> str:
+        """Show number of joints and bends, or the shape of a batch."""
+        joints = f"{self.n_joints} joint{'s' if self.n_joints > 1 else ''}"
+        if self.shape:
+            return f"<Driveline batch {self.shape} of {joints}>"
+        bends = ", ".join(f"{bend:.6g}" for bend in np.degrees(self._bends))
+        return f"<Driveline of {joints}, bent by {bends} deg>"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch; ``()`` for one driveline."""
+        return self._bends.shape[:-1]
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints of each driveline, ``n``."""
+        return int(self._bends.shape[-1])
+
+    @property
+    def bends(self) -> FloatArray:
+        """Bend of each joint in rad, ``(..., n)``."""
+        return self._bends
+
+    @property
+    def twists(self) -> FloatArray:
+        """Twist of each intermediate shaft in rad, ``(..., n - 1)``."""
+        return self._twists
+
+    @property
+    def phases(self) -> FloatArray:
+        """Phase of each intermediate shaft in rad, ``(..., n - 1)``."""
+        return self._phases
+
+    @property
+    def directions(self) -> FloatArray:
+        """Unit vector along each shaft, ``(..., n + 1, 3)``."""
+        return self._directions
+
+    @property
+    def normals(self) -> FloatArray:
+        """Unit normal of each joint's bend plane, ``(..., n, 3)``."""
+        return self._normals
+
+    def with_phases(self, phases: ArrayLike, *, degrees: bool = False) -> Driveline:
+        """Return the driveline with its yokes set anew.
+
+        Args:
+            phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all; broadcasts
+                against the batch.
+            degrees: whether they are in degrees.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a phase that is not finite, shapes that do not fit.
+        """
+        array = _per_shaft("phases", phases, self.n_joints, degrees)
+        shape = _broadcast_shapes(driveline=self.shape, phases=array.shape[:-1])
+
+        def spread(own: FloatArray, core: int) -> FloatArray:
+            full = (*shape, *own.shape[own.ndim - core :])
+            return own if full == own.shape else np.ascontiguousarray(np.broadcast_to(own, full))
+
+        return Driveline._of(
+            spread(self._bends, 1),
+            spread(self._twists, 1),
+            np.array(np.broadcast_to(array, (*shape, array.shape[-1]))),
+            spread(self._directions, 2),
+            spread(self._normals, 2),
+        )
+
+    def equivalent(self, shaft: int = -1) -> EquivalentJoint:
+        """Return the one joint that moves a shaft exactly as the whole chain does.
+
+        Args:
+            shaft: index of the shaft, by default the last.
+
+        Raises:
+            IndexError: a shaft that does not exist.
+            TypeError: a shaft that is not an integer.
+        """
+        index = evaluation.item_index("shaft", shaft, self.n_joints + 1)
+        flat = (array.reshape(-1) for array in (self._bends, self._twists, self._phases))
+        columns = _core.equivalent(self.n_joints, index, *flat)
+        return EquivalentJoint(*(scalar_or_array(c.reshape(self.shape)) for c in columns))
+
+    def evaluate(
+        self,
+        angle: ArrayLike,
+        outputs: str | Iterable[str] = ("angle", "speed_ratio"),
+        *,
+        shafts: int | slice | Sequence[int] | None = None,
+        joints: int | slice | Sequence[int] | None = None,
+        load: Load | None = None,
+        out: Mapping[str, FloatArray] | None = None,
+        workers: int | None = None,
+    ) -> Result:
+        """Evaluate outputs over drive angles.
+
+        Only what the outputs need is computed. The result of one output has the shape
+        ``([items,] *broadcast(line.shape, angle.shape) [, 3])``: the shaft or joint axis comes
+        first and is dropped for a single index, a vector's components come last.
+
+        Args:
+            angle: drive angle in rad, any shape; broadcasts against the batch. NaN and infinite
+                angles give NaN at their own samples.
+            outputs: names from ``cardan.OUTPUTS``.
+            shafts: shafts for the outputs per shaft: an index, a slice or a list; by default the
+                last one.
+            joints: joints for the outputs per joint; by default all.
+            load: the load, for the outputs that need one.
+            out: arrays to fill, by output name; float64 and of the right shape. One may be the
+                array of angles itself.
+            workers: at most so many threads, ``-1`` for all cores; by default all where the work
+                repays them. The results do not depend on it.
+
+        Raises:
+            IndexError: a shaft or joint that does not exist.
+            TypeError: angles that are not real numbers, indices that are not integers.
+            ValueError: an unknown output, a load that is missing or does not fit, shapes that do
+                not broadcast, an ``out`` of the wrong shape or type.
+        """
+        return evaluation.evaluate(
+            self,
+            angle,
+            outputs,
+            shafts=shafts,
+            joints=joints,
+            load=load,
+            out=out,
+            workers=workers,
+        )
+
+
+def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
+    """Twists or phases as ``(..., n - 1)``; one number stands for all shafts."""
+    array = real(name, value)
+    between = max(n - 1, 0)
+    if array.ndim == 0:
+        array = np.full(between, array)
+    if array.shape[-1] != between:
+        raise ValueError(f"{name} has shape {array.shape}; {n} joints need (..., {between})")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{at_place(name, array, ~np.isfinite(array))}; it must be finite")
+    return np.radians(array) if degrees else array
+
+
+def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
+    array = real(name, value)
+    if array.ndim < 2 or array.shape[-1] != 3 or array.shape[-2] < fewest:
+        wanted = f"(..., {fewest} or more, 3)"
+        raise ValueError(f"{name} has shape {array.shape}; it must be {wanted}")
+    return array
+
+
+def _slopes(name: str, value: ArrayLike, degrees: bool) -> FloatArray:
+    array = np.atleast_1d(real(name, value))
+    right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
+    wrong = ~(np.abs(array) < right_angle)
+    if wrong.any():
+        place = at_place(name, array, wrong)
+        raise ValueError(f"{place}; a slope must lie between -{unit} and {unit}")
+    return np.radians(array) if degrees else array
+
+
+def _sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
+    """Directions from the slopes in side view and top view."""
+    if vertical.shape[-1] != horizontal.shape[-1]:
+        raise ValueError(
+            f"vertical has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
+            "they must be the same"
+        )
+    _broadcast_shapes(vertical=vertical.shape, horizontal=horizontal.shape)
+    up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))
+    return np.stack([np.ones_like(up), up, right], axis=-1)
+
+
+def _broadcast_shapes(**shapes: tuple[int, ...]) -> tuple[int, ...]:
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"batch shapes do not broadcast: {listed}") from None
+
+
+def _flat(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    """The array spread to a shape, as one run of elements."""
+    return np.ascontiguousarray(np.broadcast_to(array, shape)).reshape(-1)

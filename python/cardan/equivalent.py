@@ -1,0 +1,39 @@
+"""The one joint that moves a shaft as its whole chain does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class EquivalentJoint:
+    """Closed forms of one shaft's motion; each field has the shape of the driveline batch.
+
+    Every shaft of every chain turns exactly as the driven shaft of one joint does, whose driving
+    angle is the drive angle plus an offset. Near full compensation compare ``k`` or
+    ``non_uniformity``, not ``bend``: a rounding of 1e-16 in ``k`` is 2e-8 rad in ``bend``.
+
+    Attributes:
+        bend: equivalent bend in rad.
+        angle_offset: what to add to the drive angle to get this joint's driving angle, in rad,
+            within (-pi/2, pi/2]; 0 where the shaft turns uniformly.
+        k: ``tan(bend/2)**2``, the sine of the largest angle error.
+        non_uniformity: largest less smallest speed ratio (catalogue, single joint:
+            ``U = tan(bend) sin(bend)``).
+        max_angle_error: in rad, at ``tan**2 = cos(bend)`` of the driving angle.
+        min_speed_ratio: ``cos(bend)``.
+        max_speed_ratio: ``1/cos(bend)``.
+        max_acceleration_ratio: largest magnitude of the acceleration ratio.
+    """
+
+    bend: NDArray[np.float64]
+    angle_offset: NDArray[np.float64]
+    k: NDArray[np.float64]
+    non_uniformity: NDArray[np.float64]
+    max_angle_error: NDArray[np.float64]
+    min_speed_ratio: NDArray[np.float64]
+    max_speed_ratio: NDArray[np.float64]
+    max_acceleration_ratio: NDArray[np.float64]

@@ -1,0 +1,67 @@
+"""What drives, brakes and accelerates a driveline."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, at_place, real
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Load:
+    """Torque at one end of a driveline, the motion of its drive and the inertias of its shafts.
+
+    Every value may be an array that broadcasts to the shape of the samples.
+
+    Args:
+        drive_torque: torque in N m put into shaft 0.
+        output_torque: torque in N m delivered by the last shaft; the default, with 0. Give one of
+            the two.
+        speed: speed of the drive in rad/s.
+        acceleration: acceleration of the drive in rad/s².
+        inertias: one moment of inertia in kg m² per shaft, each about its own axis (the shafts
+            are the last axis if this is an array); none by default.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: a torque on both ends, a negative inertia.
+    """
+
+    end: Literal["drive", "output"]
+    torque: FloatArray
+    speed: FloatArray
+    acceleration: FloatArray
+    inertias: FloatArray | None = field(default=None)
+
+    def __init__(
+        self,
+        *,
+        drive_torque: ArrayLike | None = None,
+        output_torque: ArrayLike | None = None,
+        speed: ArrayLike = 0.0,
+        acceleration: ArrayLike = 0.0,
+        inertias: ArrayLike | None = None,
+    ) -> None:
+        if drive_torque is not None and output_torque is not None:
+            raise ValueError("drive_torque and output_torque are both given; give one of them")
+        if drive_torque is not None:
+            end, torque = "drive", real("drive_torque", drive_torque)
+        else:
+            end, torque = "output", real("output_torque", 0.0 if output_torque is None else output_torque)
+        values: FloatArray | None = None
+        if inertias is not None:
+            values = real("inertias", inertias)
+            if values.ndim == 0:
+                raise ValueError("inertias is one number; it needs one per shaft")
+            if np.any(values < 0.0):
+                wrong = at_place("inertias", values, values < 0.0)
+                raise ValueError(f"{wrong}; an inertia must not be negative")
+        object.__setattr__(self, "end", end)
+        object.__setattr__(self, "torque", torque)
+        object.__setattr__(self, "speed", real("speed", speed))
+        object.__setattr__(self, "acceleration", real("acceleration", acceleration))
+        object.__setattr__(self, "inertias", values)

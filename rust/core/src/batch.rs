@@ -1,0 +1,406 @@
+//! Running a plan: blocks for the threads, rows of one driveline, chunks for the cache.
+
+use std::ops::Range;
+
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
+
+use crate::chain::Equivalent;
+use crate::error::{Error, Result};
+use crate::fold::{Folded, with_constants};
+use crate::geometry::{Geometry, Vector};
+use crate::kernel;
+use crate::plan::{End, LoadStep, Plan, ShaftStep};
+use crate::samples::{ACCELERATION, ANGLE, Drivelines, SPEED, Samples, Source, TORQUE, Table};
+use crate::trig::AtanRange;
+
+/// Samples per chunk: a dozen buffers of this length fit the first-level cache.
+const CHUNK: usize = 512;
+
+/// Samples per block of a threaded run, and so the fewest that a thread is woken for. A block
+/// takes some 30 µs, a multiple of what waking a thread costs.
+const BLOCK: usize = 16 * 1024;
+
+/// Samples from which the work repays the threads.
+const THREADED: usize = 4 * BLOCK;
+
+/// How a run is spread over the machine. Results do not depend on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Execution {
+    /// The instruction set; the best of the machine if `None`.
+    pub level: Option<Level>,
+    /// At most so many threads; if `None`, all of rayon's where the work repays them.
+    pub workers: Option<usize>,
+}
+
+impl Plan {
+    /// Evaluates the plan at every sample; `planes` are the planes of the result, each as long as
+    /// there are samples.
+    ///
+    /// # Errors
+    /// Arrays whose lengths do not fit together, a plan with a load without one in the samples.
+    pub fn run(
+        &self,
+        samples: &Samples<'_>,
+        planes: &mut [&mut [f64]],
+        execution: Execution,
+    ) -> Result<()> {
+        let total = samples.shape.iter().product::<usize>();
+        if planes.len() != self.planes || planes.iter().any(|plane| plane.len() != total) {
+            let (found, wanted) = (planes.len(), self.planes);
+            let problem = format!("has {found} planes; it needs {wanted} of {total} samples");
+            return Err(Error::new("planes", &[], problem));
+        }
+        let table = Table::new(self, samples)?;
+        if total == 0 {
+            return Ok(());
+        }
+        let level = execution.level.unwrap_or_else(Level::new);
+        let size = match execution.workers {
+            Some(workers) => total.div_ceil(workers.max(1)).max(BLOCK),
+            None if total >= THREADED => BLOCK,
+            None => total,
+        };
+        if size >= total {
+            run_block(self, &table, level, 0, planes);
+            return Ok(());
+        }
+        let mut rests: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
+        let blocks: Vec<Vec<&mut [f64]>> = (0..total.div_ceil(size))
+            .map(|_| rests.iter_mut().filter_map(Iterator::next).collect())
+            .collect();
+        blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
+            run_block(self, &table, level, i * size, &mut block);
+        });
+        Ok(())
+    }
+
+    /// Evaluates a plan without a load for one driveline; one vector per plane.
+    ///
+    /// # Errors
+    /// As [`Plan::run`].
+    ///
+    /// ```
+    /// use cardan::{Geometry, Output, Plan, Request};
+    ///
+    /// let joint = Geometry::from_bends(&[0.5], &[], &[])?;
+    /// let plan = Plan::new(&Request {
+    ///     joint_count: 1,
+    ///     outputs: &[Output::SpeedRatio],
+    ///     shafts: &[1],
+    ///     joints: &[],
+    ///     load: None,
+    ///     inertias: &[],
+    /// })?;
+    /// let ratio = &plan.evaluate(&joint, &[0.0])?[0];
+    /// assert!((ratio[0] - 1.0 / 0.5_f64.cos()).abs() < 1e-15);
+    /// # Ok::<(), cardan::Error>(())
+    /// ```
+    pub fn evaluate(&self, line: &Geometry, angle: &[f64]) -> Result<Vec<Vec<f64>>> {
+        let flat = |vectors: &[Vector]| -> Vec<f64> {
+            vectors.iter().flat_map(|v| v.iter().copied()).collect()
+        };
+        let (directions, normals) = (flat(&line.directions), flat(&line.normals));
+        let samples = Samples {
+            shape: &[angle.len()],
+            lines: Drivelines {
+                bends: &line.bends,
+                twists: &line.twists,
+                phases: &line.phases,
+                directions: &directions,
+                normals: &normals,
+            },
+            line_strides: &[0],
+            angle: Source { data: angle, strides: &[1] },
+            load: None,
+        };
+        let mut planes = vec![vec![0.0; angle.len()]; self.planes];
+        let mut views: Vec<&mut [f64]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
+        self.run(&samples, &mut views, Execution::default())?;
+        Ok(planes)
+    }
+}
+
+/// Runs the block of samples that starts at `start`, compiled for the level.
+fn run_block(
+    plan: &Plan,
+    table: &Table<'_>,
+    level: Level,
+    start: usize,
+    planes: &mut [&mut [f64]],
+) {
+    let mut scratch = Scratch::new(plan, table);
+    dispatch!(level, _simd => run_rows(plan, table, &mut scratch, start, planes));
+}
+
+/// The buffers of one block, each a chunk long.
+struct Scratch {
+    folded: Folded,
+    /// Where the current row begins in each column of the table, and its step.
+    cursors: Vec<(usize, usize)>,
+    /// The load's columns at the current chunk.
+    gathered: Vec<Vec<f64>>,
+    sine: Vec<f64>,
+    cosine: Vec<f64>,
+    turned_sine: Vec<f64>,
+    turned_cosine: Vec<f64>,
+    /// Speed ratio and acceleration ratio of each shaft that the load needs.
+    rates: Vec<[Vec<f64>; 2]>,
+    power: Vec<f64>,
+    torsion: Vec<f64>,
+}
+
+impl Scratch {
+    fn new(plan: &Plan, table: &Table<'_>) -> Self {
+        let chunk = |needed: bool| vec![0.0; if needed { CHUNK } else { 0 }];
+        let mut rates: Vec<[Vec<f64>; 2]> = vec![[vec![], vec![]]; plan.joint_count + 1];
+        for step in plan.shafts.iter().filter(|step| step.keep_rates) {
+            rates[step.shaft] = [chunk(true), chunk(true)];
+        }
+        let loaded = plan.load.is_some();
+        Self {
+            folded: Folded::new(plan),
+            cursors: vec![(0, 0); table.columns.len()],
+            gathered: vec![chunk(loaded); table.columns.len()],
+            sine: chunk(true),
+            cosine: chunk(true),
+            turned_sine: chunk(plan.joint_count > 1),
+            turned_cosine: chunk(plan.joint_count > 1),
+            rates,
+            power: chunk(loaded),
+            torsion: chunk(loaded),
+        }
+    }
+}
+
+#[inline(always)]
+fn run_rows(
+    plan: &Plan,
+    table: &Table<'_>,
+    scratch: &mut Scratch,
+    start: usize,
+    planes: &mut [&mut [f64]],
+) {
+    let total = planes.first().map_or(0, |plane| plane.len());
+    let row_length = table.row_length();
+    let mut done = 0;
+    while done < total {
+        let (row, first) = ((start + done) / row_length, (start + done) % row_length);
+        let length = (row_length - first).min(total - done);
+        let (line, line_step) = table.locate(&table.line, row);
+        for (column, cursor) in table.columns.iter().zip(&mut scratch.cursors) {
+            let (origin, step) = table.locate(&column.strides, row);
+            *cursor = (origin + first * step, step);
+        }
+        if line_step == 0 {
+            scratch.folded.fold(plan, &table.lines, [line]);
+        }
+        for at in (0..length).step_by(CHUNK) {
+            let size = CHUNK.min(length - at);
+            if line_step != 0 {
+                let samples = first + at..first + at + size;
+                scratch.folded.fold(plan, &table.lines, samples.map(|i| line + i * line_step));
+            }
+            let place = done + at..done + at + size;
+            let (origin, step) = scratch.cursors[ANGLE];
+            let angle = table.columns[ANGLE].data;
+            if step == 1 {
+                let angle = &angle[origin + at..origin + at + size];
+                run_motion(plan, angle, scratch, planes, place.clone());
+            } else {
+                let mut gathered = [0.0; CHUNK];
+                gather(angle, origin + at * step, step, &mut gathered[..size]);
+                run_motion(plan, &gathered[..size], scratch, planes, place.clone());
+            }
+            if let Some(load) = &plan.load {
+                let columns = table.columns.iter().zip(&scratch.cursors);
+                for ((column, &(origin, step)), buffer) in
+                    columns.zip(&mut scratch.gathered).skip(1)
+                {
+                    gather(column.data, origin + at * step, step, &mut buffer[..size]);
+                }
+                run_load(load, table, scratch, planes, place);
+            }
+        }
+        done += length;
+    }
+}
+
+#[inline(always)]
+fn gather(data: &[f64], origin: usize, step: usize, buffer: &mut [f64]) {
+    match step {
+        0 => buffer.fill(data[origin]),
+        1 => buffer.copy_from_slice(&data[origin..origin + buffer.len()]),
+        _ => {
+            for (x, &value) in buffer.iter_mut().zip(data[origin..].iter().step_by(step)) {
+                *x = value;
+            }
+        }
+    }
+}
+
+/// Angles and rates of every shaft of the plan at one chunk.
+#[inline(always)]
+fn run_motion(
+    plan: &Plan,
+    angle: &[f64],
+    scratch: &mut Scratch,
+    planes: &mut [&mut [f64]],
+    place: Range<usize>,
+) {
+    let size = place.len();
+    let Scratch { folded, sine, cosine, turned_sine, turned_cosine, rates, .. } = scratch;
+    let (sine, cosine) = (&mut sine[..size], &mut cosine[..size]);
+    kernel::sin_cos(angle, sine, cosine);
+    for step in &plan.shafts {
+        let rates = rates[step.shaft].each_mut().map(|rate| &mut rate[..]);
+        let Some(shaft) = &folded.shafts[step.shaft] else {
+            run_drive_shaft(step, angle, rates, planes, place.clone());
+            continue;
+        };
+        with_constants!(&shaft.equivalents, at => {
+            if shaft.turned {
+                let turned = (&mut turned_sine[..size], &mut turned_cosine[..size]);
+                kernel::turn(at, sine, cosine, turned.0, turned.1);
+                run_shaft(step, shaft.range, at, [angle, turned.0, turned.1], rates, planes, place.clone());
+            } else {
+                run_shaft(step, shaft.range, at, [angle, sine, cosine], rates, planes, place.clone());
+            }
+        });
+    }
+}
+
+/// Shaft 0 turns with the drive.
+fn run_drive_shaft(
+    step: &ShaftStep,
+    angle: &[f64],
+    rates: [&mut [f64]; 2],
+    planes: &mut [&mut [f64]],
+    place: Range<usize>,
+) {
+    if let Some(plane) = step.angle {
+        planes[plane][place.clone()].copy_from_slice(angle);
+    }
+    let constants =
+        [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
+    for (plane, value) in constants {
+        if let Some(plane) = plane {
+            planes[plane][place.clone()].fill(value);
+        }
+    }
+    let [ratio, acceleration] = rates;
+    ratio.fill(1.0);
+    acceleration.fill(0.0);
+}
+
+/// Every output of one shaft, each written straight to its plane; the rates go by way of a buffer
+/// where the load reads them too.
+#[inline(always)]
+fn run_shaft(
+    step: &ShaftStep,
+    range: AtanRange,
+    at: impl Fn(usize) -> Equivalent + Copy,
+    [angle, s, c]: [&[f64]; 3],
+    rates: [&mut [f64]; 2],
+    planes: &mut [&mut [f64]],
+    place: Range<usize>,
+) {
+    let size = place.len();
+    match (step.angle_error, step.angle) {
+        (Some(error), None) => {
+            kernel::angle_error(range, at, s, c, &mut planes[error][place.clone()]);
+        }
+        (None, Some(turned)) => {
+            kernel::angle(range, at, angle, s, c, &mut planes[turned][place.clone()]);
+        }
+        (Some(error), Some(turned)) => {
+            let [error, turned] = two(planes, error, turned, place.clone());
+            kernel::angle_error(range, at, s, c, error);
+            kernel::sum(angle, error, turned);
+        }
+        (None, None) => {}
+    }
+    if step.keep_rates {
+        let [ratio, acceleration] = rates.map(|rate| &mut rate[..size]);
+        kernel::rates(at, s, c, ratio, acceleration);
+        for (plane, rate) in [(step.speed_ratio, ratio), (step.acceleration_ratio, acceleration)] {
+            if let Some(plane) = plane {
+                planes[plane][place.clone()].copy_from_slice(rate);
+            }
+        }
+        return;
+    }
+    match (step.speed_ratio, step.acceleration_ratio) {
+        (Some(ratio), None) => kernel::speed_ratio(at, s, c, &mut planes[ratio][place]),
+        (None, Some(acceleration)) => {
+            kernel::acceleration_ratio(at, s, c, &mut planes[acceleration][place]);
+        }
+        (Some(ratio), Some(acceleration)) => {
+            let [ratio, acceleration] = two(planes, ratio, acceleration, place);
+            kernel::rates(at, s, c, ratio, acceleration);
+        }
+        (None, None) => {}
+    }
+}
+
+/// The same place in two planes.
+#[inline(always)]
+fn two<'a>(
+    planes: &'a mut [&mut [f64]],
+    first: usize,
+    second: usize,
+    place: Range<usize>,
+) -> [&'a mut [f64]; 2] {
+    planes
+        .get_disjoint_mut([first, second])
+        .expect("a plan gives every output planes of its own")
+        .map(|plane| &mut plane[place.clone()])
+}
+
+/// Torques and moments at one chunk: the power travels from the end where the torque is given.
+#[inline(always)]
+fn run_load(
+    load: &LoadStep,
+    table: &Table<'_>,
+    scratch: &mut Scratch,
+    planes: &mut [&mut [f64]],
+    place: Range<usize>,
+) {
+    let size = place.len();
+    let Scratch { folded, gathered, sine, cosine, rates, power, torsion, .. } = scratch;
+    let column = |index: usize| &gathered[index][..size];
+    let (sine, cosine) = (&sine[..size], &cosine[..size]);
+    let (power, torsion) = (&mut power[..size], &mut torsion[..size]);
+    let ratio = |shaft: usize| &rates[shaft][0][..size];
+    match load.end {
+        End::Drive => power.copy_from_slice(column(TORQUE)),
+        End::Output => kernel::multiply(column(TORQUE), ratio(load.stations[0].shaft), power),
+    }
+    for station in &load.stations {
+        let absorb = |sign: f64, power: &mut [f64]| {
+            if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
+                let drive = [column(inertia), column(SPEED), column(ACCELERATION)];
+                let acceleration = &rates[station.shaft][1][..size];
+                kernel::absorb(sign, drive, ratio(station.shaft), acceleration, power);
+            }
+        };
+        if load.end == End::Output {
+            absorb(1.0, power);
+        }
+        if let Some(plane) = station.torque {
+            kernel::divide(power, ratio(station.shaft), &mut planes[plane][place.clone()]);
+        }
+        if let Some(plane) = station.moment {
+            kernel::divide(power, ratio(station.shaft - 1), torsion);
+            if let [x, y, z] = &mut planes[plane..plane + 3] {
+                let out = [&mut x[place.clone()], &mut y[place.clone()], &mut z[place.clone()]];
+                with_constants!(&folded.poses[station.shaft - 1], at => {
+                    kernel::moment(at, sine, cosine, torsion, out);
+                });
+            }
+        }
+        if load.end == End::Drive {
+            absorb(-1.0, power);
+        }
+    }
+}

@@ -1,0 +1,28 @@
+//! The instruction sets that the kernels are compiled for.
+
+pub use fearless_simd::Level;
+use fearless_simd::Simd;
+
+/// Every level that this machine can run, strongest first, with its name.
+///
+/// ```
+/// let levels = cardan::level::available();
+/// assert!(!levels.is_empty());
+/// ```
+pub fn available() -> Vec<(&'static str, Level)> {
+    let best = Level::new();
+    let mut levels = Vec::new();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        levels.extend(best.as_avx512().map(|token| ("avx512", token.level())));
+        levels.extend(best.as_avx2().map(|token| ("avx2", token.level())));
+        levels.extend(best.as_sse4_2().map(|token| ("sse4.2", token.level())));
+        levels.extend(best.as_sse2().map(|token| ("sse2", token.level())));
+    }
+    #[cfg(target_arch = "aarch64")]
+    levels.extend(best.as_neon().map(|token| ("neon", token.level())));
+    if levels.is_empty() {
+        levels.push(("fallback", best));
+    }
+    levels
+}

@@ -1,0 +1,46 @@
+//! Between `numpy` arrays and slices, and from the core's errors to Python's.
+
+use cardan::{Error, Vector};
+use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+/// A flat array of doubles to read.
+pub(crate) type Input<'py> = PyReadonlyArray1<'py, f64>;
+
+/// A flat array of doubles to fill.
+pub(crate) type Output<'py> = PyReadwriteArray1<'py, f64>;
+
+/// The elements of a contiguous array.
+pub(crate) fn slice<'a>(name: &str, array: &'a Input<'_>) -> PyResult<&'a [f64]> {
+    array.as_slice().map_err(|_| not_contiguous(name))
+}
+
+/// The elements of a contiguous array, to fill.
+pub(crate) fn slice_mut<'a>(name: &str, array: &'a mut Output<'_>) -> PyResult<&'a mut [f64]> {
+    array.as_slice_mut().map_err(|_| not_contiguous(name))
+}
+
+fn not_contiguous(name: &str) -> PyErr {
+    PyValueError::new_err(format!("{name} must be contiguous and aligned"))
+}
+
+/// A core error as `ValueError`.
+pub(crate) fn value_error(error: &Error) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// The index of one driveline in a batch of the given shape.
+pub(crate) fn unravel(mut flat: usize, shape: &[usize]) -> Vec<usize> {
+    let mut index = vec![0; shape.len()];
+    for (place, &length) in index.iter_mut().zip(shape).rev() {
+        *place = flat % length.max(1);
+        flat /= length.max(1);
+    }
+    index
+}
+
+/// Triples of components as vectors.
+pub(crate) fn vectors(flat: &[f64]) -> Vec<Vector> {
+    flat.chunks_exact(3).map(Vector::from_column_slice).collect()
+}

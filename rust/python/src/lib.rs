@@ -1,0 +1,29 @@
+//! The native module `cardan._core`: convert, release the interpreter, call the core, map errors.
+//!
+//! Arrays arrive flat, contiguous and of the right type: `python/cardan` broadcasts and allocates,
+//! this module checks that the lengths fit and fills.
+
+#![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
+
+mod convert;
+mod driveline;
+mod plan;
+
+use pyo3::prelude::*;
+
+/// Native kernels of cardan. Private: use `cardan.Driveline`.
+#[pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::driveline::{equivalent, from_bends, from_directions, from_points};
+    #[pymodule_export]
+    use super::plan::{Plan, levels};
+
+    use super::PyResult;
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}
