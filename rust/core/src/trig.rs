@@ -178,7 +178,7 @@ fn reduce(x: f64) -> (f64, u64) {
 }
 
 /// Sine and cosine of an angle not larger than [`FAST_LIMIT`], both times the same positive
-/// length between 0.7 and 1; branch-free.
+/// length between 0.9 and 1.1; branch-free.
 ///
 /// What depends on the direction of a pin alone, such as a tangent or a ratio of squares, does not
 /// see the length, and a rational tangent costs half of a sine and a cosine. NaN gives NaN; a

@@ -1,0 +1,173 @@
+//! `cargo bench`: time per angle by outputs, instruction set, joints and size, and a closing table
+//! of ratios measured in one run.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use cardan::{
+    Drivelines, Execution, Geometry, Level, Output, Plan, Request, Samples, Source, level,
+};
+use criterion::{BenchmarkId, Criterion, Throughput};
+use rayon::prelude::*;
+
+use Output::{AccelerationRatio, Angle, AngleError, SpeedRatio};
+
+const MOTION: [Output; 3] = [Angle, SpeedRatio, AccelerationRatio];
+
+/// A plan of the last shaft with everything it reads and fills.
+struct Case {
+    line: Geometry,
+    directions: Vec<f64>,
+    normals: Vec<f64>,
+    plan: Plan,
+    angle: Vec<f64>,
+    planes: Vec<Vec<f64>>,
+}
+
+impl Case {
+    fn new(joints: usize, bend_degrees: f64, outputs: &[Output], samples: usize) -> Self {
+        let between = joints - 1;
+        let bends = vec![bend_degrees.to_radians(); joints];
+        let line = Geometry::from_bends(&bends, &vec![0.3; between], &vec![0.7; between])
+            .expect("the bends are valid");
+        let request = Request {
+            joint_count: joints,
+            outputs,
+            shafts: &[joints],
+            joints: &[],
+            load: None,
+            inertias: &[],
+        };
+        let plan = Plan::new(&request).expect("the request is valid");
+        let turn = std::f64::consts::TAU / samples as f64;
+        Self {
+            directions: line.directions.iter().flat_map(|v| v.iter().copied()).collect(),
+            normals: line.normals.iter().flat_map(|v| v.iter().copied()).collect(),
+            angle: (0..samples).map(|i| i as f64 * turn).collect(),
+            planes: vec![vec![0.0; samples]; plan.planes()],
+            line,
+            plan,
+        }
+    }
+
+    fn run(&mut self, level: Level, workers: Option<usize>) {
+        let samples = Samples {
+            shape: &[self.angle.len()],
+            lines: Drivelines {
+                bends: &self.line.bends,
+                twists: &self.line.twists,
+                phases: &self.line.phases,
+                directions: &self.directions,
+                normals: &self.normals,
+            },
+            line_strides: &[0],
+            angle: Source { data: &self.angle, strides: &[1] },
+            load: None,
+        };
+        let mut planes: Vec<&mut [f64]> = self.planes.iter_mut().map(Vec::as_mut_slice).collect();
+        let execution = Execution { level: Some(level), workers };
+        self.plan.run(&samples, &mut planes, execution).expect("the arrays fit");
+        black_box(&mut self.planes);
+    }
+
+    /// Copies the angles into every plane: the same stores as the evaluation, on as many threads.
+    fn copy(&mut self) {
+        const BLOCK: usize = 16 * 1024;
+        let angle = &self.angle;
+        for plane in &mut self.planes {
+            plane
+                .par_chunks_mut(BLOCK)
+                .zip(angle.par_chunks(BLOCK))
+                .for_each(|(to, from)| to.copy_from_slice(from));
+        }
+        black_box(&mut self.planes);
+    }
+}
+
+fn criterion_groups(criterion: &mut Criterion) {
+    for (name, level) in level::available() {
+        // Without a fused multiply-add in hardware every step is a call: fewer samples do.
+        let samples = if name.starts_with("sse") { 10_000 } else { 100_000 };
+        let mut group = criterion.benchmark_group(format!("one thread, {name}"));
+        group.throughput(Throughput::Elements(samples as u64));
+        for outputs in [&MOTION[..], &[SpeedRatio], &[AngleError], &[Angle]] {
+            let names: Vec<&str> = outputs.iter().map(|output| output.name()).collect();
+            let mut case = Case::new(1, 30.0, outputs, samples);
+            group.bench_function(names.join("+"), |b| b.iter(|| case.run(level, Some(1))));
+        }
+        group.finish();
+    }
+    let mut group = criterion.benchmark_group("motion of the last shaft by bend");
+    group.throughput(Throughput::Elements(100_000));
+    for bend in [5.0, 30.0, 50.0, 75.0, 88.0] {
+        let mut case = Case::new(1, bend, &MOTION, 100_000);
+        group.bench_function(BenchmarkId::from_parameter(bend), |b| {
+            b.iter(|| case.run(Level::new(), Some(1)));
+        });
+    }
+    group.finish();
+    let mut group = criterion.benchmark_group("motion of the last shaft by joints");
+    group.throughput(Throughput::Elements(100_000));
+    for joints in [1, 2, 4, 16, 64] {
+        let mut case = Case::new(joints, 5.0, &MOTION, 100_000);
+        group.bench_function(BenchmarkId::from_parameter(joints), |b| {
+            b.iter(|| case.run(Level::new(), Some(1)));
+        });
+    }
+    group.finish();
+}
+
+/// Shortest of some runs of each job in turn, in nanoseconds per angle.
+fn interleaved(samples: usize, jobs: &mut [(&str, &mut dyn FnMut())]) -> Vec<f64> {
+    let mut best = vec![f64::INFINITY; jobs.len()];
+    for _ in 0..15 {
+        for (best, (_, job)) in best.iter_mut().zip(jobs.iter_mut()) {
+            let start = Instant::now();
+            job();
+            *best = best.min(start.elapsed().as_secs_f64() * 1e9 / samples as f64);
+        }
+    }
+    best
+}
+
+/// Prints how the evaluation compares with plain copies of the same bytes, in one run.
+fn ratios() {
+    let level = Level::new();
+    println!("\nangle+speed_ratio+acceleration_ratio against copies into the same three arrays");
+    println!(
+        "{:>10} {:>8} {:>10} {:>8} {:>12}",
+        "angles", "threads", "evaluate", "copy", "copy/eval"
+    );
+    for samples in [100_000, 1_000_000, 10_000_000] {
+        let (mut evaluated, mut copied) =
+            (Case::new(1, 30.0, &MOTION, samples), Case::new(1, 30.0, &MOTION, samples));
+        let best = interleaved(
+            samples,
+            &mut [
+                ("evaluate", &mut || evaluated.run(level, None)),
+                ("copy", &mut || copied.copy()),
+            ],
+        );
+        println!(
+            "{samples:>10} {:>8} {:>7.3} ns {:>5.3} ns {:>12.2}",
+            rayon::current_num_threads(),
+            best[0],
+            best[1],
+            best[1] / best[0]
+        );
+    }
+}
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .sample_size(30)
+        .warm_up_time(Duration::from_millis(300))
+        .measurement_time(Duration::from_secs(1))
+        .configure_from_args();
+    criterion_groups(&mut criterion);
+    criterion.final_summary();
+    // Under `cargo test --benches` each bench only has to run.
+    if std::env::args().any(|argument| argument == "--bench") {
+        ratios();
+    }
+}
