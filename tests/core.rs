@@ -100,10 +100,6 @@ proptest! {
         let (sine, cosine) = trig::sin_cos(x);
         prop_assert!((sine - x.sin()).abs() <= 2.3e-16);
         prop_assert!((cosine - x.cos()).abs() <= 2.3e-16);
-        let (s, c) = trig::scaled_sin_cos(x);
-        let length = s.hypot(c);
-        prop_assert!(length > 0.9 && length < 1.1);
-        prop_assert!((s / length - sine).abs() < 1e-15 && (c / length - cosine).abs() < 1e-15);
     }
 
     /// Any broadcasting against naive indexing, at any level and number of threads, bit for bit.

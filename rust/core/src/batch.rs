@@ -14,8 +14,8 @@ use crate::plan::{End, LoadStep, Plan, ShaftStep};
 use crate::samples::{ACCELERATION, ANGLE, Drivelines, SPEED, Samples, Source, TORQUE, Table};
 use crate::trig::AtanRange;
 
-/// Samples per chunk: a dozen buffers of this length fit the first-level cache.
-const CHUNK: usize = 512;
+/// Samples per chunk: sines and cosines of this length stay in the first-level cache.
+const CHUNK: usize = 1024;
 
 /// Samples per block of a threaded run, and so the fewest that a thread is woken for. A block
 /// takes some 30 µs, a multiple of what waking a thread costs.
@@ -129,11 +129,12 @@ fn run_block(
     start: usize,
     planes: &mut [&mut [f64]],
 ) {
-    let mut scratch = Scratch::new(plan, table);
+    let longest = CHUNK.min(table.row_length());
+    let mut scratch = Scratch::new(plan, table, longest);
     dispatch!(level, _simd => run_rows(plan, table, &mut scratch, start, planes));
 }
 
-/// The buffers of one block, each a chunk long.
+/// The buffers of one block, each as long as its longest chunk.
 struct Scratch {
     folded: Folded,
     /// Where the current row begins in each column of the table, and its step.
@@ -151,8 +152,8 @@ struct Scratch {
 }
 
 impl Scratch {
-    fn new(plan: &Plan, table: &Table<'_>) -> Self {
-        let chunk = |needed: bool| vec![0.0; if needed { CHUNK } else { 0 }];
+    fn new(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
+        let chunk = |needed: bool| vec![0.0; if needed { longest } else { 0 }];
         let mut rates: Vec<[Vec<f64>; 2]> = vec![[vec![], vec![]]; plan.joint_count + 1];
         for step in plan.shafts.iter().filter(|step| step.keep_rates) {
             rates[step.shaft] = [chunk(true), chunk(true)];
@@ -251,7 +252,7 @@ fn run_motion(
     let size = place.len();
     let Scratch { folded, sine, cosine, turned_sine, turned_cosine, rates, .. } = scratch;
     let (sine, cosine) = (&mut sine[..size], &mut cosine[..size]);
-    kernel::sin_cos(angle, sine, cosine);
+    kernel::pins(angle, sine, cosine);
     for step in &plan.shafts {
         let rates = rates[step.shaft].each_mut().map(|rate| &mut rate[..]);
         let Some(shaft) = &folded.shafts[step.shaft] else {

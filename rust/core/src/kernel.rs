@@ -12,19 +12,19 @@ use crate::joint;
 use crate::moment::{self, Pose};
 use crate::trig::{self, AtanRange};
 
-/// Sine and cosine of each angle, times a common length, by the exact path where an angle is too large for the fast one.
+/// Sine and cosine of each angle up to a common factor, by the exact path where an angle is too far
+/// for the fast one.
 #[inline(always)]
-pub(crate) fn sin_cos(angle: &[f64], sine: &mut [f64], cosine: &mut [f64]) {
-    let mut large = false;
+pub(crate) fn pins(angle: &[f64], sine: &mut [f64], cosine: &mut [f64]) {
+    let mut far = trig::Far::default();
     for ((&x, s), c) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
-        (*s, *c) = trig::scaled_sin_cos_fast(x);
-        large |= x.abs() > trig::FAST_LIMIT;
+        let reduced = trig::reduce(x);
+        far.watch(reduced);
+        (*s, *c) = trig::pin(reduced);
     }
-    if large {
+    if far.any() {
         for ((&x, s), c) in angle.iter().zip(sine).zip(cosine) {
-            if x.abs() > trig::FAST_LIMIT {
-                (*s, *c) = trig::scaled_sin_cos(x);
-            }
+            (*s, *c) = trig::pin(trig::reduce_any(x));
         }
     }
 }

@@ -9,12 +9,6 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// Above this size an angle takes the exact path of [`sin_cos`] and [`scaled_sin_cos`].
-///
-/// Below it the multiple of π/2 fits in 40 bits, so that `x − n·P1` is exact and the error of the
-/// three-part π/2 stays far below one rounding of the remainder, however small that is.
-pub const FAST_LIMIT: f64 = (1_u64 << 40) as f64;
-
 /// π/2 as an unevaluated sum of three doubles.
 const HALF_PI: [f64; 3] = [FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
 
@@ -157,42 +151,61 @@ fn tangent_of_remainder(r: f64) -> (f64, f64) {
     (numerator, z.mul_add(polynomial(z, &TANGENT_DENOMINATOR), 1.0))
 }
 
-/// Sine and cosine of `n·π/2 + r` from those of `r`.
-#[inline(always)]
-fn quadrant((sine, cosine): (f64, f64), n: u64) -> (f64, f64) {
-    let (s, c) = if n & 1 == 1 { (cosine, sine) } else { (sine, cosine) };
-    let sine_sign = (n & 2) << 62;
-    let cosine_sign = (n.wrapping_add(1) & 2) << 62;
-    (f64::from_bits(s.to_bits() ^ sine_sign), f64::from_bits(c.to_bits() ^ cosine_sign))
+/// An angle as a multiple of π/2 and a remainder.
+#[derive(Clone, Copy)]
+pub(crate) struct Reduced {
+    /// Within half an ulp, however small it is.
+    remainder: f64,
+    /// The multiple, in the low bits.
+    quadrant: u64,
 }
 
-/// The remainder of an angle not larger than [`FAST_LIMIT`] to the nearest multiple of π/2, and
-/// the low bits of that multiple; the remainder within half an ulp, however small it is.
+/// Reduces an angle, branch-free. NaN gives NaN; an angle that does not pass [`Far`] gives numbers
+/// without meaning.
+///
+/// `x − n·P1` is exact and the error of the three-part π/2 stays far below one rounding of the
+/// remainder as long as `n` fits in 40 bits.
 #[inline(always)]
-fn reduce(x: f64) -> (f64, u64) {
+pub(crate) fn reduce(x: f64) -> Reduced {
     let shifted = x.mul_add(FRAC_2_PI, ROUNDING);
     let n = shifted - ROUNDING;
     let r = (-n).mul_add(HALF_PI[0], x);
     let r = (-n).mul_add(HALF_PI[1], r);
-    ((-n).mul_add(HALF_PI[2], r), shifted.to_bits())
+    let r = (-n).mul_add(HALF_PI[2], r);
+    Reduced { remainder: r, quadrant: shifted.to_bits() }
 }
 
-/// Sine and cosine of an angle not larger than [`FAST_LIMIT`], both times the same positive
-/// length between 0.9 and 1.1; branch-free.
+/// Watches a run of reductions for angles that are too far for [`reduce`]: from about 1.7e12.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Far(u64);
+
+impl Far {
+    const LIMIT: u64 = 1 << 40;
+
+    /// Takes note of one reduction: two integer operations.
+    #[inline(always)]
+    pub(crate) fn watch(&mut self, reduced: Reduced) {
+        let least = ROUNDING.to_bits() - Self::LIMIT;
+        self.0 |= reduced.quadrant.wrapping_sub(least);
+    }
+
+    /// Whether any angle was too far, or not a number.
+    #[inline(always)]
+    pub(crate) fn any(self) -> bool {
+        self.0 >= 2 * Self::LIMIT
+    }
+}
+
+/// A vector along `(sin x, cos x)` or against it, of a length between 0.9 and 1.1.
 ///
-/// What depends on the direction of a pin alone, such as a tangent or a ratio of squares, does not
-/// see the length, and a rational tangent costs half of a sine and a cosine. NaN gives NaN; a
-/// larger angle gives numbers without meaning.
+/// What depends on a pin as a line, such as a tangent or a ratio of squares, sees neither the
+/// length nor the sense, and a rational tangent costs half of a sine and a cosine.
 #[inline(always)]
-pub fn scaled_sin_cos_fast(x: f64) -> (f64, f64) {
-    let (r, n) = reduce(x);
-    quadrant(tangent_of_remainder(r), n)
-}
-
-/// [`scaled_sin_cos_fast`] for any angle; infinite angles and NaN give NaN.
-pub fn scaled_sin_cos(x: f64) -> (f64, f64) {
-    let (r, n) = reduce_any(x);
-    quadrant(tangent_of_remainder(r), n)
+pub(crate) fn pin(reduced: Reduced) -> (f64, f64) {
+    let (s, c) = tangent_of_remainder(reduced.remainder);
+    let odd = reduced.quadrant & 1;
+    let (s, c) = if odd == 1 { (c, s) } else { (s, c) };
+    (s, f64::from_bits(c.to_bits() ^ odd << 63))
 }
 
 /// Sine and cosine of any angle, each within 1.1 ulp; infinite angles and NaN give NaN.
@@ -203,22 +216,31 @@ pub fn scaled_sin_cos(x: f64) -> (f64, f64) {
 /// assert!((cosine + 0.5753861119575491).abs() < 1e-15);
 /// ```
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    let (r, n) = reduce_any(x);
-    quadrant(sin_cos_of_remainder(r), n)
+    let Reduced { remainder, quadrant: n } = reduce_any(x);
+    let (s, c) = sin_cos_of_remainder(remainder);
+    let (s, c) = if n & 1 == 1 { (c, s) } else { (s, c) };
+    let sine_sign = (n & 2) << 62;
+    let cosine_sign = (n.wrapping_add(1) & 2) << 62;
+    (f64::from_bits(s.to_bits() ^ sine_sign), f64::from_bits(c.to_bits() ^ cosine_sign))
 }
 
-fn reduce_any(x: f64) -> (f64, u64) {
-    if x.abs() <= FAST_LIMIT || x.is_nan() {
-        reduce(x)
+/// [`reduce`] for any angle; infinite angles and NaN give NaN.
+pub(crate) fn reduce_any(x: f64) -> Reduced {
+    let reduced = reduce(x);
+    let mut far = Far::default();
+    far.watch(reduced);
+    if !far.any() || x.is_nan() {
+        reduced
     } else if x.is_infinite() {
-        (f64::NAN, 0)
+        Reduced { remainder: f64::NAN, quadrant: 0 }
     } else {
         let (r, n) = reduce_exactly(x.abs());
-        if x > 0.0 { (r, n) } else { (-r, n.wrapping_neg()) }
+        let (remainder, quadrant) = if x > 0.0 { (r, n) } else { (-r, n.wrapping_neg()) };
+        Reduced { remainder, quadrant }
     }
 }
 
-/// The remainder of a finite `x > FAST_LIMIT` to the nearest multiple of π/2, and the low bits of
+/// The remainder of a large finite `x` to the nearest multiple of π/2, and the low bits of
 /// that multiple (M. Payne and R. Hanek, 1983).
 ///
 /// `x = m·2ᵉ`, so of the digits of 2/π only a window matters: those before it give whole turns,

@@ -1,0 +1,259 @@
+"""What the tests hold the library against: data files, and exact numbers for exact doubles.
+
+The data in ``tests/data`` come from a vector model with 70 digits. What they do not list is
+computed here with mpmath from the inputs as the doubles that they are, with a margin of more than
+40 digits. The formulas for one joint are those of Thoma (1920) and Grossmann (1939), the chain is
+the map ``w -> A w + B conj(w)`` of the drive's ``w = exp(i angle)``; the data confirm both.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import mpmath
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.reference import Shafts, Vector
+
+DATA = Path(__file__).parent / "data"
+EPS = 2.0**-52
+PI = Fraction("3.14159265358979323846264338327950288419716939937510582")
+
+Doubles: TypeAlias = NDArray[np.float64]
+
+# mpmath carries no types; this is one of its numbers.
+Number: TypeAlias = Any
+
+mp = mpmath.mp.clone()
+mp.dps = 60
+
+
+# --- data files ------------------------------------------------------------------------------
+
+
+def read(name: str) -> dict[str, Any]:
+    document: dict[str, Any] = json.loads((DATA / name).read_text(encoding="utf-8"))
+    return document
+
+
+def distinct(rows: list[dict[str, Any]], key: str) -> list[str]:
+    return list(dict.fromkeys(row[key] for row in rows))
+
+
+def off(got: float, want: str | Fraction) -> float:
+    """Return the distance of a double from a decimal string, without rounding the string."""
+    return abs(float(Fraction(float(got)) - Fraction(want)))
+
+
+def off_vectors(
+    got: Sequence[Sequence[float]] | Doubles, want: Sequence[Sequence[str | Fraction]]
+) -> float:
+    assert len(got) == len(want)
+    return max(off(g, w) for v, x in zip(got, want, strict=True) for g, w in zip(v, x, strict=True))
+
+
+def off_all(got: Iterable[float], want: Iterable[str]) -> float:
+    return max(off(g, w) for g, w in zip(got, want, strict=True))
+
+
+def reduced(angle: Fraction) -> float:
+    """Round an exact angle to a double only after taking whole turns off."""
+    return float(angle - 2 * PI * round(angle / (2 * PI)))
+
+
+def radians(degrees: str) -> float:
+    """Round an exact number of degrees to a double in radians, whole turns taken off."""
+    return reduced(Fraction(degrees) * PI / 180)
+
+
+def dot(v: Sequence[float], w: Sequence[float]) -> float:
+    return math.fsum(x * y for x, y in zip(v, w, strict=True))
+
+
+def cosines(shafts: Shafts) -> float:
+    """Return ``c``, the product of the cosines of the bends, which rules the conditioning."""
+    return math.prod(map(math.cos, shafts.bends))
+
+
+def start_angle(case: dict[str, Any], u: Vector, m: Vector) -> float:
+    """Return our drive angle at the start of a chain, where the pin is the part of ref0 across u.
+
+    ``u`` is the direction of shaft 0 and ``m`` the normal of the first bend plane.
+    """
+    e_in = (m[1] * u[2] - m[2] * u[1], m[2] * u[0] - m[0] * u[2], m[0] * u[1] - m[1] * u[0])
+    x, y, z = map(float, case["ref0"])
+    return math.atan2(dot((x, y, z), m), dot((x, y, z), e_in))
+
+
+def angles(case: dict[str, Any], start: float) -> list[float]:
+    """Return the drive angle of each step, at most a few radians, so that its rounding is small."""
+    return [reduced(Fraction(start) + Fraction(step["theta0"])) for step in case["steps"]]
+
+
+def thoma_to_ours(bend: float, vector: Sequence[str]) -> list[Fraction]:
+    """Turn a vector from Thoma's axes into ours, as exactly as the bend's sine and cosine are.
+
+    His right-handed triad ``(n1, e_in, m)`` is our ``(+x, +y, +z)``: a vector's components here are
+    its products with these three, written in his axes.
+    """
+    triad = [
+        (-math.sin(bend), -math.cos(bend), 0.0),
+        (math.cos(bend), -math.sin(bend), 0.0),
+        (0.0, 0.0, 1.0),
+    ]
+    v = [Fraction(x) for x in vector]
+    return [
+        sum((x * Fraction(y) for x, y in zip(v, axis, strict=True)), Fraction(0)) for axis in triad
+    ]
+
+
+# --- exact numbers beside doubles ------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Exact:
+    """Exact numbers as unevaluated sums of two doubles, good to 1e-32 of themselves."""
+
+    high: Doubles
+    low: Doubles
+
+    @classmethod
+    def of(cls, numbers: Iterable[Number]) -> Exact:
+        high, low = [], []
+        for x in numbers:
+            nearest = float(x)
+            high.append(nearest)
+            low.append(float(x - nearest))
+        return cls(np.array(high), np.array(low))
+
+    @property
+    def ulp(self) -> Doubles:
+        """Spacing of the doubles at the exact numbers."""
+        mantissa, exponent = np.frexp(self.high)
+        # Just below a power of two the nearest double already has the wider spacing.
+        below = (np.abs(mantissa) == 0.5) & (np.sign(self.low) == -np.sign(self.high))
+        ulp: Doubles = np.ldexp(1.0, np.maximum(exponent - below - 53, -1074))
+        return np.where(self.high == 0.0, 2.0**-1074, ulp)
+
+    def distance(self, got: Doubles) -> Doubles:
+        """Return how far the doubles are from the exact numbers."""
+        return np.asarray(np.abs((got - self.high) - self.low))
+
+    def ulps(self, got: Doubles) -> Doubles:
+        """Return how far the doubles are from the exact numbers, in ulp of these."""
+        return self.distance(got) / self.ulp
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Sine and cosine of the exact value of a double."""
+
+    angle: Number
+    sine: Number
+    cosine: Number
+
+    @classmethod
+    def by(cls, angle: float) -> Turn:
+        # mpmath reduces with as many digits as the double's size and nearness to a multiple of
+        # pi/2 ask for.
+        cosine, sine = mp.cos_sin(mp.mpf(angle))
+        return cls(mp.mpf(angle), sine, cosine)
+
+
+@dataclass(frozen=True)
+class ExactJoint:
+    """One joint with the exact value of a double for its bend."""
+
+    bend: Number
+    sine: Number
+    cosine: Number
+    versine: Number
+
+    @classmethod
+    def bent(cls, bend: float) -> ExactJoint:
+        at = Turn.by(bend)
+        # 1 - cos without cancellation.
+        return cls(at.angle, at.sine, at.cosine, 2 * mp.sin(at.angle / 2) ** 2)
+
+    def denominator(self, at: Turn) -> Number:
+        return (at.cosine * self.cosine) ** 2 + at.sine**2
+
+    def angle_error(self, at: Turn) -> Number:
+        s, c = at.sine, at.cosine
+        return mp.atan2(self.versine * s * c, c * c * self.cosine + s * s)
+
+    def speed_ratio(self, at: Turn) -> Number:
+        return self.cosine / self.denominator(at)
+
+    def acceleration_ratio(self, at: Turn) -> Number:
+        sc = at.sine * at.cosine
+        return -2 * self.cosine * self.sine**2 * sc / self.denominator(at) ** 2
+
+    def moment(self, at: Turn) -> tuple[Number, Number, Number]:
+        """Return the moment per unit drive torque, shaft 0 along x, normal along z."""
+        tangent = self.sine / self.cosine
+        return (mp.mpf(1), tangent * at.sine**2, -tangent * at.sine * at.cosine)
+
+    @property
+    def k(self) -> Number:
+        return mp.tan(self.bend / 2) ** 2
+
+    @property
+    def max_acceleration_ratio(self) -> Number:
+        if self.bend == 0:
+            return mp.mpf(0)
+        with mp.extradps(60):
+            p = (2 - self.sine**2) / self.sine**2
+            cosine = (-p + mp.sqrt(p * p + 8)) / 2
+            at = Turn(None, -mp.sqrt((1 - cosine) / 2), mp.sqrt((1 + cosine) / 2))
+        return self.acceleration_ratio(at)
+
+
+@dataclass(frozen=True)
+class Fold:
+    """The map ``w -> a w + b conj(w)`` of a chain, and ``|a|**2 - |b|**2``."""
+
+    a: Number
+    b: Number
+    complement: Number
+
+    @classmethod
+    def of(
+        cls, bends: Sequence[float], twists: Sequence[float], phases: Sequence[float]
+    ) -> Fold:
+        """Fold a chain whose angles are exactly the given doubles."""
+        a, b, complement = mp.mpc(1), mp.mpc(0), mp.mpf(1)
+        for j, bend in enumerate(bends):
+            if j > 0:
+                turn = mp.expj(mp.mpf(phases[j - 1]) - mp.mpf(twists[j - 1])) * mp.mpc(0, 1)
+                a, b = a * turn, b * turn
+            k = ExactJoint.bent(bend).k
+            a, b = a - k * mp.conj(b), b - k * mp.conj(a)
+            complement *= 1 - k * k
+        return cls(a, b, complement)
+
+    @property
+    def k(self) -> Number:
+        return abs(self.b / self.a)
+
+    def angle_error(self, at: Turn) -> Number:
+        w = mp.mpc(at.cosine, at.sine)
+        return mp.arg(1 + self.b / self.a * mp.conj(w) ** 2)
+
+    def speed_ratio(self, at: Turn) -> Number:
+        w = mp.mpc(at.cosine, at.sine)
+        return self.complement / abs(self.a * w + self.b * mp.conj(w)) ** 2
+
+    def acceleration_ratio(self, at: Turn) -> Number:
+        w = mp.mpc(at.cosine, at.sine)
+        v = self.a * w + self.b * mp.conj(w)
+        # |v|^2 differentiated: v' = i (a w - b conj w).
+        rate = 2 * mp.re(mp.conj(v) * mp.mpc(0, 1) * (self.a * w - self.b * mp.conj(w)))
+        return -self.complement * rate / abs(v) ** 4

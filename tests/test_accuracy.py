@@ -1,0 +1,390 @@
+"""The accuracy contract: how far results may lie from the exact ones, in ulp.
+
+The exact result is that of the exact values of the doubles given as bends, angles and loads, with
+60 digits; one ulp is the spacing of the doubles there. The contract holds for every bend in
+[0, pi/2) and every finite angle, so the samples come from four generators, each every bend with
+every angle: picked by hand, random, edges (multiples of pi/2 and the doubles beside them, tiny and
+huge angles, bends from 1e-160 to the last double), spread over all orders of magnitude.
+
+Exact results below 2**-1022 are left out: doubles are equally spaced there, so that products on the
+way can lose all their digits without any fault of the formula. They are reached only by bends or
+angles below 1e-100. Exact zeros stay in and must come out as zeros.
+
+``pytest -s`` prints the worst case of each output.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache, cached_property
+
+import numpy as np
+import pytest
+from oracle import EPS, Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
+
+import cardan
+from cardan import Driveline, Load, Result, _core, evaluation
+
+# --- one joint -------------------------------------------------------------------------------
+
+# Largest errors in ulp, a moment's in ulp of its largest component.
+LIMITS = {
+    "angle": 3,
+    "angle_error": 5,
+    "speed_ratio": 5,
+    "acceleration_ratio": 9,
+    "torque of the driven shaft": 10,
+    "torque of the driving shaft": 10,
+    "torque of a flywheel": 10,
+    "moment": 10,
+}
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+
+NORMAL = 2.0**-1022
+RIGHT = math.pi / 2  # rounded down
+LAST = math.nextafter(RIGHT, 0.0)
+# Angles up to this one take the fast reduction.
+FAST_LIMIT = 2.0**40
+
+
+def beside(x: float, steps: int) -> list[float]:
+    """Return a double and its neighbours to both sides."""
+    near = [x]
+    for _ in range(steps):
+        near = [math.nextafter(near[0], -math.inf), *near, math.nextafter(near[-1], math.inf)]
+    return near
+
+
+def picked() -> tuple[list[float], list[float]]:
+    bends = [0, 0.5, 1, 2, 3, 5, 8.5, 10, 12, 15, 18, 20, 25, 30, 35, 40, 45, 50, 60, 70, 75, 80]
+    more = [85, 88, 89, 89.9, 89.99, 89.999999]
+    angles = [*range(-360, 721, 15), 44.8, 44.1, 42.9, 1, 2, 3, 89, 91, 179, 181]
+    extremes = [f(math.radians(b)) for b in bends[1:] for f in (steepest, farthest)]
+    turns = [*map(math.radians, angles), *extremes, 0.1, 0.5, 1.0, 2.0, 3.0, 10.0, 100.0, 1e4]
+    return [*map(math.radians, [*bends, *more]), 0.1, 0.3, 1.0, 1.5, 1.57], turns
+
+
+def farthest(bend: float) -> float:
+    """Return the angle of the largest angle error."""
+    return math.atan(math.sqrt(math.cos(bend)))
+
+
+def steepest(bend: float) -> float:
+    """Return the angle of the largest acceleration."""
+    p = (2 - math.sin(bend) ** 2) / math.sin(bend) ** 2
+    return -0.5 * math.acos(4 / (p + math.sqrt(p * p + 8)))
+
+
+def random() -> tuple[list[float], list[float]]:
+    rng = np.random.default_rng(20)
+    bends = [*rng.uniform(0, RIGHT, 70), *rng.uniform(0, 0.6, 30)]
+    angles = [*rng.uniform(-8, 8, 200), *rng.uniform(-1e3, 1e3, 60), *rng.uniform(-1e6, 1e6, 40)]
+    return bends, angles
+
+
+def edges() -> tuple[list[float], list[float]]:
+    bends = [0.0, 1e-160, 1e-60, 1e-12, 1e-9, 1e-8, 1.4e-8, 1.5e-8, 2.1e-8, 1e-6, 1e-4, 0.01]
+    # Where another polynomial for the inverse tangent takes over.
+    for tangent in (0.008, 0.1004, 0.32, 1.0):
+        root = math.sqrt(1 + tangent**2) - tangent
+        bends += beside(2 * math.atan(math.sqrt((1 - root**2) / (1 + root**2))), 2)
+    bends += [RIGHT - 1e-3, RIGHT - 1e-6, RIGHT - 1e-9, RIGHT - 1e-12, *beside(LAST, 2)[:3]]
+    angles = [0.0, -0.0, 5e-324, NORMAL, 1e-300, 1e-200, 1e-100, 1e-30, 1e-16, 1e-8, 1e-4]
+    for turns in (1, 2, 3, 4, 5, 7, 100, 12345, 10**6, 10**9, 10**12, 10**15):
+        angles += beside(turns * RIGHT, 3)
+    # Half way between them the quadrant changes.
+    for turns in (1, 3, 5, 101, 10**6 + 1):
+        angles += beside(turns * RIGHT / 2, 2)
+    angles += [*beside(FAST_LIMIT, 1), 1e15, 1e22, 2.0**120, 1e300]
+    # The double nearest to a multiple of pi/2 (Muller et al., Handbook of Floating-Point
+    # Arithmetic, 2018, section 10.2), and the largest one.
+    angles += [math.ldexp(6381956970095103, 797), math.nextafter(math.inf, 0.0)]
+    return bends, [*angles, *(-angle for angle in angles)]
+
+
+def spread() -> tuple[list[float], list[float]]:
+    small = [10.0**x for x in np.linspace(-14, 0.19, 60)]
+    steep = [RIGHT - 10.0**x for x in np.linspace(-14, 0, 30)]
+    angles = [10.0**x for x in np.linspace(-300, 300, 61)]
+    angles += [10.0**x for x in np.linspace(-12, 12, 97)]
+    return [*small, *steep], [angle * sign for angle in angles for sign in (1, -1)]
+
+
+GENERATORS = {"picked": picked, "random": random, "edges": edges, "spread": spread}
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Every bend with every angle, flat, the angles running fastest."""
+
+    bends: list[float]
+    angles: list[float]
+
+    @cached_property
+    def torque(self) -> Doubles:
+        """A torque for each angle, from 1e-3 to 1e3."""
+        rng = np.random.default_rng(len(self.angles))
+        torque: Doubles = 10 ** rng.uniform(-3, 3, len(self.angles)) * rng.choice([-1, 1])
+        return torque
+
+    def exact(self, name: str) -> Exact:
+        return Exact.of(self._exact(name))
+
+    def _exact(self, name: str) -> Iterator[Number]:
+        turns = [Turn.by(angle) for angle in self.angles]
+        torques = [mp.mpf(float(torque)) for torque in self.torque]
+        for joint in map(ExactJoint.bent, self.bends):
+            for at, torque in zip(turns, torques, strict=True):
+                match name:
+                    case "angle":
+                        yield at.angle + joint.angle_error(at)
+                    case "torque of the driven shaft":
+                        yield torque / joint.speed_ratio(at)
+                    case "torque of the driving shaft":
+                        yield torque * joint.speed_ratio(at)
+                    case "torque of a flywheel":
+                        yield torque * joint.acceleration_ratio(at)
+                    case _:
+                        yield getattr(joint, name)(at)
+
+    def exact_moment(self) -> list[Exact]:
+        """Return the moment per unit drive torque, a component at a time."""
+        turns = [Turn.by(angle) for angle in self.angles]
+        moments = [j.moment(at) for j in map(ExactJoint.bent, self.bends) for at in turns]
+        return [Exact.of(component) for component in zip(*moments, strict=True)]
+
+    def evaluate(
+        self, outputs: tuple[str, ...], *, level: str, apart: bool = False, **options: object
+    ) -> Result:
+        """Evaluate row by row, or with a driveline for each sample if ``apart``."""
+        bends, angles = np.array(self.bends), np.array(self.angles)
+        load = Load(**options) if options else None  # type: ignore[arg-type]
+        if apart:
+            bends, angles = (x.ravel() for x in np.broadcast_arrays(bends[:, None], angles))
+            line = Driveline.from_bends(bends[:, None])
+        else:
+            line = Driveline.from_bends(bends[:, None, None])
+        return evaluation.evaluate(
+            line,
+            angles,
+            outputs,
+            shafts=[0, 1],
+            joints=0,
+            load=load,
+            out=None,
+            workers=None,
+            level=level,
+        )
+
+
+@cache
+def grid(name: str) -> Grid:
+    bends, angles = GENERATORS[name]()
+    return Grid([*map(float, bends)], [*map(float, angles)])
+
+
+def judge(where: str, name: str, samples: Grid, got: Doubles, want: Exact, ulps: Doubles) -> None:
+    """Compare errors in ulp with the contract, and show the worst one."""
+    ulps = np.where((np.abs(want.high) >= NORMAL) | (want.high == 0), ulps, 0.0)
+    worst = int(ulps.argmax())
+    bend = samples.bends[worst // len(samples.angles)]
+    angle = samples.angles[worst % len(samples.angles)]
+    report = (
+        f"{where}: {name} is {ulps[worst]:.3f} ulp off at bend {bend.hex()} = {bend!r}, "
+        f"angle {angle.hex()} = {angle!r}: {float(got[worst]).hex()}, "
+        f"nearest {float(want.high[worst]).hex()}"
+    )
+    print(report)
+    assert ulps[worst] <= LIMITS[name], report
+
+
+BEST = _core.levels()[0]
+generators = pytest.mark.parametrize("generator", GENERATORS)
+
+
+@generators
+@pytest.mark.parametrize("name", MOTION)
+def test_motion(generator: str, name: str) -> None:
+    samples = grid(generator)
+    want = samples.exact(name)
+    got = samples.evaluate((name,), level=BEST)[name][1].ravel()
+    judge(generator, name, samples, got, want, want.ulps(got))
+    # With a driveline for each sample another polynomial may serve.
+    got = samples.evaluate((name,), level=BEST, apart=True)[name][1]
+    judge(f"{generator}, apart", name, samples, got, want, want.ulps(got))
+
+
+@generators
+def test_torque(generator: str) -> None:
+    samples = grid(generator)
+    torque = samples.torque
+    for name, shaft, load in (
+        ("torque of the driven shaft", 1, {"drive_torque": torque}),
+        ("torque of the driving shaft", 0, {"output_torque": torque}),
+        (
+            "torque of a flywheel",
+            1,
+            {"speed": 1.0, "inertias": torque[:, None] * [0, math.copysign(1, torque[0])]},
+        ),
+    ):
+        got = samples.evaluate(("torque",), level=BEST, **load).torque[shaft].ravel()
+        if name == "torque of a flywheel":
+            got = got * math.copysign(1, torque[0])
+        want = samples.exact(name)
+        judge(generator, name, samples, got, want, want.ulps(got))
+
+
+@generators
+def test_moment(generator: str) -> None:
+    samples = grid(generator)
+    moment = samples.evaluate(("moment",), level=BEST, drive_torque=1.0).moment.reshape(-1, 3)
+    want = samples.exact_moment()
+    largest = np.argmax([np.abs(component.high) for component in want], axis=0)
+    ulp = np.choose(largest, [component.ulp for component in want])
+    for i, component in enumerate(want):
+        got = moment[:, i]
+        judge(generator, "moment", samples, got, component, component.distance(got) / ulp)
+
+
+@generators
+@pytest.mark.parametrize("level", _core.levels()[1:])
+def test_other_levels_give_the_same(generator: str, level: str) -> None:
+    samples = grid(generator)
+    load = {"drive_torque": samples.torque, "speed": 3.0, "inertias": [0.25, 0.5]}
+    for apart in (False, True):
+        if apart:
+            load["drive_torque"] = np.tile(samples.torque, len(samples.bends))
+        best, other = (
+            samples.evaluate((*MOTION, "torque", "moment"), level=which, apart=apart, **load)
+            for which in (BEST, level)
+        )
+        for name, array in best.items():
+            assert array.tobytes() == other[name].tobytes(), name
+
+
+# --- closed forms ----------------------------------------------------------------------------
+
+CLOSED_FORMS = {
+    "bend": 1,
+    "k": 4,
+    "non_uniformity": 4,
+    "max_angle_error": 4,
+    "min_speed_ratio": 2,
+    "max_speed_ratio": 3,
+    "max_acceleration_ratio": 7,
+}
+
+
+@generators
+@pytest.mark.parametrize("name", CLOSED_FORMS)
+def test_closed_forms_of_one_joint(generator: str, name: str) -> None:
+    bends = grid(generator).bends
+    joints = [ExactJoint.bent(bend) for bend in bends]
+    match name:
+        case "non_uniformity":
+            want = Exact.of(j.sine**2 / j.cosine for j in joints)
+        case "max_angle_error":
+            want = Exact.of(mp.asin(j.k) for j in joints)
+        case "min_speed_ratio":
+            want = Exact.of(j.cosine for j in joints)
+        case "max_speed_ratio":
+            want = Exact.of(1 / j.cosine for j in joints)
+        case _:
+            want = Exact.of(getattr(j, name) for j in joints)
+    got = getattr(Driveline.from_bends(np.array(bends)[:, None]).equivalent(), name)
+    ulps = np.where((np.abs(want.high) >= NORMAL) | (want.high == 0), want.ulps(got), 0.0)
+    worst = int(ulps.argmax())
+    report = f"{generator}: {name} is {ulps[worst]:.3f} ulp off at bend {bends[worst]!r}"
+    print(report)
+    assert ulps[worst] <= CLOSED_FORMS[name], report
+
+
+def test_offset_of_one_joint_is_zero() -> None:
+    for generator in GENERATORS:
+        bends = np.array(grid(generator).bends)
+        assert not Driveline.from_bends(bends[:, None]).equivalent().angle_offset.any()
+
+
+# --- chains ----------------------------------------------------------------------------------
+
+# A chain adds the rounding of its folding, per joint and in units of EPS = 2**-52, for twists and
+# phases within +-pi (a larger difference of the two is itself rounded more coarsely). It is an
+# absolute error of k, and through k's distance from 1 one of the motion: a change of A or B by e
+# turns arg(A w + B conj w) by up to e/(1 - k), and each derivative costs another 1/(1 - k).
+CHAIN_LIMITS = {
+    "k": (2, 0),
+    "angle_error": (2, 1),
+    "speed_ratio": (4, 2),
+    "acceleration_ratio": (12, 3),
+}
+
+
+@dataclass(frozen=True)
+class Chains:
+    """Random chains of a kind."""
+
+    line: Driveline
+    folds: list[Fold]
+
+    @property
+    def unit(self) -> Doubles:
+        return np.array([self.line.n_joints * EPS for _ in self.folds])
+
+
+@cache
+def chains(kind: str, n: int) -> Chains:
+    rng = np.random.default_rng([n, *kind.encode()])
+    shape = (150, n)
+    twists = rng.uniform(-math.pi, math.pi, (150, n - 1))
+    phases = rng.uniform(-math.pi, math.pi, (150, n - 1))
+    match kind:
+        case "any":
+            bends = rng.uniform(0, 1.2, shape)
+        case "steep":
+            bends = rng.uniform(1.2, RIGHT - 0.05, shape)
+        case "small":
+            bends = 10 ** rng.uniform(-9, -2, shape)
+        case "compensated":
+            # The exact equivalent joint has a k of 1e-16 or less for an even number of joints.
+            bends = np.repeat(rng.uniform(0, 1.2, (150, 1)), n, axis=1)
+            phases = np.where(rng.random(twists.shape) < 0.5, twists, twists - math.pi)
+            phases = np.where(np.abs(phases) > math.pi, phases + 2 * math.pi, phases)
+        case _:
+            raise AssertionError(kind)
+    lists = zip(bends.tolist(), twists.tolist(), phases.tolist(), strict=True)
+    folds = [Fold.of(*angles) for angles in lists]
+    return Chains(Driveline.from_bends(bends, twists, phases), folds)
+
+
+@pytest.mark.parametrize("n", [2, 3, 5, 8])
+@pytest.mark.parametrize("kind", ["any", "steep", "small", "compensated"])
+def test_chains(kind: str, n: int) -> None:
+    case = chains(kind, n)
+    exact_k = Exact.of(fold.k for fold in case.folds)
+    one_minus_k = np.array([float(1 - fold.k) for fold in case.folds])
+    rng = np.random.default_rng(n)
+    angle = rng.uniform(-4, 4, 8)
+    turns = [Turn.by(x) for x in angle.tolist()]
+    line = case.line
+    spread_line = Driveline.from_bends(
+        line.bends[:, None], line.twists[:, None], line.phases[:, None]
+    )
+    result = spread_line.evaluate(angle, ("angle_error", "speed_ratio", "acceleration_ratio"))
+    for name, (limit, power) in CHAIN_LIMITS.items():
+        if name == "k":
+            error = exact_k.distance(line.equivalent().k)
+        else:
+            exact = Exact.of(getattr(fold, name)(at) for fold in case.folds for at in turns)
+            error = exact.distance(result[name].ravel()).reshape(-1, len(turns)).max(axis=1)
+        units = error / (n * EPS) * one_minus_k**power
+        worst = int(units.argmax())
+        where = [getattr(line, part)[worst].tolist() for part in ("bends", "twists", "phases")]
+        report = f"{kind}, {n} joints: {name} is {units[worst]:.3f} units off"
+        print(report)
+        assert units[worst] <= limit, f"{report} at {where}"
+
+
+def test_version_is_known() -> None:
+    assert cardan.__version__
