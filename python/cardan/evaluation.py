@@ -157,7 +157,7 @@ def _inertias(line: Driveline, load: Load | None) -> dict[int, FloatArray]:
     if load.inertias.shape[-1] != count:
         shape = load.inertias.shape
         raise ValueError(f"inertias has shape {shape}; {count} shafts need (..., {count})")
-    columns = (np.ascontiguousarray(load.inertias[..., shaft]) for shaft in range(count))
+    columns = (np.array(load.inertias[..., shaft], order="C") for shaft in range(count))
     return {shaft: column for shaft, column in enumerate(columns) if np.any(column != 0.0)}
 
 

@@ -46,6 +46,14 @@ OUTPUTS: Mapping[str, Output] = MappingProxyType(
             ),
             Output("torque", "shaft", "N m", "torsion entering the shaft", needs_load=True),
             Output(
+                "support_moment",
+                "shaft",
+                "N m",
+                "vector that the bearings must give the shaft",
+                vector=True,
+                needs_load=True,
+            ),
+            Output(
                 "moment",
                 "joint",
                 "N m",
@@ -53,6 +61,22 @@ OUTPUTS: Mapping[str, Output] = MappingProxyType(
                 vector=True,
                 needs_load=True,
             ),
+            Output(
+                "bending_driving",
+                "joint",
+                "N m",
+                "size of the bending moment in the driving shaft",
+                needs_load=True,
+            ),
+            Output(
+                "bending_driven",
+                "joint",
+                "N m",
+                "size of the bending moment in the driven shaft",
+                needs_load=True,
+            ),
+            Output("tilt_driving", "joint", "rad", "signed tilt of the cross, driving shaft"),
+            Output("tilt_driven", "joint", "rad", "signed tilt of the cross, driven shaft"),
         )
     }
 )

@@ -10,7 +10,8 @@ use crate::error::{Error, Result};
 use crate::fold::{Folded, with_constants};
 use crate::geometry::{Geometry, Vector};
 use crate::kernel;
-use crate::plan::{End, LoadStep, Plan, ShaftStep};
+use crate::moment::Pose;
+use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep};
 use crate::samples::{ACCELERATION, ANGLE, Drivelines, SPEED, Samples, Source, TORQUE, Table};
 use crate::trig::AtanRange;
 
@@ -220,7 +221,7 @@ fn run_rows(
                 {
                     gather(column.data, origin + at * step, step, &mut buffer[..size]);
                 }
-                run_load(load, table, scratch, planes, place);
+                run_load(plan, load, table, scratch, planes, place);
             }
         }
         done += length;
@@ -252,7 +253,11 @@ fn run_motion(
     let size = place.len();
     let Scratch { folded, sine, cosine, turned_sine, turned_cosine, rates, .. } = scratch;
     let (sine, cosine) = (&mut sine[..size], &mut cosine[..size]);
-    kernel::pins(angle, sine, cosine);
+    if plan.needs_sense() {
+        kernel::sensed_pins(angle, sine, cosine);
+    } else {
+        kernel::pins(angle, sine, cosine);
+    }
     for step in &plan.shafts {
         let rates = rates[step.shaft].each_mut().map(|rate| &mut rate[..]);
         let Some(shaft) = &folded.shafts[step.shaft] else {
@@ -269,9 +274,22 @@ fn run_motion(
             }
         });
     }
+    for (step, poses) in plan.joints.iter().zip(&folded.poses) {
+        with_constants!(poses, at => {
+            if let Some(plane) = step.tilt_driving {
+                let out = &mut planes[plane][place.clone()];
+                kernel::tilt(at, Pose::tilt_driving, sine, cosine, out);
+            }
+            if let Some(plane) = step.tilt_driven {
+                let out = &mut planes[plane][place.clone()];
+                kernel::tilt(at, Pose::tilt_driven, sine, cosine, out);
+            }
+        });
+    }
 }
 
 /// Shaft 0 turns with the drive.
+#[inline(always)]
 fn run_drive_shaft(
     step: &ShaftStep,
     angle: &[f64],
@@ -280,18 +298,18 @@ fn run_drive_shaft(
     place: Range<usize>,
 ) {
     if let Some(plane) = step.angle {
-        planes[plane][place.clone()].copy_from_slice(angle);
+        kernel::drive_angle(angle, &mut planes[plane][place.clone()]);
     }
     let constants =
         [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
     for (plane, value) in constants {
         if let Some(plane) = plane {
-            planes[plane][place.clone()].fill(value);
+            kernel::drive_constant(value, angle, &mut planes[plane][place.clone()]);
         }
     }
     let [ratio, acceleration] = rates;
-    ratio.fill(1.0);
-    acceleration.fill(0.0);
+    kernel::drive_constant(1.0, angle, ratio);
+    kernel::drive_constant(0.0, angle, acceleration);
 }
 
 /// Every output of one shaft, each written straight to its plane; the rates go by way of a buffer
@@ -344,6 +362,48 @@ fn run_shaft(
     }
 }
 
+/// Every output of one joint that its torsion gives.
+#[inline(always)]
+fn run_joint(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose + Copy,
+    input: [&[f64]; 3],
+    planes: &mut [&mut [f64]],
+    place: Range<usize>,
+) {
+    if let Some(plane) = step.moment {
+        let out = three(planes, plane, place.clone());
+        kernel::vector::<false>(at, Pose::moment, input, out);
+    }
+    if let Some(plane) = step.support_driving {
+        let out = three(planes, plane, place.clone());
+        kernel::vector::<true>(at, Pose::bending_driving_vector, input, out);
+    }
+    if let Some(plane) = step.support_driven {
+        let out = three(planes, plane, place.clone());
+        kernel::vector::<true>(at, Pose::support_driven, input, out);
+    }
+    if let Some(plane) = step.bending_driving {
+        kernel::size(at, Pose::bending_driving, input, &mut planes[plane][place.clone()]);
+    }
+    if let Some(plane) = step.bending_driven {
+        kernel::size(at, Pose::bending_driven, input, &mut planes[plane][place]);
+    }
+}
+
+/// The same place in the three planes of a vector.
+#[inline(always)]
+fn three<'a>(
+    planes: &'a mut [&mut [f64]],
+    first: usize,
+    place: Range<usize>,
+) -> [&'a mut [f64]; 3] {
+    planes
+        .get_disjoint_mut([first, first + 1, first + 2])
+        .expect("a plan gives every output planes of its own")
+        .map(|plane| &mut plane[place.clone()])
+}
+
 /// The same place in two planes.
 #[inline(always)]
 fn two<'a>(
@@ -361,6 +421,7 @@ fn two<'a>(
 /// Torques and moments at one chunk: the power travels from the end where the torque is given.
 #[inline(always)]
 fn run_load(
+    plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
     scratch: &mut Scratch,
@@ -377,6 +438,11 @@ fn run_load(
         End::Drive => power.copy_from_slice(column(TORQUE)),
         End::Output => kernel::multiply(column(TORQUE), ratio(load.stations[0].shaft), power),
     }
+    for &plane in &load.supports {
+        for component in &mut planes[plane..plane + 3] {
+            component[place.clone()].fill(0.0);
+        }
+    }
     for station in &load.stations {
         let absorb = |sign: f64, power: &mut [f64]| {
             if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
@@ -391,14 +457,12 @@ fn run_load(
         if let Some(plane) = station.torque {
             kernel::divide(power, ratio(station.shaft), &mut planes[plane][place.clone()]);
         }
-        if let Some(plane) = station.moment {
-            kernel::divide(power, ratio(station.shaft - 1), torsion);
-            if let [x, y, z] = &mut planes[plane..plane + 3] {
-                let out = [&mut x[place.clone()], &mut y[place.clone()], &mut z[place.clone()]];
-                with_constants!(&folded.poses[station.shaft - 1], at => {
-                    kernel::moment(at, sine, cosine, torsion, out);
-                });
-            }
+        if station.torsion {
+            let joint = station.shaft - 1;
+            kernel::divide(power, ratio(joint), torsion);
+            with_constants!(&folded.poses[joint], at => {
+                run_joint(&plan.joints[joint], at, [sine, cosine, torsion], planes, place.clone());
+            });
         }
         if load.end == End::Drive {
             absorb(-1.0, power);

@@ -58,9 +58,11 @@ impl Folded {
                 }
                 let joint = Joint::new(lines.bends[line * n + j]);
                 if plan.needs_pose(j) {
-                    let along = vector(lines.directions, line * (n + 1) + j);
+                    let shaft = line * (n + 1) + j;
+                    let u_in = vector(lines.directions, shaft);
+                    let u_out = vector(lines.directions, shaft + 1);
                     let normal = vector(lines.normals, line * n + j);
-                    self.poses[j].push(Pose::new(&transfer, &joint, along, normal));
+                    self.poses[j].push(Pose::new(&transfer, joint, u_in, u_out, normal));
                 }
                 transfer.pass_joint(joint);
                 if let Some(shaft) = &mut self.shafts[j + 1] {

@@ -112,7 +112,8 @@ pub(crate) fn rates(joint: &Joint, s: f64, c: f64) -> (f64, f64) {
     let c_cos = c * joint.cos;
     let inverse = 1.0 / c_cos.mul_add(c_cos, s2);
     let turning = joint.cos * c.mul_add(c, s2) * inverse;
-    let ratio = if joint.cos == 1.0 { 1.0 } else { turning };
+    // Exactly 1 where the joint is straight, and still NaN for an angle that is none.
+    let ratio = if joint.cos == 1.0 { s.mul_add(0.0, 1.0) } else { turning };
     let minus_two_sin2 = -2.0 * (joint.sin * joint.sin);
     (ratio, minus_two_sin2 * (s * c * inverse) * ratio)
 }

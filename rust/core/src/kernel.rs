@@ -9,22 +9,38 @@
 
 use crate::chain::Equivalent;
 use crate::joint;
-use crate::moment::{self, Pose};
+use crate::moment::{self, PinAngle, Pose};
 use crate::trig::{self, AtanRange};
 
 /// Sine and cosine of each angle up to a common factor, by the exact path where an angle is too far
 /// for the fast one.
 #[inline(always)]
 pub(crate) fn pins(angle: &[f64], sine: &mut [f64], cosine: &mut [f64]) {
+    pins_by(trig::pin, angle, sine, cosine);
+}
+
+/// The same up to a positive factor.
+#[inline(always)]
+pub(crate) fn sensed_pins(angle: &[f64], sine: &mut [f64], cosine: &mut [f64]) {
+    pins_by(trig::sensed_pin, angle, sine, cosine);
+}
+
+#[inline(always)]
+fn pins_by(
+    pin: impl Fn(trig::Reduced) -> (f64, f64),
+    angle: &[f64],
+    sine: &mut [f64],
+    cosine: &mut [f64],
+) {
     let mut far = trig::Far::default();
     for ((&x, s), c) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
         let reduced = trig::reduce(x);
         far.watch(reduced);
-        (*s, *c) = trig::pin(reduced);
+        (*s, *c) = pin(reduced);
     }
     if far.any() {
         for ((&x, s), c) in angle.iter().zip(sine).zip(cosine) {
-            (*s, *c) = trig::pin(trig::reduce_any(x));
+            (*s, *c) = pin(trig::reduce_any(x));
         }
     }
 }
@@ -184,23 +200,67 @@ pub(crate) fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) {
     }
 }
 
-/// The moment vector that the joint exerts on its driven shaft, one slice per component.
+/// A vector per sample, one slice per component: the torsion times what the pose gives per unit of
+/// it, added to what is there if `ADD`.
 #[inline(always)]
-pub(crate) fn moment(
+pub(crate) fn vector<const ADD: bool>(
     at: impl Fn(usize) -> Pose,
-    sine: &[f64],
-    cosine: &[f64],
-    torsion: &[f64],
-    out: [&mut [f64]; 3],
+    per_torsion: impl Fn(&Pose, usize, PinAngle) -> f64,
+    [sine, cosine, torsion]: [&[f64]; 3],
+    [x, y, z]: [&mut [f64]; 3],
 ) {
-    let [x, y, z] = out;
     let input = sine.iter().zip(cosine).zip(torsion);
     let output = x.iter_mut().zip(y).zip(z);
     for (i, (((&s, &c), &d), ((x, y), z))) in input.zip(output).enumerate() {
         let pose = at(i);
-        let (sine2, sine_cosine) = pose.squares(s, c);
-        *x = d * moment::component(&pose, 0, sine2, sine_cosine);
-        *y = d * moment::component(&pose, 1, sine2, sine_cosine);
-        *z = d * moment::component(&pose, 2, sine2, sine_cosine);
+        let pin = pose.angle(s, c);
+        for (component, value) in [x, y, z].into_iter().enumerate() {
+            let moment = d * per_torsion(&pose, component, pin);
+            *value = if ADD { *value + moment } else { moment };
+        }
+    }
+}
+
+/// The size of a moment per sample: the size of the torsion times what the pose gives per unit.
+#[inline(always)]
+pub(crate) fn size(
+    at: impl Fn(usize) -> Pose,
+    per_torsion: impl Fn(&Pose, PinAngle) -> f64,
+    [sine, cosine, torsion]: [&[f64]; 3],
+    out: &mut [f64],
+) {
+    for (i, (((&s, &c), &d), size)) in sine.iter().zip(cosine).zip(torsion).zip(out).enumerate() {
+        let pose = at(i);
+        *size = d.abs() * per_torsion(&pose, pose.angle(s, c));
+    }
+}
+
+/// A tilt of the cross, from pins whose sense is right.
+#[inline(always)]
+pub(crate) fn tilt(
+    at: impl Fn(usize) -> Pose,
+    tilt_of: impl Fn(&Pose, f64, f64) -> f64,
+    sine: &[f64],
+    cosine: &[f64],
+    out: &mut [f64],
+) {
+    for (i, ((&s, &c), tilt)) in sine.iter().zip(cosine).zip(out).enumerate() {
+        *tilt = tilt_of(&at(i), s, c);
+    }
+}
+
+/// The drive shaft turns with the drive: its angle, NaN where that is not finite.
+#[inline(always)]
+pub(crate) fn drive_angle(angle: &[f64], out: &mut [f64]) {
+    for (&x, turned) in angle.iter().zip(out) {
+        *turned = x.mul_add(0.0, x);
+    }
+}
+
+/// A constant of the drive shaft, NaN where the angle is not finite.
+#[inline(always)]
+pub(crate) fn drive_constant(value: f64, angle: &[f64], out: &mut [f64]) {
+    for (&x, constant) in angle.iter().zip(out) {
+        *constant = x.mul_add(0.0, value);
     }
 }

@@ -19,19 +19,34 @@ pub enum Output {
     AccelerationRatio,
     /// Torsion entering a shaft, in N·m.
     Torque,
+    /// Moment vector that the bearings must give a shaft, in N·m.
+    SupportMoment,
     /// Moment vector that a joint exerts on its driven shaft, in N·m.
     Moment,
+    /// Size of the bending moment in a joint's driving shaft, in N·m.
+    BendingDriving,
+    /// Size of the bending moment in a joint's driven shaft, in N·m.
+    BendingDriven,
+    /// Signed tilt `ψ₁` of the cross against the driving shaft, in rad.
+    TiltDriving,
+    /// Signed tilt `ψ₂` of the cross against the driven shaft, in rad.
+    TiltDriven,
 }
 
 impl Output {
     /// All of them, in the order of the documentation.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 11] = [
         Self::Angle,
         Self::AngleError,
         Self::SpeedRatio,
         Self::AccelerationRatio,
         Self::Torque,
+        Self::SupportMoment,
         Self::Moment,
+        Self::BendingDriving,
+        Self::BendingDriven,
+        Self::TiltDriving,
+        Self::TiltDriven,
     ];
 
     /// The name by which users ask for it.
@@ -42,23 +57,28 @@ impl Output {
             Self::SpeedRatio => "speed_ratio",
             Self::AccelerationRatio => "acceleration_ratio",
             Self::Torque => "torque",
+            Self::SupportMoment => "support_moment",
             Self::Moment => "moment",
+            Self::BendingDriving => "bending_driving",
+            Self::BendingDriven => "bending_driven",
+            Self::TiltDriving => "tilt_driving",
+            Self::TiltDriven => "tilt_driven",
         }
     }
 
     /// Whether there is one per joint; otherwise there is one per shaft.
     pub fn per_joint(self) -> bool {
-        self == Self::Moment
+        self >= Self::Moment
     }
 
     /// Whether it needs a load.
     pub fn needs_load(self) -> bool {
-        matches!(self, Self::Torque | Self::Moment)
+        (Self::Torque..=Self::BendingDriven).contains(&self)
     }
 
     /// Planes of the result per shaft or joint: 3 for a vector.
     pub fn components(self) -> usize {
-        if self == Self::Moment { 3 } else { 1 }
+        if matches!(self, Self::SupportMoment | Self::Moment) { 3 } else { 1 }
     }
 }
 
@@ -96,6 +116,8 @@ pub struct Plan {
     pub(crate) planes: usize,
     /// In ascending order.
     pub(crate) shafts: Vec<ShaftStep>,
+    /// One per joint; most may be idle.
+    pub(crate) joints: Vec<JointStep>,
     pub(crate) load: Option<LoadStep>,
 }
 
@@ -110,12 +132,45 @@ pub(crate) struct ShaftStep {
     pub(crate) keep_rates: bool,
 }
 
+/// What to compute of one joint: the plane, or the first of three, of each output.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct JointStep {
+    pub(crate) tilt_driving: Option<usize>,
+    pub(crate) tilt_driven: Option<usize>,
+    pub(crate) moment: Option<usize>,
+    pub(crate) bending_driving: Option<usize>,
+    pub(crate) bending_driven: Option<usize>,
+    /// Support moment of the driving shaft, to which this joint adds its part.
+    pub(crate) support_driving: Option<usize>,
+    /// Support moment of the driven shaft.
+    pub(crate) support_driven: Option<usize>,
+}
+
+impl JointStep {
+    pub(crate) fn needs_tilt(&self) -> bool {
+        self.tilt_driving.is_some() || self.tilt_driven.is_some()
+    }
+
+    pub(crate) fn needs_torsion(&self) -> bool {
+        let planes = [
+            self.moment,
+            self.bending_driving,
+            self.bending_driven,
+            self.support_driving,
+            self.support_driven,
+        ];
+        planes.iter().any(Option::is_some)
+    }
+}
+
 /// How the power is carried along the driveline from the end where the torque is given.
 #[derive(Clone, Debug)]
 pub(crate) struct LoadStep {
     pub(crate) end: End,
     /// In the order of travel.
     pub(crate) stations: Vec<Station>,
+    /// First planes of the support moments, which gather the parts of two joints.
+    pub(crate) supports: Vec<usize>,
 }
 
 /// One shaft on the way: what its inertia takes, and what is wanted of the power entering it.
@@ -125,8 +180,8 @@ pub(crate) struct Station {
     pub(crate) absorbs: bool,
     /// Plane of the torque entering this shaft.
     pub(crate) torque: Option<usize>,
-    /// First plane of the moment of the joint before this shaft.
-    pub(crate) moment: Option<usize>,
+    /// Whether the torsion is wanted that the joint before this shaft receives.
+    pub(crate) torsion: bool,
 }
 
 impl Plan {
@@ -140,9 +195,10 @@ impl Plan {
         check_items("shafts", request.shafts, n + 1)?;
         check_items("joints", request.joints, n)?;
         check_items("inertias", request.inertias, n + 1)?;
-        let mut plan = Self { joint_count: n, planes: 0, shafts: vec![], load: None };
+        let joints = vec![JointStep::default(); n];
+        let mut plan = Self { joint_count: n, planes: 0, shafts: vec![], joints, load: None };
         let mut torque = vec![None; n + 1];
-        let mut moment = vec![None; n];
+        let mut supports = vec![];
         for (i, &output) in request.outputs.iter().enumerate() {
             if request.outputs[..i].contains(&output) {
                 let problem = format!("is {:?} again; name each output once", output.name());
@@ -162,12 +218,25 @@ impl Plan {
                     Output::SpeedRatio => plan.step(item).speed_ratio = plane,
                     Output::AccelerationRatio => plan.step(item).acceleration_ratio = plane,
                     Output::Torque => torque[item] = plane,
-                    Output::Moment => moment[item] = plane,
+                    Output::SupportMoment => {
+                        supports.extend(plane);
+                        if item > 0 {
+                            plan.joints[item - 1].support_driven = plane;
+                        }
+                        if item < n {
+                            plan.joints[item].support_driving = plane;
+                        }
+                    }
+                    Output::Moment => plan.joints[item].moment = plane,
+                    Output::BendingDriving => plan.joints[item].bending_driving = plane,
+                    Output::BendingDriven => plan.joints[item].bending_driven = plane,
+                    Output::TiltDriving => plan.joints[item].tilt_driving = plane,
+                    Output::TiltDriven => plan.joints[item].tilt_driven = plane,
                 }
             }
         }
         if let Some(end) = request.load {
-            plan.plan_load(end, request.inertias, &torque, &moment);
+            plan.plan_load(end, request.inertias, &torque, supports);
         }
         plan.shafts.sort_by_key(|step| step.shaft);
         Ok(plan)
@@ -178,20 +247,21 @@ impl Plan {
         self.planes
     }
 
-    /// Joints that must be folded to serve the last shaft or moment that is needed.
+    /// Joints that must be folded to serve the last shaft or joint that is needed.
     pub(crate) fn reach(&self) -> usize {
-        let shafts = self.shafts.iter().map(|step| step.shaft).max().unwrap_or(0);
-        let moments = self.stations().filter(|s| s.moment.is_some()).map(|s| s.shaft).max();
-        shafts.max(moments.unwrap_or(0))
+        let shafts = self.shafts.last().map_or(0, |step| step.shaft);
+        let joints = (0..self.joint_count).rev().find(|&joint| self.needs_pose(joint));
+        shafts.max(joints.map_or(0, |joint| joint + 1))
     }
 
-    /// Whether the moment of a joint is wanted.
+    /// Whether anything is wanted of a joint itself.
     pub(crate) fn needs_pose(&self, joint: usize) -> bool {
-        self.stations().any(|s| s.shaft == joint + 1 && s.moment.is_some())
+        self.joints[joint].needs_tilt() || self.joints[joint].needs_torsion()
     }
 
-    fn stations(&self) -> impl Iterator<Item = &Station> {
-        self.load.iter().flat_map(|load| &load.stations)
+    /// Whether the sense of a pin matters and not only its line.
+    pub(crate) fn needs_sense(&self) -> bool {
+        self.joints.iter().any(JointStep::needs_tilt)
     }
 
     fn step(&mut self, shaft: usize) -> &mut ShaftStep {
@@ -210,11 +280,11 @@ impl Plan {
         end: End,
         inertias: &[usize],
         torque: &[Option<usize>],
-        moment: &[Option<usize>],
+        supports: Vec<usize>,
     ) {
         let n = self.joint_count;
-        let moment_before = |shaft: usize| shaft.checked_sub(1).and_then(|joint| moment[joint]);
-        let wanted = |shaft: &usize| torque[*shaft].is_some() || moment_before(*shaft).is_some();
+        let torsion_before = |shaft: usize| shaft > 0 && self.joints[shaft - 1].needs_torsion();
+        let wanted = |shaft: &usize| torque[*shaft].is_some() || torsion_before(*shaft);
         let range: Vec<usize> = match end {
             End::Drive => match (0..=n).rev().find(wanted) {
                 Some(last) => (0..=last).collect(),
@@ -226,25 +296,25 @@ impl Plan {
             },
         };
         let farthest = range[range.len() - 1];
-        let mut stations = vec![];
-        for shaft in range {
-            let passed = end == End::Output || shaft != farthest;
-            let station = Station {
-                shaft,
-                absorbs: passed && inertias.contains(&shaft),
-                torque: torque[shaft],
-                moment: moment_before(shaft),
-            };
+        let stations: Vec<Station> = range
+            .into_iter()
+            .map(|shaft| {
+                let passed = end == End::Output || shaft != farthest;
+                let absorbs = passed && inertias.contains(&shaft);
+                Station { shaft, absorbs, torque: torque[shaft], torsion: torsion_before(shaft) }
+            })
+            .collect();
+        for station in &stations {
+            let shaft = station.shaft;
             let starts = end == End::Output && shaft == n;
             if station.absorbs || station.torque.is_some() || starts {
                 self.step(shaft).keep_rates = true;
             }
-            if station.moment.is_some() {
+            if station.torsion {
                 self.step(shaft - 1).keep_rates = true;
             }
-            stations.push(station);
         }
-        self.load = Some(LoadStep { end, stations });
+        self.load = Some(LoadStep { end, stations, supports });
     }
 }
 

@@ -208,6 +208,14 @@ pub(crate) fn pin(reduced: Reduced) -> (f64, f64) {
     (s, f64::from_bits(c.to_bits() ^ odd << 63))
 }
 
+/// The same along `(sin x, cos x)`, for what depends on the sense of a pin.
+#[inline(always)]
+pub(crate) fn sensed_pin(reduced: Reduced) -> (f64, f64) {
+    let (s, c) = pin(reduced);
+    let against = (reduced.quadrant & 2) << 62;
+    (f64::from_bits(s.to_bits() ^ against), f64::from_bits(c.to_bits() ^ against))
+}
+
 /// Sine and cosine of any angle, each within 1.1 ulp; infinite angles and NaN give NaN.
 ///
 /// ```
