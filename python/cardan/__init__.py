@@ -10,21 +10,27 @@ so. A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft
 array([1.154701, 1.072288, 0.934235])
 """
 
-from cardan import reference
+from cardan import approximations, reference, workshop
 from cardan._core import __version__
+from cardan.check import Check, Finding
 from cardan.driveline import Driveline
-from cardan.equivalent import EquivalentJoint
+from cardan.equivalent import EquivalentJoint, Harmonics
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
 
 __all__ = [
     "OUTPUTS",
+    "Check",
     "Driveline",
     "EquivalentJoint",
+    "Finding",
+    "Harmonics",
     "Load",
     "Output",
     "Result",
     "__version__",
+    "approximations",
     "reference",
+    "workshop",
 ]

@@ -1,4 +1,4 @@
-"""The one joint that moves a shaft as its whole chain does."""
+"""The one joint that moves a shaft as its whole chain does, and its harmonics."""
 
 from __future__ import annotations
 
@@ -37,3 +37,22 @@ class EquivalentJoint:
     min_speed_ratio: NDArray[np.float64]
     max_speed_ratio: NDArray[np.float64]
     max_acceleration_ratio: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonics:
+    """Amplitudes of one shaft's motion by order of the drive's rotation.
+
+    With the equivalent joint's ``k`` and driving angle ``a`` the motion is exactly the series
+    ``angle_error = sum k**n sin(2 n a) / n``, ``speed_ratio = 1 + sum 2 k**n cos(2 n a)``: only
+    even orders ``2 n`` occur.
+
+    Attributes:
+        orders: the orders asked for, ``(m,)``.
+        angle_error: amplitude in rad, ``(..., m)``.
+        speed_ratio: amplitude, ``(..., m)``.
+    """
+
+    orders: NDArray[np.int64]
+    angle_error: NDArray[np.float64]
+    speed_ratio: NDArray[np.float64]

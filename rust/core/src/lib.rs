@@ -10,6 +10,7 @@ pub mod joint;
 mod kernel;
 pub mod level;
 mod moment;
+pub mod phasing;
 pub mod plan;
 pub mod samples;
 pub mod trig;

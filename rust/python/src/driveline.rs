@@ -1,5 +1,6 @@
 //! Geometry of batches of drivelines, and their equivalent joints.
 
+use cardan::phasing::optimal_phases_of_batch;
 use cardan::{Error, Geometry, Transfer};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyValueError;
@@ -159,4 +160,20 @@ pub(crate) fn equivalent<'py>(
         columns
     });
     Ok(columns.map(|column| column.into_pyarray(py)))
+}
+
+/// The phases that bring each driveline's last shaft closest to constant velocity.
+#[pyfunction]
+pub(crate) fn optimal_phases<'py>(
+    py: Python<'py>,
+    joints: usize,
+    bends: Input<'py>,
+    twists: Input<'py>,
+    phases: Input<'py>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let bends = slice("bends", &bends)?;
+    let twists = slice("twists", &twists)?;
+    let mut best = slice("phases", &phases)?.to_vec();
+    py.detach(|| optimal_phases_of_batch(joints, bends, twists, &mut best));
+    Ok(best.into_pyarray(py))
 }

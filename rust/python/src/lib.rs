@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _core {
     #[pymodule_export]
-    use super::driveline::{equivalent, from_bends, from_directions, from_points};
+    use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};
     #[pymodule_export]
     use super::plan::{Plan, levels};
 

@@ -1,0 +1,143 @@
+"""Whether a driveline keeps the limits of the catalogues and of workshop practice."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, real
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from cardan.driveline import Driveline
+
+MAX_EQUIVALENT_BEND = np.radians(3.0)
+"""Largest equivalent bend that the catalogues permit (003, section 6.4), in rad."""
+
+MAX_NON_UNIFORMITY = 0.0027
+"""The non-uniformity from which that bend is derived."""
+
+TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
+"""Torsional excitation of the last shaft in rad/s²: usual limit, never above."""
+
+INERTIA_LIMIT, INERTIA_MAXIMUM = 1000.0, 2000.0
+"""Inertia excitation of the intermediate shafts in rad/s²: usual limit, never above."""
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """One figure beside its limits.
+
+    Attributes:
+        name: what it is.
+        value: the figure, batch-shaped, in ``unit``.
+        limit: what it should not exceed.
+        maximum: what it must never exceed.
+        unit: of all three.
+    """
+
+    name: str
+    value: FloatArray
+    limit: float
+    maximum: float
+    unit: str
+
+    @property
+    def passes(self) -> NDArray[np.bool_]:
+        """Whether the limit is kept; NaN does not pass."""
+        return np.asarray(self.value <= self.limit)
+
+    def __str__(self) -> str:
+        """Say it in words."""
+        worst = float(np.max(self.value)) if np.size(self.value) else 0.0
+        unit = f" {self.unit}" if self.unit != "1" else ""
+        if worst <= self.limit:
+            verdict = f"keeps the limit of {self.limit:g}{unit}"
+        elif worst <= self.maximum:
+            verdict = f"is above the limit of {self.limit:g}{unit}"
+            verdict += f" but below {self.maximum:g}{unit}"
+        else:
+            verdict = f"is above the limit of {self.maximum:g}{unit}"
+        if np.ndim(self.value) == 0:
+            return f"{self.name} {worst:.4g}{unit} {verdict}"
+        kept = f"{np.count_nonzero(self.passes)} of {np.size(self.value)} keep the limit"
+        return f"{self.name} up to {worst:.4g}{unit} {verdict}; {kept}"
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """What a check found; ``print`` it to read it.
+
+    Attributes:
+        findings: one per figure.
+    """
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def passes(self) -> NDArray[np.bool_]:
+        """Whether every limit is kept, batch-shaped."""
+        return np.logical_and.reduce([finding.passes for finding in self.findings])
+
+    def __str__(self) -> str:
+        """Say it in words, the verdict first."""
+        verdict = "passes" if np.all(self.passes) else "does not pass"
+        return "\n".join([f"The driveline {verdict}.", *(f"- {f}" for f in self.findings)])
+
+
+def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
+    """Check as ``Driveline.check`` does."""
+    last = line.equivalent()
+    findings = [
+        Finding(
+            "equivalent bend",
+            np.degrees(last.bend),
+            float(np.degrees(MAX_EQUIVALENT_BEND)),
+            float(np.degrees(MAX_EQUIVALENT_BEND)),
+            "deg",
+        ),
+        Finding(
+            "non-uniformity", last.non_uniformity, MAX_NON_UNIFORMITY, MAX_NON_UNIFORMITY, "1"
+        ),
+    ]
+    if speed is not None:
+        squared = real("speed", speed) ** 2
+        findings += [
+            Finding(
+                "torsional excitation of the last shaft",
+                squared * last.max_acceleration_ratio,
+                TORSIONAL_LIMIT,
+                TORSIONAL_MAXIMUM,
+                "rad/s²",
+            ),
+            *(
+                Finding(
+                    f"inertia excitation of the shafts between, {name}",
+                    squared * _inertia_excitation(way),
+                    INERTIA_LIMIT,
+                    INERTIA_MAXIMUM,
+                    "rad/s²",
+                )
+                for name, way in (("driving", line), ("coasting", line.reversed()))
+                if line.n_joints > 1
+            ),
+        ]
+    return Check(tuple(findings))
+
+
+def _inertia_excitation(line: Driveline) -> FloatArray:
+    """Second-order amplitude of the accelerations of all intermediate shafts together.
+
+    Practice sums ``(n - i) theta_i**2`` with signs over the joints ``i``: every joint shakes each
+    intermediate shaft behind it. In space the parts add as vectors, and ``4 k`` is the exact
+    second-order amplitude of a shaft's acceleration where practice writes ``theta**2``.
+    """
+    total = np.zeros(line.shape, dtype=np.complex128)
+    for shaft in range(1, line.n_joints):
+        joint = line.equivalent(shaft)
+        total = total + 4.0 * joint.k * np.exp(2j * joint.angle_offset)
+    return np.abs(total)

@@ -1,0 +1,269 @@
+//! The yoke phases that bring the last shaft closest to constant velocity.
+//!
+//! With `L = ln sec β` a joint is a step of length `L` in the hyperbolic plane and an intermediate
+//! shaft a turn by `2p`, `p = δ − τ + 90°`: for two joints
+//! `cosh L_E = cosh L₁ cosh L₂ + sinh L₁ sinh L₂ cos 2p`, the law of cosines. Constant velocity is a
+//! closed polygon. It exists if and only if the longest side is not longer than all others
+//! together; otherwise the best that can be done is to line those up against the longest.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use nalgebra::Complex;
+use rayon::prelude::*;
+
+use crate::joint::Joint;
+use crate::trig;
+
+/// Drivelines that repay a thread.
+const BLOCK: usize = 1024;
+
+/// Steps of the search for the smallest turn; it converges in a handful.
+const STEPS: usize = 60;
+
+/// [`optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases.
+pub fn optimal_phases_of_batch(joints: usize, bends: &[f64], twists: &[f64], phases: &mut [f64]) {
+    let between = joints.saturating_sub(1);
+    if between == 0 {
+        return;
+    }
+    phases
+        .par_chunks_mut(BLOCK * between)
+        .zip(twists.par_chunks(BLOCK * between))
+        .zip(bends.par_chunks(BLOCK * joints))
+        .for_each(|((phases, twists), bends)| {
+            let lines = phases.chunks_mut(between).zip(twists.chunks(between));
+            for ((phases, twists), bends) in lines.zip(bends.chunks(joints)) {
+                phases.copy_from_slice(&optimal_phases(bends, twists, phases));
+            }
+        });
+}
+
+/// The phases that make the equivalent bend of the last shaft as small as it can be: zero whenever
+/// the polygon closes. Of all such phases those with the smallest turn of the yokes (least sum of
+/// squares) from the given ones; a yoke turned by 180° is the same yoke.
+///
+/// With four or more bent joints the closing phases form a family, and the smallest turn is sought
+/// from the given phases and from two closing triangles: a least turn within its neighbourhood.
+///
+/// ```
+/// let bends = [10_f64, 9.0, 6.0].map(f64::to_radians);
+/// let phases = cardan::phasing::optimal_phases(&bends, &[0.0, 0.0], &[0.0, 0.0]);
+/// let transfer = cardan::Transfer::of_chain(&bends, &[0.0, 0.0], &phases);
+/// assert!(transfer.equivalent().joint.k < 1e-16);
+/// ```
+pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64> {
+    let mut polygon = Polygon::default();
+    let mut members: Vec<Vec<usize>> = vec![];
+    let mut group = vec![];
+    let mut turn = 0.0;
+    for (j, &bend) in bends.iter().enumerate() {
+        if j > 0 {
+            group.push(j - 1);
+            turn += phases[j - 1] - twists[j - 1] + FRAC_PI_2;
+        }
+        // A straight joint passes every turn on: the shafts beside it turn as one.
+        if bend == 0.0 {
+            continue;
+        }
+        if polygon.sides.is_empty() {
+            group.clear();
+        } else {
+            polygon.turns.push(turn);
+            polygon.weights.push(group.len() as f64);
+            members.push(std::mem::take(&mut group));
+        }
+        turn = 0.0;
+        polygon.sides.push(Side::new(&Joint::new(bend)));
+    }
+    let mut best = phases.to_vec();
+    for (x, members) in polygon.smallest_change().iter().zip(members) {
+        for &shaft in &members {
+            best[shaft] += x / members.len() as f64;
+        }
+    }
+    best
+}
+
+/// One bent joint as a step of length `L` in the hyperbolic plane.
+struct Side {
+    length: f64,
+    /// `cosh(L/2)`.
+    cosh: f64,
+    /// `sinh(L/2) = k cosh(L/2)`.
+    sinh: f64,
+}
+
+impl Side {
+    fn new(joint: &Joint) -> Self {
+        let near = joint.cos > 0.5;
+        let length = if near { -(-joint.versine).ln_1p() } else { -joint.cos.ln() };
+        let cosh = 1.0 / joint.complement().sqrt();
+        Self { length, cosh, sinh: joint.k * cosh }
+    }
+}
+
+/// A chain of bent joints with the present turns `p` between them.
+#[derive(Default)]
+struct Polygon {
+    sides: Vec<Side>,
+    turns: Vec<f64>,
+    /// Number of shafts that share a turn.
+    weights: Vec<f64>,
+}
+
+impl Polygon {
+    /// What to add to each turn.
+    fn smallest_change(&self) -> Vec<f64> {
+        let lengths = || self.sides.iter().map(|side| side.length);
+        let longest = lengths().fold(0.0, f64::max);
+        let total: f64 = lengths().sum();
+        if self.turns.is_empty() {
+            return vec![];
+        }
+        if longest >= total - longest {
+            return self.change_to(&self.against_longest(longest));
+        }
+        let mut starts: Vec<Vec<f64>> =
+            self.triangles(total).iter().map(|turns| self.change_to(turns)).collect();
+        if self.sides.len() > 3 {
+            starts.push(vec![0.0; self.turns.len()]);
+        }
+        let closed = starts.into_iter().flat_map(|start| {
+            let polished = self.close(start.clone());
+            let searched = (self.sides.len() > 3).then(|| self.close(self.search(start)));
+            [Some(polished), searched]
+        });
+        closed
+            .flatten()
+            .map(|change| self.change_to(&self.turns_after(&change)))
+            .map(|change| (self.gap(&change), self.size(&change), change))
+            .min_by(|(gap, size, _), (other_gap, other_size, _)| {
+                // What does not close does not count, however small.
+                let open = |gap: &f64| *gap > 1e-12;
+                open(gap).cmp(&open(other_gap)).then(size.total_cmp(other_size))
+            })
+            .map_or_else(Vec::new, |(_, _, change)| change)
+    }
+
+    /// The smallest change that leads to the given turns, each modulo 180°.
+    fn change_to(&self, turns: &[f64]) -> Vec<f64> {
+        let wrapped = |x: f64| x - PI * (x / PI).round();
+        turns.iter().zip(&self.turns).map(|(to, from)| wrapped(to - from)).collect()
+    }
+
+    fn turns_after(&self, change: &[f64]) -> Vec<f64> {
+        self.turns.iter().zip(change).map(|(turn, x)| turn + x).collect()
+    }
+
+    /// Sum of the squared turns of all yokes.
+    fn size(&self, change: &[f64]) -> f64 {
+        change.iter().zip(&self.weights).map(|(x, weight)| x * x / weight).sum()
+    }
+
+    /// All sides along one line, the longest against all others.
+    fn against_longest(&self, longest: f64) -> Vec<f64> {
+        let index = self.sides.iter().position(|side| side.length == longest).unwrap_or(0);
+        let beside = |j: usize| j == index || j + 1 == index;
+        (0..self.turns.len()).map(|j| if beside(j) { FRAC_PI_2 } else { 0.0 }).collect()
+    }
+
+    /// The polygon folded flat into a triangle and its mirror image: sides up to half the
+    /// perimeter, the side that passes it, and the rest, none longer than the other two.
+    fn triangles(&self, total: f64) -> [Vec<f64>; 2] {
+        let half = 0.5 * total;
+        let mut a = 0.0;
+        let mut second = 0;
+        while second + 2 < self.sides.len() && a + self.sides[second].length <= half {
+            a += self.sides[second].length;
+            second += 1;
+        }
+        let second = second.max(1);
+        let a: f64 = self.sides[..second].iter().map(|side| side.length).sum();
+        let b = self.sides[second].length;
+        let c: f64 = self.sides[second + 1..].iter().map(|side| side.length).sum();
+        let past = |x: f64| (0.5 * (a + b + c) - x).max(0.0).sinh();
+        let (s, s_a, s_b, s_c) = (past(0.0), past(a), past(b), past(c));
+        // Half the interior angle between two sides; the turn p is 90° less that.
+        let angle = |near: f64, also: f64, far: f64| (near * also).sqrt().atan2((s * far).sqrt());
+        let mut turns = vec![0.0; self.turns.len()];
+        turns[second - 1] = FRAC_PI_2 - angle(s_a, s_b, s_c);
+        turns[second] = FRAC_PI_2 - angle(s_b, s_c, s_a);
+        let mirrored = turns.iter().map(|turn| -turn).collect();
+        [turns, mirrored]
+    }
+
+    /// The map `w → A w + B w̄` with `|A|² − |B|² = 1`, and the derivative of `B` by each turn.
+    fn walk(&self, change: &[f64]) -> (Complex<f64>, Vec<Complex<f64>>) {
+        let step = |side: &Side, (a, b): (Complex<f64>, Complex<f64>)| {
+            (a * side.cosh - b.conj() * side.sinh, b * side.cosh - a.conj() * side.sinh)
+        };
+        let start = (Complex::new(1.0, 0.0), Complex::new(0.0, 0.0));
+        let mut pair = step(&self.sides[0], start);
+        let mut derivatives: Vec<(Complex<f64>, Complex<f64>)> = vec![];
+        for (side, turn) in self.sides[1..].iter().zip(self.turns_after(change)) {
+            let (sine, cosine) = trig::sin_cos(turn);
+            let rotation = Complex::new(cosine, sine);
+            let quarter = rotation * Complex::i();
+            for (a, b) in &mut derivatives {
+                (*a, *b) = step(side, (*a * rotation, *b * rotation));
+            }
+            derivatives.push(step(side, (pair.0 * quarter, pair.1 * quarter)));
+            pair = step(side, (pair.0 * rotation, pair.1 * rotation));
+        }
+        (pair.1, derivatives.into_iter().map(|(_, b)| b).collect())
+    }
+
+    /// How far the polygon is from closing, `sinh(L_E/2)`.
+    fn gap(&self, change: &[f64]) -> f64 {
+        self.walk(change).0.norm()
+    }
+
+    /// Newton's method for closing, each step the smallest that does.
+    fn close(&self, mut change: Vec<f64>) -> Vec<f64> {
+        let mut gap = self.gap(&change);
+        for _ in 0..STEPS {
+            let (b, derivatives) = self.walk(&change);
+            let step = self.smallest_solution(&derivatives, -b);
+            let trial: Vec<f64> = change.iter().zip(step).map(|(x, dx)| x + dx).collect();
+            let trial_gap = self.gap(&trial);
+            if trial_gap.is_nan() || trial_gap >= gap {
+                break;
+            }
+            (change, gap) = (trial, trial_gap);
+        }
+        change
+    }
+
+    /// Towards the smallest change that closes: each step solves the closing condition made linear
+    /// for the whole change and not only for its increment.
+    fn search(&self, mut change: Vec<f64>) -> Vec<f64> {
+        for _ in 0..STEPS {
+            let (b, derivatives) = self.walk(&change);
+            let along: Complex<f64> = derivatives.iter().zip(&change).map(|(d, x)| d * *x).sum();
+            let next = self.smallest_solution(&derivatives, along - b);
+            let moved = next.iter().zip(&change).map(|(n, x)| (n - x).abs()).fold(0.0, f64::max);
+            change = next;
+            if moved < 1e-9 {
+                break;
+            }
+        }
+        change
+    }
+
+    /// The `x` with `Σ d_j x_j = target` and the least `Σ x_j²/weight_j`.
+    fn smallest_solution(&self, derivatives: &[Complex<f64>], target: Complex<f64>) -> Vec<f64> {
+        let weighted = || derivatives.iter().zip(&self.weights);
+        let rr: f64 = weighted().map(|(d, w)| w * d.re * d.re).sum();
+        let ri: f64 = weighted().map(|(d, w)| w * d.re * d.im).sum();
+        let ii: f64 = weighted().map(|(d, w)| w * d.im * d.im).sum();
+        // A folded polygon moves in one direction only; the shift keeps the solution finite there.
+        let shift = f64::EPSILON * (rr + ii);
+        let (rr, ii) = (rr + shift, ii + shift);
+        let determinant = rr * ii - ri * ri;
+        let multiplier = Complex::new(
+            (target.re * ii - target.im * ri) / determinant,
+            (target.im * rr - target.re * ri) / determinant,
+        );
+        weighted().map(|(d, w)| w * (d.re * multiplier.re + d.im * multiplier.im)).collect()
+    }
+}
