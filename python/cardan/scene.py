@@ -542,7 +542,7 @@ def _count(number: int, noun: str) -> str:
 
 def _check_count(key: str, values: Sequence[Any], wanted: int, why: str) -> None:
     if len(values) != wanted:
-        raise ValueError(f"{key} has {_count(len(values), 'entry')}; it needs {wanted}: {why}")
+        raise ValueError(f"{key} has {_count(len(values), "value")}; it needs {wanted}: {why}")
 
 
 @contextmanager

@@ -8,7 +8,7 @@
 //! Constants come through `at(i)`: one value for the whole chunk, or one per sample.
 
 use crate::chain::Equivalent;
-use crate::joint;
+use crate::joint::{self, Joint};
 use crate::moment::{self, PinAngle, Pose};
 use crate::trig::{self, AtanRange};
 
@@ -95,17 +95,19 @@ fn rotation<const ADD: bool>(
     input: [&[f64]; 3],
     out: &mut [f64],
 ) {
+    let tangent = joint::error_tangent;
     match range {
-        AtanRange::Hundredth => rotation_by::<ADD>(trig::atan_hundredth, at, input, out),
-        AtanRange::Tenth => rotation_by::<ADD>(trig::atan_tenth, at, input, out),
-        AtanRange::Third => rotation_by::<ADD>(trig::atan_third, at, input, out),
-        AtanRange::One => rotation_by::<ADD>(trig::atan_one, at, input, out),
-        AtanRange::Any => rotation_by::<ADD>(trig::atan_any, at, input, out),
+        AtanRange::Hundredth => by::<ADD>(tangent, trig::atan_hundredth, at, input, out),
+        AtanRange::Tenth => by::<ADD>(tangent, trig::atan_tenth, at, input, out),
+        AtanRange::Third => by::<ADD>(tangent, trig::atan_third, at, input, out),
+        AtanRange::One => by::<ADD>(tangent, trig::atan_one, at, input, out),
+        AtanRange::Any => by::<ADD>(joint::steep_error_tangent, trig::atan_any, at, input, out),
     }
 }
 
 #[inline(always)]
-fn rotation_by<const ADD: bool>(
+fn by<const ADD: bool>(
+    tangent: impl Fn(&Joint, f64, f64) -> (f64, f64),
     atan: impl Fn(f64, f64) -> f64,
     at: impl Fn(usize) -> Equivalent,
     [drive, sine, cosine]: [&[f64]; 3],
@@ -113,7 +115,7 @@ fn rotation_by<const ADD: bool>(
 ) {
     let input = drive.iter().zip(sine).zip(cosine);
     for (i, (((&drive, &s), &c), angle)) in input.zip(out).enumerate() {
-        let (y, x) = joint::error_tangent(&at(i).joint, s, c);
+        let (y, x) = tangent(&at(i).joint, s, c);
         let error = atan(y, x);
         *angle = if ADD { drive + error } else { error };
     }

@@ -131,16 +131,23 @@ fn polynomial<const N: usize>(z: f64, coefficients: &[f64; N]) -> f64 {
     sum
 }
 
-/// Sine and cosine of `r`, `|r| ≤ π/4`, to within 0.6 ulp.
-#[inline(always)]
-fn sin_cos_of_remainder(r: f64) -> (f64, f64) {
-    let z = r * r;
-    let sine = (r * z).mul_add(polynomial(z, &SINE), r);
-    // 1 − z/2 is rounded once; what the rounding lost goes back in with the small terms.
+/// Sine and cosine of `high + low`, `|high| ≤ π/4`, each as a double and its error term, together
+/// within 2⁻⁵⁶ of themselves.
+fn sin_cos_of_remainder([high, low]: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+    let z = high * high;
+    let sine = (high * z) * polynomial(z, &SINE);
+    // 1 − z/2 is rounded once; what the rounding and the square lost goes to the small terms.
     let half = 0.5 * z;
     let head = 1.0 - half;
-    let cosine = head + (z * z).mul_add(polynomial(z, &COSINE), (1.0 - head) - half);
-    (sine, cosine)
+    let lost = ((1.0 - head) - half) - 0.5 * high.mul_add(high, -z);
+    let cosine = (z * z).mul_add(polynomial(z, &COSINE), lost);
+    (in_two(high, low.mul_add(head, sine)), in_two(head, cosine - low * high))
+}
+
+/// The sum of a double and a smaller one as the nearest double and its error.
+pub(crate) fn in_two(large: f64, small: f64) -> [f64; 2] {
+    let sum = large + small;
+    [sum, small - (sum - large)]
 }
 
 /// Numerator and denominator of the rational tangent of `r`, `|r| ≤ π/4`.
@@ -216,7 +223,7 @@ pub(crate) fn sensed_pin(reduced: Reduced) -> (f64, f64) {
     (f64::from_bits(s.to_bits() ^ against), f64::from_bits(c.to_bits() ^ against))
 }
 
-/// Sine and cosine of any angle, each within 1.1 ulp; infinite angles and NaN give NaN.
+/// Sine and cosine of any angle, each within 0.7 ulp; infinite angles and NaN give NaN.
 ///
 /// ```
 /// let (sine, cosine) = cardan::trig::sin_cos(1e300);
@@ -224,12 +231,36 @@ pub(crate) fn sensed_pin(reduced: Reduced) -> (f64, f64) {
 /// assert!((cosine + 0.5753861119575491).abs() < 1e-15);
 /// ```
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    let Reduced { remainder, quadrant: n } = reduce_any(x);
+    let ([sine, _], [cosine, _]) = sin_cos_in_two(x);
+    (sine, cosine)
+}
+
+/// Sine and cosine of any angle, each as a double and its error term.
+pub(crate) fn sin_cos_in_two(x: f64) -> ([f64; 2], [f64; 2]) {
+    let (remainder, n) = reduce_in_two(x);
     let (s, c) = sin_cos_of_remainder(remainder);
     let (s, c) = if n & 1 == 1 { (c, s) } else { (s, c) };
-    let sine_sign = (n & 2) << 62;
-    let cosine_sign = (n.wrapping_add(1) & 2) << 62;
-    (f64::from_bits(s.to_bits() ^ sine_sign), f64::from_bits(c.to_bits() ^ cosine_sign))
+    let signed = |pair: [f64; 2], n: u64| if n & 2 == 0 { pair } else { pair.map(|x| -x) };
+    (signed(s, n), signed(c, n.wrapping_add(1)))
+}
+
+/// The remainder of any angle as a double and its error term, and the multiple of π/2.
+fn reduce_in_two(x: f64) -> ([f64; 2], u64) {
+    let Reduced { remainder, quadrant } = reduce(x);
+    let mut far = Far::default();
+    far.watch(Reduced { remainder, quadrant });
+    if far.any() {
+        let Reduced { remainder, quadrant } = reduce_any(x);
+        return ([remainder, 0.0], quadrant);
+    }
+    let n = x.mul_add(FRAC_2_PI, ROUNDING) - ROUNDING;
+    let near = (-n).mul_add(HALF_PI[0], x);
+    let product = n * HALF_PI[1];
+    let high = near - product;
+    let back = near - high;
+    let lost = (back - product) + (near - (high + back));
+    let low = (-n).mul_add(HALF_PI[2], lost - n.mul_add(HALF_PI[1], -product));
+    ([high, low], quadrant)
 }
 
 /// [`reduce`] for any angle; infinite angles and NaN give NaN.
