@@ -21,7 +21,9 @@ def from_points(
 def equivalent(
     joints: int, shaft: int, bends: _Flat, twists: _Flat, phases: _Flat
 ) -> list[_Flat]: ...
-def optimal_phases(joints: int, bends: _Flat, twists: _Flat, phases: _Flat) -> _Flat: ...
+def optimal_phases(
+    joints: int, bends: _Flat, twists: _Flat, phases: _Flat, workers: int | None
+) -> _Flat: ...
 @final
 class Plan:
     def __new__(

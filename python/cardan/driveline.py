@@ -8,7 +8,7 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan import _core, approximations, evaluation
+from cardan import _core, approximations, evaluation, threads
 from cardan.arrays import FloatArray, at_place, real, scalar_or_array
 from cardan.check import Check, check
 from cardan.equivalent import EquivalentJoint, Harmonics
@@ -373,7 +373,8 @@ class Driveline:
             phases in rad, ``(..., n - 1)``, for ``with_phases``.
         """
         flat = (array.reshape(-1) for array in (self._bends, self._twists, self._phases))
-        return _core.optimal_phases(self.n_joints, *flat).reshape(self._phases.shape)
+        best = _core.optimal_phases(self.n_joints, *flat, threads.at_most(None))
+        return best.reshape(self._phases.shape)
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.

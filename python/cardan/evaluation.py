@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, SupportsIndex, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan import _core, outputs
+from cardan import _core, outputs, threads
 from cardan.arrays import FloatArray, real, scalar_or_array
 from cardan.load import Load
 from cardan.result import Result
@@ -87,7 +87,7 @@ def evaluate(
         (apart(angles.reshape(-1)), _strides(angles.shape, shape)),
         _broadcast_load(load, inertias, shape, apart),
         flats,
-        _threads(workers),
+        threads.at_most(workers),
         level,
     )
     for name, target in given.items():
@@ -208,14 +208,3 @@ def _checked_out(
                 raise ValueError(f"out[{name!r}] and out[{other!r}] share memory")
         checked[name] = array
     return checked
-
-
-def _threads(workers: int | None) -> int | None:
-    """At most so many threads, as the native module counts them."""
-    if workers is None or workers == -1:
-        return None
-    if not hasattr(workers, "__index__"):
-        raise TypeError(f"workers is {workers!r}; it must be an integer")
-    if workers < 1:
-        raise ValueError(f"workers is {workers}; it must be positive, or -1 for all cores")
-    return operator.index(workers)

@@ -248,12 +248,15 @@ class Scene:
             picture_file=output.get("picture"),
         )
 
+    @property
+    def speed(self) -> float:
+        """Speed of the drive in rad/s; 0 where the scene does not say."""
+        return float(self.load_case.speed) if self.load_case else 0.0
+
     def run(self) -> SceneResult:
         """Evaluate the scene; writes nothing."""
         angle = np.radians(self.drive_angle_deg)
-        return SceneResult(
-            self, self.line.evaluate(angle, self.quantities, load=self.load_case)
-        )
+        return SceneResult(self, self.line.evaluate(angle, self.quantities, load=self.load_case))
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,6 +271,11 @@ class SceneResult:
 
     scene: Scene
     values: Result
+
+    @property
+    def drive_angle(self) -> FloatArray:
+        """Drive angles in rad."""
+        return np.radians(self.scene.drive_angle_deg)
 
 
 def describe() -> str:
@@ -542,7 +550,7 @@ def _count(number: int, noun: str) -> str:
 
 def _check_count(key: str, values: Sequence[Any], wanted: int, why: str) -> None:
     if len(values) != wanted:
-        raise ValueError(f"{key} has {_count(len(values), "value")}; it needs {wanted}: {why}")
+        raise ValueError(f"{key} has {_count(len(values), 'value')}; it needs {wanted}: {why}")
 
 
 @contextmanager

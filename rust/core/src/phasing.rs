@@ -17,25 +17,43 @@ use crate::trig;
 /// Drivelines that repay a thread.
 const BLOCK: usize = 1024;
 
-/// Steps of the search for the smallest turn; it converges in a handful.
+/// Steps of a search, and how often one is halved; most need a handful.
 const STEPS: usize = 60;
+const HALVINGS: i32 = 12;
 
-/// [`optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases.
-pub fn optimal_phases_of_batch(joints: usize, bends: &[f64], twists: &[f64], phases: &mut [f64]) {
+/// A polygon with a smaller gap than this is closed.
+const CLOSED: f64 = 1e-12;
+
+/// [`optimal_phases`] for a batch, `joints` to a driveline, on at most so many threads; results in
+/// place of the phases.
+pub fn optimal_phases_of_batch(
+    joints: usize,
+    bends: &[f64],
+    twists: &[f64],
+    phases: &mut [f64],
+    workers: Option<usize>,
+) {
     let between = joints.saturating_sub(1);
     if between == 0 {
         return;
     }
-    phases
-        .par_chunks_mut(BLOCK * between)
-        .zip(twists.par_chunks(BLOCK * between))
-        .zip(bends.par_chunks(BLOCK * joints))
-        .for_each(|((phases, twists), bends)| {
-            let lines = phases.chunks_mut(between).zip(twists.chunks(between));
-            for ((phases, twists), bends) in lines.zip(bends.chunks(joints)) {
-                phases.copy_from_slice(&optimal_phases(bends, twists, phases));
-            }
-        });
+    let run = |phases: &mut [f64], twists: &[f64], bends: &[f64]| {
+        let lines = phases.chunks_mut(between).zip(twists.chunks(between));
+        for ((phases, twists), bends) in lines.zip(bends.chunks(joints)) {
+            phases.copy_from_slice(&optimal_phases(bends, twists, phases));
+        }
+    };
+    let count = phases.len() / between;
+    let size = workers.map_or(BLOCK, |workers| count.div_ceil(workers.max(1)).max(BLOCK));
+    if size >= count {
+        run(phases, twists, bends);
+    } else {
+        phases
+            .par_chunks_mut(size * between)
+            .zip(twists.par_chunks(size * between))
+            .zip(bends.par_chunks(size * joints))
+            .for_each(|((phases, twists), bends)| run(phases, twists, bends));
+    }
 }
 
 /// The phases that make the equivalent bend of the last shaft as small as it can be: zero whenever
@@ -43,7 +61,8 @@ pub fn optimal_phases_of_batch(joints: usize, bends: &[f64], twists: &[f64], pha
 /// squares) from the given ones; a yoke turned by 180° is the same yoke.
 ///
 /// With four or more bent joints the closing phases form a family, and the smallest turn is sought
-/// from the given phases and from two closing triangles: a least turn within its neighbourhood.
+/// from the given phases, from two closing triangles and from halfway to them: a least turn within
+/// its neighbourhood.
 ///
 /// ```
 /// let bends = [10_f64, 9.0, 6.0].map(f64::to_radians);
@@ -126,20 +145,19 @@ impl Polygon {
         let mut starts: Vec<Vec<f64>> =
             self.triangles(total).iter().map(|turns| self.change_to(turns)).collect();
         if self.sides.len() > 3 {
+            let halfway = starts.iter().map(|start| start.iter().map(|x| 0.5 * x).collect());
+            starts.extend(halfway.collect::<Vec<_>>());
             starts.push(vec![0.0; self.turns.len()]);
         }
-        let closed = starts.into_iter().flat_map(|start| {
-            let polished = self.close(start.clone());
-            let searched = (self.sides.len() > 3).then(|| self.close(self.search(start)));
-            [Some(polished), searched]
-        });
-        closed
-            .flatten()
+        starts
+            .into_iter()
+            .map(|start| self.close(start))
+            .map(|closed| if self.sides.len() > 3 { self.search(closed) } else { closed })
             .map(|change| self.change_to(&self.turns_after(&change)))
             .map(|change| (self.gap(&change), self.size(&change), change))
             .min_by(|(gap, size, _), (other_gap, other_size, _)| {
                 // What does not close does not count, however small.
-                let open = |gap: &f64| *gap > 1e-12;
+                let open = |gap: &f64| *gap > CLOSED;
                 open(gap).cmp(&open(other_gap)).then(size.total_cmp(other_size))
             })
             .map_or_else(Vec::new, |(_, _, change)| change)
@@ -218,33 +236,47 @@ impl Polygon {
         self.walk(change).0.norm()
     }
 
-    /// Newton's method for closing, each step the smallest that does.
+    /// Newton's method for closing, each step the smallest that does, or a part of it.
     fn close(&self, mut change: Vec<f64>) -> Vec<f64> {
         let mut gap = self.gap(&change);
         for _ in 0..STEPS {
             let (b, derivatives) = self.walk(&change);
             let step = self.smallest_solution(&derivatives, -b);
-            let trial: Vec<f64> = change.iter().zip(step).map(|(x, dx)| x + dx).collect();
-            let trial_gap = self.gap(&trial);
-            if trial_gap.is_nan() || trial_gap >= gap {
+            let closer = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|part| {
+                let trial: Vec<f64> =
+                    change.iter().zip(&step).map(|(x, dx)| x + part * dx).collect();
+                let trial_gap = self.gap(&trial);
+                (trial_gap < gap).then_some((trial, trial_gap))
+            });
+            match closer {
+                Some(found) => (change, gap) = found,
+                None => break,
+            }
+            if gap <= CLOSED * 1e-4 {
                 break;
             }
-            (change, gap) = (trial, trial_gap);
         }
         change
     }
 
-    /// Towards the smallest change that closes: each step solves the closing condition made linear
-    /// for the whole change and not only for its increment.
+    /// Down from a change that closes to the smallest around it: along the closed polygons in the
+    /// direction that shortens the change most, then closing again what the step has opened.
     fn search(&self, mut change: Vec<f64>) -> Vec<f64> {
+        let mut size = self.size(&change);
         for _ in 0..STEPS {
-            let (b, derivatives) = self.walk(&change);
+            let (_, derivatives) = self.walk(&change);
             let along: Complex<f64> = derivatives.iter().zip(&change).map(|(d, x)| d * *x).sum();
-            let next = self.smallest_solution(&derivatives, along - b);
-            let moved = next.iter().zip(&change).map(|(n, x)| (n - x).abs()).fold(0.0, f64::max);
-            change = next;
-            if moved < 1e-9 {
-                break;
+            let shortest = self.smallest_solution(&derivatives, along);
+            let shorter = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|step| {
+                let moved = change.iter().zip(&shortest).map(|(x, to)| x + step * (to - x));
+                let trial = self.close(moved.collect());
+                let trial_size = self.size(&trial);
+                let better = trial_size < size * (1.0 - 1e-12) && self.gap(&trial) <= CLOSED;
+                better.then_some((trial, trial_size))
+            });
+            match shorter {
+                Some(found) => (change, size) = found,
+                None => break,
             }
         }
         change

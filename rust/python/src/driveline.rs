@@ -164,16 +164,18 @@ pub(crate) fn equivalent<'py>(
 
 /// The phases that bring each driveline's last shaft closest to constant velocity.
 #[pyfunction]
+#[pyo3(signature = (joints, bends, twists, phases, workers))]
 pub(crate) fn optimal_phases<'py>(
     py: Python<'py>,
     joints: usize,
     bends: Input<'py>,
     twists: Input<'py>,
     phases: Input<'py>,
+    workers: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
     let mut best = slice("phases", &phases)?.to_vec();
-    py.detach(|| optimal_phases_of_batch(joints, bends, twists, &mut best));
+    py.detach(|| optimal_phases_of_batch(joints, bends, twists, &mut best, workers));
     Ok(best.into_pyarray(py))
 }
