@@ -6,6 +6,17 @@ from numpy.typing import NDArray
 _Flat: TypeAlias = NDArray[np.float64]
 _Broadcast: TypeAlias = tuple[_Flat, list[int]]
 
+__all__ = [
+    "Plan",
+    "__version__",
+    "equivalent",
+    "from_bends",
+    "from_directions",
+    "from_points",
+    "levels",
+    "optimal_phases",
+]
+
 __version__: str
 
 def levels() -> list[str]: ...
@@ -24,6 +35,7 @@ def equivalent(
 def optimal_phases(
     joints: int, bends: _Flat, twists: _Flat, phases: _Flat, workers: int | None
 ) -> _Flat: ...
+
 @final
 class Plan:
     def __new__(

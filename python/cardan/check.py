@@ -81,7 +81,7 @@ class Check:
     @property
     def passes(self) -> NDArray[np.bool_]:
         """Whether every limit is kept, batch-shaped."""
-        return np.logical_and.reduce([finding.passes for finding in self.findings])
+        return np.asarray(np.all([finding.passes for finding in self.findings], axis=0))
 
     def __str__(self) -> str:
         """Say it in words, the verdict first."""
@@ -100,9 +100,7 @@ def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
             float(np.degrees(MAX_EQUIVALENT_BEND)),
             "deg",
         ),
-        Finding(
-            "non-uniformity", last.non_uniformity, MAX_NON_UNIFORMITY, MAX_NON_UNIFORMITY, "1"
-        ),
+        Finding("non-uniformity", last.non_uniformity, MAX_NON_UNIFORMITY, MAX_NON_UNIFORMITY, "1"),
     ]
     if speed is not None:
         squared = real("speed", speed) ** 2

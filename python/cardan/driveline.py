@@ -204,7 +204,8 @@ class Driveline:
                 known = ", ".join(map(repr, slopes))
                 raise ValueError(f"reference is {reference!r}; it must be one of {known}")
             views.append(np.stack(slopes[reference], axis=-1))
-        return cls.from_slopes(*views, phases, degrees=degrees)
+        up, right = views
+        return cls.from_slopes(up, right, phases, degrees=degrees)
 
     @classmethod
     def _along(
@@ -334,8 +335,8 @@ class Driveline:
             TypeError: a shaft that is not an integer.
         """
         index = evaluation.item_index("shaft", shaft, self.n_joints + 1)
-        flat = (array.reshape(-1) for array in (self._bends, self._twists, self._phases))
-        columns = _core.equivalent(self.n_joints, index, *flat)
+        bends, twists, phases = (a.reshape(-1) for a in (self._bends, self._twists, self._phases))
+        columns = _core.equivalent(self.n_joints, index, bends, twists, phases)
         return EquivalentJoint(*(scalar_or_array(c.reshape(self.shape)) for c in columns))
 
     def harmonics(self, orders: ArrayLike, shaft: int = -1) -> Harmonics:
@@ -372,8 +373,8 @@ class Driveline:
         Returns:
             phases in rad, ``(..., n - 1)``, for ``with_phases``.
         """
-        flat = (array.reshape(-1) for array in (self._bends, self._twists, self._phases))
-        best = _core.optimal_phases(self.n_joints, *flat, threads.at_most(None))
+        bends, twists, phases = (a.reshape(-1) for a in (self._bends, self._twists, self._phases))
+        best = _core.optimal_phases(self.n_joints, bends, twists, phases, threads.at_most(None))
         return best.reshape(self._phases.shape)
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:

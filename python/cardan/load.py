@@ -51,7 +51,10 @@ class Load:
         if drive_torque is not None:
             end, torque = "drive", real("drive_torque", drive_torque)
         else:
-            end, torque = "output", real("output_torque", 0.0 if output_torque is None else output_torque)
+            end, torque = (
+                "output",
+                real("output_torque", 0.0 if output_torque is None else output_torque),
+            )
         values: FloatArray | None = None
         if inertias is not None:
             values = real("inertias", inertias)

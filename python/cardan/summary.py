@@ -100,7 +100,7 @@ def _motion(result: SceneResult) -> Iterable[Row]:
         yield Row("speed", tuple(rpm), "rpm", is_range=True)
     yield Row("largest acceleration ratio", (acceleration,))
     if speed:
-        yield Row("largest acceleration", (acceleration * speed**2,), "rad/s²")
+        yield Row("largest acceleration", (acceleration * speed * speed,), "rad/s²")
 
 
 def _loads(result: SceneResult) -> Iterable[Row]:

@@ -1,0 +1,42 @@
+"""What the README shows is what happens."""
+
+from __future__ import annotations
+
+import re
+from contextlib import redirect_stdout
+from io import StringIO
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from cardan.command import main
+from click.testing import CliRunner
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+SNIPPETS = re.findall(r"```(\w+)\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_python_snippets_print_what_stands_below_them() -> None:
+    names: dict[str, object] = {}
+    compared = 0
+    for (language, code), (following, shown) in pairwise(SNIPPETS):
+        if language == "python":
+            assert following == "text"
+            printed = StringIO()
+            with redirect_stdout(printed):
+                exec(code, names)
+            assert printed.getvalue() == shown
+            compared += 1
+    assert compared == 3
+
+
+def test_the_first_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    command = next(code for language, code in SNIPPETS if "cardan run" in code)
+    scene = re.search(r"cardan run (\S+)", command)
+    assert scene is not None
+    shown = next(code for language, code in SNIPPETS if language == "text")
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(main, ["run", str(ROOT / scene[1])])
+    assert result.exit_code == 0, result.output
+    assert result.output == shown
