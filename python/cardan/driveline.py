@@ -228,7 +228,8 @@ class Driveline:
         return cls._of(
             bends.reshape(*shape, n),
             twists.reshape(*shape, n - 1),
-            phases.reshape(*shape, n - 1),
+            # The others are new; this may be the caller's own array.
+            np.array(phases).reshape(*shape, n - 1),
             directions.reshape(*shape, n + 1, 3),
             normals.reshape(*shape, n, 3),
         )

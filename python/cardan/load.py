@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -35,7 +35,7 @@ class Load:
     torque: FloatArray
     speed: FloatArray
     acceleration: FloatArray
-    inertias: FloatArray | None = field(default=None)
+    inertias: FloatArray | None
 
     def __init__(
         self,
@@ -46,25 +46,28 @@ class Load:
         acceleration: ArrayLike = 0.0,
         inertias: ArrayLike | None = None,
     ) -> None:
+        """Check the values and keep them as arrays of their own."""
         if drive_torque is not None and output_torque is not None:
             raise ValueError("drive_torque and output_torque are both given; give one of them")
-        if drive_torque is not None:
-            end, torque = "drive", real("drive_torque", drive_torque)
-        else:
-            end, torque = (
-                "output",
-                real("output_torque", 0.0 if output_torque is None else output_torque),
-            )
-        values: FloatArray | None = None
-        if inertias is not None:
-            values = real("inertias", inertias)
-            if values.ndim == 0:
-                raise ValueError("inertias is one number; it needs one per shaft")
-            if np.any(values < 0.0):
-                wrong = at_place("inertias", values, values < 0.0)
-                raise ValueError(f"{wrong}; an inertia must not be negative")
-        object.__setattr__(self, "end", end)
-        object.__setattr__(self, "torque", torque)
-        object.__setattr__(self, "speed", real("speed", speed))
-        object.__setattr__(self, "acceleration", real("acceleration", acceleration))
-        object.__setattr__(self, "inertias", values)
+        values = {
+            "end": "output" if drive_torque is None else "drive",
+            "torque": real("drive_torque", drive_torque)
+            if drive_torque is not None
+            else real("output_torque", output_torque if output_torque is not None else 0.0),
+            "speed": real("speed", speed),
+            "acceleration": real("acceleration", acceleration),
+            "inertias": None if inertias is None else _checked_inertias(inertias),
+        }
+        for name, value in values.items():
+            kept = value.copy() if isinstance(value, np.ndarray) else value
+            object.__setattr__(self, name, kept)
+
+
+def _checked_inertias(inertias: ArrayLike) -> FloatArray:
+    array = real("inertias", inertias)
+    if array.ndim == 0:
+        raise ValueError("inertias is one number; it needs one per shaft")
+    if np.any(array < 0.0):
+        place = at_place("inertias", array, array < 0.0)
+        raise ValueError(f"{place}; an inertia must not be negative")
+    return array
