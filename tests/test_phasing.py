@@ -15,7 +15,7 @@ EPS = 2.0**-52
 
 
 def lengths(bends: np.ndarray) -> np.ndarray:
-    return -np.log(np.cos(bends))
+    return np.asarray(-np.log(np.cos(bends)))
 
 
 def phased(line: Driveline) -> Driveline:

@@ -9,7 +9,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from cardan.command import main
+from cardan.command import commands
 from click.testing import CliRunner
 
 ROOT = Path(__file__).parent.parent
@@ -37,6 +37,6 @@ def test_the_first_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert scene is not None
     shown = next(code for language, code in SNIPPETS if language == "text")
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(main, ["run", str(ROOT / scene[1])])
+    result = CliRunner().invoke(commands(), ["run", str(ROOT / scene[1])])
     assert result.exit_code == 0, result.output
     assert result.output == shown

@@ -18,6 +18,7 @@ from cardan.equivalent import EquivalentJoint, Harmonics
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
+from cardan.scene import Scene
 
 __all__ = [
     "OUTPUTS",
@@ -29,6 +30,7 @@ __all__ = [
     "Load",
     "Output",
     "Result",
+    "Scene",
     "__version__",
     "approximations",
     "reference",

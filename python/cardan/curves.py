@@ -9,7 +9,7 @@ import secrets
 from collections.abc import Callable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import IO, TYPE_CHECKING
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -66,14 +66,17 @@ def _write_csv(result: SceneResult, file: IO[bytes]) -> None:
     # In blocks, because a float as an object takes four times the memory.
     for first in range(0, len(result.scene.drive_angle_deg), _BLOCK):
         block = (curve[first : first + _BLOCK].tolist() for curve in table.values())
-        file.writelines(f"{','.join(map(repr, row))}\n".encode() for row in zip(*block, strict=True))
+        file.writelines(
+            f"{','.join(map(repr, row))}\n".encode() for row in zip(*block, strict=True)
+        )
 
 
 _BLOCK = 10_000
 
 
 def _write_npz(result: SceneResult, file: IO[bytes]) -> None:
-    np.savez(file, drive_angle=result.drive_angle, **result.values)
+    arrays: dict[str, Any] = {"drive_angle": result.drive_angle, **result.values}
+    np.savez(file, **arrays)
 
 
 def _write_parquet(result: SceneResult, file: IO[bytes]) -> None:

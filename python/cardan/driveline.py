@@ -393,7 +393,7 @@ class Driveline:
             TypeError: signs that are not real numbers.
             ValueError: a sign other than +1 and -1, shapes that do not fit.
         """
-        return approximations.catalogue_bend(self._bends, fork_signs)
+        return np.asarray(approximations.catalogue_bend(self._bends, fork_signs))[()]
 
     def reversed(self) -> Driveline:
         """Return the driveline driven from its other end; reversing inverts its motion.

@@ -108,7 +108,11 @@ def item_index(argument: str, value: SupportsIndex, count: int) -> int:
 
 
 def _is_index(value: Items) -> bool:
-    return value is not None and hasattr(value, "__index__")
+    try:
+        operator.index(value)  # type: ignore[arg-type]
+    except TypeError:
+        return False
+    return True
 
 
 def _items(argument: str, value: int | slice | Sequence[int], count: int) -> list[int]:

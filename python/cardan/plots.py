@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import textwrap
 from collections.abc import Iterable, Mapping
@@ -51,7 +52,10 @@ _RULES = {
 _MM = 1.0 / 25.4
 _WIDTH, _PANEL, _FRAME = 80.0 * _MM, 24.0 * _MM, 14.0 * _MM
 
-# Below this share of the largest magnitude a curve is flat: what varies is rounding.
+_TICKS = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)  # degrees
+
+# A curve that varies less than this, relative to its panel's scale or its own size, is flat: it
+# would fill the panel with rounding.
 _FLAT = 1e-9
 
 
@@ -59,6 +63,7 @@ _FLAT = 1e-9
 class _Panel:
     heading: str
     curves: dict[str, FloatArray]
+    scale: float = 1.0
 
 
 def plot_scene(result: SceneResult) -> Figure:
@@ -117,14 +122,17 @@ def _panels(result: SceneResult) -> Iterable[_Panel]:
     speed, last = result.scene.speed, result.scene.line.n_joints
     for name, values in result.values.items():
         output = OUTPUTS[name]
-        heading, unit = name.replace("_", " "), output.unit
+        heading, unit, scale = name.replace("_", " "), output.unit, 1.0
         if unit == "rad":
             values, unit = np.degrees(values), "deg"
         if name == "acceleration_ratio" and speed:
-            heading, values, unit = "acceleration", values * speed * speed, "rad/s²"
+            scale = speed * speed
+            heading, values, unit = "acceleration", values * scale, "rad/s²"
+            heading += " at steady drive" if result.scene.accelerates else ""
         unit = "" if unit == "1" else f" [{unit}]"
         if output.per == "shaft":
-            yield _Panel(f"{heading}, shaft {last}{unit}", _components(values, output.vector))
+            curves = _components(values, output.vector)
+            yield _Panel(f"{heading}, shaft {last}{unit}", curves, scale)
         else:
             for joint, own in enumerate(values):
                 curves = _components(own, output.vector)
@@ -136,7 +144,7 @@ def _components(values: FloatArray, vector: bool) -> dict[str, FloatArray]:
 
 
 def _draw(axes: Axes, panel: _Panel, angle: FloatArray) -> None:
-    from matplotlib.ticker import FuncFormatter, MaxNLocator
+    from matplotlib.ticker import FuncFormatter, MaxNLocator, MultipleLocator
 
     for (label, curve), (colour, dashes) in zip(panel.curves.items(), _STYLES, strict=False):
         axes.plot(angle, curve, color=colour, linestyle=dashes, label=label)
@@ -144,20 +152,33 @@ def _draw(axes: Axes, panel: _Panel, angle: FloatArray) -> None:
     if len(panel.curves) > 1:
         axes.legend(
             loc="lower right",
-            bbox_to_anchor=(1.0, 0.98),
+            bbox_to_anchor=(1.0, 1.02),
             ncols=3,
             frameon=False,
             borderaxespad=0.0,
             borderpad=0.0,
-            handlelength=2.2,
-            handletextpad=0.4,
-            columnspacing=1.0,
+            handlelength=1.7,
+            handletextpad=0.3,
+            columnspacing=0.7,
         )
     axes.grid(visible=True)
     axes.set_xlim(angle[0], angle[-1])
-    axes.xaxis.set_major_locator(MaxNLocator(5, steps=[1, 1.5, 2, 3, 4.5, 6, 9, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(4))
+    span = float(angle[-1] - angle[0])
+    if span > _TICKS[0]:
+        step = next((step for step in _TICKS if span <= 5 * step), 360 * math.ceil(span / 1800.0))
+        axes.xaxis.set_major_locator(MultipleLocator(step))
+    axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
     # Full numbers: an offset above the axis would cover the heading.
     axes.yaxis.set_major_formatter(FuncFormatter(lambda tick, _: _tick(tick)))
 
-    low, high = (limit(curve) for limit, curve in ((min, 0), (max, 0)))
+    low = min(float(np.min(curve)) for curve in panel.curves.values())
+    high = max(float(np.max(curve)) for curve in panel.curves.values())
+    noise = _FLAT * max(panel.scale, abs(low), abs(high))
+    if high - low <= noise:
+        middle = (low + high) / 2.0
+        room = 0.05 * abs(middle) if abs(middle) > noise else panel.scale
+        axes.set_ylim(middle - room, middle + room)
+
+
+def _tick(value: float) -> str:
+    return f"{value:.10g}".replace("-", "\N{MINUS SIGN}")

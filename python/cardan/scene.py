@@ -31,7 +31,7 @@ Kind = Literal[
     "numbers",
     "slopes",
     "vectors",
-    "quantities",
+    "names",
     "curves file",
     "picture file",
 ]
@@ -107,8 +107,8 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "bends_deg": Key("numbers", "bend of each joint, in [0, 90)", "bends"),
                 "twists_deg": Key(
                     "numbers",
-                    "with bends_deg: angle from bend plane to bend plane about each shaft between "
-                    "two joints; default 0",
+                    "with bends_deg: turn from bend plane to bend plane about each shaft between "
+                    "two joints, clockwise seen along the power flow; default 0",
                     "twists",
                 ),
                 "points_m": Key("vectors", "driving end, joint centres, driven end", "points"),
@@ -129,7 +129,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "phases_deg": Key(
                     "numbers",
                     "turn of the output-side fork against the input-side one on each shaft between "
-                    "two joints; default 0",
+                    "two joints, clockwise seen along the power flow; default 0",
                     "phases",
                 ),
             },
@@ -152,18 +152,18 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
         "sweep": Section(
             "drive angles, both ends included",
             {
-                "turns": Key("positive number", "turns of the drive; default 1", default=1.0),
-                "samples_per_turn": Key("whole number", "steps per turn; default 720", default=720),
-                "start_deg": Key("number", "first drive angle; default 0", default=0.0),
+                "turns": Key("positive number", "turns of the drive", default=1),
+                "samples_per_turn": Key("whole number", "steps per turn", default=720),
+                "start_deg": Key("number", "first drive angle", default=0),
             },
         ),
         "output": Section(
             "files to write",
             {
-                "curves": Key("curves file", f"name of a {', '.join(curves.SUFFIXES)} file"),
-                "picture": Key("picture file", f"name of a {', '.join(plots.SUFFIXES)} file"),
+                "curves": Key("curves file", f"its name ends in {', '.join(curves.SUFFIXES)}"),
+                "picture": Key("picture file", f"its name ends in {', '.join(plots.SUFFIXES)}"),
                 "quantities": Key(
-                    "quantities",
+                    "names",
                     f"from {', '.join(OUTPUTS)}; default: errors, ratios and what the load causes",
                 ),
             },
@@ -172,7 +172,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
 )
 """The format of a scene file: sections, their keys, what these hold and mean."""
 
-_MOST_SAMPLES = 10_000_000
+_MOST_STEPS = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,6 +253,11 @@ class Scene:
         """Speed of the drive in rad/s; 0 where the scene does not say."""
         return float(self.load_case.speed) if self.load_case else 0.0
 
+    @property
+    def accelerates(self) -> bool:
+        """Whether the speed of the drive changes."""
+        return self.load_case is not None and float(self.load_case.acceleration) != 0.0
+
     def run(self) -> SceneResult:
         """Evaluate the scene; writes nothing."""
         angle = np.radians(self.drive_angle_deg)
@@ -279,14 +284,15 @@ class SceneResult:
 
 
 def describe() -> str:
-    """Return the format of a scene file as plain text, at most 79 characters wide."""
+    """Return the format of a scene file as plain text, at most 77 characters wide."""
     lines = []
     for name, section in FORMAT.items():
         lines.append(f"{f'[{name}]  ' if name else ''}{section.meaning}")
         for key, entry in section.keys.items():
+            default = "" if entry.default is None else f"; default {entry.default}"
             lines += textwrap.wrap(
-                f"{entry.kind}: {entry.meaning}",
-                width=79,
+                f"{entry.kind}: {entry.meaning}{default}",
+                width=77,
                 initial_indent=f"  {key:32}",
                 subsequent_indent=" " * 36,
                 break_on_hyphens=False,
@@ -315,7 +321,7 @@ def _document(text: str) -> dict[str, dict[str, Any]]:
     """Every section given, its keys known and its values of the right kind."""
     try:
         document = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise ValueError(f"not TOML: {error}") from None
     except RecursionError:
         raise ValueError("not TOML: nested too deeply") from None
@@ -326,8 +332,8 @@ def _document(text: str) -> dict[str, dict[str, Any]]:
             if not isinstance(value, dict):
                 raise ValueError(f"{name} is {_shown(value)}; it must be a section [{name}]")
         elif name not in top:
-            what = f"unknown section [{name}]" if isinstance(value, dict) else f"unknown key {name}"
-            raise ValueError(f"{what}; {_meant(name, [*top, *sections])}")
+            what = "section" if isinstance(value, dict) else "key"
+            raise ValueError(f"unknown {what} {name!r}; {_meant(name, [*top, *sections])}")
     if "driveline" not in document:
         raise ValueError("section [driveline] is missing; it describes the joints and shafts")
     given = {"": {name: document[name] for name in top if name in document}}
@@ -340,7 +346,7 @@ def _section(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
     with _within(f"[{name}]") if name else nullcontext():
         for key in values:
             if key not in keys:
-                raise ValueError(f"unknown key {key}; {_meant(key, keys)}")
+                raise ValueError(f"unknown key {key!r}; {_meant(key, keys)}")
         return {key: _KINDS[keys[key].kind](key, value) for key, value in values.items()}
 
 
@@ -447,7 +453,7 @@ _KINDS: Mapping[Kind, Callable[[str, object], Any]] = {
     "numbers": _list_of(_number, "numbers"),
     "slopes": _list_of(_slope, "numbers"),
     "vectors": _list_of(_vector, "vectors [x, y, z]"),
-    "quantities": _list_of(_quantity, "names"),
+    "names": _list_of(_quantity, "names"),
     "curves file": _file(curves.SUFFIXES),
     "picture file": _file(plots.SUFFIXES),
 }
@@ -472,15 +478,16 @@ def _driveline(values: Mapping[str, Any]) -> Driveline:
     first = form.keys[0]
     joints = len(values[first]) - form.ends
     if joints < 1:
-        raise ValueError(f"{first} has {len(values[first])}; one joint needs {1 + form.ends}")
+        raise ValueError(
+            f"{first} has length {len(values[first])}; one joint needs {1 + form.ends}"
+        )
     if form.make == Driveline.from_projected_bends and joints != 2:
-        raise ValueError(f"{first} has {joints}; it describes a shaft with 2 joints")
+        raise ValueError(f"{first} has length {joints}; it needs 2, one per joint")
     for key in form.keys[1:]:
-        _check_count(key, values[key], joints + form.ends, f"{first} has {joints + form.ends}")
+        _check_count(key, values[key], joints + form.ends, f"as many as {first}")
     for key in form.optional:
         if key in values:
-            between = f"{_count(joints, 'joint')} have {_count(joints - 1, 'shaft')} between them"
-            _check_count(key, values[key], joints - 1, between)
+            _check_count(key, values[key], joints - 1, "one per shaft between two joints")
 
     keys = FORMAT["driveline"].keys
     arguments = {keys[key].argument: values[key] for key in values}
@@ -501,8 +508,7 @@ def _load(values: Mapping[str, Any], joints: int) -> Load:
             raise ValueError(f"{names[argument]} and {key} are both given; give one of them")
         names[argument] = key
     if "inertias_kgm2" in values:
-        shafts = f"{_count(joints, 'joint')} join {_count(joints + 1, 'shaft')}"
-        _check_count("inertias_kgm2", values["inertias_kgm2"], joints + 1, shafts)
+        _check_count("inertias_kgm2", values["inertias_kgm2"], joints + 1, "one per shaft")
     with _named(names):
         return Load(
             **{
@@ -517,10 +523,10 @@ def _drive_angles(values: Mapping[str, Any]) -> FloatArray:
     turns, per_turn, start = (
         values.get(key, keys[key].default) for key in ("turns", "samples_per_turn", "start_deg")
     )
-    if turns * per_turn > _MOST_SAMPLES:
+    if per_turn > _MOST_STEPS / turns:
         raise ValueError(
-            f"turns times samples_per_turn is {turns * per_turn:g}; "
-            f"it must be at most {_MOST_SAMPLES:g}"
+            f"samples_per_turn is {_shown(per_turn)} over turns = {turns:g}; "
+            f"a sweep takes at most {_MOST_STEPS} steps"
         )
     steps = max(1, round(turns * per_turn))
     # Dividing last keeps round degrees round.
@@ -544,13 +550,9 @@ def _quantities(output: Mapping[str, Any], load: Mapping[str, Any] | None) -> tu
     return tuple(names)
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
-
-
 def _check_count(key: str, values: Sequence[Any], wanted: int, why: str) -> None:
     if len(values) != wanted:
-        raise ValueError(f"{key} has {_count(len(values), 'value')}; it needs {wanted}: {why}")
+        raise ValueError(f"{key} has length {len(values)}; it needs {wanted}, {why}")
 
 
 @contextmanager
@@ -561,5 +563,9 @@ def _named(names: Mapping[str, str]) -> Iterator[None]:
     except ValueError as error:
         arguments = "|".join(names)
         raise ValueError(
-            re.sub(rf"\b({arguments})\b", lambda match: names[match[1]], str(error))
+            re.sub(
+                rf"\b({arguments})(?=\[| give| and| are)",
+                lambda match: names[match[1]],
+                str(error),
+            )
         ) from None

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.outputs import OUTPUTS
 
 if TYPE_CHECKING:
     from cardan.scene import SceneResult
@@ -39,10 +40,10 @@ class Row:
 
 
 def summary(result: SceneResult) -> list[Row]:
-    """Return the table of a scene: geometry, motion of the last shaft, its torque, the moments.
+    """Return the table of a scene: geometry, motion of the last shaft, torques and moments.
 
-    Extremes of the motion are closed forms, those of torque and moments the largest samples of the
-    curves; these two are left out where the scene does not evaluate them.
+    Extremes of the motion are closed forms, those of torques and moments the largest samples of
+    the curves, as far as the scene evaluates them.
     """
     return [*_geometry(result), *_motion(result), *_loads(result)]
 
@@ -60,7 +61,10 @@ def summary_text(rows: Sequence[Row]) -> str:
         for row in rows
     ]
     if any(row.at_deg is not None for row in rows):
-        lines += ["", 'After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.']
+        lines += [
+            "",
+            'After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.',
+        ]
     return "\n".join(lines)
 
 
@@ -97,20 +101,26 @@ def _motion(result: SceneResult) -> Iterable[Row]:
     speed = scene.speed
     if speed:
         rpm = sorted(ratio * speed * 60.0 / math.tau for ratio in (slowest, fastest))
-        yield Row("speed", tuple(rpm), "rpm", is_range=True)
+        yield Row(f"speed, shaft {scene.line.n_joints}", tuple(rpm), "rpm", is_range=True)
     yield Row("largest acceleration ratio", (acceleration,))
     if speed:
-        yield Row("largest acceleration", (acceleration * speed * speed,), "rad/s²")
+        steady = ", steady drive" if scene.accelerates else ""
+        yield Row(f"largest acceleration{steady}", (acceleration * speed * speed,), "rad/s²")
 
 
 def _loads(result: SceneResult) -> Iterable[Row]:
-    values, joints = result.values, result.scene.line.n_joints
-    if "torque" in values:
-        yield _peak(result, f"largest torque, shaft {joints}", np.abs(values["torque"]))
-    if "moment" in values:
-        sizes = np.linalg.norm(values["moment"], axis=-1)
-        for j in range(joints):
-            yield _peak(result, f"largest moment, joint {j}", sizes[j])
+    last = result.scene.line.n_joints
+    for name, values in result.values.items():
+        output = OUTPUTS[name]
+        if not output.needs_load:
+            continue
+        sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
+        label = f"largest {name.replace('_', ' ')}"
+        if output.per == "shaft":
+            yield _peak(result, f"{label}, shaft {last}", sizes)
+        else:
+            for joint, own in enumerate(sizes):
+                yield _peak(result, f"{label}, joint {joint}", own)
 
 
 def _peak(result: SceneResult, label: str, sizes: FloatArray) -> Row:
@@ -126,13 +136,13 @@ def _degrees(angles: FloatArray) -> tuple[float, ...]:
 
 
 def _figures(row: Row) -> str:
-    if row.is_range:
-        low, high = row.values
-        spread = high - low
+    low, high = row.values[0], row.values[-1]
+    if row.is_range and 0.0 < high - low < math.inf:
         # Enough decimals for three digits of the difference.
-        decimals = 2 - math.floor(math.log10(spread)) if 0.0 < spread < math.inf else 3
-        ends = [f"{end:.{min(max(decimals, 0), 15)}f}" for end in (low, high)]
-        text = " to ".join(dict.fromkeys(ends))
+        decimals = max(0, 2 - math.floor(math.log10(high - low)))
+        text = f"{low:.{decimals}f} to {high:.{decimals}f}"
+    elif row.is_range:
+        text = _figure(low)
     else:
         text = ", ".join(map(_figure, row.values))
     if row.unit:

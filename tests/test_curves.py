@@ -1,0 +1,213 @@
+"""Curves as files: what is written comes back, and a file appears whole or not at all."""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import curves
+from cardan.curves import columns, whole_file, write_curves
+from cardan.scene import Scene, SceneResult
+
+SCENE = """\
+[driveline]
+bends_deg = [10, 25]
+twists_deg = [30]
+[load]
+speed_rpm = 3000
+inertias_kgm2 = [0, 0.1, 0.02]
+[sweep]
+samples_per_turn = 90
+turns = 2
+[output]
+quantities = ["angle", "speed_ratio", "torque", "support_moment", "moment", "tilt_driven"]
+"""
+
+NAMES = [
+    "drive_angle_deg",
+    "angle_deg",
+    "speed_ratio",
+    "torque_Nm",
+    *(f"support_moment_{axis}_Nm" for axis in "xyz"),
+    *(f"moment_{joint}_{axis}_Nm" for joint in (0, 1) for axis in "xyz"),
+    "tilt_driven_0_deg",
+    "tilt_driven_1_deg",
+]
+
+
+@pytest.fixture(scope="module")
+def result() -> SceneResult:
+    return Scene.parse(SCENE).run()
+
+
+def test_columns(result: SceneResult) -> None:
+    table = columns(result)
+    assert list(table) == NAMES
+    assert {len(curve) for curve in table.values()} == {181}
+    np.testing.assert_array_equal(table["drive_angle_deg"], np.arange(181) * 4.0)
+    np.testing.assert_array_equal(table["angle_deg"], np.degrees(result.values["angle"]))
+    np.testing.assert_array_equal(table["moment_1_z_Nm"], result.values["moment"][1, :, 2])
+    np.testing.assert_array_equal(
+        table["support_moment_y_Nm"], result.values["support_moment"][:, 1]
+    )
+    np.testing.assert_array_equal(
+        table["tilt_driven_1_deg"], np.degrees(result.values["tilt_driven"][1])
+    )
+
+
+@pytest.mark.parametrize("block", [1, 7, 181, 10_000])
+def test_csv(
+    result: SceneResult, tmp_path: Path, block: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(curves, "_BLOCK", block)
+    path = tmp_path / "a.csv"
+    assert write_curves(result, path) == 181
+    head, *lines = path.read_text(encoding="ascii").splitlines()
+    assert head.split(",") == NAMES
+    # Every digit: the doubles are the same, not close.
+    read = np.array([[float(figure) for figure in line.split(",")] for line in lines])
+    np.testing.assert_array_equal(read.T, list(columns(result).values()))
+
+
+def test_npz(result: SceneResult, tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    assert write_curves(result, str(path)) == 181
+    with np.load(path) as read:
+        assert set(read) == {"drive_angle", *result.values}
+        np.testing.assert_array_equal(read["drive_angle"], result.drive_angle)
+        for name, values in result.values.items():
+            np.testing.assert_array_equal(read[name], values)
+
+
+def test_parquet(result: SceneResult, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    path = tmp_path / "a.parquet"
+    assert write_curves(result, path) == 181
+    read = parquet.read_table(path)
+    assert read.column_names == NAMES
+    for name, curve in columns(result).items():
+        np.testing.assert_array_equal(read[name].to_numpy(), curve)
+
+
+def test_parquet_without_pyarrow(
+    result: SceneResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(ImportError, match=r"needs pyarrow: pip install 'cardan\[table\]'"):
+        write_curves(result, tmp_path / "a.parquet")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unknown_suffix(result: SceneResult, tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"a\.xlsx must end in \.csv or \.npz or \.parquet"):
+        write_curves(result, tmp_path / "a.xlsx")
+    assert list(tmp_path.iterdir()) == []
+
+
+# Whole or not at all
+
+
+def test_takes_its_name_when_complete(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("old")
+    with whole_file(path) as file:
+        file.write(b"new")
+        file.flush()
+        assert path.read_text() == "old"
+    assert path.read_text() == "new"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("old", [True, False])
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, MemoryError])
+def test_interrupted(tmp_path: Path, error: type[BaseException], old: bool) -> None:
+    path = tmp_path / "a.csv"
+    if old:
+        path.write_text("old")
+    with pytest.raises(error), whole_file(path) as file:
+        file.write(b"half")
+        raise error
+    assert [(entry, entry.read_text()) for entry in tmp_path.iterdir()] == [(path, "old")][:old]
+
+
+@pytest.mark.parametrize("step", ["fsync", "replace"])
+def test_disk_full(
+    result: SceneResult, tmp_path: Path, step: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("old")
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, step, full)
+    with pytest.raises(OSError, match="No space") as caught:
+        write_curves(result, path)
+    assert (caught.value.errno, caught.value.filename) == (errno.ENOSPC, str(path))
+    assert [(entry, entry.read_text()) for entry in tmp_path.iterdir()] == [(path, "old")]
+
+
+def test_failing_writer_leaves_nothing(
+    result: SceneResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The first blocks are on their way when the rest fails."""
+    blocks = iter([curves._BLOCK])
+
+    class Table(dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]]):
+        def values(self) -> Iterator[object]:  # type: ignore[override]
+            if next(blocks, None) is None:
+                raise MemoryError
+            return iter([np.zeros(181)])
+
+    monkeypatch.setattr(curves, "_BLOCK", 10)
+    monkeypatch.setattr(curves, "columns", lambda _: Table(drive_angle_deg=np.zeros(181)))
+    with pytest.raises(MemoryError):
+        write_curves(result, tmp_path / "a.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unwritable(result: SceneResult, tmp_path: Path) -> None:
+    missing = tmp_path / "missing" / "a.csv"
+    with pytest.raises(FileNotFoundError) as caught:
+        write_curves(result, missing)
+    assert caught.value.filename == str(missing)
+
+    (tmp_path / "file").touch()
+    with pytest.raises(NotADirectoryError) as not_a_folder:
+        write_curves(result, tmp_path / "file" / "a.csv")
+    assert not_a_folder.value.filename == str(tmp_path / "file" / "a.csv")
+
+    (tmp_path / "folder.csv").mkdir()
+    with pytest.raises(IsADirectoryError) as folder:
+        write_curves(result, tmp_path / "folder.csv")
+    assert folder.value.filename == str(tmp_path / "folder.csv")
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["file", "folder.csv"]
+
+
+@pytest.mark.skipif(
+    os.name != "posix" or os.geteuid() == 0, reason="root may write into every folder"
+)
+def test_read_only_folder(result: SceneResult, tmp_path: Path) -> None:
+    tmp_path.chmod(0o500)
+    try:
+        with pytest.raises(PermissionError) as caught:
+            write_curves(result, tmp_path / "a.csv")
+    finally:
+        tmp_path.chmod(0o700)
+    assert caught.value.filename == str(tmp_path / "a.csv")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX permissions")
+def test_permissions_are_those_of_any_new_file(result: SceneResult, tmp_path: Path) -> None:
+    (tmp_path / "plain").touch()
+    write_curves(result, tmp_path / "a.csv")
+    modes = {stat.S_IMODE(entry.stat().st_mode) for entry in tmp_path.iterdir()}
+    assert len(modes) == 1

@@ -1,0 +1,145 @@
+"""The same bits whichever way a result is computed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cardan import Driveline, Load, Result, _core, evaluation
+
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven")
+TILTS = ("tilt_driving", "tilt_driven")
+ALL = (*MOTION, *LOADS, *TILTS)
+
+LINES = {
+    "one joint": Driveline.from_bends([0.5]),
+    "one steep joint": Driveline.from_bends([1.55]),
+    "three joints": Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2]),
+}
+RANDOM = np.random.default_rng(1939)
+ANGLES = np.concatenate([RANDOM.uniform(-20, 20, 3000), 10.0 ** RANDOM.uniform(-9, 15, 96)])
+RANDOM.shuffle(ANGLES)
+
+
+def load_for(line: Driveline) -> Load:
+    return Load(
+        drive_torque=7.0,
+        speed=30.0,
+        acceleration=2.0,
+        inertias=np.linspace(0.1, 0.4, line.n_joints + 1),
+    )
+
+
+def evaluate(line: Driveline, angle: Any, names: Any = ALL, **options: Any) -> Result:  # noqa: ANN401
+    settings = {
+        "shafts": slice(None),
+        "joints": None,
+        "load": load_for(line),
+        "out": None,
+        "workers": None,
+    }
+    return evaluation.evaluate(line, angle, names, **{**settings, **options})
+
+
+def same(got: Result, want: Result, pick: Any = ...) -> None:  # noqa: ANN401
+    for name in got:
+        expected = np.asarray(want[name])[pick]
+        assert np.array_equal(
+            np.asarray(got[name]).view(np.int64) if np.ndim(got[name]) else got[name],
+            np.ascontiguousarray(expected).view(np.int64) if expected.ndim else expected,
+        ), name
+
+
+@pytest.fixture(params=LINES, ids=str)
+def line(request: pytest.FixtureRequest) -> Driveline:
+    return LINES[request.param]
+
+
+def contiguous(result: Result) -> Result:
+    return Result({name: np.ascontiguousarray(result[name]) for name in result})
+
+
+@pytest.mark.parametrize("level", _core.levels())
+def test_every_level(line: Driveline, level: str) -> None:
+    same(contiguous(evaluate(line, ANGLES, level=level)), contiguous(evaluate(line, ANGLES)))
+
+
+def test_every_length(line: Driveline) -> None:
+    whole = contiguous(evaluate(line, ANGLES))
+    for length in [*range(68), 1023, 1024, 1025, 2047, 2049]:
+        part = contiguous(evaluate(line, ANGLES[:length]))
+        for name in ALL:
+            lead = whole[name].ndim - 1 - (whole[name].shape[-1] == 3)
+            index = (slice(None),) * lead + (slice(length),)
+            assert part[name].tobytes() == np.ascontiguousarray(whole[name][index]).tobytes(), name
+
+
+@pytest.mark.parametrize("workers", [1, 2, 3, 4, 5, -1, None])
+def test_every_number_of_threads(workers: int | None) -> None:
+    line = LINES["three joints"]
+    angle = np.tile(ANGLES, 50)
+    assert angle.size > 2 * 65536
+    names = ("angle", "acceleration_ratio", "moment")
+    got = evaluate(line, angle, names, workers=workers)
+    once = evaluate(line, ANGLES, names)
+    for name in names:
+        axis = -2 if name == "moment" else -1
+        assert np.array_equal(got[name], np.concatenate([once[name]] * 50, axis=axis)), name
+
+
+def test_strided_angles(line: Driveline) -> None:
+    spread = np.full((ANGLES.size, 3), np.nan)
+    spread[::-1, 1] = ANGLES
+    same(contiguous(evaluate(line, spread[::-1, 1])), contiguous(evaluate(line, ANGLES)))
+
+
+def test_geometry_per_sample(line: Driveline) -> None:
+    each = Driveline.from_bends(
+        np.tile(line.bends, (ANGLES.size, 1)),
+        np.tile(line.twists, (ANGLES.size, 1)),
+        np.tile(line.phases, (ANGLES.size, 1)),
+    )
+    same(contiguous(evaluate(each, ANGLES)), contiguous(evaluate(line, ANGLES)))
+
+
+def test_geometries_by_rows() -> None:
+    bends = [[0.2, 0.3], [0.9, 0.4], [0.0, 1.2]]
+    lines = Driveline.from_bends(np.array(bends)[:, np.newaxis], 0.4, 0.1)
+    got = lines.evaluate(ANGLES, MOTION)
+    for i, bend in enumerate(bends):
+        single = Driveline.from_bends(bend, 0.4, 0.1).evaluate(ANGLES, MOTION)
+        for name in MOTION:
+            assert np.array_equal(got[name][i], single[name]), name
+
+
+def test_outputs_alone_or_together(line: Driveline) -> None:
+    together = evaluate(line, ANGLES)
+    for name in ALL:
+        same(contiguous(evaluate(line, ANGLES, name)), contiguous(Result({name: together[name]})))
+
+
+def test_shafts_and_joints_alone_or_together(line: Driveline) -> None:
+    together = evaluate(line, ANGLES)
+    for shaft in range(line.n_joints + 1):
+        for name in (*MOTION, "torque", "support_moment"):
+            alone = evaluate(line, ANGLES, name, shafts=shaft)[name]
+            assert np.array_equal(alone, together[name][shaft]), name
+    for joint in range(line.n_joints):
+        for name in ("moment", "bending_driving", "bending_driven", *TILTS):
+            alone = evaluate(line, ANGLES, name, joints=joint)[name]
+            assert np.array_equal(alone, together[name][joint]), name
+
+
+def test_filled_in_place(line: Driveline) -> None:
+    want = evaluate(line, ANGLES)
+    out = {name: np.full(want[name].shape, np.nan) for name in ALL}
+    evaluate(line, ANGLES, out=out)
+    for name in ALL:
+        assert np.array_equal(out[name], want[name]), name
+    # The last shaft's angle over the drive angles themselves.
+    inplace = ANGLES.copy()
+    line.evaluate(inplace, "angle", out={"angle": inplace})
+    assert np.array_equal(inplace, want.angle[-1])

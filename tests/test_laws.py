@@ -1,0 +1,188 @@
+"""What must hold for every driveline, whatever the formulas."""
+
+from __future__ import annotations
+
+import math
+
+import hypothesis.strategies as st
+import numpy as np
+from hypothesis import given
+
+from cardan import Driveline, Load
+
+EPS = 2.0**-52
+TURN = np.linspace(0, 2 * math.pi, 512, endpoint=False)
+MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
+LOADED = ("speed_ratio", "torque", "moment", "support_moment")
+
+
+@st.composite
+def lines(draw: st.DrawFn, most: int = 5) -> Driveline:
+    """Random drivelines with straight joints among them."""
+    n = draw(st.integers(1, most))
+    bend = st.one_of(st.just(0.0), st.floats(1e-6, 1.2))
+    bends = draw(st.lists(bend, min_size=n, max_size=n))
+    angles = draw(st.lists(st.floats(-4, 4), min_size=2 * (n - 1), max_size=2 * (n - 1)))
+    return Driveline.from_bends(bends, angles[: n - 1], angles[n - 1 :])
+
+
+def unit(line: Driveline) -> float:
+    """Rounding of a few operations per joint, stretched as the joints stretch it."""
+    return 64 * line.n_joints * EPS / float(np.prod(np.cos(line.bends))) ** 3
+
+
+@given(lines())
+def test_the_mean_speed_ratio_is_one(line: Driveline) -> None:
+    ratio = line.evaluate(np.linspace(0, math.pi, 4096, endpoint=False), "speed_ratio").speed_ratio
+    # The trapezoid rule leaves k**4096.
+    assert abs(float(np.mean(ratio)) - 1) < unit(line)
+
+
+@given(lines())
+def test_half_a_turn_repeats(line: Driveline) -> None:
+    first, second = line.evaluate(TURN, MOTION), line.evaluate(TURN + math.pi, MOTION)
+    for name in MOTION:
+        assert np.max(np.abs(first[name] - second[name])) < 4 * unit(line), name
+
+
+@given(lines())
+def test_the_mean_angle_error_is_zero(line: Driveline) -> None:
+    grid = np.linspace(0, math.pi, 4096, endpoint=False)
+    error = line.evaluate(grid, "angle_error").angle_error
+    assert abs(float(np.mean(error))) < unit(line)
+
+
+@given(lines())
+def test_rates_are_derivatives(line: Driveline) -> None:
+    # Central differences of sixth order, step 1e-3.
+    h, weights = 1e-3, np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
+    grid = TURN[:, np.newaxis] + h * np.arange(-3, 4)
+    got = line.evaluate(grid, ("angle_error", "speed_ratio", "acceleration_ratio"))
+    stiff = float(np.prod(np.cos(line.bends))) ** -7
+    ratio = 1 + got.angle_error @ weights / h
+    assert np.max(np.abs(ratio - got.speed_ratio[:, 3])) < 1e-10 * stiff
+    acceleration = got.speed_ratio @ weights / h
+    assert np.max(np.abs(acceleration - got.acceleration_ratio[:, 3])) < 1e-10 * stiff
+
+
+@given(lines())
+def test_reversing_inverts(line: Driveline) -> None:
+    # The reversed driveline at the drive angle at which its shafts stand as those of the first.
+    back = line.reversed()
+    bend = float(line.bends[-1])
+    if bend < 1e-3:
+        return
+    got = line.evaluate(TURN, ("speed_ratio", "tilt_driving", "tilt_driven"), joints=-1)
+    # sin psi_2 = sin b cos a and tan psi_1 = tan b sin a of the last joint; reversed, the two tilts
+    # change places, which gives the driving angle at the other end.
+    cosine = np.sin(got.tilt_driving) / math.sin(bend)
+    sine = np.tan(got.tilt_driven) / math.tan(bend)
+    drive = np.arctan2(sine, cosine)
+    inverse = back.evaluate(drive, "speed_ratio").speed_ratio
+    assert np.max(np.abs(inverse * got.speed_ratio - 1)) < unit(line) / math.sin(bend) ** 2
+
+
+@given(st.floats(1e-6, 1.5), st.floats(-4, 4))
+def test_two_equal_joints_in_phase_cancel(bend: float, twist: float) -> None:
+    line = Driveline.from_bends([bend, bend], twist, twist)
+    assert float(line.equivalent().k) <= 4 * EPS / math.cos(bend)
+    got = line.evaluate(TURN, MOTION)
+    assert np.max(np.abs(got.angle_error)) <= 8 * EPS / math.cos(bend)
+
+
+@given(lines(4), st.integers(0, 3), st.floats(-4, 4), st.floats(-4, 4))
+def test_a_straight_joint_splits_a_shaft_unnoticed(
+    line: Driveline, at: int, twist: float, phase: float
+) -> None:
+    at = min(at, line.n_joints - 1)
+    if line.n_joints < 2:
+        return
+    at = max(at, 1)
+    # p = delta - tau + 90 degrees of the two halves must add up to that of the whole.
+    bends = np.insert(line.bends, at, 0.0)
+    twists = np.insert(line.twists, at - 1, twist)
+    twists[at] = line.twists[at - 1] - twist
+    phases = np.insert(line.phases, at - 1, phase)
+    phases[at] = line.phases[at - 1] - phase - math.pi / 2
+    split = Driveline.from_bends(bends, twists, phases)
+    got, want = split.evaluate(TURN, MOTION), line.evaluate(TURN, MOTION)
+    for name in MOTION:
+        assert np.max(np.abs(got[name] - want[name])) < 4 * unit(line), name
+
+
+@given(lines(), st.integers(0, 4))
+def test_half_a_turn_of_a_yoke_changes_nothing(line: Driveline, shaft: int) -> None:
+    if line.n_joints < 2:
+        return
+    phases = np.array(line.phases)
+    phases[shaft % phases.size] += math.pi
+    got, want = line.with_phases(phases).evaluate(TURN, MOTION), line.evaluate(TURN, MOTION)
+    for name in MOTION:
+        assert np.max(np.abs(got[name] - want[name])) < 4 * unit(line), name
+
+
+@given(lines(), st.integers(0, 2**32 - 1))
+def test_rigid_motion_and_scale_change_nothing(line: Driveline, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    rotation, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    rotation *= np.linalg.det(rotation)
+    spans = line.directions * random.uniform(0.5, 2, (line.n_joints + 1, 1))
+    points = np.vstack([np.zeros(3), np.cumsum(spans, axis=0)])
+    first = Driveline.from_points(points, line.phases)
+    second = Driveline.from_points(1e3 * points @ rotation.T + [5, -7, 2], line.phases)
+    # A nearly straight joint has a plane only as well as its coordinates have digits.
+    bent = line.bends[line.bends > 0]
+    plane = 1e-13 / float(bent.min()) if bent.size else 0.0
+    got, want = second.evaluate(TURN, MOTION), first.evaluate(TURN, MOTION)
+    for name in MOTION:
+        close = (plane + 4 * unit(line)) / float(np.prod(np.cos(line.bends))) ** 3
+        assert np.max(np.abs(got[name] - want[name])) < close, name
+
+
+@given(lines(), st.booleans(), st.integers(0, 2**32 - 1))
+def test_balance_of_power_and_moments(line: Driveline, drive: bool, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    inertias = random.uniform(0, 1, line.n_joints + 1)
+    torque, speed, acceleration = random.uniform(-5, 5, 3)
+    load = Load(
+        **{"drive_torque" if drive else "output_torque": torque},
+        speed=speed,
+        acceleration=acceleration,
+        inertias=inertias,
+    )
+    got = line.evaluate(TURN, (*LOADED, "acceleration_ratio"), shafts=slice(None), load=load)
+    ratio, moment = got.speed_ratio, got.moment
+    turning = speed**2 * got.acceleration_ratio + acceleration * ratio
+    leaving = got.torque - inertias[:, np.newaxis] * turning
+    scale = unit(line) * (np.max(np.abs(moment)) + np.max(np.abs(got.torque)) + 1)
+    for j in range(line.n_joints):
+        u, v = line.directions[j], line.directions[j + 1]
+        # Power passes a joint undiminished.
+        passed = leaving[j] * ratio[j] - got.torque[j + 1] * ratio[j + 1]
+        assert np.max(np.abs(passed)) < scale * np.max(ratio)
+        # The moment's parts along the shafts are the torsions on both sides.
+        assert np.max(np.abs(moment[j] @ u - leaving[j])) < scale
+        assert np.max(np.abs(moment[j] @ v - got.torque[j + 1])) < scale
+    # Bearings hold what the joints leave across each shaft.
+    zero = np.zeros_like(moment[0])
+    for i, u in enumerate(line.directions):
+        before = moment[i - 1] if i > 0 else zero
+        behind = moment[i] if i < line.n_joints else zero
+        net = before - behind
+        across = net - (net @ u)[:, np.newaxis] * u
+        assert np.max(np.abs(got.support_moment[i] + across)) < scale
+    end = got.torque[0] if drive else leaving[-1]
+    assert np.max(np.abs(end - torque)) < scale
+
+
+@given(lines(), st.floats(-5, 5))
+def test_loads_add_up(line: Driveline, factor: float) -> None:
+    inertias = np.linspace(0.1, 1.0, line.n_joints + 1)
+    names = ("torque", "moment", "support_moment")
+    still = line.evaluate(TURN, names, load=Load(output_torque=factor))
+    moving = line.evaluate(TURN, names, load=Load(speed=3.0, inertias=inertias))
+    both = line.evaluate(TURN, names, load=Load(output_torque=factor, speed=3.0, inertias=inertias))
+    for name in names:
+        total = still[name] + moving[name]
+        scale = np.max(np.abs(still[name])) + np.max(np.abs(moving[name])) + 1
+        assert np.max(np.abs(both[name] - total)) < unit(line) * scale, name

@@ -1,0 +1,538 @@
+"""Scene files: every form of a driveline, units, defaults, messages; the table of a scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import Driveline
+from cardan.scene import FORMAT, FORMS, Scene, describe
+from cardan.summary import Row, summary, summary_text
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+JOINT = "[driveline]\nbends_deg = [8.5]\n"
+
+
+def rows(scene: Scene) -> dict[str, Row]:
+    return {row.label: row for row in summary(scene.run())}
+
+
+# Forms, units and defaults
+
+
+def same(one: Driveline, other: Driveline) -> None:
+    for name in ("bends", "twists", "phases", "directions"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+POINTS = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45]]
+DIRECTIONS = [[2, 0, 0], [1, 0.1, 0], [1, 0, 0.1]]
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("bends_deg = [8.5]", Driveline.from_bends([8.5], degrees=True)),
+        (
+            "bends_deg = [10, 20]\ntwists_deg = [90]\nphases_deg = [30]",
+            Driveline.from_bends([10, 20], [90], [30], degrees=True),
+        ),
+        (f"points_mm = {POINTS}", Driveline.from_points(POINTS)),
+        (
+            f"points_m = {POINTS}\nphases_deg = [15]",
+            Driveline.from_points(POINTS, [15], degrees=True),
+        ),
+        (
+            f"directions = {DIRECTIONS}\nphases_deg = [15]",
+            Driveline.from_directions(DIRECTIONS, [15], degrees=True),
+        ),
+        (
+            "slopes_vertical_deg = [0, 5, 1]\nslopes_horizontal_deg = [1, 2, 9]\nphases_deg = [15]",
+            Driveline.from_slopes([0, 5, 1], [1, 2, 9], [15], degrees=True),
+        ),
+        (
+            "projected_bends_vertical_deg = [15, -11.5]\n"
+            "projected_bends_horizontal_deg = [7, 12]\nphases_deg = [-70]",
+            Driveline.from_projected_bends([15, -11.5], [7, 12], [-70], degrees=True),
+        ),
+    ],
+)
+def test_every_form_is_its_constructor(text: str, line: Driveline) -> None:
+    same(Scene.parse(f"[driveline]\n{text}").line, line)
+
+
+def test_load_in_si_units() -> None:
+    scene = Scene.parse(
+        f"{JOINT}[load]\nspeed_rpm = 3000\nacceleration_rad_s2 = 5\ndrive_torque_Nm = 7\n"
+        "inertias_kgm2 = [0, 0.02]"
+    )
+    load = scene.load_case
+    assert load is not None
+    assert load.end == "drive"
+    assert load.inertias is not None
+    assert load.speed == pytest.approx(100 * math.pi, rel=1e-15)
+    assert (load.torque, load.acceleration, *load.inertias) == (7, 5, 0, 0.02)
+    assert (scene.speed, scene.accelerates) == (load.speed, True)
+
+    other = Scene.parse(f"{JOINT}[load]\nspeed_rad_s = 12.5\noutput_torque_Nm = -3")
+    assert other.load_case is not None
+    assert other.load_case.end == "output"
+    assert (other.load_case.torque, other.speed, other.accelerates) == (-3, 12.5, False)
+
+    assert Scene.parse(JOINT).load_case is None
+    assert Scene.parse(JOINT).speed == 0.0
+
+
+def test_sweep_includes_both_ends_and_keeps_round_degrees() -> None:
+    angles = Scene.parse(JOINT).drive_angle_deg
+    assert angles.tolist() == [i / 2 for i in range(721)]
+    angles = Scene.parse(
+        f"{JOINT}[sweep]\nturns = 1.5\nsamples_per_turn = 4\nstart_deg = -90"
+    ).drive_angle_deg
+    assert angles.tolist() == [-90, 0, 90, 180, 270, 360, 450]
+    tiny = f"{JOINT}[sweep]\nturns = 0.001\nsamples_per_turn = 1"
+    assert Scene.parse(tiny).drive_angle_deg.tolist() == pytest.approx([0, 0.36])
+
+
+MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
+
+
+@pytest.mark.parametrize(
+    ("text", "quantities"),
+    [
+        ("", MOTION),
+        # A speed alone transmits nothing.
+        ("[load]\nspeed_rpm = 100", MOTION),
+        ("[load]\ndrive_torque_Nm = 1", (*MOTION, "torque", "moment")),
+        ("[load]\ninertias_kgm2 = [0, 1]", (*MOTION, "torque", "moment")),
+        ('[output]\nquantities = ["angle", "speed_ratio"]', ("angle", "speed_ratio")),
+    ],
+)
+def test_quantities(text: str, quantities: tuple[str, ...]) -> None:
+    result = Scene.parse(JOINT + text).run()
+    assert result.scene.quantities == quantities
+    assert tuple(result.values) == quantities
+
+
+def test_title_and_files() -> None:
+    scene = Scene.parse(f'title = "A"\n{JOINT}[output]\ncurves = "a.npz"\npicture = "a.pdf"')
+    assert (scene.title, scene.curves_file, scene.picture_file) == ("A", "a.npz", "a.pdf")
+    scene = Scene.parse(JOINT)
+    assert (scene.title, scene.curves_file, scene.picture_file) == ("", None, None)
+
+
+def test_result_is_what_evaluate_gives() -> None:
+    scene = Scene.parse(f"{JOINT}[load]\noutput_torque_Nm = 3\n[sweep]\nsamples_per_turn = 8")
+    result = scene.run()
+    want = scene.line.evaluate(
+        np.radians(np.arange(9) * 45.0), scene.quantities, load=scene.load_case
+    )
+    np.testing.assert_array_equal(result.drive_angle, np.radians(np.arange(9) * 45.0))
+    for name, values in want.items():
+        np.testing.assert_array_equal(result.values[name], values)
+
+
+# Messages
+
+
+def section(name: str) -> str:
+    return f"{JOINT}[{name}]\n"
+
+
+DRIVELINE = "[driveline]\n"
+
+ERRORS = [
+    ("", "section [driveline] is missing; it describes the joints and shafts"),
+    (
+        "x =\n",
+        "not TOML: Invalid value (at line 1, column 4)",
+    ),
+    ("a = " + "[" * 100_000, "not TOML: nested too deeply"),
+    ("title = 3\n" + JOINT, "title is 3; it must be text in quotes"),
+    ("titel = 'a'\n" + JOINT, "unknown key 'titel'; did you mean 'title'?"),
+    ("[drivline]\n", "unknown section 'drivline'; did you mean 'driveline'?"),
+    ("driveline = 3", "driveline is 3; it must be a section [driveline]"),
+    ("bends_deg = [1]", "unknown key 'bends_deg'; it belongs in [driveline]"),
+    ('"a\\nb" = 1', r"unknown key 'a\nb'; known are title, driveline, load, sweep, output"),
+    (
+        DRIVELINE + "bend_deg = [1]",
+        "[driveline] unknown key 'bend_deg'; did you mean 'bends_deg'?",
+    ),
+    (JOINT + "speed_rpm = 1", "[driveline] unknown key 'speed_rpm'; it belongs in [load]"),
+    (
+        DRIVELINE,
+        "[driveline] no shafts or joints; give one of: bends_deg; points_m; points_mm; directions; "
+        "slopes_vertical_deg with slopes_horizontal_deg; "
+        "projected_bends_vertical_deg with projected_bends_horizontal_deg",
+    ),
+    (
+        JOINT + "points_mm = [[0, 0, 0]]",
+        "[driveline] bends_deg and points_mm are both given; describe the driveline in one way",
+    ),
+    (
+        DRIVELINE + "twists_deg = [1]\npoints_m = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]",
+        "[driveline] twists_deg does not go with points_m, which says it already",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 1]",
+        "[driveline] slopes_horizontal_deg is missing; "
+        "slopes_vertical_deg and slopes_horizontal_deg go together",
+    ),
+    (DRIVELINE + "bends_deg = 8", "[driveline] bends_deg is 8; it must be a list of numbers"),
+    (DRIVELINE + "bends_deg = [1, 'a']", "[driveline] bends_deg[1] is 'a'; it must be a number"),
+    (DRIVELINE + "bends_deg = [true]", "[driveline] bends_deg[0] is true; it must be a number"),
+    (DRIVELINE + "bends_deg = [nan]", "[driveline] bends_deg[0] is nan; it must be finite"),
+    (
+        DRIVELINE + f"bends_deg = [1{'0' * 400}]",
+        f"[driveline] bends_deg[0] is 1{'0' * 56}...; it must be finite",
+    ),
+    (
+        DRIVELINE + "bends_deg = [8, 95]",
+        "[driveline] bends_deg[1] is 95.0 deg; a bend must lie in [0, 90) deg",
+    ),
+    (
+        DRIVELINE + "bends_deg = [-1]",
+        "[driveline] bends_deg[0] is -1.0 deg; a bend must lie in [0, 90) deg",
+    ),
+    (DRIVELINE + "bends_deg = []", "[driveline] bends_deg has length 0; one joint needs 1"),
+    (
+        JOINT + "phases_deg = [1]",
+        "[driveline] phases_deg has length 1; it needs 0, one per shaft between two joints",
+    ),
+    (
+        DRIVELINE + "points_mm = [[0, 0, 0], [1, 0, 0]]",
+        "[driveline] points_mm has length 2; one joint needs 3",
+    ),
+    (
+        DRIVELINE + "points_mm = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]",
+        "[driveline] points_mm[2] is (1, 0, 0) after (1, 0, 0); "
+        "two successive points must differ by a finite distance",
+    ),
+    (
+        DRIVELINE + "points_m = [[0, 0, 0], [1, 0], [1, 0, 0]]",
+        "[driveline] points_m[1] is [1, 0]; it must be a list of three numbers",
+    ),
+    (
+        DRIVELINE + "points_m = [[0, 0, 0], [1, 0, '0']]",
+        "[driveline] points_m[1][2] is '0'; it must be a number",
+    ),
+    (
+        DRIVELINE + "directions = [[0, 0, 0], [1, 0, 0]]",
+        "[driveline] directions[0] is (0, 0, 0); a direction must be finite and not zero",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 1]\nslopes_horizontal_deg = [0]",
+        "[driveline] slopes_horizontal_deg has length 1; it needs 2, as many as "
+        "slopes_vertical_deg",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 90]\nslopes_horizontal_deg = [0, 0]",
+        "[driveline] slopes_vertical_deg[1] is 90; it must lie between -90 and 90",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [50, -50]\nslopes_horizontal_deg = [0, 0]",
+        "[driveline] slopes_vertical_deg and slopes_horizontal_deg give bends[0] = "
+        "1.7453292519943295 rad; a bend must lie in [0, pi/2)",
+    ),
+    (
+        DRIVELINE + "projected_bends_vertical_deg = [1]\nprojected_bends_horizontal_deg = [1]",
+        "[driveline] projected_bends_vertical_deg has length 1; it needs 2, one per joint",
+    ),
+    (
+        section("load") + "speed_rpm = 1\nspeed_rad_s = 1",
+        "[load] speed_rpm and speed_rad_s are both given; give one of them",
+    ),
+    (
+        section("load") + "drive_torque_Nm = 1\noutput_torque_Nm = 1",
+        "[load] drive_torque_Nm and output_torque_Nm are both given; give one of them",
+    ),
+    (
+        section("load") + "inertias_kgm2 = [1]",
+        "[load] inertias_kgm2 has length 1; it needs 2, one per shaft",
+    ),
+    (
+        section("load") + "inertias_kgm2 = [0, -1]",
+        "[load] inertias_kgm2[1] is -1.0; an inertia must not be negative",
+    ),
+    (section("sweep") + "turns = 0", "[sweep] turns is 0; it must be positive"),
+    (
+        section("sweep") + "samples_per_turn = 1.5",
+        "[sweep] samples_per_turn is 1.5; it must be a whole number of at least 1",
+    ),
+    (
+        section("sweep") + "turns = 2\nsamples_per_turn = 1000000000",
+        "[sweep] samples_per_turn is 1000000000 over turns = 2; "
+        "a sweep takes at most 10000000 steps",
+    ),
+    (
+        section("sweep") + f"samples_per_turn = 0x1{'0' * 5000}",
+        "[sweep] samples_per_turn is a number too large over turns = 1; "
+        "a sweep takes at most 10000000 steps",
+    ),
+    (
+        section("output") + "curves = 'a.xlsx'",
+        "[output] curves is 'a.xlsx'; it must end in .csv or .npz or .parquet",
+    ),
+    (
+        section("output") + "picture = 'a.csv'",
+        "[output] picture is 'a.csv'; it must end in .svg or .png or .pdf",
+    ),
+    (
+        section("output") + "curves = '../a.csv'",
+        "[output] curves is '../a.csv'; it must be a file name without a folder",
+    ),
+    (
+        section("output") + r"curves = 'b\a.csv'",
+        r"[output] curves is 'b\\a.csv'; it must be a file name without a folder",
+    ),
+    (
+        section("output") + "quantities = ['torque']",
+        "[output] quantities[0] is 'torque'; it needs a section [load]",
+    ),
+    (
+        section("output") + "quantities = ['speed']",
+        "[output] quantities[0] is 'speed'; did you mean 'speed_ratio'?",
+    ),
+    (
+        section("output") + "quantities = []",
+        "[output] quantities is []; name at least one, or leave it out",
+    ),
+    (
+        section("output") + "quantities = ['angle', 'angle']",
+        "[output] quantities[1] is 'angle' again; name each once",
+    ),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), ERRORS, ids=[message for _, message in ERRORS])
+def test_messages(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=r"^shaft\.toml: ") as caught:
+        Scene.parse(text, "shaft.toml")
+    assert str(caught.value) == f"shaft.toml: {message}"
+
+
+def test_integers_that_python_will_not_read() -> None:
+    with pytest.raises(ValueError, match="^scene: not TOML: .*digits"):
+        Scene.parse(f"[driveline]\nbends_deg = [1{'0' * 5000}]")
+
+
+# Files
+
+
+def test_load_names_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "shaft.toml"
+    path.write_text("[driveline]\nbends_deg = [99]\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="99") as caught:
+        Scene.load(path)
+    assert str(caught.value).startswith(f"{path}: [driveline] bends_deg[0] is 99.0 deg")
+
+    with pytest.raises(FileNotFoundError):
+        Scene.load(tmp_path / "missing.toml")
+
+
+def test_byte_order_mark_and_line_ends(tmp_path: Path) -> None:
+    path = tmp_path / "shaft.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + f'title = "Föppl"\n{JOINT}'.replace("\n", "\r\n").encode())
+    assert Scene.load(str(path)).title == "Föppl"
+
+
+def test_not_utf8(tmp_path: Path) -> None:
+    path = tmp_path / "shaft.toml"
+    path.write_bytes(b'title = "F\xf6ppl"\n')
+    with pytest.raises(ValueError, match="not UTF-8") as caught:
+        Scene.load(path)
+    assert str(caught.value) == f"{path}: not UTF-8 text at byte 10"
+
+
+# Documentation
+
+
+def test_description_is_the_format() -> None:
+    words = describe().split()
+    for name, part in FORMAT.items():
+        assert not name or f"[{name}]" in words
+        for key, entry in part.keys.items():
+            assert key in words
+            assert f"{entry.kind}: {entry.meaning}".split()[-1].rstrip(";") in describe()
+    assert max(map(len, describe().splitlines())) <= 77
+    assert "samples_per_turn" in str(Scene.__doc__)
+
+
+def test_every_key_of_a_driveline_is_in_a_form() -> None:
+    used = {key for form in FORMS for key in form.keys + form.optional}
+    assert used == set(FORMAT["driveline"].keys)
+
+
+# The table
+
+
+def test_foeppl() -> None:
+    """Thoma's example: the torque that the flywheel asks for, exactly and in his small angles."""
+    scene = Scene.load(EXAMPLES / "foeppl.toml")
+    table = rows(scene)
+    bend, inertia, speed = math.radians(8.5), 0.02, 100 * math.pi
+    c, s2 = math.cos(bend), math.sin(bend) ** 2
+
+    # theory: the largest acceleration is at cos(2 alpha) = (-p + sqrt(p**2 + 8)) / 2
+    p = (2 - s2) / s2
+    cos2 = (-p + math.sqrt(p * p + 8)) / 2
+    place = math.acos(cos2) / 2
+    largest = (
+        c * s2 * math.sin(2 * place) / (math.cos(place) ** 2 * c * c + math.sin(place) ** 2) ** 2
+    )
+    exact = inertia * speed**2 * largest
+    torque = table["largest torque, shaft 1"]
+    assert torque.values[0] == pytest.approx(exact, rel=1e-4)
+    assert torque.values[0] <= exact
+    assert torque.at_deg == pytest.approx(math.degrees(place), abs=0.5)
+    small_angles = 2 * inertia * speed**2 * (1 - c)
+    assert torque.values[0] / small_angles - 1 == pytest.approx(0.0056, abs=2e-4)
+    assert table["largest acceleration"].values[0] == pytest.approx(exact / inertia, rel=1e-12)
+
+    # The bending moments beside it: |M| / Mt is 1 / cos of the angle between M and the shaft.
+    assert table["largest moment, joint 0"].values[0] == pytest.approx(43.85, abs=0.01)
+
+    error = table["largest angle error"]
+    assert error.values[0] == pytest.approx(math.degrees(math.atan((1 - c) / (2 * math.sqrt(c)))))
+    assert error.at_deg == pytest.approx(math.degrees(math.atan(math.sqrt(c))))
+    assert table["speed ratio"].values == pytest.approx((c, 1 / c))
+    assert table["speed, shaft 1"].values == pytest.approx((3000 * c, 3000 / c))
+    assert table["non-uniformity U"].values[0] == pytest.approx(1 / c - c)
+    assert table["equivalent bend"].values[0] == pytest.approx(8.5)
+
+
+def test_thomas_small_angle_curves() -> None:
+    """His three formulae, in right-handed axes: x, y, z here are his -y, x, -z of the print."""
+    result = Scene.load(EXAMPLES / "foeppl.toml").run()
+    bend, unit, phi = math.radians(8.5), 0.02 * (100 * math.pi) ** 2, result.drive_angle
+    m = 1 - math.cos(bend)
+    torque = -2 * unit * m * np.sin(2 * phi)
+    assert np.max(np.abs(result.values["torque"] - torque)) < 0.016 * np.max(np.abs(torque))
+    # Along and across the driven shaft, (cos, sin, 0).
+    x, y, z = np.moveaxis(result.values["moment"][0], -1, 0)
+    along, across = x * math.cos(bend) + y * math.sin(bend), y * math.cos(bend) - x * math.sin(bend)
+    np.testing.assert_allclose(along, result.values["torque"], atol=1e-12 * unit)
+    mx = unit * math.sin(bend) * m * (np.sin(2 * phi) + 0.5 * np.sin(4 * phi))
+    mz = 0.5 * unit * math.sin(bend) * m * (1 - np.cos(4 * phi))
+    assert np.max(np.abs(across - mx)) < 0.03 * np.max(np.abs(mx))
+    assert np.max(np.abs(z - mz)) < 0.03 * np.max(np.abs(mz))
+
+
+def test_spatial_shaft() -> None:
+    scene = Scene.load(EXAMPLES / "spatial_shaft.toml")
+    table = rows(scene)
+    assert table["bends"].values == pytest.approx((16.4225, 16.3956), abs=5e-5)
+    assert table["twist of bend planes, shaft 1"].values == pytest.approx((109.127,), abs=5e-4)
+    assert table["phase of forks, shaft 1"].values == pytest.approx((-70.8728,))
+    assert table["equivalent bend"].values[0] == pytest.approx(0.951, abs=5e-4)
+    untwisted = rows(
+        Scene.parse((EXAMPLES / "spatial_shaft.toml").read_text().replace("-70", "-0"))
+    )
+    assert untwisted["equivalent bend"].values[0] > 20
+
+
+def test_string_by_points() -> None:
+    """The bends of the drawing, from the points themselves."""
+    scene = Scene.load(EXAMPLES / "string_by_points.toml")
+    points = np.array(
+        [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+    )
+    along = np.diff(points, axis=0)
+    along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+    bends = np.degrees(np.arccos(np.sum(along[1:] * along[:-1], axis=-1)))
+    table = rows(scene)
+    assert table["bends"].values == pytest.approx(tuple(bends))
+    assert table["equivalent bend"].values[0] < 3.0
+    # Bending is torque times about the tangent of the bend, at most.
+    for joint, bend in enumerate(bends):
+        largest = table[f"largest bending driven, joint {joint}"].values[0]
+        assert largest == pytest.approx(4000 * math.tan(math.radians(bend)), rel=0.01)
+
+
+def test_places_are_places() -> None:
+    """What the table says happens where the table says, for a chain that starts anywhere."""
+    text = (
+        "[driveline]\nbends_deg = [20, 35]\ntwists_deg = [50]\nphases_deg = [-20]\n"
+        "[load]\nspeed_rad_s = 100\ninertias_kgm2 = [0, 0.1, 0.3]\noutput_torque_Nm = 20\n"
+        "[sweep]\nstart_deg = -400\nturns = 1.2\nsamples_per_turn = 3600"
+    )
+    scene = Scene.parse(text)
+    table = rows(scene)
+    for label, name, item, index in (
+        ("largest angle error", "angle_error", 180 / math.pi, ()),
+        ("largest torque, shaft 2", "torque", 1.0, ()),
+        ("largest moment, joint 1", "moment", 1.0, (1,)),
+    ):
+        place = table[label].at_deg
+        assert place is not None
+        values = scene.line.evaluate(math.radians(place), name, load=scene.load_case)[name]
+        assert np.linalg.norm(values[index]) * item == pytest.approx(table[label].values[0])
+        curve = scene.run().values[name][index]
+        sizes = np.linalg.norm(curve, axis=-1) if curve.ndim == 2 else np.abs(curve)
+        assert np.max(sizes) * item == pytest.approx(table[label].values[0], rel=1e-5)
+    assert table["speed, shaft 2"].values == pytest.approx(
+        tuple(ratio * 100 * 30 / math.pi for ratio in table["speed ratio"].values)
+    )
+
+
+def test_compensated_shaft_has_no_place() -> None:
+    """Rounding is not reported as motion, and no place is given for what happens nowhere."""
+    scene = Scene.parse(
+        "[driveline]\nbends_deg = [15, 15]\ntwists_deg = [60]\nphases_deg = [60]\n"
+        "[load]\nspeed_rpm = 1000\ninertias_kgm2 = [0, 0, 1]\n"
+    )
+    table = rows(scene)
+    assert table["largest angle error"] == Row("largest angle error", (0.0,), "deg")
+    assert table["equivalent bend"].values == (0.0,)
+    assert table["speed ratio"].values == (1.0, 1.0)
+    assert table["largest acceleration"].values == (0.0,)
+    # A phase that is off by a thousandth of a degree is motion.
+    almost = rows(Scene.parse("[driveline]\nbends_deg = [15, 15]\nphases_deg = [0.001]"))
+    assert almost["largest angle error"].values[0] > 1e-6
+
+
+def test_straight_driveline() -> None:
+    table = rows(Scene.parse("[driveline]\nbends_deg = [0]\n[load]\noutput_torque_Nm = 5"))
+    assert table["largest angle error"] == Row("largest angle error", (0.0,), "deg")
+    assert table["largest torque, shaft 1"] == Row("largest torque, shaft 1", (5.0,), "N m")
+
+
+def test_acceleration_says_when_the_drive_accelerates() -> None:
+    text = f"{JOINT}[load]\nspeed_rpm = 1\nacceleration_rad_s2 = 1"
+    assert "largest acceleration, steady drive" in rows(Scene.parse(text))
+
+
+def test_table_as_text() -> None:
+    text = summary_text(
+        [
+            Row("bends", (8.5, 12.0), "deg"),
+            Row("angle", (0.31639,), "deg", 44.8416),
+            Row("speed", (2967.04, 3033.32), "rpm", is_range=True),
+            Row("ratio", (0.999862, 1.000138), is_range=True),
+            Row("even", (1.0, 1.0), is_range=True),
+            Row("none", (0.0,), "N m"),
+            Row("tiny", (1.23456e-7,)),
+            Row("large", (1234567.8,), "N m"),
+            Row("huge", (1.23456e8,), "N m"),
+            Row("long", tuple(range(10, 40)), "deg"),
+        ]
+    )
+    assert text.splitlines() == [
+        "bends  8.500, 12.00 deg",
+        "angle  0.3164 deg at 44.84 deg",
+        "speed  2967.0 to 3033.3 rpm",
+        "ratio  0.999862 to 1.000138",
+        "even   1.000",
+        "none   0 N m",
+        "tiny   1.235e-07",
+        "large  1234568 N m",
+        "huge   1.235e+08 N m",
+        "long   10.00, 11.00, 12.00, 13.00, 14.00, 15.00, 16.00, 17.00, 18.00, 19.00,",
+        "       20.00, 21.00, 22.00, 23.00, 24.00, 25.00, 26.00, 27.00, 28.00, 29.00,",
+        "       30.00, 31.00, 32.00, 33.00, 34.00, 35.00, 36.00, 37.00, 38.00, 39.00 deg",
+        "",
+        'After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.',
+    ]
