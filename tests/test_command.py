@@ -18,7 +18,7 @@ from click.testing import CliRunner, Result
 
 import cardan
 from cardan.command import commands
-from cardan.scene import FORMAT
+from cardan.scene import FORMAT, Scene
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
@@ -60,7 +60,7 @@ def test_every_example_runs(path: Path, into: Path) -> None:
     assert set(written) == {f"{path.stem}.csv", f"{path.stem}.svg"}
     assert min(written.values()) > 10_000
     lines = result.output.splitlines()
-    assert lines[0] == cardan.Scene.load(path).title if hasattr(cardan, "Scene") else lines[0]
+    assert lines[0] == Scene.load(path).title
     assert lines[-2:] == [
         f"wrote {into / path.stem}.csv (721 rows)",
         f"wrote {into / path.stem}.svg",
@@ -155,7 +155,7 @@ def test_scene_errors(tmp_path: Path) -> None:
 
 
 def test_usage_errors(scene: Path) -> None:
-    failed(run("rnu"), "No such command 'rnu'.")
+    assert run("rnu").output.startswith("cardan: No such command 'rnu'.")
     failed(run("run"), "Missing argument 'SCENE'.")
     assert run("run", scene, "--onto").output.startswith("cardan: No such option")
     failed(
@@ -224,7 +224,14 @@ def test_terminal_that_lacks_characters(into: Path) -> None:
     assert done.stdout.startswith("F?ppl's rig")
 
 
-LARGE = "[driveline]\nbends_deg = [8.5]\n[sweep]\nsamples_per_turn = 4000000\n[output]\ncurves = 'a.csv'"
+LARGE = """\
+[driveline]
+bends_deg = [8.5]
+[sweep]
+samples_per_turn = 4000000
+[output]
+curves = "a.csv"
+"""
 
 
 @pytest.mark.skipif(os.name != "posix", reason="POSIX signals")

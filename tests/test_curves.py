@@ -131,9 +131,14 @@ def test_interrupted(tmp_path: Path, error: type[BaseException], old: bool) -> N
     path = tmp_path / "a.csv"
     if old:
         path.write_text("old")
-    with pytest.raises(error), whole_file(path) as file:
-        file.write(b"half")
-        raise error
+
+    def write() -> None:
+        with whole_file(path) as file:
+            file.write(b"half")
+            raise error
+
+    with pytest.raises(error):
+        write()
     assert [(entry, entry.read_text()) for entry in tmp_path.iterdir()] == [(path, "old")][:old]
 
 

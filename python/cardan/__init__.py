@@ -12,6 +12,7 @@ array([1.154701, 1.072288, 0.934235])
 
 from cardan import approximations, reference, workshop
 from cardan._core import __version__
+from cardan.ball_joint import BallJoint
 from cardan.check import Check, Finding
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics
@@ -22,6 +23,7 @@ from cardan.scene import Scene
 
 __all__ = [
     "OUTPUTS",
+    "BallJoint",
     "Check",
     "Driveline",
     "EquivalentJoint",

@@ -1,8 +1,8 @@
 """What the sources and workshops compute instead of the exact motion and moments.
 
 Each function is named as what it is and says how far it is off. For the exact values use
-``Driveline``, whose ``check`` has the exact counterparts of the workshop figures. Everything broadcasts, as NumPy's own functions do; NaN in gives
-NaN out at that place alone.
+``Driveline``, whose ``check`` has the exact counterparts of the workshop figures. Everything
+broadcasts, as NumPy's own functions do; NaN in gives NaN out at that place alone.
 
 Sources: D. Thoma, "Das Kräftespiel im Kreuzgelenk", Schweizerische Bauzeitung 75/76 (1920), Heft
 17, with the numbers of his equations; the chapter on double joints in the catalogues of German
@@ -81,12 +81,12 @@ def thoma_small_angle(
     tan² b``.
 
     **Signs.** Thoma's x and y lie in the plane of the shafts, z across it, and the driven shaft
-    along y. His angles of rotation in (1) and (2) both turn the shafts the negative way about y in
-    right-handed axes ``(x, y, z)``, while he counts torque and moments positive with them. As a
-    vector in right-handed axes the moment on the driven shaft therefore is ``-(Mx, Mt, Mz)``. With
-    the driven shaft pointing along the power flow at ``(0, -1, 0)`` and the driving one at ``(-sin
-    b, -cos b, 0)``, that is the ``moment`` of ``Driveline.evaluate``: its part along the driven
-    shaft is ``+Mt``, and the two bending moments change sign.
+    along y. In right-handed axes his (1) and (2) turn both shafts the negative way, the driven one
+    about ``(0, -1, 0)`` and the driving one about ``(-sin b, -cos b, 0)``. His (8) counts the
+    torque with the rotation, and by (5) the bending moments go with it. **As a vector in
+    right-handed axes the moment on the driven shaft therefore is** ``-(Mx, Mt, Mz)``. That vector
+    is the ``moment`` of ``Driveline.evaluate``: its part along the driven shaft, which points along
+    the power flow, is ``+Mt``, but those along x and z are ``-Mx`` and ``-Mz``.
 
     Args:
         angle: drive angle in rad, his ``phi``; 0 with the driving pin in the plane of the shafts.
@@ -123,9 +123,8 @@ def thoma_moment_ratios(angle: ArrayLike, bend: ArrayLike) -> ThomaMomentRatios:
         Mx/Mt = sin b cos b cos² a / (cos² a cos² b + sin² a)
         Mz/Mt = sin b sin a cos a / (cos² a cos² b + sin² a)
 
-    The ratios are free of the sign trap in ``thoma_small_angle`` as long as both moments are his.
-    In right-handed axes the components across the driven shaft are ``-Mx`` along x and ``-Mz``
-    along z for a torque ``+Mt`` about that shaft, which points along -y.
+    For the signs see ``thoma_small_angle``: as components of a vector in right-handed axes, these
+    are the ones along x and z over the one along y, which is the torque about ``-y`` turned round.
 
     Args:
         angle: drive angle in rad, his ``phi``; 0 with the driving pin in the plane of the shafts.
@@ -196,9 +195,10 @@ def torsional_excitation(bends: ArrayLike, fork_signs: ArrayLike, speed: ArrayLi
     """Return the torsional workshop figure of a chain in rad/s²: ``w² sin² catalogue_bend``.
 
     It stands for the largest acceleration of the last shaft, which should stay near or below
-    ``TORSIONAL_LIMIT`` and never exceed ``TORSIONAL_MAXIMUM``. For a single joint it is below the exact peak by 1.5 % at 10° and
-    15 % at 30°, and it inherits the errors of ``catalogue_bend``. Makers print it with the sine;
-    with the bend itself it would be 0.4 % more at 6°. Beyond 90° the sine counts as 1.
+    ``TORSIONAL_LIMIT`` and never exceed ``TORSIONAL_MAXIMUM``. For a single joint it is below the
+    exact peak by 1.5 % at 10° and 15 % at 30°, and it inherits the errors of ``catalogue_bend``.
+    Practice takes the sine; with the bend itself it would be 0.4 % more at 6°. Beyond 90° the sine
+    counts as 1.
 
     Args:
         bends: bend of each joint in rad, ``(..., n)``.

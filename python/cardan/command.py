@@ -101,7 +101,8 @@ def commands() -> click.Group:
         if result.scene.title:
             click.echo(f"{result.scene.title}\n")
         click.echo(summary_text(summary(result)))
-        click.echo()
+        if result.scene.curves_file or result.scene.picture_file:
+            click.echo()
         if result.scene.curves_file:
             path = into / result.scene.curves_file
             click.echo(f"wrote {path} ({write_curves(result, path)} rows)")
