@@ -225,9 +225,7 @@ class Fold:
     complement: Number
 
     @classmethod
-    def of(
-        cls, bends: Sequence[float], twists: Sequence[float], phases: Sequence[float]
-    ) -> Fold:
+    def of(cls, bends: Sequence[float], twists: Sequence[float], phases: Sequence[float]) -> Fold:
         """Fold a chain whose angles are exactly the given doubles."""
         a, b, complement = mp.mpc(1), mp.mpc(0), mp.mpf(1)
         for j, bend in enumerate(bends):

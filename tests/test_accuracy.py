@@ -23,9 +23,9 @@ from functools import cache, cached_property
 
 import numpy as np
 import pytest
-from oracle import EPS, Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
 
 from cardan import Driveline, Load, Result, _core, evaluation
+from oracle import EPS, Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
 
 # --- one joint -------------------------------------------------------------------------------
 

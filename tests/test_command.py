@@ -219,7 +219,8 @@ def test_memory(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_terminal_that_lacks_characters(into: Path) -> None:
     foeppl = next(path for path in EXAMPLES if path.stem == "foeppl")
-    done = script("run", foeppl, cwd=into, env={**os.environ, "PYTHONIOENCODING": "ascii"})
+    environment = {**os.environ, "PYTHONIOENCODING": "iso8859-5"}
+    done = script("run", foeppl, cwd=into, env=environment)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("F?ppl's rig")
 
