@@ -123,8 +123,8 @@ def thoma_moment_ratios(angle: ArrayLike, bend: ArrayLike) -> ThomaMomentRatios:
         Mx/Mt = sin b cos b cos² a / (cos² a cos² b + sin² a)
         Mz/Mt = sin b sin a cos a / (cos² a cos² b + sin² a)
 
-    For the signs see ``thoma_small_angle``: as components of a vector in right-handed axes, these
-    are the ones along x and z over the one along y, which is the torque about ``-y`` turned round.
+    The signs of ``thoma_small_angle`` cancel: these are the components along x and z, over the one
+    along y, of the moment as a vector in right-handed axes.
 
     Args:
         angle: drive angle in rad, his ``phi``; 0 with the driving pin in the plane of the shafts.

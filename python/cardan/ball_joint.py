@@ -141,7 +141,7 @@ class BallJoint:
             load: in N, not negative.
         """
         force = self._force(load)
-        return scalar_or_array(self._contact(force).angle + 0.0 * force)
+        return scalar_or_array(self._contact(force).angle + np.zeros(self.shape) * force)
 
     def peak_pressure(self, load: ArrayLike) -> Any:  # noqa: ANN401
         """Return the pressure ``N_0`` in Pa in line with the load.
@@ -408,7 +408,7 @@ def _sunk(q: FloatArray) -> FloatArray:
     as well conditioned as ``q``, and Newton's method in these logarithms cannot go astray. The
     start is within 30 % and exact at both ends; the error then falls to rounding in four steps.
     """
-    z = np.sqrt(q / 3.0) + q / 2.0
+    z = np.sqrt(q) / math.sqrt(3.0) + q / 2.0
     for _ in range(4):
         c = 1.0 / (1.0 + z)
         versine = z * c

@@ -3,6 +3,7 @@
 
 pub mod batch;
 pub mod chain;
+mod chunk;
 pub mod error;
 mod fold;
 pub mod geometry;

@@ -1,7 +1,7 @@
 //! Geometry of batches of drivelines, and their equivalent joints.
 
 use cardan::phasing::optimal_phases_of_batch;
-use cardan::{Error, Geometry, Transfer};
+use cardan::{Error, Geometry, Transfer, Vector};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -85,14 +85,7 @@ pub(crate) fn from_directions<'py>(
     directions: Input<'py>,
     phases: Input<'py>,
 ) -> PyResult<Flat<'py>> {
-    let directions = slice("directions", &directions)?;
-    let phases = slice("phases", &phases)?;
-    lay_out(py, &shape, |line| {
-        Geometry::from_directions(
-            &vectors(part(directions, line, 3 * (joints + 1))),
-            part(phases, line, joints.saturating_sub(1)),
-        )
-    })
+    from_vectors(py, joints, &shape, &directions, &phases, joints + 1, Geometry::from_directions)
 }
 
 /// Drivelines from points `(…, n + 2, 3)` and phases `(…, n − 1)`.
@@ -104,13 +97,23 @@ pub(crate) fn from_points<'py>(
     points: Input<'py>,
     phases: Input<'py>,
 ) -> PyResult<Flat<'py>> {
-    let points = slice("points", &points)?;
-    let phases = slice("phases", &phases)?;
-    lay_out(py, &shape, |line| {
-        Geometry::from_points(
-            &vectors(part(points, line, 3 * (joints + 2))),
-            part(phases, line, joints.saturating_sub(1)),
-        )
+    from_vectors(py, joints, &shape, &points, &phases, joints + 2, Geometry::from_points)
+}
+
+fn from_vectors<'py>(
+    py: Python<'py>,
+    joints: usize,
+    shape: &[usize],
+    flat: &Input<'py>,
+    phases: &Input<'py>,
+    each: usize,
+    make: fn(&[Vector], &[f64]) -> cardan::Result<Geometry>,
+) -> PyResult<Flat<'py>> {
+    let flat = slice("vectors", flat)?;
+    let phases = slice("phases", phases)?;
+    lay_out(py, shape, |line| {
+        let between = part(phases, line, joints.saturating_sub(1));
+        make(&vectors(part(flat, line, 3 * each)), between)
     })
 }
 
