@@ -1,4 +1,4 @@
-"""Phase a string of three unequal joints as smoothly as it can run, and say how to set the yokes."""
+"""Phase a string of three unequal joints as smoothly as it can run, and say so in words."""
 
 import cardan
 

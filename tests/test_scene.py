@@ -291,6 +291,10 @@ ERRORS = [
         r"[output] curves is 'b\\a.csv'; it must be a file name without a folder",
     ),
     (
+        section("output") + r'curves = "a\nb.csv"',
+        r"[output] curves is 'a\nb.csv'; it must be a file name without a folder",
+    ),
+    (
         section("output") + "quantities = ['torque']",
         "[output] quantities[0] is 'torque'; it needs a section [load]",
     ),
@@ -448,6 +452,12 @@ def test_string_by_points() -> None:
     table = rows(scene)
     assert table["bends"].values == pytest.approx(tuple(bends))
     assert table["equivalent bend"].values[0] < 3.0
+    # Largest, not smallest, where the table says.
+    error = table["largest angle error"]
+    assert error.at_deg is not None
+    at_place = scene.line.evaluate(math.radians(error.at_deg), "angle_error").angle_error
+    assert math.degrees(at_place) == pytest.approx(error.values[0])
+    assert 90 < error.at_deg < 180
     # Bending is torque times about the tangent of the bend, at most.
     for joint, bend in enumerate(bends):
         largest = table[f"largest bending driven, joint {joint}"].values[0]
@@ -483,7 +493,7 @@ def test_places_are_places() -> None:
 def test_compensated_shaft_has_no_place() -> None:
     """Rounding is not reported as motion, and no place is given for what happens nowhere."""
     scene = Scene.parse(
-        "[driveline]\nbends_deg = [15, 15]\ntwists_deg = [60]\nphases_deg = [60]\n"
+        "[driveline]\nbends_deg = [33, 33]\ntwists_deg = [10]\nphases_deg = [190]\n"
         "[load]\nspeed_rpm = 1000\ninertias_kgm2 = [0, 0, 1]\n"
     )
     table = rows(scene)

@@ -149,7 +149,7 @@ def catalogue_bend(bends: ArrayLike, fork_signs: ArrayLike) -> Any:  # noqa: ANN
 
     The rule is ``sqrt|sum of +-b²|``, for yokes that lie in their bend planes or across them. It
     is the first term of the exact ``ln sec b = |sum of +-ln sec b_j|``: two joints with bends up to
-    10, 20 and 30° come out wrong by at most 0.04, 0.29 and 1.0°. With three or more it can miss
+    10, 20 and 30° come out wrong by up to 0.04, 0.29 and 1.02°. With three or more it can miss
     altogether: 20, -25, 15° gives 0, exact is 3.143°. ``Driveline.equivalent`` has the exact bend
     at any setting of the yokes.
 
