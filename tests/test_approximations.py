@@ -259,7 +259,7 @@ def test_mean_of_the_bending_moment_across_the_shafts(case: dict[str, Any]) -> N
     bend, inertia, speed = radians(case["bend_deg"]), 0.4, 60.0
     unit = inertia * speed**2
     # Equal steps over a turn integrate a trigonometric polynomial exactly.
-    angle = np.arange(256) * (2 * math.pi / 256)
+    angle: Doubles = np.linspace(0, 2 * math.pi, 256, endpoint=False)
     mean = np.mean(exact(bend, angle, inertia, speed).moment_z)
     assert mean == pytest.approx(-0.25 * unit * math.sin(bend) * math.tan(bend) ** 2, rel=1e-12)
     assert mean / unit == pytest.approx(float(case["mean_Mz"]), rel=1e-12)

@@ -321,6 +321,16 @@ def test_drivelines_do_not_change() -> None:
             "vertical has shape (3,); two joints need (..., 2)",
         ),
         (
+            lambda: Driveline.from_projected_bends([0, 0], [0, -95], degrees=True),
+            ValueError,
+            "horizontal[1] is -95.0; a projected bend must lie between -90 deg and 90 deg",
+        ),
+        (
+            lambda: Driveline.from_projected_bends([1, 1], [0, 0], reference="output"),
+            ValueError,
+            "vertical adds up to 90 deg or more against the output shaft",
+        ),
+        (
             lambda: Driveline.from_projected_bends([0, 0], [0, 0], reference="middle"),  # type: ignore[arg-type]
             ValueError,
             "reference is 'middle'; it must be one of 'common', 'input', 'output'",

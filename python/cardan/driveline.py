@@ -190,8 +190,8 @@ class Driveline:
         """
         views = []
         for name, value in (("vertical", vertical), ("horizontal", horizontal)):
-            bend = real(name, value)
-            if bend.ndim == 0 or bend.shape[-1] != 2:
+            bend = _slopes(name, value, degrees, "projected bend")
+            if bend.shape[-1] != 2:
                 raise ValueError(f"{name} has shape {bend.shape}; two joints need (..., 2)")
             first, second = np.moveaxis(bend, -1, 0)
             zero = np.zeros_like(first)
@@ -203,9 +203,12 @@ class Driveline:
             if reference not in slopes:
                 known = ", ".join(map(repr, slopes))
                 raise ValueError(f"reference is {reference!r}; it must be one of {known}")
-            views.append(np.stack(slopes[reference], axis=-1))
+            view = np.stack(slopes[reference], axis=-1)
+            if np.any(np.abs(view) >= np.pi / 2):
+                raise ValueError(f"{name} adds up to 90 deg or more against the {reference} shaft")
+            views.append(view)
         up, right = views
-        return cls.from_slopes(up, right, phases, degrees=degrees)
+        return cls.from_directions(_sloping(up, right), phases, degrees=degrees)
 
     @classmethod
     def _along(
@@ -496,13 +499,13 @@ def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
     return array
 
 
-def _slopes(name: str, value: ArrayLike, degrees: bool) -> FloatArray:
+def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> FloatArray:
     array = np.atleast_1d(real(name, value))
     right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
     wrong = ~(np.abs(array) < right_angle)
     if wrong.any():
         place = at_place(name, array, wrong)
-        raise ValueError(f"{place}; a slope must lie between -{unit} and {unit}")
+        raise ValueError(f"{place}; a {what} must lie between -{unit} and {unit}")
     return np.radians(array) if degrees else array
 
 
