@@ -1,7 +1,7 @@
 """Grossmann's figures 3 and 4 (1939): torque and bending moments of one joint at 50 degrees.
 
 Figure 3 shows the torque over the driving angle, figure 4 the bending moments as polar diagrams,
-each over the angle of its own shaft. Run it with the extra ``plot`` installed; it writes grossmann.svg.
+each over the angle of its own shaft. It needs the extra ``plot`` and writes grossmann.svg.
 """
 
 import math
