@@ -85,6 +85,25 @@ def random() -> tuple[list[float], list[float]]:
     return bends, angles
 
 
+def closest() -> list[float]:
+    """Return, for each size up to 2**60, the doubles that come closest to a multiple of pi/2.
+
+    They are the convergents ``m/n`` of ``pi/2`` in units of the last place with ``m`` of 53 bits.
+    """
+    found = []
+    for exponent in range(-52, 8):
+        rest = mp.pi / 2 / mp.mpf(2) ** exponent
+        (m, n), (before, n_before) = (int(mp.floor(rest)), 1), (1, 0)
+        while m < 2**53:
+            if m >= 2**52:
+                found.append(math.ldexp(m, exponent))
+            rest = 1 / (rest - mp.floor(rest))
+            digit = int(mp.floor(rest))
+            m, before = digit * m + before, m
+            n, n_before = digit * n + n_before, n
+    return found
+
+
 def edges() -> tuple[list[float], list[float]]:
     bends = [0.0, 1e-160, 1e-60, 1e-12, 1e-9, 1e-8, 1.4e-8, 1.5e-8, 2.1e-8, 1e-6, 1e-4, 0.01]
     # Where another polynomial for the inverse tangent takes over.
@@ -99,6 +118,7 @@ def edges() -> tuple[list[float], list[float]]:
     for turns in (1, 3, 5, 101, 10**6 + 1):
         angles += beside(turns * RIGHT / 2, 2)
     angles += [*beside(FAR, 1), *(FAR + x for x in (-3, -1, 1, 3)), 1e15, 1e22, 2.0**120, 1e300]
+    angles += closest()
     # The double nearest to a multiple of pi/2 (Muller et al., Handbook of Floating-Point
     # Arithmetic, 2018, section 10.2), and the largest one.
     angles += [math.ldexp(6381956970095103, 797), math.nextafter(math.inf, 0.0)]
