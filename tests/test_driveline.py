@@ -126,19 +126,17 @@ def test_points_on_a_line_are_straight_within_rounding() -> None:
 
 
 @pytest.mark.parametrize("size", [1e-3, 1e-6, 1e-9, 1e-12])
-def test_small_bends_from_points_keep_their_digits(size: float) -> None:
-    a = (0.75, 0.5, -0.25)
-    end = tuple(2 * x + y for x, y in zip(a, (0, size, -size), strict=True))
-    line = Driveline.from_points([(0.0, 0.0, 0.0), a, end])
-    span = [mp.mpf(y) - mp.mpf(x) for x, y in zip(a, end, strict=True)]
-    cross = [
-        mp.mpf(a[1]) * span[2] - mp.mpf(a[2]) * span[1],
-        mp.mpf(a[2]) * span[0] - mp.mpf(a[0]) * span[2],
-        mp.mpf(a[0]) * span[1] - mp.mpf(a[1]) * span[0],
-    ]
-    dot = sum(mp.mpf(x) * y for x, y in zip(a, span, strict=True))
-    exact = mp.atan2(mp.sqrt(sum(x * x for x in cross)), dot)
-    assert abs(mp.mpf(float(line.bends[0])) / exact - 1) < 4 * EPS
+def test_small_bends_keep_their_digits(size: float) -> None:
+    random = np.random.default_rng(9)
+    for _ in range(20):
+        a = random.uniform(-1, 1, 3)
+        b = a + size * random.uniform(-1, 1, 3)
+        line = Driveline.from_directions([a, b])
+        u, v = ([mp.mpf(float(x)) for x in vector] for vector in (a, b))
+        cross = [u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2] for i in range(3)]
+        dot = sum(x * y for x, y in zip(u, v, strict=True))
+        exact = mp.atan2(mp.sqrt(sum(x * x for x in cross)), dot)
+        assert abs(mp.mpf(float(line.bends[0])) / exact - 1) < 4 * EPS
 
 
 @pytest.mark.parametrize("scale", [1e-200, 1e-9, 1.0, 1e12, 1e200])
@@ -231,6 +229,14 @@ def test_the_cost_of_sixty_four_joints_is_that_of_one() -> None:
     got = line.evaluate(angle, "speed_ratio").speed_ratio
     want = single.evaluate(angle + float(joint.angle_offset), "speed_ratio").speed_ratio
     assert got == pytest.approx(want, rel=1e-12)
+
+
+def test_reversing_turns_every_vector_round() -> None:
+    line = Driveline.from_bends([0.3, 0.5, 0.2], [0.4, -2.0], [1.0, 0.5])
+    back = line.reversed()
+    again = Driveline.from_directions(-line.directions[::-1], line.phases[::-1])
+    for name in ("bends", "twists", "phases", "directions", "normals"):
+        assert getattr(back, name) == pytest.approx(getattr(again, name), abs=1e-14), name
 
 
 def test_with_phases() -> None:
