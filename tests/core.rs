@@ -207,9 +207,9 @@ fn the_hardest_reductions() {
     // arithmetic.
     let (_, cosine) = trig::sin_cos(6_381_956_970_095_103.0 * 2.0_f64.powi(797));
     assert_eq!(cosine.abs(), 4.687_165_924_254_628e-19);
-    // The closest of the small ones, half the last place of 29 π/2 to within 6e-19.
+    // The double closest to a multiple of π/2 among those below 2⁶⁰, 29 π/2.
     let (_, cosine) = trig::sin_cos(45.553_093_477_052);
-    assert_eq!(cosine, -6.189806365883577e-19);
+    assert_eq!(cosine, -6.189_806_365_883_577e-19);
     let (_, cosine) = trig::sin_cos(FRAC_PI_2);
     assert_eq!(cosine, 6.123_233_995_736_766e-17);
 }

@@ -19,22 +19,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, at_place, real, scalar_or_array
-from cardan.check import INERTIA_LIMIT, INERTIA_MAXIMUM, TORSIONAL_LIMIT, TORSIONAL_MAXIMUM
 
-__all__ = [
-    "INERTIA_LIMIT",
-    "INERTIA_MAXIMUM",
-    "TORSIONAL_LIMIT",
-    "TORSIONAL_MAXIMUM",
-    "ThomaMomentRatios",
-    "ThomaMoments",
-    "catalogue_bend",
-    "inertia_bend",
-    "inertia_excitation",
-    "thoma_moment_ratios",
-    "thoma_small_angle",
-    "torsional_excitation",
-]
+TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
+"""Torsional excitation of the last shaft in rad/s²: usual limit, never above."""
+
+INERTIA_LIMIT, INERTIA_MAXIMUM = 1000.0, 2000.0
+"""Inertia excitation of the intermediate shafts in rad/s²: usual limit, never above."""
 
 # --- Thoma (1920) ----------------------------------------------------------------------------
 

@@ -8,6 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan.approximations import (
+    INERTIA_LIMIT,
+    INERTIA_MAXIMUM,
+    TORSIONAL_LIMIT,
+    TORSIONAL_MAXIMUM,
+)
 from cardan.arrays import FloatArray, real
 
 if TYPE_CHECKING:
@@ -20,12 +26,6 @@ MAX_EQUIVALENT_BEND = np.radians(3.0)
 
 MAX_NON_UNIFORMITY = 0.0027
 """The non-uniformity from which that bend is derived."""
-
-TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
-"""Torsional excitation of the last shaft in rad/s²: usual limit, never above."""
-
-INERTIA_LIMIT, INERTIA_MAXIMUM = 1000.0, 2000.0
-"""Inertia excitation of the intermediate shafts in rad/s²: usual limit, never above."""
 
 
 @dataclass(frozen=True, eq=False)
