@@ -392,6 +392,7 @@ def test_everything_broadcasts() -> None:
     one = thoma_small_angle(angle[3], 0.2, 3.0, 7.0)
     assert [values[2, 1, 3] for values in got] == pytest.approx(list(one), rel=4 * EPS)
     assert all(isinstance(value, float) for value in one)
+    assert thoma_small_angle(0.3, 0.2, 0.0, 7.0) == (0.0, 0.0, 0.0)
     ratios = thoma_moment_ratios(angle, bend)
     assert ratios.x.shape == ratios.z.shape == (2, 5)
 
@@ -435,7 +436,7 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
     (lambda: thoma_small_angle(0.0, [0.1, -0.1], 1.0, 1.0), f"bend[1] is -0.1 {BEND}"),
     (lambda: thoma_small_angle(0.0, 30.0, 1.0, 1.0), f"bend is 30.0 {BEND}"),
     (
-        lambda: thoma_small_angle(0.0, 0.1, [[1.0, -2.0]], 1.0),
+        lambda: thoma_small_angle(0.0, 0.1, [[0.0, -2.0]], 1.0),
         "inertia[0, 1] is -2.0; an inertia must not be negative",
     ),
     (

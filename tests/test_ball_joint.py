@@ -584,6 +584,10 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
         lambda: JOINT.with_clearance([0.0, math.nan], compliance=1.0),
         "clearance[1] is nan m; a clearance must be finite and not negative",
     ),
+    (
+        lambda: JOINT.with_clearance(math.inf, compliance=1.0),
+        "clearance is inf m; a clearance must be finite and not negative",
+    ),
     (lambda: JOINT.with_clearance(1.0, compliance=0.0), f"compliance is 0.0; it {POSITIVE}"),
     (
         lambda: BallJoint([1.0, 2.0]).with_clearance(1.0, compliance=[1.0] * 3),

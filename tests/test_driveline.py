@@ -289,7 +289,7 @@ def test_drivelines_do_not_change() -> None:
         (
             lambda: Driveline.from_bends([[0.1] * 2] * 2, [[0]] * 3),
             ValueError,
-            "batch shapes do not broadcast: bends (2,), twists (3,), phases ()",
+            "shapes do not broadcast: bends (2,), twists (3,), phases ()",
         ),
         (lambda: Driveline.from_bends([1j]), TypeError, "bends has dtype complex128"),
         (lambda: Driveline.from_bends(["a"]), TypeError, "bends has dtype <U1"),

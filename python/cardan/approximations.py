@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, at_place, real, scalar_or_array
+from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
 
 TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
 """Torsional excitation of the last shaft in rad/s²: usual limit, never above."""
@@ -93,7 +93,7 @@ def thoma_small_angle(
     if np.any(mass < 0.0):
         wrong = at_place("inertia", mass, mass < 0.0)
         raise ValueError(f"{wrong}; an inertia must not be negative")
-    _broadcast(angle=a, bend=b, inertia=mass, speed=rate)
+    common_shape(angle=a.shape, bend=b.shape, inertia=mass.shape, speed=rate.shape)
     s, c = _sine_cosine(a)
     # Multiple angles written out: sin 2a + 1/2 sin 4a = 4 s c³, 1 - cos 4a = 8 s² c². So the two
     # bending moments are (6) and (7) with their denominators taken as 1.
@@ -125,7 +125,7 @@ def thoma_moment_ratios(angle: ArrayLike, bend: ArrayLike) -> ThomaMomentRatios:
         ValueError: a bend outside [0, pi/2), shapes that do not broadcast.
     """
     a, b = real("angle", angle), _bend("bend", bend)
-    _broadcast(angle=a, bend=b)
+    common_shape(angle=a.shape, bend=b.shape)
     s, c = _sine_cosine(a)
     scale = np.sin(b) * c / ((c * np.cos(b)) ** 2 + s**2)
     return ThomaMomentRatios(scalar_or_array(scale * np.cos(b) * c), scalar_or_array(scale * s))
@@ -228,7 +228,7 @@ def inertia_excitation(
 
 def _excitation(bend: FloatArray, speed: ArrayLike) -> Any:  # noqa: ANN401
     rate = real("speed", speed)
-    _broadcast(bends=bend, speed=rate)
+    common_shape(bends=bend.shape, speed=rate.shape)
     # Past the right angle the sine falls again, and a hopeless chain would pass.
     return scalar_or_array((rate * np.sin(np.minimum(bend, math.pi / 2))) ** 2)
 
@@ -243,7 +243,7 @@ def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], 
         raise ValueError(
             f"fork_signs has shape {sign.shape}; {b.shape[-1]} joints need (..., {b.shape[-1]})"
         )
-    _broadcast(bends=b, fork_signs=sign)
+    common_shape(bends=b.shape, fork_signs=sign.shape)
     return scalar_or_array(np.sqrt(np.abs((weights(b.shape[-1]) * sign * b**2).sum(axis=-1))))
 
 
@@ -258,12 +258,3 @@ def _bend(name: str, value: ArrayLike) -> FloatArray:
 def _sine_cosine(angle: FloatArray) -> tuple[FloatArray, FloatArray]:
     with np.errstate(invalid="ignore"):  # an infinite angle gives NaN
         return np.sin(angle), np.cos(angle)
-
-
-def _broadcast(**arrays: FloatArray) -> None:
-    shapes = {name: array.shape for name, array in arrays.items()}
-    try:
-        np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise ValueError(f"shapes do not broadcast: {listed}") from None

@@ -33,3 +33,16 @@ def at_place(name: str, array: FloatArray, wrong: NDArray[np.bool_]) -> str:
     index = tuple(int(i) for i in np.argwhere(wrong)[0])
     place = f"[{', '.join(map(str, index))}]" if index else ""
     return f"{name}{place} is {array[index]!s}"
+
+
+def common_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the shape to which the named shapes broadcast.
+
+    Raises:
+        ValueError: they do not.
+    """
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise ValueError(f"shapes do not broadcast: {listed}") from None

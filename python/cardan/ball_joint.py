@@ -23,7 +23,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, at_place, real, scalar_or_array
+from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -123,7 +123,9 @@ class BallJoint:
         force = _positive("load", load)
         pressure = _positive("allowable_pressure", allowable_pressure)
         seat = cls(1.0, half_angle)
-        _broadcast(load=force, allowable_pressure=pressure, half_angle=seat.half_angle)
+        common_shape(
+            load=force.shape, allowable_pressure=pressure.shape, half_angle=seat.half_angle.shape
+        )
         return cls(np.sqrt(seat.peak_pressure(force) / pressure), half_angle)
 
     @property
@@ -164,7 +166,7 @@ class BallJoint:
             load: in N, not negative.
         """
         angle, force = real("theta", theta), self._force(load)
-        _broadcast(joint=self, theta=angle, load=force)
+        common_shape(joint=self.shape, theta=angle.shape, load=force.shape)
         contact = self._contact(force)
         return scalar_or_array(self._peak(force, contact) * contact.profile(angle))
 
@@ -183,7 +185,7 @@ class BallJoint:
         """
         normal, _ = _unit("directions", directions)
         axis, force = _unit("load_vector", load_vector)
-        _broadcast(joint=self, directions=normal[..., 0], load_vector=force)
+        common_shape(joint=self.shape, directions=normal.shape[:-1], load_vector=force.shape)
         # Of the formulas for the angle between unit vectors the only one that is good at all
         # angles (W. Kahan, "How Futile are Mindless Assessments of Roundoff", 2006, section 12).
         angle = 2.0 * np.arctan2(_length(normal - axis), _length(normal + axis))
@@ -208,7 +210,7 @@ class BallJoint:
             raise ValueError(f"compliance is {how}; the approach needs it once")
         own = self.compliance if compliance is None else _positive("compliance", compliance)
         force = self._force(load)
-        _broadcast(joint=self, load=force, compliance=own)
+        common_shape(joint=self.shape, load=force.shape, compliance=own.shape)
         return scalar_or_array(own * self._peak(force, self._contact(force)))
 
     def friction_moment(self, load: ArrayLike, friction: ArrayLike) -> Any:  # noqa: ANN401
@@ -264,7 +266,7 @@ class BallJoint:
         arm: Callable[[FloatArray], FloatArray],
     ) -> Any:  # noqa: ANN401
         force, mu = self._force(load), _not_negative("friction", friction)
-        _broadcast(joint=self, load=force, friction=mu)
+        common_shape(joint=self.shape, load=force.shape, friction=mu.shape)
         if self.compliance is None:
             ratio = closed(np.sin(self.half_angle), np.cos(self.half_angle))
         else:
@@ -281,14 +283,14 @@ class BallJoint:
 
     def _force(self, load: ArrayLike) -> FloatArray:
         force = _not_negative("load", load)
-        _broadcast(joint=self, load=force)
+        common_shape(joint=self.shape, load=force.shape)
         return force
 
     def _set(
         self, radius: FloatArray, angle: FloatArray, gap: FloatArray, compliance: FloatArray | None
     ) -> None:
         values = {"radius": radius, "half_angle": angle, "clearance": gap, "compliance": compliance}
-        _broadcast(**{name: array for name, array in values.items() if array is not None})
+        common_shape(**{name: a.shape for name, a in values.items() if a is not None})
         for name, array in values.items():
             if array is not None:
                 array = array.copy()
@@ -485,12 +487,3 @@ def _length(vectors: FloatArray) -> FloatArray:
     # No overflow or underflow in the squares.
     x, y, z = np.moveaxis(vectors, -1, 0)
     return np.asarray(np.hypot(np.hypot(x, y), z))
-
-
-def _broadcast(**arrays: FloatArray | BallJoint) -> None:
-    shapes = {name: array.shape for name, array in arrays.items()}
-    try:
-        np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise ValueError(f"shapes do not broadcast: {listed}") from None

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core, approximations, evaluation, threads
-from cardan.arrays import FloatArray, at_place, real, scalar_or_array
+from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
 from cardan.check import Check, check
 from cardan.equivalent import EquivalentJoint, Harmonics
 from cardan.load import Load
@@ -77,7 +77,7 @@ class Driveline:
             bend_array = np.radians(bend_array)
         twist_array = _per_shaft("twists", twists, n, degrees)
         phase_array = _per_shaft("phases", phases, n, degrees)
-        shape = _broadcast_shapes(
+        shape = common_shape(
             bends=bend_array.shape[:-1],
             twists=twist_array.shape[:-1],
             phases=phase_array.shape[:-1],
@@ -218,7 +218,7 @@ class Driveline:
         n: int,
         phases: FloatArray,
     ) -> Self:
-        shape = _broadcast_shapes(vectors=array.shape[:-2], phases=phases.shape[:-1])
+        shape = common_shape(vectors=array.shape[:-2], phases=phases.shape[:-1])
         flat_phases = _flat(phases, (*shape, max(n - 1, 0)))
         flat = _flat(array, (*shape, *array.shape[-2:]))
         return cls._laid_out(n, shape, lay_out(n, list(shape), flat, flat_phases), flat_phases)
@@ -314,7 +314,7 @@ class Driveline:
             ValueError: a phase that is not finite, shapes that do not fit.
         """
         array = _per_shaft("phases", phases, self.n_joints, degrees)
-        shape = _broadcast_shapes(driveline=self.shape, phases=array.shape[:-1])
+        shape = common_shape(driveline=self.shape, phases=array.shape[:-1])
 
         def spread(own: FloatArray, core: int) -> FloatArray:
             full = (*shape, *own.shape[own.ndim - core :])
@@ -516,17 +516,9 @@ def _sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
             f"vertical has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
             "they must be the same"
         )
-    _broadcast_shapes(vertical=vertical.shape, horizontal=horizontal.shape)
+    common_shape(vertical=vertical.shape, horizontal=horizontal.shape)
     up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))
     return np.stack([np.ones_like(up), up, right], axis=-1)
-
-
-def _broadcast_shapes(**shapes: tuple[int, ...]) -> tuple[int, ...]:
-    try:
-        return np.broadcast_shapes(*shapes.values())
-    except ValueError:
-        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise ValueError(f"batch shapes do not broadcast: {listed}") from None
 
 
 def _flat(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
