@@ -385,7 +385,7 @@ class Driveline:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
 
         It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed:
-        two joints up to 30° are at most 1.0° off, with three it can miss altogether.
+        two joints up to 30° are at most 1.02° off, with three it can miss altogether.
 
         Args:
             fork_signs: +1 or -1 per joint, ``(..., n)``: joints with the same fork position
