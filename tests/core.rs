@@ -249,3 +249,11 @@ fn arrays_that_do_not_fit_are_refused() {
     let error = plan.run(&samples, &mut [], Execution::default()).unwrap_err();
     assert_eq!(error.to_string(), "planes has 0 planes; it needs 1 of 3 samples");
 }
+
+#[test]
+fn directions_may_be_subnormal() {
+    let tiny = 5e-324;
+    let spans = [Vector::new(tiny, 0.0, 0.0), Vector::new(tiny, tiny, 0.0)];
+    let line = Geometry::from_directions(&spans, &[]).unwrap();
+    assert!((line.bends[0] - std::f64::consts::FRAC_PI_4).abs() < 1e-15);
+}
