@@ -6,13 +6,14 @@ import errno
 import os
 import stat
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from cardan import curves
+from cardan.arrays import FloatArray
 from cardan.curves import columns, whole_file, write_curves
 from cardan.scene import Scene, SceneResult
 
@@ -163,16 +164,12 @@ def test_failing_writer_leaves_nothing(
     result: SceneResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The first blocks are on their way when the rest fails."""
-    blocks = iter([curves._BLOCK])
 
-    class Table(dict[str, np.ndarray[tuple[int], np.dtype[np.float64]]]):
-        def values(self) -> Iterator[object]:  # type: ignore[override]
-            if next(blocks, None) is None:
-                raise MemoryError
-            return iter([np.zeros(181)])
+    def blocks(table: Mapping[str, FloatArray]) -> Iterator[list[FloatArray]]:
+        yield [column[:10] for column in table.values()]
+        raise MemoryError
 
-    monkeypatch.setattr(curves, "_BLOCK", 10)
-    monkeypatch.setattr(curves, "columns", lambda _: Table(drive_angle_deg=np.zeros(181)))
+    monkeypatch.setattr(curves, "_blocks", blocks)
     with pytest.raises(MemoryError):
         write_curves(result, tmp_path / "a.csv")
     assert list(tmp_path.iterdir()) == []

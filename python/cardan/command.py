@@ -3,50 +3,146 @@
 from __future__ import annotations
 
 import io
+import json
+import os
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from cardan import __version__
-from cardan.curves import write_curves
-from cardan.plots import write_picture
-from cardan.scene import Scene, describe
-from cardan.summary import summary, summary_text
+import numpy as np
+
+from cardan import __version__, starters
+from cardan.check import Check
+from cardan.curves import check_writable, whole_file, write_curves, write_study
+from cardan.plots import SUFFIXES, write_picture
+from cardan.scene import Scene
+from cardan.scene_format import describe
+from cardan.study import Progress
+from cardan.summary import (
+    equivalent_bend_deg,
+    study_data,
+    study_text,
+    summary,
+    summary_data,
+    summary_text,
+)
+from cardan.workshop import VIEW, turn
 
 if TYPE_CHECKING:
     import click
 
+    from cardan.scene import SceneResult
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
 _HELP = """\
 Motion and moments of universal joints and drivelines.
 
-Example: save these lines as shaft.toml and run "cardan run shaft.toml".
+What a driveline is and what is wanted of it stands in a scene, a short TOML file. Begin with one
+that runs as it stands:
 
 \b
-  title = "Two joints at 12 and 15 deg, Z arrangement"
-  [driveline]
-  bends_deg = [12, 15]
-  twists_deg = [180]
-  [load]
-  speed_rpm = 1500
-  inertias_kgm2 = [0, 0.01, 0.05]
-  [output]
-  curves = "shaft.csv"
-  picture = "shaft.svg"
+  cardan new z-shaft shaft.toml
+  cardan run shaft.toml
+  cardan check shaft.toml
 
-"cardan run --help" lists all keys of such a file.
+"cardan run --help" lists all keys of a scene, "cardan COMMAND --help" shows more examples.
+
+Exit status: 0 done, 1 "check" found a limit exceeded, 2 something is wrong with what was given (one
+line says what), 130 interrupted.
 """
 
 # The mark keeps click from filling a paragraph.
 _KEYS = describe().replace("\n\n", "\n\n\b\n")
 
-_RUN_HELP = f"""\
-Evaluate a scene: print a short table, write curves and picture.
+_RUN = f"""\
+Evaluate a scene: print a short table, write curves, study and picture.
+
+\b
+Examples:
+  cardan run shaft.toml
+  cardan run shaft.toml --radians --into .
+  cardan run shaft.toml --json
 
 SCENE is a TOML file of these sections and keys:
 
 \b
 {_KEYS}
 Files appear whole or not at all.
+"""
+
+_EXPLAIN = """\
+Say how a scene is evaluated: the steps taken, what is skipped and why, and what a sample costs.
+
+\b
+Example:
+  cardan explain shaft.toml
+"""
+
+_PLOT = f"""\
+Draw a scene into a file that ends in {", ".join(SUFFIXES)}.
+
+\b
+Examples:
+  cardan plot shaft.toml
+  cardan plot shaft.toml --output shaft.png
+"""
+
+_REPORT = """\
+Write a report on a scene: one HTML page that needs no network.
+
+\b
+Examples:
+  cardan report shaft.toml
+  cardan report shaft.toml --output report.html
+"""
+
+_CHECK = """\
+Check a scene against the limits of the catalogues and of practice.
+
+The equivalent bend must not exceed 3 deg; with a speed given, the excitation by the last shaft and
+by the shafts between is checked as well. In a study every driveline must keep the limits. The exit
+status is 0 if all limits are kept and 1 if not.
+
+\b
+Examples:
+  cardan check shaft.toml
+  cardan check shaft.toml --json
+"""
+
+_PHASE = """\
+Say how to set the yokes so that the last shaft turns as evenly as possible.
+
+\b
+Examples:
+  cardan phase shaft.toml
+  cardan phase shaft.toml --json
+"""
+
+_NEW = f"""\
+Write a commented scene that runs as it stands; an existing file stays as it is.
+
+\b
+KIND is one of
+{chr(10).join(f"  {kind:10}{starter.meaning}" for kind, starter in starters.STARTERS.items())}
+
+\b
+Examples:
+  cardan new joint joint.toml
+  cardan new recorded run.toml
+"""
+
+_SCHEMA = """\
+Print the JSON Schema of scenes, by which editors complete and check them.
+
+\b
+Examples:
+  cardan schema
+  cardan schema --output scene.schema.json
 """
 
 
@@ -64,21 +160,35 @@ def commands() -> click.Group:
         def main(self, *args: Any, **extra: Any) -> Any:  # noqa: ANN401 - as click has it
             try:
                 status = super().main(*args, **{**extra, "standalone_mode": False})
+                sys.stdout.flush()
             except click.Abort:
                 sys.exit(130)
             except click.ClickException as error:
                 message = error.format_message()
             except OSError as error:
-                known = error.filename is not None and error.strerror
-                message = f"{error.filename}: {error.strerror}" if known else str(error)
+                if error.filename is None:
+                    _give_up_output()
+                if isinstance(error, BrokenPipeError):
+                    # Whoever reads has seen enough, as in "cardan run --help | head".
+                    sys.exit(0)
+                message = f"{error.filename or 'output'}: {error.strerror or error}"
             except MemoryError:
-                message = "not enough memory; a smaller samples_per_turn needs less"
+                message = "not enough memory; a smaller samples_per_turn or study needs less"
             except (ValueError, ImportError) as error:
                 message = str(error)
             else:
                 sys.exit(status or 0)
             click.echo(f"cardan: {' '.join(message.split())}", err=True)
             sys.exit(2)
+
+    scene_argument = click.argument("scene", type=click.Path(path_type=Path))
+    as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
+    units = click.option(
+        "--radians/--degrees", help="Angles printed and written; by default in degrees."
+    )
+
+    def output_option(text: str) -> Callable[[_Function], _Function]:
+        return click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help=text)
 
     @click.group(cls=OneLine, help=_HELP, invoke_without_command=True)
     @click.version_option(__version__, prog_name="cardan", message="%(prog)s %(version)s")
@@ -87,8 +197,16 @@ def commands() -> click.Group:
         if context.invoked_subcommand is None:
             click.echo(context.get_help())
 
-    @cardan.command(help=_RUN_HELP, short_help="Evaluate a scene file.")
-    @click.argument("scene", type=click.Path(path_type=Path))
+    @cardan.command(help=_NEW, short_help="Write a scene to begin with.")
+    @click.argument("kind", type=click.Choice(list(starters.STARTERS)))
+    @click.argument("file", type=click.Path(path_type=Path))
+    def new(kind: str, file: Path) -> None:
+        for path in starters.write_starter(kind, file):
+            click.echo(f"wrote {path}")
+        click.echo(f"next: cardan run {file}")
+
+    @cardan.command(help=_RUN, short_help="Evaluate a scene.")
+    @scene_argument
     @click.option(
         "--into",
         type=click.Path(exists=True, file_okay=False, path_type=Path),
@@ -96,20 +214,105 @@ def commands() -> click.Group:
         metavar="DIR",
         help="Folder for the files to write; by default the current one.",
     )
-    def run(scene: Path, into: Path) -> None:
-        result = Scene.load(scene).run()
-        if result.scene.title:
-            click.echo(f"{result.scene.title}\n")
-        click.echo(summary_text(summary(result)))
-        if result.scene.curves_file or result.scene.picture_file:
-            click.echo()
-        if result.scene.curves_file:
-            path = into / result.scene.curves_file
-            click.echo(f"wrote {path} ({write_curves(result, path)} rows)")
-        if result.scene.picture_file:
-            path = into / result.scene.picture_file
-            write_picture(result, path)
-            click.echo(f"wrote {path}")
+    @units
+    @as_json
+    def run(scene: Path, into: Path, radians: bool, as_json: bool) -> None:
+        loaded = Scene.load(scene)
+        for name in (loaded.curves_file, loaded.table_file, loaded.picture_file):
+            if name:
+                check_writable(into / name)
+        with _progress_bar() as progress:
+            result = loaded.run(progress)
+        if as_json:
+            files = [
+                {"file": str(path)} | ({"rows": rows} if rows else {})
+                for path, rows in _write(result, into, radians)
+            ]
+            data: dict[str, Any] = {"title": loaded.title}
+            data["summary"] = summary_data(summary(result), radians=radians)
+            if result.study:
+                data["study"] = study_data(result.study, radians=radians)
+            click.echo(_json({**data, "files": files}))
+            return
+        if loaded.title:
+            click.echo(f"{loaded.title}\n")
+        click.echo(summary_text(summary(result), radians=radians))
+        if result.study:
+            click.echo(f"\n{study_text(result.study, radians=radians)}")
+        for number, (path, rows) in enumerate(_write(result, into, radians)):
+            if number == 0:
+                click.echo()
+            click.echo(f"wrote {path} ({rows} rows)" if rows else f"wrote {path}")
+
+    @cardan.command(help=_EXPLAIN, short_help="Say how a scene is evaluated.")
+    @scene_argument
+    def explain(scene: Path) -> None:
+        click.echo(Scene.load(scene).plan().explain())
+
+    @cardan.command(help=_PLOT, short_help="Draw a scene.")
+    @scene_argument
+    @output_option("Picture to write; by default named as the scene, .svg, in the current folder.")
+    def plot(scene: Path, output: Path | None) -> None:
+        path = output or Path(f"{scene.stem}.svg")
+        loaded = Scene.load(scene)
+        check_writable(path)
+        with _progress_bar() as progress:
+            result = loaded.run(progress)
+        write_picture(result, path)
+        click.echo(f"wrote {path}")
+
+    @cardan.command(help=_REPORT, short_help="Write a report on a scene.")
+    @scene_argument
+    @output_option("Page to write; by default named as the scene, .html, in the current folder.")
+    def report(scene: Path, output: Path | None) -> None:
+        page: Any = import_module("cardan.report")
+        path = output or Path(f"{scene.stem}.html")
+        loaded = Scene.load(scene)
+        check_writable(path)
+        page.write_report(loaded, path)
+        click.echo(f"wrote {path}")
+
+    @cardan.command(help=_CHECK, short_help="Check a scene against the limits.")
+    @scene_argument
+    @as_json
+    def check(scene: Path, as_json: bool) -> int:
+        loaded = Scene.load(scene)
+        found = _check(loaded)
+        passes = bool(np.all(found.passes))
+        if as_json:
+            findings = [
+                {
+                    "name": finding.name,
+                    "worst": float(np.max(finding.value)),
+                    "limit": finding.limit,
+                    "maximum": finding.maximum,
+                    "unit": finding.unit,
+                    "passes": bool(np.all(finding.passes)),
+                }
+                for finding in found.findings
+            ]
+            click.echo(_json({"title": loaded.title, "passes": passes, "findings": findings}))
+        else:
+            click.echo(str(found))
+        return 0 if passes else 1
+
+    @cardan.command(help=_PHASE, short_help="Say how to set the yokes.")
+    @scene_argument
+    @as_json
+    def phase(scene: Path, as_json: bool) -> None:
+        data = _phases(Scene.load(scene))
+        click.echo(_json(data) if as_json else _phase_text(data))
+
+    @cardan.command(help=_SCHEMA, short_help="Print the JSON Schema of scenes.")
+    @output_option("File to write; by default it is printed.")
+    def schema(output: Path | None) -> None:
+        text = _json(Scene.schema())
+        if output is None:
+            click.echo(text)
+            return
+        with whole_file(output) as file:
+            file.write(f"{text}\n".encode())
+        click.echo(f"wrote {output}")
 
     return cardan
 
@@ -126,3 +329,119 @@ def main() -> None:
         print("cardan: the command needs click: pip install 'cardan[app]'", file=sys.stderr)
         sys.exit(2)
     group(prog_name="cardan")
+
+
+def _write(result: SceneResult, into: Path, radians: bool) -> Iterator[tuple[Path, int | None]]:
+    """Write the files of a scene one by one; yield path and number of rows of each."""
+    scene = result.scene
+    if scene.curves_file:
+        path = into / scene.curves_file
+        yield path, write_curves(result, path, radians=radians)
+    if scene.table_file and result.study:
+        path = into / scene.table_file
+        yield path, write_study(result.study, path, radians=radians)
+    if scene.picture_file:
+        path = into / scene.picture_file
+        write_picture(result, path)
+        yield path, None
+
+
+def _check(scene: Scene) -> Check:
+    """Check the driveline of a scene, or all of its study."""
+    if scene.study is None or not scene.study.axes:
+        return scene.line.check(scene.speed or None)
+    blocks = []
+    for _, line, load in scene.study.blocks():
+        speed = load.speed if load and np.any(load.speed) else None
+        blocks.append(line.check(speed).findings)
+    return Check(
+        tuple(
+            replace(parts[0], value=np.concatenate([np.ravel(part.value) for part in parts]))
+            for parts in zip(*blocks, strict=True)
+        )
+    )
+
+
+def _phases(scene: Scene) -> dict[str, Any]:
+    """The best yoke settings of a scene as plain data."""
+    line = scene.line
+    if line.n_joints == 1:
+        raise ValueError(f"{scene.name}: one joint has no yokes to set against each other")
+    if line.shape:
+        raise ValueError(f"{scene.name}: the bends were recorded; yokes are set for fixed bends")
+    best = line.optimal_phases()
+    settings, turns = turn(best), turn(best - line.phases)
+    return {
+        "title": scene.title,
+        "view": VIEW,
+        "shafts": [
+            {
+                "shaft": i + 1,
+                "phase_deg": float(np.degrees(best[i])),
+                "setting_deg": float(np.degrees(settings.angle[i])),
+                "sense": str(settings.sense[i]),
+                "turn_deg": float(np.degrees(turns.angle[i])),
+                "turn_sense": str(turns.sense[i]),
+            }
+            for i in range(line.n_joints - 1)
+        ],
+        "equivalent_bend_deg": {
+            "present": equivalent_bend_deg(line),
+            "best": equivalent_bend_deg(line.with_phases(best)),
+        },
+    }
+
+
+def _phase_text(data: dict[str, Any]) -> str:
+    lines = [data["title"], ""] if data["title"] else []
+    lines += [f"Set the output-side yoke against the input-side one, {VIEW}:"]
+    for shaft in data["shafts"]:
+        setting = "in one plane"
+        if shaft["sense"] != "none":
+            setting = f"{shaft['setting_deg']:.2f}° {shaft['sense']}"
+        change = "as it is"
+        if shaft["turn_sense"] != "none":
+            change = (
+                f"turn it {shaft['turn_deg']:.2f}° {shaft['turn_sense']} from its present place"
+            )
+        lines.append(f"- shaft {shaft['shaft']}: {setting} ({change})")
+    bend = data["equivalent_bend_deg"]
+    phases = ", ".join(f"{shaft['phase_deg']:.4f}" for shaft in data["shafts"])
+    lines += [
+        "",
+        f"Equivalent bend: {bend['present']:.4g}° as it is, {bend['best']:.4g}° set so.",
+        f"In the scene: phases_deg = [{phases}]",
+    ]
+    return "\n".join(lines)
+
+
+def _json(data: Any) -> str:  # noqa: ANN401 - any plain data
+    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+
+
+@contextmanager
+def _progress_bar() -> Iterator[Progress | None]:
+    """A bar on a terminal for what takes more than one block."""
+    import click
+
+    # A terminal that cannot move its cursor would get a line per step.
+    if not sys.stderr.isatty() or os.environ.get("TERM") == "dumb":
+        yield None
+        return
+    with ExitStack() as stack:
+        bars: list[Any] = []
+
+        def progress(done: int, rows: int) -> None:
+            if not bars and done < rows:
+                bar = click.progressbar(length=rows, label="study", file=sys.stderr)
+                bars.append(stack.enter_context(bar))
+            for bar in bars:
+                bar.update(done - bar.pos)
+
+        yield progress
+
+
+def _give_up_output() -> None:
+    """Let the interpreter not fail again at its end over an output that takes no more."""
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())

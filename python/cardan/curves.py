@@ -1,4 +1,4 @@
-"""Curves of a scene as files: CSV, NPZ or Parquet, each whole or not there at all."""
+"""Curves and study tables as files: CSV, NPZ or Parquet, each whole or not there at all."""
 
 from __future__ import annotations
 
@@ -14,34 +14,60 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.outputs import OUTPUTS
 
 if TYPE_CHECKING:
     from cardan.scene import SceneResult
+    from cardan.study import StudyResult
 
 
-def columns(result: SceneResult) -> dict[str, FloatArray]:
-    """Return the curves as columns of equal length, angles in degrees, the rest in SI units.
+def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArray]:
+    """Return the curves as columns of equal length, in SI units and angles in degrees.
 
-    The names carry unit, joint and component: ``angle_error_deg``, ``moment_0_x_Nm``.
+    The names carry shaft or joint, component and unit: ``angle_error_deg``, ``moment_0_x_Nm``. The
+    last shaft has no number where the scene names no shafts.
+
+    Args:
+        result: an evaluated scene.
+        radians: whether angles are in radians instead.
     """
-    table = {"drive_angle_deg": result.scene.drive_angle_deg}
-    for name, values in result.values.items():
-        output = OUTPUTS[name]
-        in_unit = np.degrees(values) if output.unit == "rad" else values
-        unit = {"rad": "_deg", "1": ""}.get(output.unit, f"_{output.unit.replace(' ', '')}")
-        parts = {name: in_unit}
-        if output.per == "joint":
-            parts = {f"{name}_{joint}": part for joint, part in enumerate(in_unit)}
+    scene = result.scene
+    if radians:
+        table = {"drive_angle_rad": scene.drive_angle}
+    else:
+        table = {"drive_angle_deg": scene.drive_angle_deg}
+    for output, item, values in result.curves():
+        last = output.per == "shaft" and scene.shafts is None
+        name = output.name if last else f"{output.name}_{item}"
+        parts = {name: values}
+        if output.vector:
+            parts = {f"{name}_{axis}": values[:, i] for i, axis in enumerate("xyz")}
         for part, curve in parts.items():
-            if output.vector:
-                table |= {f"{part}_{axis}{unit}": curve[:, i] for i, axis in enumerate("xyz")}
-            else:
-                table[f"{part}{unit}"] = curve
+            suffix, in_unit = converted(curve, output.unit, radians)
+            table[f"{part}{suffix}"] = in_unit
     return table
 
 
-def write_curves(result: SceneResult, path: str | PathLike[str]) -> int:
+def study_columns(result: StudyResult, *, radians: bool = False) -> dict[str, FloatArray]:
+    """Return a study as columns: the keys varied, as the file has them, then the figures.
+
+    The arrays have the shape of the grid, and its rows are their elements in order. Figures are in
+    SI units and their angles in degrees, or radians; the names carry the unit.
+    """
+    table = result.coordinates()
+    for column in result.columns:
+        suffix, in_unit = converted(result.values[column.name], column.unit, radians)
+        table[f"{column.name}{suffix}"] = in_unit
+    return table
+
+
+def converted(values: FloatArray, unit: str, radians: bool) -> tuple[str, FloatArray]:
+    """Return the ending of a column's name and its values, angles in the unit asked for."""
+    if unit == "rad" and not radians:
+        return "_deg", np.degrees(values)
+    return "" if unit == "1" else f"_{unit.replace(' ', '')}", values
+
+
+def write_curves(result: SceneResult, path: str | PathLike[str], *, radians: bool = False) -> int:
     """Write the curves in the format that the path's suffix names and return the number of rows.
 
     CSV and Parquet hold the columns of ``columns``, CSV with every digit of the doubles. NPZ holds
@@ -52,49 +78,98 @@ def write_curves(result: SceneResult, path: str | PathLike[str]) -> int:
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: an unknown suffix.
     """
+    if Path(path).suffix == ".npz":
+        return _write(path, {"drive_angle": result.drive_angle, **result.values})
+    return _write(path, columns(result, radians=radians))
+
+
+def write_study(result: StudyResult, path: str | PathLike[str], *, radians: bool = False) -> int:
+    """Write a study in the format that the path's suffix names and return the number of rows.
+
+    CSV and Parquet hold the columns of ``study_columns``. NPZ holds the grid: the values of each
+    key that is varied in one dimension, and every figure in SI units with a dimension per key.
+
+    Raises:
+        ImportError: Parquet without pyarrow.
+        OSError: the file cannot be written; nothing of it is left behind then.
+        ValueError: an unknown suffix.
+    """
+    if Path(path).suffix == ".npz":
+        _write(path, {**{axis.key: axis.values for axis in result.axes}, **result.values})
+    else:
+        _write(path, study_columns(result, radians=radians))
+    return result.rows
+
+
+def _write(path: str | PathLike[str], table: Mapping[str, FloatArray]) -> int:
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
     with whole_file(path) as file:
-        SUFFIXES[suffix](result, file)
-    return len(result.scene.drive_angle_deg)
+        SUFFIXES[suffix](table, file)
+    return next(iter(table.values())).size
 
 
-def _write_csv(result: SceneResult, file: IO[bytes]) -> None:
-    table = columns(result)
+def _blocks(table: Mapping[str, FloatArray]) -> Iterator[list[FloatArray]]:
+    """Some rows of every column at a time.
+
+    A grid's coordinates are views that would take memory as whole columns, and so would floats as
+    objects.
+    """
+    for first in range(0, next(iter(table.values())).size, _BLOCK):
+        yield [column.flat[first : first + _BLOCK] for column in table.values()]
+
+
+_BLOCK = 1 << 16
+
+
+def _write_csv(table: Mapping[str, FloatArray], file: IO[bytes]) -> None:
     file.write(f"{','.join(table)}\n".encode())
-    # In blocks, because a float as an object takes four times the memory.
-    for first in range(0, len(result.scene.drive_angle_deg), _BLOCK):
-        block = (curve[first : first + _BLOCK].tolist() for curve in table.values())
-        file.writelines(
-            f"{','.join(map(repr, row))}\n".encode() for row in zip(*block, strict=True)
-        )
+    for block in _blocks(table):
+        rows = zip(*(column.tolist() for column in block), strict=True)
+        file.writelines(f"{','.join(map(repr, row))}\n".encode() for row in rows)
 
 
-_BLOCK = 10_000
-
-
-def _write_npz(result: SceneResult, file: IO[bytes]) -> None:
-    arrays: dict[str, Any] = {"drive_angle": result.drive_angle, **result.values}
+def _write_npz(table: Mapping[str, FloatArray], file: IO[bytes]) -> None:
+    arrays: dict[str, Any] = dict(table)
     np.savez(file, **arrays)
 
 
-def _write_parquet(result: SceneResult, file: IO[bytes]) -> None:
+def _write_parquet(table: Mapping[str, FloatArray], file: IO[bytes]) -> None:
     try:
         import pyarrow
         from pyarrow import parquet
     except ModuleNotFoundError:
         hint = "a .parquet file needs pyarrow: pip install 'cardan[table]'"
         raise ModuleNotFoundError(hint) from None
-    parquet.write_table(pyarrow.table(columns(result)), file)
+    schema = pyarrow.schema([(name, pyarrow.float64()) for name in table])
+    with parquet.ParquetWriter(file, schema) as writer:
+        for block in _blocks(table):
+            writer.write_table(pyarrow.table(block, schema=schema))
 
 
-SUFFIXES: Mapping[str, Callable[[SceneResult, IO[bytes]], None]] = {
+SUFFIXES: Mapping[str, Callable[[Mapping[str, FloatArray], IO[bytes]], None]] = {
     ".csv": _write_csv,
     ".npz": _write_npz,
     ".parquet": _write_parquet,
 }
-"""Formats of a curves file, by suffix."""
+"""Formats of a file of curves or a study, by suffix."""
+
+
+def check_writable(path: str | PathLike[str]) -> None:
+    """Refuse a file that could not be written, before the work for it is done.
+
+    Raises:
+        OSError: the folder takes no file, or the path is a folder; nothing is left behind.
+    """
+    if Path(path).is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+    with contextlib.suppress(_Tried), whole_file(path):
+        raise _Tried
+
+
+class _Tried(Exception):  # noqa: N818 - not an error
+    """The file can be written."""
 
 
 @contextlib.contextmanager

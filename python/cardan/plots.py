@@ -15,7 +15,6 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.curves import whole_file
-from cardan.outputs import OUTPUTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -119,24 +118,18 @@ def _matplotlib() -> Any:  # noqa: ANN401 - a module that may be missing
 
 
 def _panels(result: SceneResult) -> Iterable[_Panel]:
-    speed, last = result.scene.speed, result.scene.line.n_joints
-    for name, values in result.values.items():
-        output = OUTPUTS[name]
-        heading, unit, scale = name.replace("_", " "), output.unit, 1.0
+    speed = result.scene.speed
+    for output, item, values in result.curves():
+        heading, unit, scale = output.name.replace("_", " "), output.unit, 1.0
         if unit == "rad":
             values, unit = np.degrees(values), "deg"
-        if name == "acceleration_ratio" and speed:
+        if output.name == "acceleration_ratio" and speed:
             scale = speed * speed
             heading, values, unit = "acceleration", values * scale, "rad/s²"
             heading += " at steady drive" if result.scene.accelerates else ""
         unit = "" if unit == "1" else f" [{unit}]"
-        if output.per == "shaft":
-            curves = _components(values, output.vector)
-            yield _Panel(f"{heading}, shaft {last}{unit}", curves, scale)
-        else:
-            for joint, own in enumerate(values):
-                curves = _components(own, output.vector)
-                yield _Panel(f"{heading}, joint {joint}{unit}", curves)
+        curves = _components(values, output.vector)
+        yield _Panel(f"{heading}, {output.per} {item}{unit}", curves, scale)
 
 
 def _components(values: FloatArray, vector: bool) -> dict[str, FloatArray]:
@@ -162,8 +155,11 @@ def _draw(axes: Axes, panel: _Panel, angle: FloatArray) -> None:
             columnspacing=0.7,
         )
     axes.grid(visible=True)
-    axes.set_xlim(angle[0], angle[-1])
-    span = float(angle[-1] - angle[0])
+    # Recorded angles need not rise.
+    first, last = float(np.min(angle)), float(np.max(angle))
+    span = last - first
+    if span > 0.0:
+        axes.set_xlim(first, last)
     if span > _TICKS[0]:
         step = next((step for step in _TICKS if span <= 5 * step), 360 * math.ceil(span / 1800.0))
         axes.xaxis.set_major_locator(MultipleLocator(step))

@@ -1,4 +1,4 @@
-"""The short table of what an engineer wants to know about a scene."""
+"""The short tables of what an engineer wants to know about a scene and its study."""
 
 from __future__ import annotations
 
@@ -6,15 +6,18 @@ import math
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.outputs import OUTPUTS
+from cardan.curves import converted
 
 if TYPE_CHECKING:
-    from cardan.scene import SceneResult
+    from cardan.driveline import Driveline
+    from cardan.equivalent import EquivalentJoint
+    from cardan.scene import Scene, SceneResult
+    from cardan.study import StudyResult
 
 # What joints leave of each other's k below this share is rounding of the geometry, not motion.
 _CANCELLED = 1e-12
@@ -40,47 +43,162 @@ class Row:
 
 
 def summary(result: SceneResult) -> list[Row]:
-    """Return the table of a scene: geometry, motion of the last shaft, torques and moments.
+    """Return the table of a scene: geometry, motion of the shafts asked for, torques and moments.
 
     Extremes of the motion are closed forms, those of torques and moments the largest samples of
-    the curves, as far as the scene evaluates them.
+    the curves, as far as the scene evaluates them. Where the bends were recorded the motion has
+    no closed form either.
     """
     return [*_geometry(result), *_motion(result), *_loads(result)]
 
 
-def summary_text(rows: Sequence[Row]) -> str:
+def summary_text(rows: Sequence[Row], *, radians: bool = False) -> str:
     """Return the table as aligned plain text, at most 79 characters wide."""
-    width = max(len(row.label) for row in rows) + 2
-    lines = [
-        textwrap.fill(
-            _figures(row),
-            width=79,
-            initial_indent=f"{row.label:{width}}",
-            subsequent_indent=" " * width,
-        )
-        for row in rows
-    ]
+    text = _aligned([(row.label, _figures(row, radians)) for row in rows])
     if any(row.at_deg is not None for row in rows):
-        lines += [
-            "",
-            'After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.',
-        ]
-    return "\n".join(lines)
+        text += (
+            f'\n\nAfter "at": drive angle; 0 {"rad" if radians else "deg"} has the driving pin in '
+            "the plane of shafts 0, 1."
+        )
+    return text
+
+
+def summary_data(rows: Sequence[Row], *, radians: bool = False) -> list[dict[str, Any]]:
+    """Return the table as plain data for JSON; what is not finite is ``None``."""
+    unit = "rad" if radians else "deg"
+    listed = []
+    for row in rows:
+        values = [_plain(value) for value in _in_unit(row, radians)]
+        entry: dict[str, Any] = {"label": row.label, "values": values}
+        entry["unit"] = unit if row.unit == "deg" else row.unit
+        if row.at_deg is not None:
+            entry[f"at_{unit}"] = _plain(math.radians(row.at_deg) if radians else row.at_deg)
+        if row.is_range:
+            entry["range"] = True
+        listed.append(entry)
+    return listed
+
+
+def study_text(result: StudyResult, *, radians: bool = False) -> str:
+    """Return the extent of a study and the extremes of its figures, as plain text."""
+    extremes = study_data(result, radians=radians)
+    lines = []
+    if result.axes:
+        steps = " x ".join(map(str, result.shape))
+        count = f"{steps} = {result.rows}" if len(result.axes) > 1 else steps
+        lines.append(("study", f"{count} driveline{'s' if result.rows > 1 else ''}"))
+        for axis in result.axes:
+            low, high = np.min(axis.values), np.max(axis.values)
+            lines.append((axis.key, f"{low:.10g} to {high:.10g}"))
+    for name, found in extremes["figures"].items():
+        low, high = found["least"], found["largest"]
+        if low is None or high is None or low == high:
+            lines.append((name, "not a number" if low is None else _figure(low)))
+            continue
+        lines.append((name, _range(low, high)))
+        for which in ("least", "largest"):
+            place = found[f"{which}_at"]
+            at = ", ".join(f"{key} = {value:.10g}" for key, value in place.items())
+            lines.append((f"  {which} at", at))
+    return _aligned(lines)
+
+
+def study_data(result: StudyResult, *, radians: bool = False) -> dict[str, Any]:
+    """Return the extent of a study and the extremes of its figures, as plain data for JSON."""
+    figures = {}
+    for column in result.columns:
+        suffix, values = converted(result.values[column.name], column.unit, radians)
+        found: dict[str, Any] = {}
+        # A point that is not a number is not an extreme; the file shows it.
+        known = not np.isnan(values).all()
+        for which, find in (("least", np.nanargmin), ("largest", np.nanargmax)):
+            place = np.unravel_index(int(find(values)), values.shape) if known else ()
+            found[which] = _plain(float(values[place])) if known else None
+            if result.axes and known:
+                found[f"{which}_at"] = {
+                    axis.key: float(axis.values[i])
+                    for axis, i in zip(result.axes, place, strict=True)
+                }
+        figures[f"{column.name}{suffix}"] = found
+    axes = {axis.key: len(axis.values) for axis in result.axes}
+    return {"rows": result.rows, "axes": axes, "figures": figures}
+
+
+def _aligned(lines: Sequence[tuple[str, str]]) -> str:
+    width = max(len(label) for label, _ in lines) + 2
+    return "\n".join(
+        textwrap.fill(
+            text,
+            width=79,
+            initial_indent=f"{label:{width}}",
+            subsequent_indent=" " * width,
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+        for label, text in lines
+    )
+
+
+def _plain(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def equivalent_bend_deg(line: Driveline) -> float:
+    """Return the equivalent bend of one driveline in degrees; what is mere rounding is 0."""
+    joint = line.equivalent()
+    return 0.0 if _is_cancelled(line, joint) else float(np.degrees(joint.bend))
+
+
+def _is_cancelled(line: Driveline, joint: EquivalentJoint) -> bool:
+    return bool(joint.k <= _CANCELLED * np.max(np.tan(line.bends / 2.0) ** 2))
 
 
 def _geometry(result: SceneResult) -> Iterable[Row]:
     line = result.scene.line
-    plural = "s" if line.n_joints > 1 else ""
-    yield Row(f"bend{plural}", _degrees(line.bends), "deg")
+    if line.shape:
+        for joint in range(line.n_joints):
+            yield _extent(f"bend, joint {joint}", np.degrees(line.bends[..., joint]), "deg")
+    else:
+        plural = "s" if line.n_joints > 1 else ""
+        yield Row(f"bend{plural}", _degrees(line.bends), "deg")
     if line.n_joints > 1:
         between = "shaft 1" if line.n_joints == 2 else f"shafts 1 to {line.n_joints - 1}"
-        yield Row(f"twist of bend planes, {between}", _degrees(line.twists), "deg")
-        yield Row(f"phase of forks, {between}", _degrees(line.phases), "deg")
+        # Recorded bends leave the yokes as they are.
+        twists, phases = (
+            array.reshape(-1, line.n_joints - 1) for array in (line.twists, line.phases)
+        )
+        yield Row(f"twist of bend planes, {between}", _degrees(twists[0]), "deg")
+        yield Row(f"phase of forks, {between}", _degrees(phases[0]), "deg")
 
 
 def _motion(result: SceneResult) -> Iterable[Row]:
     scene = result.scene
-    joint = scene.line.equivalent()
+    for shaft in (scene.line.n_joints,) if scene.shafts is None else scene.shafts:
+        of_shaft = "" if scene.shafts is None else f", shaft {shaft}"
+        if scene.line.shape:
+            yield from _recorded_motion(result, shaft, of_shaft)
+        else:
+            yield from _shaft_motion(scene, shaft, of_shaft)
+
+
+def _recorded_motion(result: SceneResult, shaft: int, of_shaft: str) -> Iterable[Row]:
+    joint = result.scene.line.equivalent(shaft)
+    yield _extent(f"equivalent bend{of_shaft}", np.degrees(joint.bend), "deg")
+    yield _extent(f"non-uniformity U{of_shaft}", joint.non_uniformity)
+    for output, item, values in result.curves():
+        if item != shaft or output.per != "shaft" or output.needs_load:
+            continue
+        in_unit = np.degrees(values) if output.unit == "rad" else values
+        unit = "deg" if output.unit == "rad" else ""
+        yield _extent(f"{output.name.replace('_', ' ')}{of_shaft}", in_unit, unit)
+
+
+def _extent(label: str, values: FloatArray, unit: str = "") -> Row:
+    return Row(label, (float(np.min(values)), float(np.max(values))), unit, is_range=True)
+
+
+def _shaft_motion(scene: Scene, shaft: int, of_shaft: str) -> Iterable[Row]:
+    joint = scene.line.equivalent(shaft)
     slowest, fastest = float(joint.min_speed_ratio), float(joint.max_speed_ratio)
     acceleration = float(joint.max_acceleration_ratio)
     error, bend = float(np.degrees(joint.max_angle_error)), float(np.degrees(joint.bend))
@@ -89,38 +207,32 @@ def _motion(result: SceneResult) -> Iterable[Row]:
     place: float | None = float(
         np.degrees(math.atan(math.sqrt(slowest)) - joint.angle_offset) % 180.0
     )
-    if joint.k <= _CANCELLED * np.max(np.tan(scene.line.bends / 2.0) ** 2):
+    if _is_cancelled(scene.line, joint):
         error = bend = non_uniformity = acceleration = 0.0
         slowest = fastest = 1.0
         place = None
 
-    yield Row("equivalent bend", (bend,), "deg")
-    yield Row("largest angle error", (error,), "deg", place)
-    yield Row("non-uniformity U", (non_uniformity,))
-    yield Row("speed ratio", (slowest, fastest), is_range=True)
+    yield Row(f"equivalent bend{of_shaft}", (bend,), "deg")
+    yield Row(f"largest angle error{of_shaft}", (error,), "deg", place)
+    yield Row(f"non-uniformity U{of_shaft}", (non_uniformity,))
+    yield Row(f"speed ratio{of_shaft}", (slowest, fastest), is_range=True)
     speed = scene.speed
     if speed:
         rpm = sorted(ratio * speed * 60.0 / math.tau for ratio in (slowest, fastest))
-        yield Row(f"speed, shaft {scene.line.n_joints}", tuple(rpm), "rpm", is_range=True)
-    yield Row("largest acceleration ratio", (acceleration,))
+        yield Row(f"speed, shaft {shaft}", tuple(rpm), "rpm", is_range=True)
+    yield Row(f"largest acceleration ratio{of_shaft}", (acceleration,))
     if speed:
         steady = ", steady drive" if scene.accelerates else ""
-        yield Row(f"largest acceleration{steady}", (acceleration * speed * speed,), "rad/s²")
+        value = acceleration * speed * speed
+        yield Row(f"largest acceleration{of_shaft}{steady}", (value,), "rad/s²")
 
 
 def _loads(result: SceneResult) -> Iterable[Row]:
-    last = result.scene.line.n_joints
-    for name, values in result.values.items():
-        output = OUTPUTS[name]
-        if not output.needs_load:
-            continue
-        sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
-        label = f"largest {name.replace('_', ' ')}"
-        if output.per == "shaft":
-            yield _peak(result, f"{label}, shaft {last}", sizes)
-        else:
-            for joint, own in enumerate(sizes):
-                yield _peak(result, f"{label}, joint {joint}", own)
+    for output, item, values in result.curves():
+        if output.needs_load:
+            sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
+            label = f"largest {output.name.replace('_', ' ')}, {output.per} {item}"
+            yield _peak(result, label, sizes)
 
 
 def _peak(result: SceneResult, label: str, sizes: FloatArray) -> Row:
@@ -135,21 +247,31 @@ def _degrees(angles: FloatArray) -> tuple[float, ...]:
     return tuple(180.0 - (180.0 - degrees) % 360.0 for degrees in np.degrees(angles).tolist())
 
 
-def _figures(row: Row) -> str:
-    low, high = row.values[0], row.values[-1]
-    if row.is_range and 0.0 < high - low < math.inf:
-        # Enough decimals for three digits of the difference.
-        decimals = max(0, 2 - math.floor(math.log10(high - low)))
-        text = f"{low:.{decimals}f} to {high:.{decimals}f}"
-    elif row.is_range:
-        text = _figure(low)
-    else:
-        text = ", ".join(map(_figure, row.values))
+def _in_unit(row: Row, radians: bool) -> tuple[float, ...]:
+    if row.unit == "deg" and radians:
+        return tuple(math.radians(value) for value in row.values)
+    return row.values
+
+
+def _figures(row: Row, radians: bool) -> str:
+    values = _in_unit(row, radians)
+    text = _range(values[0], values[-1]) if row.is_range else ", ".join(map(_figure, values))
     if row.unit:
-        text += f" {row.unit}"
+        text += " rad" if row.unit == "deg" and radians else f" {row.unit}"
     if row.at_deg is not None:
-        text += f" at {row.at_deg:.2f} deg"
+        at = f"{math.radians(row.at_deg):.4f} rad" if radians else f"{row.at_deg:.2f} deg"
+        text += f" at {at}"
     return text
+
+
+def _range(low: float, high: float) -> str:
+    if not 0.0 < high - low < math.inf:
+        return _figure(low)
+    # Enough decimals for three digits of the difference.
+    decimals = max(0, 2 - math.floor(math.log10(high - low)))
+    if decimals > 9 and max(abs(low), abs(high)) < 1e-5:
+        return f"{_figure(low)} to {_figure(high)}"
+    return f"{low:.{decimals}f} to {high:.{decimals}f}"
 
 
 def _figure(value: float) -> str:

@@ -1,0 +1,174 @@
+"""Starter scenes: a commented file that runs as it stands, for whoever begins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from os import PathLike, fspath
+from pathlib import Path
+from types import MappingProxyType
+
+
+@dataclass(frozen=True)
+class Starter:
+    """One kind of starter scene.
+
+    Attributes:
+        meaning: one line.
+        text: the scene, with ``{name}`` where the name of its file belongs.
+        recorded: whether a sample recording goes with it.
+    """
+
+    meaning: str
+    text: str
+    recorded: bool = False
+
+
+_FILES = """\
+# quantities = ["angle_error", "speed_ratio", "bending_driving", "bending_driven"]
+curves = "{name}.csv"          # over the drive angle; .parquet and .npz as well
+picture = "{name}.svg"         # .png and .pdf as well
+"""
+
+STARTERS: Mapping[str, Starter] = MappingProxyType(
+    {
+        "joint": Starter(
+            "one joint",
+            """\
+# One universal joint. Try another bend and run it again: cardan run {name}.toml
+
+title = "One joint at 20 deg"
+
+[driveline]
+bends_deg = [20]               # the angle between the two shafts
+
+[load]                         # may be left out: then only the motion is computed
+speed_rpm = 1500
+output_torque_Nm = 100         # delivered by the driven shaft
+inertias_kgm2 = [0, 0.02]      # driving shaft, driven shaft with what it carries
+
+[output]
+"""
+            + _FILES,
+        ),
+        "z-shaft": Starter(
+            "two joints with parallel ends, which cancel each other",
+            """\
+# A Z shaft: two joints with equal bends in one plane, input and output shaft parallel. With the
+# forks of the common shaft in one plane (phase 0) the joints cancel each other, and only the shaft
+# between them turns unevenly. Set phases_deg to 5 and see what a small error of assembly costs.
+
+title = "Z shaft, twice 15 deg"
+
+[driveline]
+bends_deg = [15, 15]
+twists_deg = [180]             # 180: Z arrangement, 0: W arrangement
+phases_deg = [0]               # 0: forks of the common shaft in one plane
+
+[load]
+speed_rpm = 1500
+output_torque_Nm = 200
+inertias_kgm2 = [0, 0.01, 0.05]
+
+[output]
+# shafts = [1, 2]              # the common shaft and the driven one
+"""
+            + _FILES,
+        ),
+        "string": Starter(
+            "a string of joints by their points from a drawing",
+            """\
+# A string of joints by points of a drawing: the driving end, the centre of each joint, the driven
+# end. x to the rear, y up, z to the right, in millimetres. Then "cardan phase {name}.toml" says
+# how to set the yokes.
+
+title = "Driveline with three joints"
+
+[driveline]
+points_mm = [
+    [0, 0, 0],                 # gearbox
+    [350, -24, 0],             # joint 0
+    [1650, -46, 0],            # joint 1, behind the centre bearing
+    [3150, -180, 45],          # joint 2
+    [3450, -196, 45],          # pinion of the axle
+]
+phases_deg = [0, 0]            # the forks of each shaft between two joints stand in one plane
+
+[load]
+speed_rpm = 1500
+output_torque_Nm = 4000
+
+[output]
+"""
+            + _FILES,
+        ),
+        "recorded": Starter(
+            "recorded drive angles and bends from a file",
+            """\
+# A recorded run: drive angle and bends of each sample from a file. {name}_run.csv is a made-up
+# sample of a shaft whose driven end rises and falls; put your own in its place, as .csv, .parquet
+# or .npz.
+
+title = "Recorded run"
+
+[angles]
+file = "{name}_run.csv"      # looked for beside this scene
+angle_column_deg = "crank_deg" # or angle_column_rad
+bend_columns_deg = ["front_deg", "rear_deg"]  # one per joint; leave out where bends_deg is fixed
+
+[driveline]
+twists_deg = [180]             # input and output shaft stay parallel
+phases_deg = [0]
+
+[load]
+speed_rpm = 1500
+output_torque_Nm = 300
+
+[output]
+"""
+            + _FILES,
+            recorded=True,
+        ),
+    }
+)
+"""Starter scenes by the name of their kind."""
+
+
+def write_starter(kind: str, path: str | PathLike[str]) -> list[Path]:
+    """Write a starter scene, and beside it the recording that it reads; return the files.
+
+    Raises:
+        FileExistsError: a file of that name; nothing is overwritten, and nothing written.
+        OSError: a file cannot be written; nothing is left behind then.
+        ValueError: an unknown kind, a path that does not end in .toml.
+    """
+    if kind not in STARTERS:
+        raise ValueError(f"kind is {kind!r}; known are {', '.join(STARTERS)}")
+    target, starter = Path(path), STARTERS[kind]
+    if target.suffix != ".toml" or '"' in target.name or not target.name.isprintable():
+        raise ValueError(f"{fspath(path)} must be a file name that ends in .toml")
+    texts = {target: starter.text.replace("{name}", target.stem)}
+    if starter.recorded:
+        texts[target.with_name(f"{target.stem}_run.csv")] = _recording()
+    written: list[Path] = []
+    try:
+        for file, text in texts.items():
+            # Mode x makes the file, or fails if there is one.
+            with open(file, "x", encoding="utf-8") as opened:
+                written.append(file)
+                opened.write(text)
+    except BaseException:
+        for file in written:
+            file.unlink(missing_ok=True)
+        raise
+    return written
+
+
+def _recording() -> str:
+    """Four turns in steps of 4 deg, the axle once up and down; equal bends, as in a Z shaft."""
+    lines = ["crank_deg,front_deg,rear_deg"]
+    for step in range(361):
+        bend = 8.0 + 5.0 * math.sin(math.tau * step / 360.0)
+        lines.append(f"{4 * step},{bend:.3f},{bend + 0.8:.3f}")
+    return "\n".join(lines) + "\n"

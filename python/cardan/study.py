@@ -1,0 +1,373 @@
+"""Studies: a scene's keys varied over a grid, each of its drivelines a row of figures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.load import Load
+from cardan.outputs import OUTPUTS
+from cardan.reductions import CLOSED_FORMS, reduced
+from cardan.scene_format import FORMAT, Form
+from cardan.scene_parts import make_driveline, make_load
+from cardan.scene_values import VECTORS, Spread
+
+MOST_ROWS = 10_000_000
+"""Rows that a study takes at most."""
+
+# Doubles of one block: enough to hide the overhead of a call, few enough for any machine.
+_BLOCK = 1 << 21
+
+Progress = Callable[[int, int], None]
+"""Takes the number of rows done and of all rows."""
+
+
+@dataclass(frozen=True, eq=False)
+class Axis:
+    """One key of a scene and the values that it takes in a study.
+
+    Attributes:
+        key: as the file says it: ``bends_deg.0``, ``points_mm.2-3.y``, ``speed_rpm``.
+        section: where the key belongs.
+        name: the key without place and component.
+        place: which entries of a list it varies; ``None`` where the value is one number.
+        component: which component of a vector.
+        values: the values, ``(steps,)``, in the key's own unit.
+    """
+
+    key: str
+    section: str
+    name: str
+    place: slice | None
+    component: int | None
+    values: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One figure of every driveline of a study.
+
+    Attributes:
+        name: quantity, shaft or joint, component and reduction: ``moment_0_x_mean``.
+        unit: SI unit; ``"1"`` for a ratio.
+    """
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult:
+    """The table of a study, as a grid.
+
+    Attributes:
+        axes: what is varied; none where only the figures of one driveline are wanted.
+        columns: what the figures are.
+        values: the figures in SI units by the name of their column, each of ``shape``.
+    """
+
+    axes: tuple[Axis, ...]
+    columns: tuple[Column, ...]
+    values: Mapping[str, FloatArray]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def rows(self) -> int:
+        """Number of drivelines."""
+        return math.prod(self.shape)
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the values of every axis over the grid, by key; views, nothing is copied."""
+        grids = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij", copy=False)
+        return {axis.key: grid for axis, grid in zip(self.axes, grids, strict=True)}
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What a scene varies and which figures it wants of each driveline.
+
+    Attributes:
+        axes: what is varied.
+        form: how the scene describes its driveline.
+        driveline: the values of its keys as they stand in the file.
+        load: likewise those of its load; ``None`` without one.
+        angle: drive angles to reduce over, in rad.
+        quantities: what to reduce.
+        reductions: how.
+        closed_forms: figures that need no samples.
+        shafts: of which shafts; ``None`` for the last one, without its number in the names.
+        joints: of which joints.
+        options: further arguments of ``evaluate``.
+    """
+
+    axes: tuple[Axis, ...]
+    form: Form
+    driveline: Mapping[str, Any]
+    load: Mapping[str, Any] | None
+    angle: ArrayLike
+    quantities: tuple[str, ...]
+    reductions: tuple[str, ...]
+    closed_forms: tuple[str, ...]
+    shafts: tuple[int, ...] | None
+    joints: tuple[int, ...]
+    options: Mapping[str, Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    def run(self, progress: Progress | None = None) -> StudyResult:
+        """Evaluate every driveline of the grid, block by block.
+
+        Memory is that of the table and of one block.
+
+        Args:
+            progress: called after each block.
+
+        Raises:
+            ValueError: a point of the grid that makes no driveline; the message names it.
+        """
+        rows = math.prod(self.shape)
+        columns: dict[str, Column] = {}
+        table: dict[str, FloatArray] = {}
+        for first, line, load in self.blocks():
+            for column, figures in self._figures(line, load):
+                if column.name not in table:
+                    columns[column.name] = column
+                    table[column.name] = np.empty(rows)
+                table[column.name][first : first + len(figures)] = figures
+            if progress:
+                progress(first + line.shape[0], rows)
+        values = {name: figures.reshape(self.shape) for name, figures in table.items()}
+        return StudyResult(self.axes, tuple(columns.values()), values)
+
+    def check_ends(self) -> None:
+        """Refuse a study with values out of range at either end of an axis.
+
+        Raises:
+            ValueError: the first such point of the grid.
+        """
+        for row in sorted({0, *self._extremes()}):
+            self._block(np.array([row]))
+
+    def _extremes(self) -> Iterator[int]:
+        """The row of each axis's largest and smallest value, the others at their first."""
+        for number, axis in enumerate(self.axes):
+            step = math.prod(self.shape[number + 1 :])
+            yield int(np.argmax(axis.values)) * step
+            yield int(np.argmin(axis.values)) * step
+
+    def blocks(self) -> Iterator[tuple[int, Driveline, Load | None]]:
+        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid."""
+        rows = math.prod(self.shape)
+        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
+        outputs = [OUTPUTS[name] for name in self.quantities]
+        planes = sum(items[output.per] * (3 if output.vector else 1) for output in outputs)
+        block = max(1, _BLOCK // max(1, planes * np.size(self.angle)))
+        for first in range(0, rows, block):
+            yield first, *self._block(np.arange(first, min(first + block, rows)))
+
+    def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
+        """The drivelines and loads of some rows of the grid."""
+        places = np.unravel_index(rows, self.shape) if self.axes else ()
+        driveline: dict[str, Any] = dict(self.driveline)
+        load: dict[str, Any] | None = None if self.load is None else dict(self.load)
+        try:
+            for axis, place in zip(self.axes, places, strict=True):
+                values = driveline if axis.section == "driveline" else load
+                assert values is not None
+                _put(values, axis, axis.values[place])
+            if not self.axes:
+                driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
+            elif all(axis.section == "load" for axis in self.axes):
+                key = self.form.keys[0]
+                driveline[key] = _spread(driveline[key], len(rows))
+            return make_driveline(self.form, driveline), None if load is None else make_load(load)
+        except ValueError as error:
+            if len(rows) == 1:
+                point = ", ".join(
+                    f"{axis.key} = {axis.values[place[0]]:.10g}"
+                    for axis, place in zip(self.axes, places, strict=True)
+                )
+                # The first places count rows of the block, which the reader has not seen.
+                message = re.sub(r"\[0, 0(?:, (\d+))?", lambda m: f"[{m[1] or 0}", str(error))
+                raise ValueError(f"at {point}: {message}" if point else message) from None
+            half = len(rows) // 2
+            for part in (rows[:half], rows[half:]):
+                self._block(part)
+            raise
+
+    def _figures(self, line: Driveline, load: Load | None) -> Iterator[tuple[Column, FloatArray]]:
+        shafts = [line.n_joints] if self.shafts is None else list(self.shafts)
+        equivalent = [line.equivalent(shaft) for shaft in shafts if self.closed_forms]
+        for name in self.closed_forms:
+            field, unit = CLOSED_FORMS[name]
+            for shaft, joint in zip(shafts, equivalent, strict=True):
+                number = "" if self.shafts is None else f"_{shaft}"
+                yield Column(f"{name}{number}", unit), getattr(joint, field)[:, 0]
+        if not self.quantities:
+            return
+        items = {"shaft": shafts, "joint": list(self.joints)}
+        found = reduced(
+            line,
+            self.angle,
+            self.quantities,
+            self.reductions,
+            load=load,
+            shafts=items["shaft"],
+            joints=items["joint"],
+            options=self.options,
+        )
+        for (name, reduction), of_items in found.items():
+            output = OUTPUTS[name]
+            for item, figures in zip(items[output.per], of_items, strict=True):
+                number = "" if output.per == "shaft" and self.shafts is None else f"_{item}"
+                if output.vector and reduction != "peak":
+                    for i, axis in enumerate("xyz"):
+                        column = Column(f"{name}{number}_{axis}_{reduction}", output.unit)
+                        yield column, figures[:, i]
+                else:
+                    yield Column(f"{name}{number}_{reduction}", output.unit), figures
+
+
+def axes_of(
+    given: Mapping[str, Mapping[str, Spread | list[float]]],
+    driveline: Mapping[str, Any],
+    load: Mapping[str, Any] | None,
+) -> tuple[Axis, ...]:
+    """Return the axes that the section [study] describes.
+
+    Args:
+        given: values by key and place.
+        driveline: the keys of the scene's driveline.
+        load: those of its load, if any.
+
+    Raises:
+        ValueError: a key that the scene does not use, a place that does not exist or is varied
+            twice, more rows than a study takes.
+    """
+    sizes = {
+        f"{name}.{place}" if place else name: values.steps
+        if isinstance(values, Spread)
+        else len(values)
+        for name, places in given.items()
+        for place, values in places.items()
+    }
+    rows = math.prod(sizes.values())
+    if rows > MOST_ROWS:
+        product = " x ".join(map(str, sizes.values()))
+        count = f"{product} = {rows}" if len(sizes) > 1 else str(rows)
+        largest = max(sizes, key=lambda key: sizes[key])
+        raise ValueError(
+            f"{largest} makes the study {count} rows; it takes at most {MOST_ROWS}: "
+            "give fewer steps or vary fewer keys"
+        )
+    axes = []
+    for name, places in given.items():
+        section = "driveline" if name in FORMAT["driveline"].keys else "load"
+        base = _base(name, driveline if section == "driveline" else load, section)
+        taken: set[tuple[int, str]] = set()
+        for place, values in places.items():
+            index, _, component = place.partition(".")
+            key = f"{name}.{place}" if place else name
+            entries = _entries(key, index, base)
+            for entry in range(*entries.indices(len(base))) if base and entries else ():
+                if (entry, component) in taken:
+                    raise ValueError(f"{key} varies {name}[{entry}], which varies already")
+                taken.add((entry, component))
+            axes.append(
+                Axis(
+                    key,
+                    section,
+                    name,
+                    entries,
+                    "xyz".index(component) if component else None,
+                    _listed(values),
+                )
+            )
+    return tuple(axes)
+
+
+def _base(name: str, values: Mapping[str, Any] | None, section: str) -> Sequence[Any] | None:
+    """The entries that the scene gives a key; ``None`` for one number, which it may leave out."""
+    if values is None:
+        raise ValueError(f"{name} needs a section [{section}]")
+    if name in values:
+        entries: Sequence[Any] | None = values[name] if isinstance(values[name], list) else None
+        if entries == []:
+            raise ValueError(f"{name} has no entries; one joint has no shaft between two joints")
+        return entries
+    if section == "load" and name != "inertias_kgm2":
+        for pair in FORMAT["load"].together:
+            for key in pair:
+                if name in pair and key in values:
+                    raise ValueError(f"{name} does not go with {key} of [load]; vary that")
+        return None
+    there = ", ".join(values)
+    raise ValueError(f"{name} is not in [{section}]; it can vary what is there: {there}")
+
+
+def _entries(key: str, index: str, base: Sequence[Any] | None) -> slice | None:
+    if base is None:
+        return None
+    if not index:
+        return slice(None)
+    match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", index)
+    if not match:
+        raise ValueError(f"{key} has no such place; write 0 for the first entry, 0-1 for two")
+    first, last = int(match[1]), int(match[2] or match[1])
+    if not first <= last < len(base):
+        raise ValueError(f"{key} has no such place; there are {len(base)}, counted from 0")
+    return slice(first, last + 1)
+
+
+def _listed(values: Spread | list[float]) -> FloatArray:
+    if isinstance(values, list):
+        return np.array(values, dtype=np.float64)
+    start, stop, steps = values
+    # Dividing last keeps round values round.
+    spread: FloatArray = start + (stop - start) * np.arange(steps) / max(steps - 1, 1)
+    return spread
+
+
+def _put(values: dict[str, Any], axis: Axis, column: FloatArray) -> None:
+    """Give a key the values of an axis, one per row."""
+    rows = column.reshape(-1, 1)
+    if axis.place is None:
+        values[axis.name] = rows
+        return
+    array = np.asarray(values[axis.name], dtype=np.float64)
+    core = 1 if axis.component is None else 2
+    if array.ndim == core:
+        array = _spread(array, len(rows))
+        values[axis.name] = array
+    if axis.component is None:
+        array[..., axis.place] = rows[..., None]
+    else:
+        array[..., axis.place, axis.component] = rows[..., None]
+
+
+def _one_row(key: str, value: ArrayLike) -> FloatArray:
+    """A list of the file as a batch of one; recorded bends have their samples already."""
+    array = np.asarray(value, dtype=np.float64)
+    core = 2 if FORMAT["driveline"].keys[key].kind is VECTORS else 1
+    return array.reshape((1,) * (core + 2 - array.ndim) + array.shape)
+
+
+def _spread(value: ArrayLike, rows: int) -> FloatArray:
+    """A copy of a list of the file for each row, with an axis for the drive angles."""
+    array = np.asarray(value, dtype=np.float64)
+    return np.array(np.broadcast_to(array, (rows, 1, *array.shape)))
