@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib.util
+import json
+import math
 import os
 import re
 import shutil
@@ -12,6 +14,7 @@ import sys
 import sysconfig
 import textwrap
 import time
+import types
 from pathlib import Path
 
 import pytest
@@ -21,6 +24,7 @@ import cardan
 from cardan.command import commands
 from cardan.scene import Scene
 from cardan.scene_format import FORMAT
+from cardan.starters import STARTERS
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
@@ -58,16 +62,23 @@ def into(tmp_path: Path) -> Path:
 def test_every_example_runs(path: Path, into: Path) -> None:
     result = run("run", path, "--into", into)
     assert result.exit_code == 0, result.output
+    scene = Scene.load(path)
+    named = {scene.curves_file: len(scene.drive_angle), scene.picture_file: 0}
+    if scene.study and scene.table_file:
+        named[scene.table_file] = math.prod(scene.study.shape)
+    files = {name: rows for name, rows in named.items() if name}
     written = {entry.name: entry.stat().st_size for entry in into.iterdir()}
-    assert set(written) == {f"{path.stem}.csv", f"{path.stem}.svg"}
+    assert set(written) == set(files) >= {f"{path.stem}.csv", f"{path.stem}.svg"}
     assert min(written.values()) > 10_000
     lines = result.output.splitlines()
-    assert lines[0] == Scene.load(path).title
-    assert lines[-2:] == [
-        f"wrote {into / path.stem}.csv (721 rows)",
-        f"wrote {into / path.stem}.svg",
-    ]
-    assert max(map(len, lines[:-2])) <= 79
+    assert lines[0] == scene.title
+    said = [line for line in lines if line.startswith("wrote ")]
+    rows = {name: f" ({rows} rows)" if rows else "" for name, rows in files.items()}
+    assert set(said) == {f"wrote {into / name}{rows[name]}" for name in files}
+    assert max(len(line) for line in lines if line not in said) <= 79
+    for name, count in files.items():
+        if count:
+            assert len((into / name).read_text().splitlines()) == count + 1
 
 
 def test_installed_script(into: Path) -> None:
@@ -158,6 +169,230 @@ def test_help_lists_every_key_on_a_line_of_its_own() -> None:
         for key in section.keys if name != "study" else ():
             assert f"\n    {key} " in text
     assert max(map(len, text.splitlines())) < 80
+
+
+# What the other commands do
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_example_as_json(path: Path, into: Path) -> None:
+    result = run("run", path, "--into", into, "--json")
+    assert result.exit_code == 0, result.output
+    data = json.loads(result.output)
+    assert data["title"] == Scene.load(path).title
+    assert {Path(file["file"]).name for file in data["files"]} == {
+        entry.name for entry in into.iterdir()
+    }
+    assert ("study" in data) == (Scene.load(path).study is not None)
+
+
+def test_json_in_both_units(into: Path) -> None:
+    foeppl = next(path for path in EXAMPLES if path.stem == "foeppl")
+    degrees = json.loads(run("run", foeppl, "--into", into, "--json").output)
+    radians = json.loads(run("run", foeppl, "--into", into, "--json", "--radians").output)
+    by_label = [{row["label"]: row for row in data["summary"]} for data in (degrees, radians)]
+    assert by_label[0]["bend"] == {"label": "bend", "values": [8.5], "unit": "deg"}
+    for label, in_degrees in by_label[0].items():
+        in_radians = by_label[1][label]
+        if in_degrees["unit"] == "deg":
+            assert in_radians["unit"] == "rad"
+            assert in_radians["values"] == pytest.approx(
+                list(map(math.radians, in_degrees["values"]))
+            )
+        else:
+            assert in_radians["values"] == in_degrees["values"]
+        if "at_deg" in in_degrees:
+            assert in_radians["at_rad"] == pytest.approx(math.radians(in_degrees["at_deg"]))
+    head = (into / "foeppl.csv").read_text().splitlines()[0].split(",")
+    assert head[:2] == ["drive_angle_rad", "angle_error_rad"]
+
+
+def test_study_as_json(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text("[driveline]\nbends_deg = [8]\n[study]\nbends_deg = [30, 10, 20]\n")
+    study = json.loads(run("run", path, "--json").output)["study"]
+    assert (study["rows"], study["axes"]) == (3, {"bends_deg": 3})
+    bend = study["figures"]["equivalent_bend_deg"]
+    assert bend["least"] == pytest.approx(10)
+    assert bend["largest"] == pytest.approx(30)
+    assert (bend["least_at"], bend["largest_at"]) == ({"bends_deg": 10}, {"bends_deg": 30})
+
+
+def test_run_prints_a_study(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(
+        "[driveline]\nbends_deg = [8]\n[load]\nspeed_rpm = 1\n"
+        "[study]\nbends_deg = [30, 10, 20]\nspeed_rpm = [5, 6]\n"
+        "[output]\nclosed_forms = ['equivalent_bend']\n"
+    )
+    text = run("run", path).output.split("\n\n")
+    assert text[2].splitlines() == [
+        "study                3 x 2 = 6 drivelines",
+        "bends_deg            10 to 30",
+        "speed_rpm            5 to 6",
+        "equivalent_bend_deg  10.0 (10, 5) to 30.0 (30, 5)",
+    ]
+    assert text[3] == "In brackets: bends_deg, speed_rpm.\n"
+
+
+TRUCK = next(path for path in EXAMPLES if path.stem == "truck")
+
+
+def test_check_says_pass_or_fail(tmp_path: Path) -> None:
+    """The four joints of the workshop books, whose figures tests/test_check.py knows."""
+    failed = run("check", TRUCK)
+    assert failed.exit_code == 1
+    assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60)}\n"
+    data = json.loads(run("check", TRUCK, "--json").output)
+    assert data["passes"] is False
+    by_name = {finding["name"]: finding for finding in data["findings"]}
+    torsional = by_name["torsional excitation of the last shaft"]
+    assert torsional["worst"] == pytest.approx(752.5, abs=0.1)
+    assert (torsional["limit"], torsional["maximum"]) == (300, 500)
+    assert [finding["passes"] for finding in data["findings"]] == [False] * 4 + [True]
+
+    path = tmp_path / "a.toml"
+    path.write_text("[driveline]\nbends_deg = [2]\n")
+    passed = run("check", path)
+    assert passed.exit_code == 0
+    assert passed.output.startswith("The driveline passes.")
+    assert json.loads(run("check", path, "--json").output)["passes"] is True
+    path.write_text("[driveline]\nbends_deg = [92]\n")
+    assert run("check", path).exit_code == 2
+
+
+def test_check_of_a_study_is_of_every_driveline(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.toml"
+    text = "[driveline]\nbends_deg = [2]\n[load]\nspeed_rpm = 100\n[study]\n"
+    path.write_text(f"{text}bends_deg = [1, 2, 2.9, 3.1]\nspeed_rpm = [100, 6000]")
+    for block in (1 << 21, 3):
+        monkeypatch.setattr("cardan.study._BLOCK", block)
+        result = run("check", path)
+        assert result.exit_code == 1
+        assert "up to 3.1 deg is above the limit of 3 deg; 6 of 8 keep the limit" in result.output
+        assert "excitation of the last shaft up to 1156 rad/s²" in result.output
+    path.write_text(f"{text}bends_deg = [1, 2, 2.9]")
+    assert run("check", path).exit_code == 0
+
+
+def test_phase_in_workshop_words() -> None:
+    """The worked example of the catalogue: 70.8728 deg counter-clockwise, 71 off its drawing."""
+    path = next(path for path in EXAMPLES if path.stem == "spatial_shaft")
+    result = run("phase", path)
+    assert result.exit_code == 0
+    assert result.output == textwrap.dedent("""\
+        Spatial two-joint shaft, 15/7/-11.5/12 deg
+
+        Set the output-side yoke against the input-side one, looking along the travel:
+        - shaft 1: 70.87° counter-clockwise (as it is)
+
+        Equivalent bend: 0.9515° as it is, 0.9515° set so.
+        In the scene: phases_deg = [-70.8728]
+        """)
+
+
+def test_phases_make_the_driveline_smooth(tmp_path: Path) -> None:
+    data = json.loads(run("phase", TRUCK, "--json").output)
+    phases = [shaft["phase_deg"] for shaft in data["shafts"]]
+    line = Scene.load(TRUCK).line
+    assert line.with_phases(phases, degrees=True).equivalent().k < 1e-15
+    assert data["equivalent_bend_deg"]["best"] == 0.0
+    assert data["equivalent_bend_deg"]["present"] == pytest.approx(5.998, abs=1e-3)
+    assert data["view"] == "looking along the travel"
+    for i, shaft in enumerate(data["shafts"]):
+        assert shaft["shaft"] == i + 1
+        sign = {"clockwise": 1, "counter-clockwise": -1}
+        setting = shaft["setting_deg"] * sign[shaft["sense"]]
+        assert (setting - shaft["phase_deg"]) % 180 == pytest.approx(0, abs=1e-9)
+        turned = shaft["turn_deg"] * sign[shaft["turn_sense"]]
+        present = math.degrees(line.phases[i])
+        assert math.cos(math.radians(2 * (present + turned - shaft["phase_deg"]))) == pytest.approx(
+            1
+        )
+    text = run("phase", TRUCK).output
+    # Pasted into the scene, the line does what it says.
+    path = tmp_path / "a.toml"
+    pasted = text.splitlines()[-1].removeprefix("In the scene: ")
+    path.write_text(f"[driveline]\nbends_deg = [5, 4, 3, 2]\n{pasted}\n")
+    assert Scene.load(path).line.equivalent().bend < 1e-3
+
+
+def test_plot(scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    result = run("plot", scene)
+    assert (result.exit_code, result.output) == (0, "wrote scene.svg\n")
+    assert run("plot", scene, "--output", "a.png").exit_code == 0
+    assert (into / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert {entry.name for entry in into.iterdir()} == {"scene.svg", "a.png"}
+    failed(run("plot", scene, "--output", "a.gif"), "a.gif must end in .svg or .png or .pdf")
+
+
+def test_report_is_written_by_its_module(
+    scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = []
+    module = types.ModuleType("cardan.report")
+    module.write_report = lambda loaded, path: asked.append((loaded.name, path))  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "cardan.report", module)
+    monkeypatch.chdir(into)
+    assert run("report", scene).output == "wrote scene.html\n"
+    assert run("report", scene, "--output", "b.html").output == "wrote b.html\n"
+    assert asked == [(str(scene), Path("scene.html")), (str(scene), Path("b.html"))]
+
+
+def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Plan:
+        def explain(self) -> str:
+            return "one step"
+
+    monkeypatch.setattr("cardan.scene.Scene.plan", lambda _: Plan())
+    assert run("explain", scene).output == "one step\n"
+
+
+@pytest.mark.parametrize("kind", STARTERS)
+def test_new(kind: str, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    result = run("new", kind, "first.toml")
+    assert result.exit_code == 0, result.output
+    *wrote, following = result.output.splitlines()
+    assert wrote == [f"wrote {name}" for name in ("first.toml", "first_run.csv")[: len(wrote)]]
+    assert {f"wrote {entry.name}" for entry in into.iterdir()} == set(wrote)
+    text = (into / "first.toml").read_text()
+    assert max(map(len, text.splitlines())) <= 100
+    assert "{" not in text
+
+    assert following == "next: cardan run first.toml"
+    done = run(*following.removeprefix("next: cardan ").split())
+    assert done.exit_code == 0, done.output
+    assert {"first.csv", "first.svg"} < {entry.name for entry in into.iterdir()}
+    # What stands in comments runs as well.
+    (into / "first.toml").write_text(re.sub(r"(?m)^# (?=[a-z]+ = )", "", text))
+    assert run("run", "first.toml").exit_code == 0
+
+
+def test_new_overwrites_nothing(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    for name in ("a.toml", "b_run.csv"):
+        (into / name).write_text("mine")
+    failed(run("new", "joint", "a.toml"), "a.toml: File exists")
+    failed(run("new", "recorded", "b.toml"), "b_run.csv: File exists")
+    failed(run("new", "joint", "a.txt"), "a.txt must be a file name that ends in .toml")
+    failed(run("new", "joint", "no/a.toml"), "no/a.toml: No such file or directory")
+    assert run("new", "jiont", "c.toml").exit_code == 2
+    assert {entry.name: entry.read_text() for entry in into.iterdir()} == {
+        "a.toml": "mine",
+        "b_run.csv": "mine",
+    }
+
+
+def test_schema_command(into: Path) -> None:
+    printed = run("schema")
+    assert json.loads(printed.output) == Scene.schema()
+    path = into / "a.json"
+    assert run("schema", "--output", path).output == f"wrote {path}\n"
+    assert path.read_text() == printed.output
 
 
 # What can go wrong: one line on stderr, exit status 2

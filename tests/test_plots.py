@@ -100,7 +100,7 @@ def test_acceleration_is_a_ratio_without_a_speed() -> None:
 
 @pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in EXAMPLES), TALL])
 def test_nothing_overlaps(text: str) -> None:
-    figure = drawn(Scene.parse(text).run())
+    figure = drawn(Scene.parse(text, folder=EXAMPLES[0].parent).run())
 
     def tick_boxes(axes: Axes) -> list[Bbox]:
         low, high = axes.get_ylim()

@@ -392,15 +392,19 @@ def _phases(scene: Scene) -> dict[str, Any]:
     }
 
 
+# Less than this, in degrees, would read 0.00.
+_SHOWN = 0.005
+
+
 def _phase_text(data: dict[str, Any]) -> str:
     lines = [data["title"], ""] if data["title"] else []
     lines += [f"Set the output-side yoke against the input-side one, {VIEW}:"]
     for shaft in data["shafts"]:
         setting = "in one plane"
-        if shaft["sense"] != "none":
+        if shaft["setting_deg"] >= _SHOWN:
             setting = f"{shaft['setting_deg']:.2f}° {shaft['sense']}"
         change = "as it is"
-        if shaft["turn_sense"] != "none":
+        if shaft["turn_deg"] >= _SHOWN:
             change = (
                 f"turn it {shaft['turn_deg']:.2f}° {shaft['turn_sense']} from its present place"
             )

@@ -139,16 +139,21 @@ def _parquet(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray
     return [table[name].to_numpy().astype(np.float64) for name in names]
 
 
+# A RuntimeError is a flag of the archive that asks for what it does not have, as a password.
+_DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError)
+
+
 def _npz(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
-    try:
-        with open(path, "rb") as source, np.load(source, allow_pickle=False) as file:
+    with open(path, "rb") as source:
+        try:
+            file = np.load(source, allow_pickle=False)
             if not isinstance(file, np.lib.npyio.NpzFile):
-                raise ValueError("one array without a name")
+                raise ValueError("one array without a name; a column needs one")
             for name in names:
                 _place(name, file.files)
             read = [file[name] for name in names]
-    except (zipfile.BadZipFile, zlib.error, EOFError) as error:
-        raise ValueError(f"not a readable NPZ file: {error}") from None
+        except _DAMAGED as error:
+            raise ValueError(f"not a readable NPZ file: {error}") from None
     for name, column in zip(names, read, strict=True):
         if column.ndim != 1 or column.dtype.kind not in "fiu":
             raise ValueError(

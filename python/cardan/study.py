@@ -203,7 +203,7 @@ class Study:
                     for axis, place in zip(self.axes, places, strict=True)
                 )
                 # The first places count rows of the block, which the reader has not seen.
-                message = re.sub(r"\[0, 0(?:, (\d+))?", lambda m: f"[{m[1] or 0}", str(error))
+                message = re.sub(r"\[0, 0(?:\]|, )", _own_place, str(error))
                 raise ValueError(f"at {point}: {message}" if point else message) from None
             half = len(rows) // 2
             for part in (rows[:half], rows[half:]):
@@ -365,6 +365,10 @@ def _one_row(key: str, value: ArrayLike) -> FloatArray:
     array = np.asarray(value, dtype=np.float64)
     core = 2 if FORMAT["driveline"].keys[key].kind is VECTORS else 1
     return array.reshape((1,) * (core + 2 - array.ndim) + array.shape)
+
+
+def _own_place(found: re.Match[str]) -> str:
+    return "[" if found[0].endswith(", ") else ""
 
 
 def _spread(value: ArrayLike, rows: int) -> FloatArray:

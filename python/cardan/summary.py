@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -81,7 +82,6 @@ def summary_data(rows: Sequence[Row], *, radians: bool = False) -> list[dict[str
 
 def study_text(result: StudyResult, *, radians: bool = False) -> str:
     """Return the extent of a study and the extremes of its figures, as plain text."""
-    extremes = study_data(result, radians=radians)
     lines = []
     if result.axes:
         steps = " x ".join(map(str, result.shape))
@@ -90,17 +90,24 @@ def study_text(result: StudyResult, *, radians: bool = False) -> str:
         for axis in result.axes:
             low, high = np.min(axis.values), np.max(axis.values)
             lines.append((axis.key, f"{low:.10g} to {high:.10g}"))
-    for name, found in extremes["figures"].items():
+    placed = False
+    for name, found in study_data(result, radians=radians)["figures"].items():
         low, high = found["least"], found["largest"]
         if low is None or high is None or low == high:
-            lines.append((name, "not a number" if low is None else _figure(low)))
+            lines.append((name, "not finite" if low is None or high is None else _figure(low)))
             continue
-        lines.append((name, _range(low, high)))
-        for which in ("least", "largest"):
-            place = found[f"{which}_at"]
-            at = ", ".join(f"{key} = {value:.10g}" for key, value in place.items())
-            lines.append((f"  {which} at", at))
-    return _aligned(lines)
+        placed = True
+        ends = zip(_ends(low, high), ("least", "largest"), strict=True)
+        figures = [
+            f"{figure} ({', '.join(f'{at:.10g}' for at in found[f'{which}_at'].values())})"
+            for figure, which in ends
+        ]
+        lines.append((name, " to ".join(figures)))
+    text = _aligned(lines)
+    if placed:
+        keys = ", ".join(axis.key for axis in result.axes)
+        text += "\n\n" + textwrap.fill(f"In brackets: {keys}.", 79, break_on_hyphens=False)
+    return text
 
 
 def study_data(result: StudyResult, *, radians: bool = False) -> dict[str, Any]:
@@ -173,12 +180,22 @@ def _geometry(result: SceneResult) -> Iterable[Row]:
 
 def _motion(result: SceneResult) -> Iterable[Row]:
     scene = result.scene
-    for shaft in (scene.line.n_joints,) if scene.shafts is None else scene.shafts:
-        of_shaft = "" if scene.shafts is None else f", shaft {shaft}"
-        if scene.line.shape:
-            yield from _recorded_motion(result, shaft, of_shaft)
-        else:
-            yield from _shaft_motion(scene, shaft, of_shaft)
+    shafts = (scene.line.n_joints,) if scene.shafts is None else scene.shafts
+    named = "" if scene.shafts is None else f", shaft {shafts[0]}"
+    if scene.line.shape:
+        for shaft in shafts:
+            yield from _recorded_motion(result, shaft, named and f", shaft {shaft}")
+    elif len(shafts) == 1:
+        yield from _shaft_motion(scene, shafts[0], named)
+    else:
+        run = shafts == tuple(range(shafts[0], shafts[-1] + 1))
+        listed = f"{shafts[0]} to {shafts[-1]}" if run else ", ".join(map(str, shafts))
+        listed = f", shafts {listed}"
+        for rows in zip(*(_shaft_motion(scene, shaft, listed) for shaft in shafts), strict=True):
+            # Ranges and places of several shafts would not be read.
+            if not rows[0].is_range:
+                values = tuple(row.values[0] for row in rows)
+                yield Row(rows[0].label, values, rows[0].unit)
 
 
 def _recorded_motion(result: SceneResult, shaft: int, of_shaft: str) -> Iterable[Row]:
@@ -265,13 +282,15 @@ def _figures(row: Row, radians: bool) -> str:
 
 
 def _range(low: float, high: float) -> str:
-    if not 0.0 < high - low < math.inf:
-        return _figure(low)
-    # Enough decimals for three digits of the difference.
-    decimals = max(0, 2 - math.floor(math.log10(high - low)))
-    if decimals > 9 and max(abs(low), abs(high)) < 1e-5:
-        return f"{_figure(low)} to {_figure(high)}"
-    return f"{low:.{decimals}f} to {high:.{decimals}f}"
+    return " to ".join(_ends(low, high)) if 0.0 < high - low < math.inf else _figure(low)
+
+
+def _ends(low: float, high: float) -> tuple[str, str]:
+    """Both with enough decimals for three digits of the difference."""
+    decimals = 2 - math.floor(math.log10(min(high - low, sys.float_info.max)))
+    if decimals > 9 or high - low >= 1e7:
+        return _figure(low), _figure(high)
+    return f"{low:.{max(0, decimals)}f}", f"{high:.{max(0, decimals)}f}"
 
 
 def _figure(value: float) -> str:

@@ -1,0 +1,161 @@
+"""Recorded columns: what is read, and what is said about a file that cannot be."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan.recording import read_columns
+
+ANGLE, BEND = [0.0, 0.5, -1e-3], [5.0, 6.25, 7.0]
+
+
+def test_csv(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    for text in (
+        "angle,bend\n0,5\n0.5,6.25\n-1e-3,7\n",
+        "\ufeffangle;bend\r\n0;5\r\n\r\n0.5;6.25\r\n-1e-3;7",
+        'name\tbend\t"angle"\nx\t5\t0\ny\t6.25\t0.5\nz\t7\t-0.001\n',
+        "angle, bend\n 0, 5\n 0.5, 6.25\n-1e-3, 7\n",
+    ):
+        path.write_text(text, encoding="utf-8", newline="")
+        angle, bend = read_columns(path, ["angle", "bend"])
+        assert (angle.tolist(), bend.tolist()) == (ANGLE, BEND)
+
+
+def test_npz(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    np.savez(path, angle=np.array(ANGLE), count=np.arange(3, dtype=np.int16), other=np.eye(3))
+    angle, count = read_columns(str(path), ["angle", "count"])
+    assert (angle.tolist(), count.tolist()) == (ANGLE, [0.0, 1.0, 2.0])
+    assert count.dtype == np.float64
+
+
+def test_parquet(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    path = tmp_path / "a.parquet"
+    single = pyarrow.array(BEND, pyarrow.float32())
+    table = {"text": ["a", "b", "c"], "an angle": ANGLE, "bend": single, "n": [1, 2, 3]}
+    parquet.write_table(pyarrow.table(table), path)
+    angle, bend, n = read_columns(path, ["an angle", "bend", "n"])
+    assert (angle.tolist(), bend.tolist(), n.tolist()) == (ANGLE, BEND, [1.0, 2.0, 3.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "angel,bend\n0,1\n",
+            "no column 'angle'; did you mean 'angel'?; the columns are angel, bend",
+        ),
+        ("x,bend\n0,1\n", "no column 'angle'; the columns are x, bend"),
+        ("", "no column 'angle'; the file has none"),
+        ("angle,angle,bend\n0,0,1\n", "column 'angle' is there 2 times"),
+        ("angle,bend\n", "column 'angle' has no rows"),
+        ("angle,bend\n0,1\nabc,2\n", "line 3, column 'angle' is 'abc'; it must be a number"),
+        ("angle,bend\n0,1\n\n\n1,x\n", "line 5, column 'bend' is 'x'; it must be a number"),
+        ("angle,bend\n0\n", "line 2, column 'bend' is empty; it must be a number"),
+        ("angle,bend\n0,  \n", "line 2, column 'bend' is empty; it must be a number"),
+        ("angle,bend\n0,nan\n", "line 2, column 'bend' is nan; it must be finite"),
+        ("angle,bend\n-inf,0\n", "line 2, column 'angle' is -inf; it must be finite"),
+        (
+            "angle;bend\n1,5;2\n",
+            "line 2, column 'angle' is '1,5'; it must be a number, with a decimal point",
+        ),
+        (
+            f"angle,bend\n{'x' * 100},0\n",
+            f"line 2, column 'angle' is '{'x' * 37}...'; it must be a number",
+        ),
+        ("angle,bend\n" + "1" * 200_000 + ",0\n", "line 2: not CSV: field larger than field limit"),
+    ],
+)
+def test_csv_messages(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ValueError, match=r"a\.csv") as caught:
+        read_columns(path, ["angle", "bend"])
+    assert str(caught.value).startswith(f"{path}: {message}")
+    if "limit" not in message:
+        assert str(caught.value) == f"{path}: {message}"
+
+
+def test_csv_that_is_not_text(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(b"angle,bend\n0,\xff\n")
+    with pytest.raises(ValueError, match=r"a\.csv: not UTF-8 text at byte 13$"):
+        read_columns(path, ["angle", "bend"])
+
+
+def test_npz_messages(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+
+    def refused(message: str) -> None:
+        with pytest.raises(ValueError, match=message):
+            read_columns(path, ["angle", "bend"])
+
+    path.write_bytes(b"angle,bend\n")
+    refused(r"a\.npz: ")
+    path.write_bytes(b"")
+    refused(r"a\.npz: not a readable NPZ file")
+    np.savez(path, angle=np.zeros(3), bond=np.zeros(3))
+    whole = path.read_bytes()
+    refused(r"a\.npz: no column 'bend'; did you mean 'bond'\?; the columns are angle, bond$")
+    path.write_bytes(whole[: len(whole) // 2])
+    refused(r"a\.npz: not a readable NPZ file")
+    np.savez(path, angle=np.zeros(3), bend=np.zeros(4))
+    refused(r"a\.npz: column 'bend' has 4 rows, 'angle' has 3$")
+    np.savez(path, angle=np.zeros((3, 1)), bend=np.zeros(3))
+    refused(r"column 'angle' has shape \(3, 1\) and dtype float64; it must hold numbers in one")
+    np.savez(path, angle=np.array(["a"]), bend=np.zeros(1))
+    refused(r"column 'angle' has shape \(1,\) and dtype <U1")
+    np.savez(path, angle=np.array([0.0, np.nan]), bend=np.zeros(2))
+    refused(r"row 1, counted from 0, column 'angle' is nan; it must be finite$")
+    np.savez(path, angle=np.array([{}]), bend=np.zeros(1))
+    refused(r"a\.npz: .*allow_pickle")
+    with open(path, "wb") as file:
+        np.save(file, np.zeros(3))
+    refused(r"a\.npz: one array without a name; a column needs one$")
+
+
+def test_parquet_messages(tmp_path: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    path = tmp_path / "a.parquet"
+
+    def refused(message: str) -> None:
+        with pytest.raises(ValueError, match=message) as caught:
+            read_columns(path, ["angle", "bend"])
+        assert "\n" not in str(caught.value)
+
+    parquet.write_table(pyarrow.table({"angle": ANGLE, "bend": BEND}), path)
+    whole = path.read_bytes()
+    for length in (0, 3, 40, len(whole) // 2, len(whole) - 1):
+        path.write_bytes(whole[:length])
+        refused(r"a\.parquet: not a readable Parquet file: ")
+    parquet.write_table(pyarrow.table({"angle": ["a"], "bend": [1.0]}), path)
+    refused(r"a\.parquet: column 'angle' holds string; it must hold numbers$")
+    parquet.write_table(pyarrow.table({"angle": [1.0, None], "bend": [1.0, 2.0]}), path)
+    refused(r"a\.parquet: row 1, counted from 0, column 'angle' is empty$")
+    parquet.write_table(pyarrow.table({"a": [1.0]}), path)
+    refused(r"a\.parquet: no column 'angle'; the columns are a$")
+
+
+def test_parquet_without_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with pytest.raises(ImportError, match=r"needs pyarrow: pip install 'cardan\[table\]'"):
+        read_columns(tmp_path / "a.parquet", ["angle"])
+
+
+def test_other_files(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"a\.xls must end in \.csv or \.npz or \.parquet"):
+        read_columns(tmp_path / "a.xls", ["angle"])
+    for suffix in ("csv", "npz", "parquet"):
+        with pytest.raises(FileNotFoundError) as caught:
+            read_columns(tmp_path / f"a.{suffix}", ["angle"])
+        assert Path(caught.value.filename) == tmp_path / f"a.{suffix}"

@@ -1,0 +1,408 @@
+"""Studies: every row is what its driveline gives by itself; what is refused, and in which words."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cardan import Driveline, Load, study
+from cardan.curves import study_columns
+from cardan.scene import Scene
+from cardan.study import StudyResult
+
+TWO = "[driveline]\nbends_deg = [10, 20]\nphases_deg = [30]\n"
+SWEEP = "[sweep]\nsamples_per_turn = 24\n"
+TURN = np.radians(np.arange(24) * 15.0)
+
+
+def run(text: str) -> StudyResult:
+    result = Scene.parse(text).run().study
+    assert result is not None
+    return result
+
+
+def test_grid_of_bends_phases_and_speed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each row against a driveline of its own, and the same in blocks of any size."""
+    text = (
+        TWO
+        + "[load]\nspeed_rpm = 7\ninertias_kgm2 = [0, 0.1, 0.3]\n"
+        + SWEEP
+        + "[study]\nbends_deg.1 = {from = 0, to = 30, steps = 4}\nphases_deg = [0, 45, 90]\n"
+        + "speed_rpm = [1000, 2000]\n"
+        + '[output]\nquantities = ["angle_error", "torque", "moment", "bending_driven"]\n'
+        + 'shafts = [1, 2]\nreduce = ["peak", "min", "max", "mean", "rms"]\n'
+    )
+    result = run(text)
+    assert result.shape == (4, 3, 2)
+    assert [axis.key for axis in result.axes] == ["bends_deg.1", "phases_deg", "speed_rpm"]
+    assert result.axes[0].values.tolist() == [0, 10, 20, 30]
+    for place in itertools.product(*map(range, result.shape)):
+        bend, phase, rpm = (axis.values[i] for axis, i in zip(result.axes, place, strict=True))
+        line = Driveline.from_bends([10, bend], phases=[phase], degrees=True)
+        load = Load(speed=rpm * math.tau / 60, inertias=[0, 0.1, 0.3])
+        want: dict[str, Any] = {}
+        for shaft in (1, 2):
+            whole = line.equivalent(shaft)
+            want[f"equivalent_bend_{shaft}"] = whole.bend
+            want[f"non_uniformity_{shaft}"] = whole.non_uniformity
+            want[f"max_angle_error_{shaft}"] = whole.max_angle_error
+        curves = line.evaluate(
+            TURN, ("angle_error", "torque", "moment", "bending_driven"), shafts=[1, 2], load=load
+        )
+        scalars = {
+            f"{name}_{item}": curves[name][i]
+            for name, items in (
+                ("angle_error", (1, 2)),
+                ("torque", (1, 2)),
+                ("bending_driven", (0, 1)),
+            )
+            for i, item in enumerate(items)
+        }
+        for joint in (0, 1):
+            moment = curves.moment[joint]
+            want[f"moment_{joint}_peak"] = np.max(np.linalg.norm(moment, axis=-1))
+            scalars |= {f"moment_{joint}_{axis}": moment[:, i] for i, axis in enumerate("xyz")}
+        for name, curve in scalars.items():
+            if not name.startswith("moment"):
+                want[f"{name}_peak"] = np.max(np.abs(curve))
+            want[f"{name}_min"], want[f"{name}_max"] = np.min(curve), np.max(curve)
+            want[f"{name}_mean"] = np.mean(curve)
+            want[f"{name}_rms"] = math.sqrt(np.mean(curve**2))
+        assert set(want) == set(result.values)
+        for name, value in want.items():
+            scale = 1e-12 * (1 + abs(value))
+            assert result.values[name][place] == pytest.approx(value, rel=1e-12, abs=scale), name
+
+    monkeypatch.setattr(study, "_BLOCK", 24 * 7 * 20)
+    blocks: list[tuple[int, int]] = []
+    again = Scene.parse(text).run(lambda done, rows: blocks.append((done, rows))).study
+    assert again is not None
+    assert len(blocks) > 1
+    assert blocks[-1] == (24, 24)
+    for name, values in result.values.items():
+        np.testing.assert_allclose(again.values[name], values, rtol=1e-13, atol=1e-13)
+
+
+POINTS = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+
+
+def moved(entries: slice, axis: int, value: float) -> Driveline:
+    points = np.array(POINTS, dtype=float)
+    points[entries, axis] = value
+    return Driveline.from_points(points)
+
+
+@pytest.mark.parametrize(
+    ("driveline", "key", "make"),
+    [
+        (TWO, "bends_deg", lambda v: ([v, v], [0], [30])),
+        (TWO, "bends_deg.0", lambda v: ([v, 20], [0], [30])),
+        (TWO, "bends_deg.0-1", lambda v: ([v, v], [0], [30])),
+        (TWO, "twists_deg", lambda v: ([10, 20], [v], [30])),
+        (TWO, "phases_deg.0", lambda v: ([10, 20], [0], [v])),
+        (
+            f"[driveline]\npoints_mm = {POINTS}\n",
+            "points_mm.2.y",
+            lambda v: moved(slice(2, 3), 1, v),
+        ),
+        (
+            f"[driveline]\npoints_mm = {POINTS}\n",
+            "points_mm.3-4.z",
+            lambda v: moved(slice(3, 5), 2, v),
+        ),
+        (
+            "[driveline]\ndirections = [[1, 0, 0], [1, 0.1, 0], [1, 0, 0.2]]\n",
+            "directions.1.z",
+            lambda v: Driveline.from_directions([[1, 0, 0], [1, 0.1, v], [1, 0, 0.2]]),
+        ),
+        (
+            "[driveline]\nslopes_vertical_deg = [0, 5, 1]\nslopes_horizontal_deg = [1, 2, 9]\n",
+            "slopes_horizontal_deg.1",
+            lambda v: Driveline.from_slopes([0, 5, 1], [1, v, 9], degrees=True),
+        ),
+        (
+            "[driveline]\nprojected_bends_vertical_deg = [15, -11.5]\n"
+            "projected_bends_horizontal_deg = [7, 12]\nphases_deg = [-70]\n",
+            "projected_bends_vertical_deg.0",
+            lambda v: Driveline.from_projected_bends([v, -11.5], [7, 12], -70, degrees=True),
+        ),
+    ],
+)
+def test_every_key_of_a_driveline(driveline: str, key: str, make: Any) -> None:  # noqa: ANN401
+    values = [0.0, 3.0, 11.0]
+    result = run(f"{driveline}[study]\n{key} = {values}\n[output]\nclosed_forms = ['k']")
+    for value, found in zip(values, result.values["k"], strict=True):
+        line = make(value)
+        if isinstance(line, tuple):
+            bends, twists, phases = line
+            line = Driveline.from_bends(bends, twists, phases, degrees=True)
+        assert found == pytest.approx(line.equivalent().k, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("load", "key", "values", "make"),
+    [
+        ("drive_torque_Nm = 5", "drive_torque_Nm", [1, -2], lambda v: Load(drive_torque=v)),
+        ("speed_rpm = 5", "output_torque_Nm", [1, -2], lambda v: Load(output_torque=v)),
+        (
+            "inertias_kgm2 = [0, 1]",
+            "speed_rad_s",
+            [1, -2],
+            lambda v: Load(speed=v, inertias=[0, 1]),
+        ),
+        (
+            "inertias_kgm2 = [0, 1]\nspeed_rad_s = 10",
+            "inertias_kgm2.1",
+            [1, 2],
+            lambda v: Load(speed=10, inertias=[0, v]),
+        ),
+        (
+            "inertias_kgm2 = [0, 1]",
+            "acceleration_rad_s2",
+            [1, -2],
+            lambda v: Load(acceleration=v, inertias=[0, 1]),
+        ),
+    ],
+)
+def test_every_key_of_a_load(load: str, key: str, values: list[float], make: Any) -> None:  # noqa: ANN401
+    text = f"[driveline]\nbends_deg = [25]\n[load]\n{load}\n{SWEEP}[study]\n{key} = {values}\n"
+    result = run(f"{text}[output]\nquantities = ['torque']")
+    line = Driveline.from_bends([25], degrees=True)
+    for value, found in zip(values, result.values["torque_peak"], strict=True):
+        torque = line.evaluate(TURN, "torque", load=make(value)).torque
+        assert found == pytest.approx(np.max(np.abs(torque)), rel=1e-12)
+
+
+def test_what_is_reduced_by_default() -> None:
+    closed = ["equivalent_bend", "non_uniformity", "max_angle_error"]
+    axis = "[study]\nbends_deg = [1]\n"
+    assert list(run(TWO + axis).values) == closed
+    loaded = run(TWO + axis + "[load]\noutput_torque_Nm = 1\n")
+    assert list(loaded.values) == [*closed, "torque_peak", "moment_0_peak", "moment_1_peak"]
+    asked = run(TWO + axis + '[output]\nquantities = ["speed_ratio"]\nclosed_forms = ["k"]')
+    assert list(asked.values) == ["k", "speed_ratio_peak"]
+    reduced = run(TWO + '[output]\nreduce = "rms"\njoints = [1]\nquantities = ["tilt_driven"]')
+    assert list(reduced.values) == [*closed, "tilt_driven_1_rms"]
+    assert (reduced.shape, reduced.rows) == ((), 1)
+    assert Scene.parse(TWO).run().study is None
+
+
+def test_means_count_no_angle_twice() -> None:
+    """The mean of an angle error over whole turns is exactly zero, over other sweeps it is not."""
+    text = (
+        '[driveline]\nbends_deg = [40]\n[output]\nquantities = ["speed_ratio"]\nreduce = "mean"\n'
+    )
+    mean = run(f"{text}[sweep]\nsamples_per_turn = 60\nturns = 2").values["speed_ratio_mean"]
+    assert mean == pytest.approx(1.0, abs=1e-14)
+    part = run(f"{text}[sweep]\nsamples_per_turn = 60\nturns = 0.25").values["speed_ratio_mean"]
+    line = Driveline.from_bends([40], degrees=True)
+    want = np.mean(line.evaluate(np.radians(np.arange(16) * 6.0), "speed_ratio").speed_ratio)
+    assert part == pytest.approx(want, rel=1e-12)
+
+
+def test_recorded_bends_are_reduced_over_their_samples(tmp_path: Path) -> None:
+    angle, bend = np.linspace(0, 9, 40), np.linspace(1, 30, 40)
+    np.savez(tmp_path / "a.npz", angle=angle, front=bend, rear=bend + 1)
+    text = (
+        '[angles]\nfile = "a.npz"\nangle_column_rad = "angle"\nbend_columns_deg = ["front", "rear"]'
+        '\n[output]\nquantities = ["angle_error"]\nreduce = ["peak", "mean"]'
+    )
+    result = Scene.parse(text, folder=tmp_path).run()
+    line = Driveline.from_bends(np.stack([bend, bend + 1], -1), degrees=True)
+    want = line.evaluate(angle, "angle_error").angle_error
+    np.testing.assert_array_equal(result.values.angle_error, want)
+    assert result.study is not None
+    assert set(result.study.values) == {"angle_error_peak", "angle_error_mean"}
+    assert result.study.values["angle_error_peak"] == np.max(np.abs(want))
+    assert result.study.values["angle_error_mean"] == pytest.approx(np.mean(want), rel=1e-12)
+
+
+def test_columns() -> None:
+    result = run(TWO + "[study]\nbends_deg.0 = [1, 2]\nphases_deg = [0, 5, 9]\n")
+    table = study_columns(result)
+    assert list(table) == [
+        "bends_deg.0",
+        "phases_deg",
+        "equivalent_bend_deg",
+        "non_uniformity",
+        "max_angle_error_deg",
+    ]
+    assert table["bends_deg.0"].ravel().tolist() == [1, 1, 1, 2, 2, 2]
+    assert table["phases_deg"].ravel().tolist() == [0, 5, 9, 0, 5, 9]
+    in_radians = study_columns(result, radians=True)
+    assert list(in_radians)[2:] == ["equivalent_bend_rad", "non_uniformity", "max_angle_error_rad"]
+    np.testing.assert_allclose(
+        np.radians(table["equivalent_bend_deg"]), in_radians["equivalent_bend_rad"]
+    )
+
+
+def test_memory_does_not_grow_with_the_grid() -> None:
+    """A million drivelines with three curves of 720 samples each: 17 GB, were they kept."""
+    scene = Scene.parse(
+        TWO
+        + "[load]\noutput_torque_Nm = 1\n[study]\nbends_deg.0 = {from = 0, to = 30, steps = 1000}\n"
+        + "bends_deg.1 = {from = 0, to = 30, steps = 1000}\n"
+    )
+    assert scene.study is not None
+    first, line, load = next(iter(scene.study.blocks()))
+    assert (first, line.shape[1]) == (0, 1)
+    assert line.shape[0] * 720 * 7 <= study._BLOCK
+    assert load is not None
+
+
+STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            STUDY + "bends_deg.0 = {from = 0, to = 30, steps = 1000000000}",
+            "line 7: [study] bends_deg.0 makes the study 1000000000 rows; it takes at most "
+            "10000000: give fewer steps or vary fewer keys",
+        ),
+        (
+            STUDY + "bends_deg = {from = 0, to = 1, steps = 900}\nphases_deg = "
+            "{from = 0, to = 1, steps = 1000}\nspeed_rpm = {from = 0, to = 1, steps = 100}",
+            "line 8: [study] phases_deg makes the study 900 x 1000 x 100 = 90000000 rows; it takes "
+            "at most 10000000: give fewer steps or vary fewer keys",
+        ),
+        (TWO + "[study]\n", "line 4: [study] it is empty; name a key to vary"),
+        (
+            STUDY + "bends_deg = 3",
+            "line 7: [study] bends_deg is 3; "
+            "it must be {from = …, to = …, steps = …} or a list of numbers",
+        ),
+        (
+            STUDY + "bends_deg = {from = 0, to = 3}",
+            "line 7: [study] bends_deg has no 'steps'; it must be {from = …, to = …, steps = …}",
+        ),
+        (
+            STUDY + "bends_deg = {from = 0, to = 3, step = 4}",
+            "line 7: [study] bends_deg has an unknown key 'step'; did you mean 'steps'?",
+        ),
+        (
+            STUDY + "bends_deg.1 = {from = 0, to = 3, steps = 1}",
+            "line 7: [study] bends_deg.1.steps is 1; from 0 to 3 takes at least 2",
+        ),
+        (
+            STUDY + "bends_deg.1 = {from = 0, to = '3', steps = 4}",
+            "line 7: [study] bends_deg.1.to is '3'; it must be a number",
+        ),
+        (
+            STUDY + "speed_rpm = {from = -1e308, to = 1e308, steps = 4}",
+            "line 7: [study] speed_rpm.to is 1e+308; it is too far from -1e+308",
+        ),
+        (STUDY + "phases_deg = []", "line 7: [study] phases_deg is []; a study needs at least one"),
+        (
+            STUDY + "bends_deg.2 = [1]",
+            "line 7: [study] bends_deg.2 has no such place; there are 2, counted from 0",
+        ),
+        (
+            STUDY + "bends_deg.1-0 = [1]",
+            "line 7: [study] bends_deg.1-0 has no such place; there are 2, counted from 0",
+        ),
+        (
+            STUDY + "bends_deg.x = [1]",
+            "line 7: [study] bends_deg.x has no such place; write 0 for the first entry",
+        ),
+        (
+            STUDY + "bends_deg.1 = [1]\nbends_deg.0-1 = [2]",
+            "line 8: [study] bends_deg.0-1 varies bends_deg[1], which varies already",
+        ),
+        (
+            STUDY + "bends_deg.1 = [30, 95]",
+            "line 6: [study] at bends_deg.1 = 95: bends_deg[1] is 95.0 deg; a bend must lie in",
+        ),
+        (
+            STUDY + "bends_deg = {from = -5, to = 9, steps = 15}\nphases_deg = [7, 8]",
+            "line 6: [study] at bends_deg = -5, phases_deg = 7: bends_deg[0] is -5.0 deg; a",
+        ),
+        (
+            STUDY + "points_mm.1.y = [1]",
+            "line 7: [study] points_mm is not in [driveline]; "
+            "it can vary what is there: bends_deg, phases_deg, twists_deg",
+        ),
+        (
+            f"[driveline]\npoints_mm = {POINTS}\n[study]\npoints_mm = [1]",
+            "line 4: [study] points_mm is [1]; name place and axis, as in points_mm.2.y",
+        ),
+        (
+            f"[driveline]\npoints_mm = {POINTS}\n[study]\npoints_mm.1 = [1]",
+            "line 4: [study] points_mm is a section; name place and axis, as in points_mm.2.y",
+        ),
+        (
+            f"[driveline]\npoints_mm = {POINTS}\n[study]\npoints_mm.1.up = [1]",
+            "line 4: [study] points_mm.1 has no 'up'; known are x, y, z",
+        ),
+        (
+            "[driveline]\nbends_deg = [8]\n[study]\nphases_deg = [1]",
+            "line 4: [study] phases_deg has no entries; one joint has no shaft between two joints",
+        ),
+        (
+            STUDY + "speed_rad_s = [1]",
+            "line 7: [study] speed_rad_s does not go with speed_rpm of [load]; vary that",
+        ),
+        (TWO + "[study]\nspeed_rpm = [1]", "line 5: [study] speed_rpm needs a section [load]"),
+        (
+            STUDY + "inertias_kgm2 = [1]",
+            "line 7: [study] inertias_kgm2 is not in [load]; it can vary what is there: speed_rpm",
+        ),
+        (
+            STUDY + "bend_deg = [1]",
+            "line 7: [study] unknown key 'bend_deg'; did you mean 'bends_deg'?",
+        ),
+        (
+            STUDY + "bends_rad = [1]",
+            "line 7: [study] unknown key 'bends_rad'; "
+            "the unit stands in the name: bends_deg holds degrees",
+        ),
+        (
+            TWO + "[output]\ntable = 'a.csv'",
+            "line 5: [output] table needs a section [study], reduce or closed_forms",
+        ),
+        (
+            TWO + "[output]\nreduce = ['peek']",
+            "line 5: [output] reduce[0] is 'peek'; did you mean 'peak'?",
+        ),
+        (
+            TWO + "[output]\nclosed_forms = ['equivalent_bend_deg']",
+            "line 5: [output] closed_forms[0] is 'equivalent_bend_deg'; "
+            "did you mean 'equivalent_bend'?",
+        ),
+        (
+            TWO + "[output]\nshafts = [1, 3]",
+            "line 5: [output] shafts[1] is 3; there are 3, counted from 0",
+        ),
+        (
+            TWO + "[output]\njoints = [-1]",
+            "line 5: [output] joints[0] is -1; it must be a whole number, counted from 0",
+        ),
+        (TWO + "[output]\njoints = []", "line 5: [output] joints is []; name at least one"),
+        (TWO + "[output]\nworkers = 0", "line 5: [output] workers is 0; it must be a whole number"),
+    ],
+)
+def test_messages(text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=r"^scene, line ") as caught:
+        Scene.parse(text)
+    assert str(caught.value).startswith(f"scene, {message}")
+
+
+def test_a_point_inside_the_grid_that_makes_no_driveline(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The ends of both axes are fine, a corner is not: only the run comes there."""
+    scene = Scene.parse(
+        "[driveline]\npoints_m = [[0, 0, 0], [0, 1, 0], [0, 5, 0]]\n"
+        "[study]\npoints_m.1.x = [0, 1, 1.9]\npoints_m.1.y = [2, 0.8, 4.1]\n"
+    )
+    for block in (1, 4, 1000):
+        monkeypatch.setattr(study, "_BLOCK", block)
+        with pytest.raises(ValueError, match="study") as caught:
+            scene.run()
+        assert str(caught.value).startswith(
+            "scene: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends[0]"
+        )
