@@ -396,6 +396,296 @@ def test_not_utf8(tmp_path: Path) -> None:
     assert str(caught.value) == f"{path}: not UTF-8 text at byte 10"
 
 
+# Recorded angles
+
+
+def recording(folder: Path, suffix: str) -> None:
+    table = {"turn": np.array([0.0, 0.5, 2.0]), "front": np.array([5.0, 6.0, 7.0])}
+    path = folder / f"run{suffix}"
+    if suffix == ".npz":
+        np.savez(path, **table)  # type: ignore[arg-type]
+    elif suffix == ".parquet":
+        parquet = pytest.importorskip("pyarrow.parquet")
+        parquet.write_table(pytest.importorskip("pyarrow").table(table), path)
+    else:
+        rows = zip(*table.values(), strict=True)
+        lines = [",".join(table), *(",".join(map(repr, map(float, row))) for row in rows)]
+        path.write_text("\n".join(lines))
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
+def test_recorded_angles(tmp_path: Path, suffix: str) -> None:
+    recording(tmp_path, suffix)
+    path = tmp_path / "scene.toml"
+    for unit, angle in (("rad", np.array([0.0, 0.5, 2.0])), ("deg", np.radians([0.0, 0.5, 2.0]))):
+        angles = f"[angles]\nfile = 'run{suffix}'\nangle_column_{unit} = 'turn'\n"
+        path.write_text(JOINT + angles)
+        # The file is beside the scene, wherever the reader stands.
+        scene = Scene.load(path)
+        np.testing.assert_array_equal(scene.drive_angle, angle)
+        np.testing.assert_allclose(scene.drive_angle_deg, np.degrees(angle))
+        want = Driveline.from_bends([8.5], degrees=True).evaluate(angle, "angle_error")
+        np.testing.assert_array_equal(scene.run().values.angle_error, want.angle_error)
+
+        path.write_text(f"{angles}bend_columns_deg = ['front', 'front2']")
+        with pytest.raises(ValueError, match=r"line 1: \[angles\] .*no column 'front2'; did you"):
+            Scene.load(path)
+        path.write_text(f"{angles}bend_columns_deg = ['front']")
+        scene = Scene.load(path)
+        line = Driveline.from_bends([[5], [6], [7]], degrees=True)
+        same(scene.line, line)
+        want = line.evaluate(angle, "angle_error")
+        np.testing.assert_array_equal(scene.run().values.angle_error, want.angle_error)
+        table = {row.label: row for row in summary(scene.run())}
+        assert table["bend, joint 0"].values == pytest.approx((5, 7))
+        errors = np.degrees(want.angle_error)
+        assert table["angle error"].values == pytest.approx((np.min(errors), np.max(errors)))
+
+
+def test_recorded_bends_with_twists_and_loads(tmp_path: Path) -> None:
+    recording(tmp_path, ".csv")
+    text = (
+        "[angles]\nfile = 'run.csv'\nangle_column_rad = 'turn'\n"
+        "bend_columns_deg = ['front', 'turn']\n[driveline]\ntwists_deg = [180]\n"
+        "phases_deg = [10]\n[load]\noutput_torque_Nm = 5\n[output]\nquantities = ['moment']"
+    )
+    scene = Scene.parse(text, folder=tmp_path)
+    line = Driveline.from_bends(np.array([[5, 0], [6, 0.5], [7, 2]]), 180, 10, degrees=True)
+    same(scene.line, line)
+    want = line.evaluate([0, 0.5, 2], "moment", load=scene.load_case).moment
+    np.testing.assert_array_equal(scene.run().values.moment, want)
+
+
+COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            JOINT + "[angles]\nfile = 'run.csv'",
+            "line 3: [angles] angle_column_deg is missing; or give angle_column_rad",
+        ),
+        (JOINT + "[angles]\nangle_column_deg = 'a'", "line 3: [angles] file is missing"),
+        (
+            JOINT + "[angles]\nangle_column = 'a'",
+            "line 4: [angles] unknown key 'angle_column'; the unit stands in the name: "
+            "angle_column_deg holds degrees, angle_column_rad holds radians",
+        ),
+        (
+            JOINT + f"[angles]\n{COLUMN}angle_column_deg = 'turn'",
+            "line 6: [angles] angle_column_deg and angle_column_rad are both given",
+        ),
+        (
+            JOINT + f"[angles]\n{COLUMN}[sweep]\nturns = 1",
+            "sections [sweep] and [angles] are both given; give one of them",
+        ),
+        (
+            JOINT + "[angles]\nfile = 'run.xls'\nangle_column_deg = 'turn'",
+            "line 4: [angles] file is 'run.xls'; it must end in .csv or .npz or .parquet",
+        ),
+        (
+            JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'trun'",
+            "line 3: [angles] {run}: no column 'trun'; did you mean 'turn'?; "
+            "the columns are turn, front",
+        ),
+        (
+            JOINT + f"[angles]\n{COLUMN}bend_columns_deg = ['front']",
+            "line 2: [driveline] bends_deg does not go with bend_columns_deg of [angles]",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[driveline]\ntwists_deg = [1]",
+            "line 6: [driveline] twists_deg has length 1; it needs 0",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[study]\nphases_deg = [1]",
+            "line 6: [study] phases_deg does not go with recorded bends",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[output]\nclosed_forms = ['k']",
+            "line 6: [output] closed_forms do not go with bend_columns_deg of [angles]",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = 'front'",
+            "line 4: [angles] bend_columns_deg is 'front'; it must be a list of texts",
+        ),
+    ],
+)
+def test_messages_about_recordings(tmp_path: Path, text: str, message: str) -> None:
+    recording(tmp_path, ".csv")
+    with pytest.raises(ValueError, match=r"^scene") as caught:
+        Scene.parse(text, folder=tmp_path)
+    separator = ", " if message.startswith("line") else ": "
+    wanted = f"scene{separator}{message.format(run=tmp_path / 'run.csv')}"
+    assert str(caught.value).startswith(wanted)
+
+
+def test_recorded_bends_out_of_range(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("turn,front\n0,5\n1,-5\n2,90\n")
+    text = f"[angles]\n{COLUMN}bend_columns_deg = ['front']"
+    with pytest.raises(ValueError, match="front") as caught:
+        Scene.parse(text, folder=tmp_path)
+    assert str(caught.value) == (
+        f"scene, line 1: [angles] {tmp_path / 'run.csv'}: row 1, counted from 0, column 'front' "
+        "is -5.0; a bend must lie in [0, 90) deg"
+    )
+
+
+def test_missing_recording(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught:
+        Scene.parse(f"{JOINT}[angles]\n{COLUMN}", folder=tmp_path)
+    assert Path(caught.value.filename) == tmp_path / "run.csv"
+
+
+# Shafts and joints
+
+
+def test_shafts_and_joints_as_the_scene_names_them() -> None:
+    text = (
+        "[driveline]\nbends_deg = [10, 20]\n[load]\noutput_torque_Nm = 3\nspeed_rpm = 6\n[output]\n"
+        "quantities = ['speed_ratio', 'torque', 'moment']\n"
+    )
+    scene = Scene.parse(f"{text}shafts = [2, 0]\njoints = [1]")
+    result = scene.run()
+    want = scene.line.evaluate(
+        scene.drive_angle, scene.quantities, shafts=[2, 0], joints=[1], load=scene.load_case
+    )
+    for name, values in want.items():
+        np.testing.assert_array_equal(result.values[name], values)
+    curves = [(output.name, item, values.shape) for output, item, values in result.curves()]
+    assert curves == [
+        ("speed_ratio", 2, (721,)),
+        ("speed_ratio", 0, (721,)),
+        ("torque", 2, (721,)),
+        ("torque", 0, (721,)),
+        ("moment", 1, (721, 3)),
+    ]
+    table = rows(scene)
+    bends = [float(np.degrees(scene.line.equivalent(shaft).bend)) for shaft in (2, 0)]
+    assert table["equivalent bend, shafts 2, 0"].values == pytest.approx(bends)
+    assert "largest torque, shaft 0" in table
+    assert "largest moment, joint 1" in table
+    assert "largest moment, joint 0" not in table
+    one = rows(Scene.parse(f"{text}shafts = [1]"))
+    assert one["equivalent bend, shaft 1"].values == pytest.approx((10,))
+    assert one["speed, shaft 1"].values[1] == pytest.approx(6 / math.cos(math.radians(10)))
+    assert "equivalent bend, shafts 1 to 2" in rows(Scene.parse(f"{text}shafts = [1, 2]"))
+
+
+def test_workers_reach_the_evaluation(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def evaluate(*_: object, **options: object) -> None:
+        asked.append(options["workers"])
+
+    scene = Scene.parse(f"{JOINT}[output]\nworkers = 2")
+    monkeypatch.setattr(Driveline, "evaluate", evaluate)
+    scene.run()
+    assert asked == [2]
+
+
+def test_plan_is_asked_for_what_is_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: dict[str, object] = {}
+
+    def plan(_: Driveline, quantities: tuple[str, ...], **options: object) -> str:
+        asked.update(options, quantities=quantities)
+        return "plan"
+
+    monkeypatch.setattr(Driveline, "plan", plan, raising=False)
+    scene = Scene.parse(f"{JOINT}[output]\nquantities = ['angle']\nshafts = [0, 1]\nworkers = 1")
+    assert scene.plan() == "plan"
+    assert asked == {
+        "quantities": ("angle",),
+        "shafts": [0, 1],
+        "joints": None,
+        "load": None,
+        "workers": 1,
+    }
+
+
+# Units and lines in messages
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "held"),
+    [
+        ("driveline", "bends_rad", "bends_deg holds degrees"),
+        ("driveline", "bends", "bends_deg holds degrees"),
+        ("driveline", "phases_degrees", "phases_deg holds degrees"),
+        ("driveline", "points_cm", "points_m holds metres, points_mm holds millimetres"),
+        ("load", "speed_hz", "speed_rpm holds revolutions per minute, speed_rad_s holds rad/s"),
+        ("load", "drive_torque_kNm", "drive_torque_Nm holds N m"),
+        ("load", "inertias_gm2", "inertias_kgm2 holds kg m²"),
+        ("load", "acceleration_rpm_s", "acceleration_rad_s2 holds rad/s²"),
+        ("sweep", "start_rad", "start_deg holds degrees"),
+        ("study", "phases_rad", "phases_deg holds degrees"),
+    ],
+)
+def test_wrong_units(section: str, key: str, held: str) -> None:
+    head = "[driveline]\n" if section == "driveline" else f"{JOINT}[{section}]\n"
+    with pytest.raises(ValueError, match="unit") as caught:
+        Scene.parse(f"{head}{key} = [1]")
+    place = f"scene, line {head.count(chr(10)) + 1}: [{section}]"
+    wanted = f"{place} unknown key '{key}'; the unit stands in the name: {held}"
+    assert str(caught.value) == wanted
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("# [driveline]\n\n[driveline]\n# bends_deg = [1]\nbends_deg = [95]", "scene, line 5:"),
+        ("driveline.bends_deg = [95]", "scene, line 1:"),
+        ("driveline = {bends_deg = [95]}", "scene, line 1:"),
+        ("  [ driveline ]  # here\n  bends_deg   =[\n1,\n95]", "scene, line 2:"),
+        ("title = '[driveline]'\n[driveline]\nbends_deg = [95]", "scene, line 3:"),
+        ('title = """\nbends_deg = 3\n"""\n[driveline]\nbends_deg = [95]', "scene:"),
+        ("title = '''a'''\n[driveline]\nbends_deg = [95]", "scene:"),
+        ("[load]\nspeed_rpm = 1\n[driveline]\nbends_deg = [95]", "scene, line 4:"),
+        # The key in quotes is not looked for; its section is certain.
+        ('[driveline]\n"bends_deg" = [95]', "scene, line 1:"),
+        ('["driveline"]\nbends_deg = [95]', "scene:"),
+        (f"{JOINT}[study]\nbends_deg.0 = 3", "scene, line 4:"),
+        (f"{JOINT}[study]\nphases_deg.0 = [1]\nbends_deg.0 = {{from = 'a'}}", "scene, line 5:"),
+        (f"{JOINT}[study.bends_deg.0]\nfrom = 1\nto = 2\nsteps = 0", "scene, line 6:"),
+        (f"{JOINT}[study.bends_deg]\n0 = [1]\n1 = 3", "scene, line 5:"),
+        (f"{JOINT}[study]\nbends_deg.0.to = 1\nbends_deg.0.from = 2", "scene:"),
+    ],
+)
+def test_lines_of_keys(text: str, place: str) -> None:
+    with pytest.raises(ValueError, match="bends_deg") as caught:
+        Scene.parse(text)
+    assert str(caught.value).split(" [")[0] == place
+
+
+def test_validate_finds_all_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(
+        "titel = 'a'\n[driveline]\nbends_deg = 'a'\n[laod]\nspeed_rpm = 1\n"
+        "[sweep]\nturns = -1\nstart_deg = 'b'\n[angles]\n"
+    )
+    assert Scene.validate(path) == [
+        f"{path}, line 1: unknown key 'titel'; did you mean 'title'?",
+        f"{path}, line 4: unknown section 'laod'; did you mean 'load'?",
+        f"{path}, line 3: [driveline] bends_deg is 'a'; it must be a list of numbers",
+        f"{path}, line 7: [sweep] turns is -1; it must be positive",
+        f"{path}, line 8: [sweep] start_deg is 'b'; it must be a number",
+        f"{path}, line 9: [angles] file is missing",
+        f"{path}, line 9: [angles] angle_column_deg is missing; or give angle_column_rad",
+    ]
+    path.write_text("[driveline]\nbends_deg = [95]\n")
+    assert Scene.validate(path) == [
+        f"{path}, line 2: [driveline] bends_deg[0] is 95.0 deg; a bend must lie in [0, 90) deg"
+    ]
+    path.write_text("[driveline")
+    assert len(Scene.validate(path)) == 1
+    path.write_bytes(b"\xff")
+    assert Scene.validate(path) == [f"{path}: not UTF-8 text at byte 0"]
+    for example in EXAMPLES.glob("*.toml"):
+        assert Scene.validate(example) == []
+    with pytest.raises(FileNotFoundError):
+        Scene.validate(tmp_path / "missing.toml")
+
+
 # Documentation
 
 

@@ -272,7 +272,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
             "line 8: [study] phases_deg makes the study 900 x 1000 x 100 = 90000000 rows; it takes "
             "at most 10000000: give fewer steps or vary fewer keys",
         ),
-        (TWO + "[study]\n", "line 4: [study] it is empty; name a key to vary"),
+        (TWO + "[study]\n", "line 4: [study] it is empty; it needs a key at least"),
         (
             STUDY + "bends_deg = 3",
             "line 7: [study] bends_deg is 3; "

@@ -159,8 +159,6 @@ class Scene:
             varied = given.get("study", {})
             if varied and angle.bends is not None:
                 raise ValueError(f"{next(iter(varied))} does not go with recorded bends")
-            if "study" in given and not varied:
-                raise ValueError("it is empty; name a key to vary")
             if wanted:
                 default = () if angle.bends is not None else _CLOSED_FORMS
                 study = Study(
@@ -292,12 +290,14 @@ class _Angles:
         turns, per_turn, start = (
             values.get(key, keys[key].default) for key in ("turns", "samples_per_turn", "start_deg")
         )
-        if per_turn > _MOST_STEPS / turns:
+        # Cut off, because no float holds every whole number of the file.
+        steps = turns * min(per_turn, 1 << 60)
+        if steps > _MOST_STEPS:
             raise ValueError(
                 f"samples_per_turn is {shown(per_turn)} over turns = {turns:g}; "
                 f"a sweep takes at most {_MOST_STEPS} steps"
             )
-        steps = max(1, round(turns * per_turn))
+        steps = max(1, round(steps))
         # Dividing last keeps round degrees round.
         degrees: FloatArray = start + 360.0 * turns * np.arange(steps + 1) / steps
         radians = np.radians(degrees)
@@ -306,11 +306,10 @@ class _Angles:
 
     @classmethod
     def recorded(cls, values: Mapping[str, Any], folder: Path) -> Self:
-        angles = [key for key in ("angle_column_deg", "angle_column_rad") if key in values]
-        if not angles:
-            raise ValueError("angle_column_deg is missing; or give angle_column_rad")
+        in_degrees = "angle_column_deg" in values
+        angles = values["angle_column_deg" if in_degrees else "angle_column_rad"]
         bends = values.get("bend_columns_deg", [])
-        column, *bend_columns = read_columns(folder / values["file"], [values[angles[0]], *bends])
+        column, *bend_columns = read_columns(folder / values["file"], [angles, *bends])
         for name, bend in zip(bends, bend_columns, strict=True):
             wrong = np.flatnonzero(~((bend >= 0.0) & (bend < 90.0)))
             if wrong.size:
@@ -318,7 +317,6 @@ class _Angles:
                     f"{folder / values['file']}: row {wrong[0]}, counted from 0, column {name!r} "
                     f"is {bend[wrong[0]]}; a bend must lie in [0, 90) deg"
                 )
-        in_degrees = angles[0] == "angle_column_deg"
         radians = np.radians(column) if in_degrees else column
         degrees = column if in_degrees else np.degrees(column)
         return cls(degrees, radians, radians, np.stack(bend_columns, -1) if bends else None)

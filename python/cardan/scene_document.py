@@ -67,10 +67,14 @@ class Document:
             with self.within(name):
                 if one in values and other in values:
                     raise ValueError(f"{one} and {other} are both given; give one of them")
-        for key in section.needed:
+        for keys in section.needed:
             with self.within(name):
-                if key not in values:
-                    raise ValueError(f"{key} is missing")
+                if not set(keys) & set(values):
+                    others = "".join(f"; or give {key}" for key in keys[1:])
+                    raise ValueError(f"{keys[0]} is missing{others}")
+        with self.within(name):
+            if len(values) < section.fewest:
+                raise ValueError("it is empty; it needs a key at least")
         return checked
 
     @contextmanager

@@ -43,13 +43,15 @@ class Section:
         meaning: one line.
         keys: what may stand in it.
         together: keys of which at most one may be given.
-        needed: keys that must be given.
+        needed: keys that must be given, one of each group.
+        fewest: how many keys there must be.
     """
 
     meaning: str
     keys: Mapping[str, Key]
     together: tuple[tuple[str, str], ...] = ()
-    needed: tuple[str, ...] = ()
+    needed: tuple[tuple[str, ...], ...] = ()
+    fewest: int = 0
 
 
 @dataclass(frozen=True)
@@ -171,7 +173,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 ),
             },
             together=(("angle_column_deg", "angle_column_rad"),),
-            needed=("file",),
+            needed=(("file",), ("angle_column_deg", "angle_column_rad")),
         ),
         "study": Section(
             "keys to vary; several make a grid, and each of its drivelines a row of the table",
@@ -180,6 +182,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
                 for name, key in part.keys.items()
             },
+            fewest=1,
         ),
         "output": Section(
             "what to evaluate and which files to write",
@@ -258,10 +261,8 @@ def schema() -> dict[str, Any]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Scene of a driveline",
         **_section_schema(FORMAT[top]),
-        "properties": {
-            **_properties(FORMAT[top]),
-            **sections,
-        },
+        "properties": {**_properties(FORMAT[top]), **sections},
+        "$defs": dict(kinds.DEFINITIONS),
         "allOf": [
             _not_both("sweep", "angles"),
             {
@@ -290,10 +291,12 @@ def _section_schema(section: Section) -> dict[str, Any]:
         "properties": _properties(section),
         "additionalProperties": False,
     }
-    if section.needed:
-        described["required"] = list(section.needed)
-    if section.together:
-        described["allOf"] = [_not_both(*keys) for keys in section.together]
+    if section.fewest:
+        described["minProperties"] = section.fewest
+    rules = [_not_both(*keys) for keys in section.together]
+    rules += [{"anyOf": [{"required": [key]} for key in keys]} for keys in section.needed]
+    if rules:
+        described["allOf"] = rules
     return described
 
 

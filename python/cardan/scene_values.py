@@ -79,13 +79,6 @@ def _positive(place: str, value: object) -> float:
     return number
 
 
-def _tolerance(place: str, value: object) -> float:
-    number = _number(place, value)
-    if not 0.0 <= number < 1.0:
-        raise ValueError(f"{place} is {shown(value)}; it must lie in [0, 1)")
-    return number
-
-
 def _whole(place: str, value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise ValueError(f"{place} is {shown(value)}; it must be a whole number of at least 1")
@@ -223,12 +216,16 @@ def _indexed_axes(place: str, value: object) -> dict[str, Any]:
     return _single_axis(place, value)
 
 
+def _is_section(value: object) -> bool:
+    return isinstance(value, dict) and bool(value)
+
+
 def _component_axes(place: str, value: object) -> dict[str, Any]:
     """Axes for components of vectors: ``{"2": {"y": …}}`` becomes ``{"2.y": …}``."""
+    if not isinstance(value, dict) or not all((value, *map(_is_section, value.values()))):
+        raise ValueError(f"{place} is {shown(value)}; name place and axis, as in {place}.2.y")
     axes = {}
-    for index, components in value.items() if isinstance(value, dict) else ((None, value),):
-        if not isinstance(components, dict) or index in _SPREAD:
-            raise ValueError(f"{place} is {shown(value)}; name place and axis, as in {place}.2.y")
+    for index, components in value.items():
         for axis, entry in components.items():
             if axis not in ("x", "y", "z"):
                 raise ValueError(f"{place}.{index} has no {shown(axis)}; known are x, y, z")
@@ -251,17 +248,23 @@ def _ends_in(suffixes: Iterable[str], folder: bool = False) -> Schema:
 
 _NUMBER = {"type": "number"}
 _NATURAL = {"type": "integer", "minimum": 1}
-_AXIS = {
-    "oneOf": [
-        _array(_NUMBER, 1),
-        {
-            "type": "object",
-            "properties": {"from": _NUMBER, "to": _NUMBER, "steps": _NATURAL},
-            "required": list(_SPREAD),
-            "additionalProperties": False,
-        },
-    ]
+DEFINITIONS: Schema = {
+    "values": {
+        "description": "what a study gives a key: a list, or values evenly spread",
+        "oneOf": [
+            _array(_NUMBER, 1),
+            {
+                "type": "object",
+                "properties": {"from": _NUMBER, "to": _NUMBER, "steps": _NATURAL},
+                "required": list(_SPREAD),
+                "additionalProperties": False,
+            },
+        ],
+    }
 }
+"""Parts of the schemas that are referred to by name."""
+
+_AXIS = {"$ref": "#/$defs/values"}
 
 
 def _by_place(item: Schema) -> Schema:
@@ -305,8 +308,6 @@ INDICES = Kind(
     _distinct(_index, "whole numbers"),
     {**_array({"type": "integer", "minimum": 0}, 1), "uniqueItems": True},
 )
-TOLERANCE = Kind("number", _tolerance, {"type": "number", "minimum": 0, "exclusiveMaximum": 1})
-DTYPE = Kind("name", _one_of(("float64", "float32")), {"enum": ["float64", "float32"]})
 WORKERS = Kind("whole number", _workers, {"type": "integer", "minimum": -1, "not": {"const": 0}})
 CURVES_FILE = Kind("curves file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIXES))
 TABLE_FILE = Kind("table file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIXES))

@@ -18,7 +18,7 @@ from cardan.outputs import OUTPUTS
 from cardan.reductions import CLOSED_FORMS, reduced
 from cardan.scene_format import FORMAT, Form
 from cardan.scene_parts import make_driveline, make_load
-from cardan.scene_values import VECTORS, Spread
+from cardan.scene_values import VECTORS, Spread, shown
 
 MOST_ROWS = 10_000_000
 """Rows that a study takes at most."""
@@ -268,8 +268,8 @@ def axes_of(
     }
     rows = math.prod(sizes.values())
     if rows > MOST_ROWS:
-        product = " x ".join(map(str, sizes.values()))
-        count = f"{product} = {rows}" if len(sizes) > 1 else str(rows)
+        product = " x ".join(map(shown, sizes.values()))
+        count = f"{product} = {shown(rows)}" if len(sizes) > 1 else shown(rows)
         largest = max(sizes, key=lambda key: sizes[key])
         raise ValueError(
             f"{largest} makes the study {count} rows; it takes at most {MOST_ROWS}: "
