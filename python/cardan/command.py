@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
@@ -168,9 +169,6 @@ def commands() -> click.Group:
             except OSError as error:
                 if error.filename is None:
                     _give_up_output()
-                if isinstance(error, BrokenPipeError):
-                    # Whoever reads has seen enough, as in "cardan run --help | head".
-                    sys.exit(0)
                 message = f"{error.filename or 'output'}: {error.strerror or error}"
             except MemoryError:
                 message = "not enough memory; a smaller samples_per_turn or study needs less"
@@ -265,10 +263,10 @@ def commands() -> click.Group:
     @scene_argument
     @output_option("Page to write; by default named as the scene, .html, in the current folder.")
     def report(scene: Path, output: Path | None) -> None:
-        page: Any = import_module("cardan.report")
         path = output or Path(f"{scene.stem}.html")
         loaded = Scene.load(scene)
         check_writable(path)
+        page: Any = import_module("cardan.report")
         page.write_report(loaded, path)
         click.echo(f"wrote {path}")
 
@@ -323,6 +321,9 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    if hasattr(signal, "SIGPIPE"):
+        # Whoever reads may stop, as in "cardan schema | head".
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:
         group = commands()
     except ModuleNotFoundError:

@@ -1,0 +1,295 @@
+"""What a user can get wrong at the command line: one line on stderr, status 2, no traceback."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import time
+from pathlib import Path
+
+import pytest
+
+SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
+JOINT = "[driveline]\nbends_deg = [8.5]\n"
+posix = pytest.mark.skipif(os.name != "posix", reason="POSIX signals, limits and terminals")
+
+
+def script(*arguments: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
+    assert SCRIPT, "the script cardan is not installed"
+    captured = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
+    return subprocess.run(  # type: ignore[call-overload, no-any-return]
+        [SCRIPT, *arguments], text=True, encoding="utf-8", **captured
+    )
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def refused(text: str, message: str, command: str = "run") -> None:
+    """The scene beside what it reads is refused in these words, and nothing is written."""
+    Path("a.toml").write_text(text)
+    before = sorted(Path().iterdir())
+    done = script(command, "a.toml")
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"cardan: {message}\n")
+    assert sorted(Path().iterdir()) == before
+
+
+@pytest.mark.parametrize("command", ["run", "check", "phase", "plot", "report", "explain"])
+def test_unknown_key(folder: Path, command: str) -> None:
+    refused(
+        "[driveline]\nbend_deg = [8.5]\n",
+        "a.toml, line 2: [driveline] unknown key 'bend_deg'; did you mean 'bends_deg'?",
+        command,
+    )
+
+
+def test_wrong_unit(folder: Path) -> None:
+    refused(
+        "[driveline]\nbends_rad = [0.1]\n",
+        "a.toml, line 2: [driveline] unknown key 'bends_rad'; "
+        "the unit stands in the name: bends_deg holds degrees",
+    )
+
+
+def test_missing_column(folder: Path) -> None:
+    Path("run.csv").write_text("time_s,crank,front\n0,0,5\n")
+    refused(
+        JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'crnk'\n",
+        "a.toml, line 3: [angles] run.csv: no column 'crnk'; did you mean 'crank'?; "
+        "the columns are time_s, crank, front",
+    )
+
+
+def test_text_in_a_number_column(folder: Path) -> None:
+    Path("run.csv").write_text("crank\n0\n1\nn/a\n")
+    refused(
+        JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'crank'\n",
+        "a.toml, line 3: [angles] run.csv: line 4, column 'crank' is 'n/a'; it must be a number",
+    )
+
+
+def test_missing_recording(folder: Path) -> None:
+    refused(
+        JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'crank'\n",
+        "run.csv: No such file or directory",
+    )
+
+
+def test_truncated_parquet(folder: Path) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    parquet.write_table(pyarrow.table({"crank": [0.0, 1.0]}), "run.parquet")
+    whole = Path("run.parquet").read_bytes()
+    Path("run.parquet").write_bytes(whole[:-20])
+    Path("a.toml").write_text(
+        JOINT + "[angles]\nfile = 'run.parquet'\nangle_column_deg = 'crank'\n"
+    )
+    done = script("run", "a.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith(
+        "cardan: a.toml, line 3: [angles] run.parquet: not a readable Parquet file: "
+    )
+    assert done.stderr.count("\n") == 1
+
+
+def test_study_of_a_billion_rows(folder: Path) -> None:
+    began = time.monotonic()
+    refused(
+        "[driveline]\nbends_deg = [8, 8]\n[study]\n"
+        "bends_deg.0 = {from = 0, to = 30, steps = 100_000}\n"
+        "bends_deg.1 = {from = 0, to = 30, steps = 10_000}\n",
+        "a.toml, line 4: [study] bends_deg.0 makes the study 100000 x 10000 = 1000000000 rows; "
+        "it takes at most 10000000: give fewer steps or vary fewer keys",
+    )
+    # Nothing of it was begun; this bound is not a measurement.
+    assert time.monotonic() - began < 60.0
+
+
+STUDY = JOINT + (
+    "[study]\nbends_deg = {from = 0, to = 30, steps = 2000000}\n"
+    "[output]\nclosed_forms = ['k']\ntable = 'a.csv'\n"
+)
+
+
+@pytest.mark.parametrize("command", ["run", "plot", "report", "schema"])
+def test_unwritable_output(folder: Path, command: str) -> None:
+    """Said before the work is done, not after."""
+    Path("a.toml").write_text(STUDY)
+    Path("a.csv").mkdir()
+    arguments = {"run": ["a.toml"], "schema": []}.get(command, ["a.toml"])
+    if command != "run":
+        arguments += ["--output", "missing/a.svg"]
+    done = script(command, *arguments)
+    path, reason = "a.csv", "Is a directory"
+    if command != "run":
+        path, reason = "missing/a.svg", "No such file or directory"
+    if command == "report" and "No module" in done.stderr:
+        pytest.skip("report needs what is not there")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"cardan: {path}: {reason}\n"
+    assert {entry.name for entry in Path().iterdir()} == {"a.toml", "a.csv"}
+
+
+@posix
+def test_output_that_takes_nothing(folder: Path) -> None:
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("there is no /dev/full")
+    Path("a.toml").write_text(JOINT)
+    for command in (["run", "a.toml"], ["check", "a.toml", "--json"], ["schema"], ["--help"]):
+        with full.open("w") as stdout:
+            done = script(*command, stdout=stdout)
+        assert done.returncode == 2
+        assert done.stderr == "cardan: output: No space left on device\n"
+
+
+@posix
+def test_reader_that_has_seen_enough(folder: Path) -> None:
+    """As in: cardan schema | head -1."""
+    assert SCRIPT
+    process = subprocess.Popen(
+        [SCRIPT, "schema"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    assert process.stderr is not None
+    process.stdout.close()
+    assert process.stderr.read() == ""
+    process.stderr.close()
+    assert process.wait(timeout=60) == -signal.SIGPIPE
+
+
+@posix
+def test_table_that_does_not_fit(folder: Path) -> None:
+    import resource
+
+    Path("a.toml").write_text(STUDY)
+    limit = (100_000, 100_000)
+    done = script(
+        "run", "a.toml", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit)
+    )
+    assert done.returncode == 2
+    assert done.stderr == "cardan: a.csv: File too large\n"
+    assert [entry.name for entry in Path().iterdir()] == ["a.toml"]
+
+
+@posix
+@pytest.mark.parametrize("old", [True, False])
+def test_interrupt_while_a_table_is_written(folder: Path, old: bool) -> None:
+    assert SCRIPT
+    Path("a.toml").write_text(STUDY)
+    if old:
+        Path("a.csv").write_text("old")
+    process = subprocess.Popen(
+        [SCRIPT, "run", "a.toml"],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    try:
+        deadline = time.monotonic() + 60
+        while not any(entry.stat().st_size > 1_000_000 for entry in folder.iterdir()):
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130
+    assert errors.strip() == ""
+    left = {entry.name: entry.read_text() for entry in folder.iterdir()}
+    assert left == {"a.toml": STUDY} | ({"a.csv": "old"} if old else {})
+
+
+def on_a_terminal(*arguments: str, **environment: str) -> tuple[int, str, str]:
+    """Run the command with stderr a terminal; return status, output and what the terminal got."""
+    import pty
+
+    leader, follower = pty.openpty()
+    settings = {key: value for key, value in os.environ.items() if key != "NO_COLOR"}
+    assert SCRIPT
+    process = subprocess.Popen(
+        [SCRIPT, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=follower,
+        env={**settings, "TERM": "xterm-256color", **environment},
+        text=True,
+    )
+    os.close(follower)
+    seen = b""
+    while True:
+        try:
+            part = os.read(leader, 4096)
+        except OSError:
+            # How Linux says that the other end is closed.
+            break
+        if not part:
+            break
+        seen += part
+    os.close(leader)
+    output = process.communicate(timeout=60)[0]
+    return process.returncode, output, seen.decode()
+
+
+LONG = JOINT + (
+    "[study]\nbends_deg = {from = 0, to = 30, steps = 9000}\n"
+    "[output]\nquantities = ['speed_ratio']\nreduce = 'peak'\n"
+)
+
+
+@posix
+def test_progress_bar_only_on_a_terminal(folder: Path) -> None:
+    Path("a.toml").write_text(LONG)
+    status, output, seen = on_a_terminal("run", "a.toml")
+    assert status == 0
+    assert "study" in seen
+    assert "100%" in seen
+    done = script("run", "a.toml")
+    assert (done.returncode, done.stderr, done.stdout) == (0, "", output)
+    # A short study needs none.
+    Path("a.toml").write_text(LONG.replace("9000", "90"))
+    assert on_a_terminal("run", "a.toml")[2] == ""
+
+
+@posix
+@pytest.mark.parametrize("environment", [{"TERM": "dumb"}, {"NO_COLOR": "1"}])
+def test_terminal_without_colour(folder: Path, environment: dict[str, str]) -> None:
+    Path("a.toml").write_text(LONG)
+    status, output, seen = on_a_terminal("run", "a.toml", **environment)
+    assert (status, "\x1b" in output) == (0, False)
+    assert "\x1b[3" not in seen
+    assert ("\x1b" in seen) == ("NO_COLOR" in environment)
+    Path("a.toml").write_text("[driveline]\nbends_deg = [99]\n")
+    status, output, seen = on_a_terminal("run", "a.toml", **environment)
+    assert (status, output) == (2, "")
+    assert seen.startswith("cardan: a.toml, line 2: [driveline] bends_deg[0] is 99.0 deg")
+    assert "\x1b" not in seen
+
+
+def test_errors_of_a_long_study_name_the_point(folder: Path) -> None:
+    """The corner of the grid that makes no driveline is met in the run, not before."""
+    refused(
+        "[driveline]\npoints_m = [[0, 0, 0], [0, 1, 0], [0, 5, 0]]\n"
+        "[study]\npoints_m.1.x = [0, 1, 1.9]\npoints_m.1.y = [2, 0.8, 4.1]\n",
+        "a.toml: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends[0] = "
+        "1.5971060440478189 rad; a bend must lie in [0, pi/2)",
+    )
+
+
+@pytest.mark.parametrize("module", ["click", "matplotlib", "pyarrow"])
+def test_missing_extra_is_one_line(folder: Path, module: str) -> None:
+    Path("a.toml").write_text(JOINT + "[output]\ncurves = 'a.parquet'\npicture = 'a.svg'\n")
+    code = f"import sys; sys.modules[{module!r}] = None; sys.argv = ['cardan', 'run', 'a.toml']"
+    code += "; from cardan.command import main; main()"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "pip install 'cardan[" in done.stderr
