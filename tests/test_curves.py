@@ -14,8 +14,9 @@ import pytest
 
 from cardan import curves
 from cardan.arrays import FloatArray
-from cardan.curves import columns, whole_file, write_curves
+from cardan.curves import check_writable, columns, whole_file, write_curves, write_study
 from cardan.scene import Scene, SceneResult
+from cardan.study import StudyResult
 
 SCENE = """\
 [driveline]
@@ -110,6 +111,98 @@ def test_unknown_suffix(result: SceneResult, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"a\.xlsx must end in \.csv or \.npz or \.parquet"):
         write_curves(result, tmp_path / "a.xlsx")
     assert list(tmp_path.iterdir()) == []
+
+
+# Studies
+
+
+@pytest.fixture(scope="module")
+def study() -> StudyResult:
+    result = Scene.parse(
+        "[driveline]\nbends_deg = [10, 25]\n[load]\ndrive_torque_Nm = 5\n"
+        "[study]\nbends_deg.1 = {from = 0, to = 30, steps = 7}\nphases_deg = [0, 45, 90]\n"
+        "[output]\nquantities = ['moment', 'tilt_driven']\nreduce = ['peak', 'mean']\njoints = [1]\n"
+        "[sweep]\nsamples_per_turn = 8\n"
+    ).run()
+    assert result.study is not None
+    return result.study
+
+
+STUDY_NAMES = [
+    *("bends_deg.1", "phases_deg", "equivalent_bend_deg", "non_uniformity", "max_angle_error_deg"),
+    "moment_1_peak_Nm",
+    *(f"moment_1_{axis}_mean_Nm" for axis in "xyz"),
+    *("tilt_driven_1_peak_deg", "tilt_driven_1_mean_deg"),
+]
+
+
+@pytest.mark.parametrize("block", [1, 4, 21, 1000])
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_study_rows(
+    study: StudyResult, tmp_path: Path, suffix: str, block: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(curves, "_BLOCK", block)
+    path = tmp_path / f"a.{suffix}"
+    assert write_study(study, path) == 21
+    if suffix == "csv":
+        head, *lines = path.read_text(encoding="ascii").splitlines()
+        names = head.split(",")
+        read = np.array([[float(figure) for figure in line.split(",")] for line in lines]).T
+    else:
+        table = pytest.importorskip("pyarrow.parquet").read_table(path)
+        names, read = table.column_names, [column.to_numpy() for column in table.columns]
+    assert names == STUDY_NAMES
+    np.testing.assert_array_equal(read[0], np.repeat(np.arange(7) * 5.0, 3))
+    np.testing.assert_array_equal(read[1], np.tile([0.0, 45.0, 90.0], 7))
+    np.testing.assert_array_equal(read[2], np.degrees(study.values["equivalent_bend"]).ravel())
+    np.testing.assert_array_equal(read[6], study.values["moment_1_x_mean"].ravel())
+
+
+def test_study_as_a_grid(study: StudyResult, tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    assert write_study(study, path) == 21
+    with np.load(path) as read:
+        assert set(read) == {"bends_deg.1", "phases_deg", *study.values}
+        np.testing.assert_array_equal(read["bends_deg.1"], np.arange(7) * 5.0)
+        for name, values in study.values.items():
+            assert values.shape == (7, 3)
+            np.testing.assert_array_equal(read[name], values)
+
+
+def test_figures_of_one_driveline_are_one_row(tmp_path: Path) -> None:
+    result = Scene.parse("[driveline]\nbends_deg = [10]\n[output]\nclosed_forms = ['k']").run()
+    assert result.study is not None
+    assert write_study(result.study, tmp_path / "a.csv") == 1
+    k = result.scene.line.equivalent().k
+    assert (tmp_path / "a.csv").read_text() == f"k\n{float(k)!r}\n"
+
+
+def test_columns_of_shafts_and_in_radians() -> None:
+    text = SCENE.replace("quantities", "shafts = [0, 2]\njoints = [1]\nquantities")
+    result = Scene.parse(text).run()
+    table = columns(result, radians=True)
+    assert list(table) == [
+        "drive_angle_rad",
+        *("angle_0_rad", "angle_2_rad", "speed_ratio_0", "speed_ratio_2", "torque_0_Nm"),
+        "torque_2_Nm",
+        *(f"support_moment_{shaft}_{axis}_Nm" for shaft in (0, 2) for axis in "xyz"),
+        *(f"moment_1_{axis}_Nm" for axis in "xyz"),
+        "tilt_driven_1_rad",
+    ]
+    np.testing.assert_array_equal(table["drive_angle_rad"], result.drive_angle)
+    np.testing.assert_array_equal(table["angle_2_rad"], result.values["angle"][1])
+    np.testing.assert_array_equal(table["moment_1_y_Nm"], result.values["moment"][0, :, 1])
+
+
+def test_writable_or_not(tmp_path: Path) -> None:
+    (tmp_path / "old.csv").write_text("old")
+    check_writable(tmp_path / "a.csv")
+    check_writable(tmp_path / "old.csv")
+    assert [(entry.name, entry.read_text()) for entry in tmp_path.iterdir()] == [("old.csv", "old")]
+    for path in (tmp_path, tmp_path / "missing" / "a.csv"):
+        with pytest.raises(OSError, match="directory") as caught:
+            check_writable(path)
+        assert caught.value.filename == str(path)
 
 
 # Whole or not at all

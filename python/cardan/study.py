@@ -176,7 +176,9 @@ class Study:
         items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
         outputs = [OUTPUTS[name] for name in self.quantities]
         planes = sum(items[output.per] * (3 if output.vector else 1) for output in outputs)
-        block = max(1, _BLOCK // max(1, planes * np.size(self.angle)))
+        # The geometry of one joint takes some 30 doubles itself, several times over.
+        geometry = 64 * len(self.driveline[self.form.keys[0]])
+        block = max(1, _BLOCK // max(geometry, planes * np.size(self.angle)))
         for first in range(0, rows, block):
             yield first, *self._block(np.arange(first, min(first + block, rows)))
 
