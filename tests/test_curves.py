@@ -121,7 +121,8 @@ def study() -> StudyResult:
     result = Scene.parse(
         "[driveline]\nbends_deg = [10, 25]\n[load]\ndrive_torque_Nm = 5\n"
         "[study]\nbends_deg.1 = {from = 0, to = 30, steps = 7}\nphases_deg = [0, 45, 90]\n"
-        "[output]\nquantities = ['moment', 'tilt_driven']\nreduce = ['peak', 'mean']\njoints = [1]\n"
+        "[output]\nquantities = ['moment', 'tilt_driven']\nreduce = ['peak', 'mean']\n"
+        "joints = [1]\n"
         "[sweep]\nsamples_per_turn = 8\n"
     ).run()
     assert result.study is not None
@@ -147,7 +148,8 @@ def test_study_rows(
     if suffix == "csv":
         head, *lines = path.read_text(encoding="ascii").splitlines()
         names = head.split(",")
-        read = np.array([[float(figure) for figure in line.split(",")] for line in lines]).T
+        rows = [[float(figure) for figure in line.split(",")] for line in lines]
+        read = list(np.array(rows).T)
     else:
         table = pytest.importorskip("pyarrow.parquet").read_table(path)
         names, read = table.column_names, [column.to_numpy() for column in table.columns]
