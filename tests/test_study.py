@@ -348,6 +348,10 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
             STUDY + "speed_rad_s = [1]",
             "line 7: [study] speed_rad_s does not go with speed_rpm of [load]; vary that",
         ),
+        (
+            TWO + "[load]\n[study]\nspeed_rpm = [1]\nspeed_rad_s = [1]",
+            "line 6: [study] speed_rpm and speed_rad_s are both given; give one of them",
+        ),
         (TWO + "[study]\nspeed_rpm = [1]", "line 5: [study] speed_rpm needs a section [load]"),
         (
             STUDY + "inertias_kgm2 = [1]",

@@ -46,12 +46,10 @@ class Document:
                 elif name not in FORMAT[top].keys:
                     what = "section" if isinstance(value, dict) else "key"
                     raise ValueError(f"unknown {what} {shown(name)}; {_meant(name, known)}")
-        given = {top: {name: self._document[name] for name in known if name in self._document}}
-        given[top] = {key: given[top][key] for key in FORMAT[top].keys if key in given[top]}
+        entries = self._document.items()
+        given = {top: {key: value for key, value in entries if key in FORMAT[top].keys}}
         given |= {
-            name: self._document[name]
-            for name in sections
-            if isinstance(self._document.get(name), dict)
+            name: part for name, part in entries if name in sections and isinstance(part, dict)
         }
         for name, values in given.items():
             self.sections[name] = self._checked(name, FORMAT[name], values)

@@ -182,6 +182,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
                 for name, key in part.keys.items()
             },
+            together=_LOAD.together,
             fewest=1,
         ),
         "output": Section(

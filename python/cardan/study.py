@@ -185,19 +185,18 @@ class Study:
     def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
         """The drivelines and loads of some rows of the grid."""
         places = np.unravel_index(rows, self.shape) if self.axes else ()
-        driveline: dict[str, Any] = dict(self.driveline)
-        load: dict[str, Any] | None = None if self.load is None else dict(self.load)
+        driveline, load = dict(self.driveline), dict(self.load or {})
         try:
             for axis, place in zip(self.axes, places, strict=True):
                 values = driveline if axis.section == "driveline" else load
-                assert values is not None
                 _put(values, axis, axis.values[place])
             if not self.axes:
                 driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
             elif all(axis.section == "load" for axis in self.axes):
                 key = self.form.keys[0]
                 driveline[key] = _spread(driveline[key], len(rows))
-            return make_driveline(self.form, driveline), None if load is None else make_load(load)
+            line = make_driveline(self.form, driveline)
+            return line, None if self.load is None else make_load(load)
         except ValueError as error:
             if len(rows) == 1:
                 point = ", ".join(
@@ -327,7 +326,7 @@ def _entries(key: str, index: str, base: Sequence[Any] | None) -> slice | None:
         return None
     if not index:
         return slice(None)
-    match = re.fullmatch(r"(\d{1,9})(?:-(\d{1,9}))?", index)
+    match = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?", index)
     if not match:
         raise ValueError(f"{key} has no such place; write 0 for the first entry, 0-1 for two")
     first, last = int(match[1]), int(match[2] or match[1])
