@@ -324,6 +324,10 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
             "line 6: [study] at bends_deg = -5, phases_deg = 7: bends_deg[0] is -5.0 deg; a",
         ),
         (
+            STUDY + "phases_deg = [7, 8]\nbends_deg.0 = [5, -1, 9]",
+            "line 6: [study] at phases_deg = 7, bends_deg.0 = -1: bends_deg[0] is -1.0 deg; a bend",
+        ),
+        (
             STUDY + "points_mm.1.y = [1]",
             "line 7: [study] points_mm is not in [driveline]; "
             "it can vary what is there: bends_deg, phases_deg, twists_deg",
