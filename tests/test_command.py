@@ -171,6 +171,19 @@ def test_help_lists_every_key_on_a_line_of_its_own() -> None:
     assert max(map(len, text.splitlines())) < 80
 
 
+def test_recording_is_not_overwritten(tmp_path: Path, into: Path) -> None:
+    recording, path = tmp_path / "a.csv", tmp_path / "a.toml"
+    recording.write_text("crank\n0\n1\n")
+    path.write_text(
+        "[driveline]\nbends_deg = [8]\n[angles]\nfile = 'a.csv'\nangle_column_deg = 'crank'\n"
+        "[output]\ncurves = 'a.csv'\n"
+    )
+    message = f"{recording} is the recording that the scene reads; it would be overwritten"
+    failed(run("run", path, "--into", tmp_path), message)
+    assert recording.read_text() == "crank\n0\n1\n"
+    assert run("run", path, "--into", into).exit_code == 0
+
+
 # What the other commands do
 
 

@@ -572,16 +572,17 @@ def test_shafts_and_joints_as_the_scene_names_them() -> None:
     assert "equivalent bend, shafts 1 to 2" in rows(Scene.parse(f"{text}shafts = [1, 2]"))
 
 
-def test_workers_reach_the_evaluation(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("workers", [2, -1])
+def test_workers_reach_the_evaluation(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
     def evaluate(*_: object, **options: object) -> None:
         asked.append(options["workers"])
 
-    scene = Scene.parse(f"{JOINT}[output]\nworkers = 2")
+    scene = Scene.parse(f"{JOINT}[output]\nworkers = {workers}")
     monkeypatch.setattr(Driveline, "evaluate", evaluate)
     scene.run()
-    assert asked == [2]
+    assert asked == [workers]
 
 
 def test_plan_is_asked_for_what_is_run(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -375,6 +375,10 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
             "line 5: [output] table needs a section [study], reduce or closed_forms",
         ),
         (
+            TWO + "[output]\nreduce = 'rms'\ncurves = 'a.csv'\ntable = 'a.csv'",
+            "line 7: [output] table is 'a.csv'; that is the file of the curves",
+        ),
+        (
             TWO + "[output]\nreduce = ['peek']",
             "line 5: [output] reduce[0] is 'peek'; did you mean 'peak'?",
         ),

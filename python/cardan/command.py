@@ -218,7 +218,7 @@ def commands() -> click.Group:
         loaded = Scene.load(scene)
         for name in (loaded.curves_file, loaded.table_file, loaded.picture_file):
             if name:
-                check_writable(into / name)
+                _check_output(loaded, into / name)
         with _progress_bar() as progress:
             result = loaded.run(progress)
         if as_json:
@@ -345,6 +345,13 @@ def _write(result: SceneResult, into: Path, radians: bool) -> Iterator[tuple[Pat
         path = into / scene.picture_file
         write_picture(result, path)
         yield path, None
+
+
+def _check_output(scene: Scene, path: Path) -> None:
+    """Refuse a file that cannot be written or that the scene reads."""
+    if scene.recording and path.exists() and path.samefile(scene.recording):
+        raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
+    check_writable(path)
 
 
 def _check(scene: Scene) -> Check:

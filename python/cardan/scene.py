@@ -47,6 +47,7 @@ class Scene:
         joints: of which joints, where the scene says so; ``None`` for all.
         options: further arguments of ``Driveline.evaluate``.
         study: what to vary and the figures wanted, if any.
+        recording: file that the drive angles come from, if any.
         curves_file: name of the file for the curves, if any.
         table_file: name of the file for the table of the study, if any.
         picture_file: name of the file for the picture, if any.
@@ -63,6 +64,7 @@ class Scene:
     joints: tuple[int, ...] | None
     options: Mapping[str, Any]
     study: Study | None
+    recording: Path | None
     curves_file: str | None
     table_file: str | None
     picture_file: str | None
@@ -152,6 +154,8 @@ class Scene:
             if angle.bends is not None and "closed_forms" in output:
                 raise ValueError("closed_forms do not go with bend_columns_deg of [angles]")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
+            if "table" in output and output["table"] == output.get("curves"):
+                raise ValueError(f"table is {output['table']!r}; that is the file of the curves")
             if "table" in output and not wanted:
                 raise ValueError("table needs a section [study], reduce or closed_forms")
         study = None
@@ -188,6 +192,7 @@ class Scene:
             joints=joints,
             options=options,
             study=study,
+            recording=folder / recorded["file"] if recorded else None,
             curves_file=output.get("curves"),
             table_file=output.get("table"),
             picture_file=output.get("picture"),

@@ -142,6 +142,6 @@ def _toml(text: str) -> dict[str, Any]:
 def _meant(key: str, known: Iterable[str]) -> str:
     known = list(known)
     for name, section in FORMAT.items():
-        if name and name != "study" and key in section.keys:
+        if name and key in section.keys:
             return f"it belongs in [{name}]"
     return units_of(key, known) or nearest(key, known)
