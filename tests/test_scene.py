@@ -563,6 +563,7 @@ def test_shafts_and_joints_as_the_scene_names_them() -> None:
     table = rows(scene)
     bends = [float(np.degrees(scene.line.equivalent(shaft).bend)) for shaft in (2, 0)]
     assert table["equivalent bend, shafts 2, 0"].values == pytest.approx(bends)
+    assert "speed ratio, shafts 2, 0" not in table
     assert "largest torque, shaft 0" in table
     assert "largest moment, joint 1" in table
     assert "largest moment, joint 0" not in table

@@ -13,7 +13,8 @@ import pytest
 from cardan import Driveline, Load, study
 from cardan.curves import study_columns
 from cardan.scene import Scene
-from cardan.study import StudyResult
+from cardan.study import Axis, Column, StudyResult
+from cardan.summary import study_data, study_text
 
 TWO = "[driveline]\nbends_deg = [10, 20]\nphases_deg = [30]\n"
 SWEEP = "[sweep]\nsamples_per_turn = 24\n"
@@ -239,6 +240,28 @@ def test_columns() -> None:
     np.testing.assert_allclose(
         np.radians(table["equivalent_bend_deg"]), in_radians["equivalent_bend_rad"]
     )
+
+
+def test_extremes_leave_out_what_is_not_a_number() -> None:
+    axis = Axis("bends_deg", "driveline", "bends_deg", slice(None), None, np.array([1.0, 2, 3, 4]))
+    values = {
+        "some": np.array([np.nan, 5.0, 0.5, 7.0]),
+        "none": np.full(4, np.nan),
+        "endless": np.array([1.0, np.inf, 2.0, 3.0]),
+        "same": np.full(4, 2.0),
+    }
+    result = StudyResult((axis,), tuple(Column(name, "1") for name in values), values)
+    figures = study_data(result)["figures"]
+    at = {"least_at": {"bends_deg": 3.0}, "largest_at": {"bends_deg": 4.0}}
+    assert figures["some"] == {"least": 0.5, "largest": 7.0, **at}
+    assert figures["none"] == {"least": None, "largest": None}
+    assert (figures["endless"]["least"], figures["endless"]["largest"]) == (1.0, None)
+    assert study_text(result).splitlines()[2:6] == [
+        "some       0.50 (3) to 7.00 (4)",
+        "none       not finite",
+        "endless    not finite",
+        "same       2.000",
+    ]
 
 
 def test_memory_does_not_grow_with_the_grid() -> None:
