@@ -393,7 +393,10 @@ def test_new_overwrites_nothing(into: Path, monkeypatch: pytest.MonkeyPatch) -> 
     failed(run("new", "recorded", "b.toml"), "b_run.csv: File exists")
     failed(run("new", "joint", "a.txt"), "a.txt must be a file name that ends in .toml")
     failed(run("new", "joint", "no/a.toml"), "no/a.toml: No such file or directory")
-    assert run("new", "jiont", "c.toml").exit_code == 2
+    failed(
+        run("new", "jiont", "c.toml"),
+        "Invalid value for 'KIND': 'jiont' is not one of 'joint', 'z-shaft', 'string', 'recorded'.",
+    )
     assert {entry.name: entry.read_text() for entry in into.iterdir()} == {
         "a.toml": "mine",
         "b_run.csv": "mine",

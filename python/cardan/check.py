@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
     from cardan.driveline import Driveline
 
-MAX_EQUIVALENT_BEND = np.radians(3.0)
+_MAX_BEND_DEG = 3.0
+
+MAX_EQUIVALENT_BEND = np.radians(_MAX_BEND_DEG)
 """Largest equivalent bend that the catalogues permit (003, section 6.4), in rad."""
 
 MAX_NON_UNIFORMITY = 0.0027
@@ -96,8 +98,8 @@ def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
         Finding(
             "equivalent bend",
             np.degrees(last.bend),
-            float(np.degrees(MAX_EQUIVALENT_BEND)),
-            float(np.degrees(MAX_EQUIVALENT_BEND)),
+            _MAX_BEND_DEG,
+            _MAX_BEND_DEG,
             "deg",
         ),
         Finding("non-uniformity", last.non_uniformity, MAX_NON_UNIFORMITY, MAX_NON_UNIFORMITY, "1"),

@@ -196,7 +196,7 @@ def commands() -> click.Group:
             click.echo(context.get_help())
 
     @cardan.command(help=_NEW, short_help="Write a scene to begin with.")
-    @click.argument("kind", type=click.Choice(list(starters.STARTERS)))
+    @click.argument("kind", type=click.Choice(list(starters.STARTERS)), metavar="KIND")
     @click.argument("file", type=click.Path(path_type=Path))
     def new(kind: str, file: Path) -> None:
         for path in starters.write_starter(kind, file):
