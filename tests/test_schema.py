@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import random
 import tomllib
 from pathlib import Path
@@ -14,9 +15,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cardan.curves import columns, study_columns
 from cardan.scene import Scene
 from cardan.scene_format import FORMAT
 from cardan.starters import STARTERS
+from cardan.summary import study_data, study_text, summary, summary_data, summary_text
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
@@ -206,6 +209,7 @@ VALUES = st.recursive(
         st.integers(-3, 100),
         st.integers(-(2**70), 2**70),
         st.floats(),
+        st.lists(st.floats(-89, 89), min_size=1, max_size=4),
         st.text(max_size=5),
         st.sampled_from(["peak", "k", "angle", "a.csv", "a_run.csv", "crank_deg"]),
     ),
@@ -226,6 +230,23 @@ def as_toml(value: Any) -> str:  # noqa: ANN401 - any value of TOML
     if isinstance(value, float):
         return str(value)
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def shows(scene: Scene) -> None:
+    """It runs and can be shown; a point of its grid may still be no driveline."""
+    try:
+        result = scene.run()
+    except ValueError as error:
+        assert "[study] at " in str(error)  # noqa: PT017 - either may be
+        return
+    for radians in (False, True):
+        assert summary_text(summary(result), radians=radians)
+        assert json.dumps(summary_data(summary(result), radians=radians), allow_nan=False)
+        assert columns(result, radians=radians)
+        if result.study:
+            assert study_text(result.study, radians=radians)
+            assert json.dumps(study_data(result.study), allow_nan=False)
+            assert study_columns(result.study, radians=radians)
 
 
 @settings(max_examples=400)
@@ -250,5 +271,10 @@ def test_values_changed_at_random(
     lines = [f"{as_toml(key)} = {as_toml(value)}" for key, value in scene.items()]
     changed = "\n".join(lines)
     assert tomllib.loads(changed).keys() == scene.keys()
-    if accepted(changed, folder):
-        VALIDATOR.validate(tomllib.loads(changed))
+    if not accepted(changed, folder):
+        return
+    VALIDATOR.validate(tomllib.loads(changed))
+    accepted_scene = Scene.parse(changed, "a.toml", folder)
+    study = accepted_scene.study
+    if len(accepted_scene.drive_angle) < 2000 and (not study or math.prod(study.shape) < 200):
+        shows(accepted_scene)

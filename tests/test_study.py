@@ -319,7 +319,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         ),
         (
             STUDY + "speed_rpm = {from = -1e308, to = 1e308, steps = 4}",
-            "line 7: [study] speed_rpm.to is 1e+308; it is too far from -1e+308",
+            "line 7: [study] speed_rpm.from is -1e+308; it must lie within ±1e+40",
         ),
         (STUDY + "phases_deg = []", "line 7: [study] phases_deg is []; a study needs at least one"),
         (
