@@ -165,8 +165,8 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     "from the folder of the scene; its name ends in "
                     + ", ".join(recording.SUFFIXES),
                 ),
-                "angle_column_deg": Key(kinds.COLUMN, "name of the column in degrees"),
-                "angle_column_rad": Key(kinds.COLUMN, "or: of the column in radians"),
+                "angle_column_deg": Key(kinds.TEXT, "name of the column in degrees"),
+                "angle_column_rad": Key(kinds.TEXT, "or: of the column in radians"),
                 "bend_columns_deg": Key(
                     kinds.COLUMNS,
                     "in place of bends_deg: a column per joint with its bend at each sample",

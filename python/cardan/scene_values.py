@@ -317,7 +317,6 @@ CURVES_FILE = Kind("curves file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIX
 TABLE_FILE = Kind("table file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIXES))
 PICTURE_FILE = Kind("picture file", _file(plots.SUFFIXES), _ends_in(plots.SUFFIXES))
 RECORDING = Kind("file", _recording, _ends_in(recording.SUFFIXES, folder=True))
-COLUMN = Kind("text", _text, {"type": "string"})
 COLUMNS = Kind("texts", _distinct(_text, "texts"), {**_array({"type": "string"}, 1)})
 AXIS = Kind("values", _single_axis, _AXIS)
 AXES = Kind("values", _indexed_axes, {"anyOf": [_AXIS, _by_place(_AXIS)]})
