@@ -25,7 +25,8 @@ from functools import cache, cached_property
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, Result, _core, evaluation
+from cardan import Driveline, Load, Result, _core
+from cardan.plan import Plan
 from oracle import EPS, Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
 
 # --- one joint -------------------------------------------------------------------------------
@@ -224,17 +225,7 @@ class Grid:
             line = Driveline.from_bends(bends[:, None])
         else:
             line = Driveline.from_bends(bends[:, None, None])
-        return evaluation.evaluate(
-            line,
-            angles,
-            outputs,
-            shafts=[0, 1],
-            joints=0,
-            load=load,
-            out=None,
-            workers=None,
-            level=level,
-        )
+        return Plan(line, outputs, shafts=[0, 1], joints=0, load=load, level=level)(angles)
 
 
 @cache

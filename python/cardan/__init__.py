@@ -18,8 +18,10 @@ from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
+from cardan.plan import Plan
 from cardan.result import Result
 from cardan.scene import Scene
+from cardan.sweep import Sweep
 
 __all__ = [
     "OUTPUTS",
@@ -31,8 +33,10 @@ __all__ = [
     "Harmonics",
     "Load",
     "Output",
+    "Plan",
     "Result",
     "Scene",
+    "Sweep",
     "__version__",
     "approximations",
     "reference",

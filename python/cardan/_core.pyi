@@ -8,6 +8,7 @@ _Broadcast: TypeAlias = tuple[_Flat, list[int]]
 
 __all__ = [
     "Plan",
+    "Sweep",
     "__version__",
     "equivalent",
     "from_bends",
@@ -37,24 +38,34 @@ def optimal_phases(
 ) -> _Flat: ...
 
 @final
+class Sweep:
+    LONGEST: int
+    def __new__(cls, ends: tuple[float, float] | None, count: int, per_turn: int) -> Sweep: ...
+    def fill(self, first: int, out: _Flat) -> None: ...
+
+@final
 class Plan:
     def __new__(
         cls,
         joints: int,
-        outputs: list[str],
+        outputs: tuple[str, ...],
         shaft_items: list[int],
         joint_items: list[int],
         load: str | None,
         inertias: list[int],
+        geometry: list[_Flat],
+        precision: str,
+        reduction: str | None,
     ) -> Plan: ...
+    def planes(self) -> int: ...
+    def explain(self, sweep: bool, single: bool) -> str: ...
     def run(
         self,
         shape: list[int],
-        geometry: list[_Flat],
-        lines: list[int],
-        angle: _Broadcast,
+        line_strides: list[int],
+        angle: Sweep | _Broadcast,
         load: tuple[_Broadcast, _Broadcast, _Broadcast, list[tuple[int, _Flat, list[int]]]] | None,
-        out: list[_Flat],
+        out: list[_Flat] | list[NDArray[np.float32]],
         workers: int | None,
         level: str | None,
     ) -> None: ...

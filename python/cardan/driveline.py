@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cardan import _core, approximations, evaluation, threads
+from cardan import _core, approximations, threads
 from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
 from cardan.check import Check, check
 from cardan.equivalent import EquivalentJoint, Harmonics
 from cardan.load import Load
+from cardan.plan import Items, Plan, Reduction, item_index
 from cardan.result import Result
+from cardan.sweep import Sweep
 
 
 class Driveline:
@@ -338,7 +341,7 @@ class Driveline:
             IndexError: a shaft that does not exist.
             TypeError: a shaft that is not an integer.
         """
-        index = evaluation.item_index("shaft", shaft, self.n_joints + 1)
+        index = item_index("shaft", shaft, self.n_joints + 1)
         bends, twists, phases = (a.reshape(-1) for a in (self._bends, self._twists, self._phases))
         columns = _core.equivalent(self.n_joints, index, bends, twists, phases)
         return EquivalentJoint(*(scalar_or_array(c.reshape(self.shape)) for c in columns))
@@ -432,13 +435,16 @@ class Driveline:
 
     def evaluate(
         self,
-        angle: ArrayLike,
+        angle: ArrayLike | Sweep,
         outputs: str | Iterable[str] = ("angle", "speed_ratio"),
         *,
-        shafts: int | slice | Sequence[int] | None = None,
-        joints: int | slice | Sequence[int] | None = None,
+        shafts: Items = None,
+        joints: Items = None,
         load: Load | None = None,
-        out: Mapping[str, FloatArray] | None = None,
+        reduce: Reduction | None = None,
+        out: Mapping[str, NDArray[Any]] | None = None,
+        dtype: DTypeLike = None,
+        tolerance: float | None = None,
         workers: int | None = None,
     ) -> Result:
         """Evaluate outputs over drive angles.
@@ -448,33 +454,101 @@ class Driveline:
         first and is dropped for a single index, a vector's components come last.
 
         Args:
-            angle: drive angle in rad, any shape; broadcasts against the batch. NaN and infinite
-                angles give NaN at their own samples.
+            angle: drive angle in rad, any shape, or a ``Sweep``; broadcasts against the batch. NaN
+                and infinite angles give NaN at their own samples.
             outputs: names from ``cardan.OUTPUTS``.
             shafts: shafts for the outputs per shaft: an index, a slice or a list; by default the
                 last one.
             joints: joints for the outputs per joint; by default all.
             load: the load, for the outputs that need one.
-            out: arrays to fill, by output name; float64 and of the right shape. One may be the
-                array of angles itself.
+            reduce: ``"min"``, ``"max"``, ``"mean"``, ``"rms"`` or ``"peak"`` over the last axis of
+                the samples, which is dropped; no sample is stored. The peak is the largest
+                magnitude, of a vector its largest length without an axis of components; the others
+                take vectors by component. NaN among the samples gives NaN.
+            out: arrays to fill, by output name, of the right shape and dtype. One may be the array
+                of angles itself. Filling arrays that are there saves the system's work of providing
+                new memory, which for some 10⁵ angles is more than the evaluation.
+            dtype: ``float64``, the default, or ``float32``: results, and unless ``tolerance`` says
+                otherwise the arithmetic after an exact reduction of the angles.
+            tolerance: permitted error, relative to each output's largest magnitude over a turn; the
+                cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
+                moments and torques), 1e-6 and more for single precision; the default is the fast
+                double (README, Accuracy and speed).
             workers: at most so many threads, ``-1`` for all cores; by default all where the work
                 repays them. The results do not depend on it.
 
         Raises:
             IndexError: a shaft or joint that does not exist.
             TypeError: angles that are not real numbers, indices that are not integers.
-            ValueError: an unknown output, a load that is missing or does not fit, shapes that do
-                not broadcast, an ``out`` of the wrong shape or type.
+            ValueError: an unknown output, reduction or dtype, a load that is missing or does not
+                fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        return evaluation.evaluate(
-            self,
-            angle,
+        plan = self.plan(
             outputs,
             shafts=shafts,
             joints=joints,
             load=load,
-            out=out,
+            reduce=reduce,
+            dtype=dtype,
+            tolerance=tolerance,
             workers=workers,
+        )
+        return plan(angle, out)
+
+    def plan(
+        self,
+        outputs: str | Iterable[str] = ("angle", "speed_ratio"),
+        *,
+        shafts: Items = None,
+        joints: Items = None,
+        load: Load | None = None,
+        reduce: Reduction | None = None,
+        dtype: DTypeLike = None,
+        tolerance: float | None = None,
+        workers: int | None = None,
+    ) -> Plan:
+        """Prepare an evaluation for any number of calls: ``plan(angle, out=...)``.
+
+        The chain is folded and everything that the outputs do not need is dropped once;
+        ``print(plan.explain())`` shows what remains. Arguments as of ``evaluate``.
+        """
+        return Plan(
+            self,
+            outputs,
+            shafts=shafts,
+            joints=joints,
+            load=load,
+            reduce=reduce,
+            dtype=dtype,
+            tolerance=tolerance,
+            workers=workers,
+        )
+
+    def __getitem__(self, index: Any) -> Driveline:  # noqa: ANN401 - whatever NumPy takes
+        """Return drivelines of the batch, by NumPy's rules over its dimensions.
+
+        ``line[3]`` is one of a batch, ``line[:, None]`` adds a dimension to broadcast over.
+
+        Raises:
+            IndexError: an index that does not fit the batch.
+            TypeError: a single driveline has nothing to index.
+        """
+        if not self.shape:
+            raise TypeError("a single driveline has no batch to index")
+        places = np.arange(math.prod(self.shape)).reshape(self.shape)[index]
+        shape = np.shape(places)
+
+        def taken(own: FloatArray) -> FloatArray:
+            core = own.shape[len(self.shape) :]
+            flat = own.reshape(-1, *core)
+            return np.ascontiguousarray(flat[np.ravel(places)]).reshape(*shape, *core)
+
+        return Driveline._of(
+            taken(self._bends),
+            taken(self._twists),
+            taken(self._phases),
+            taken(self._directions),
+            taken(self._normals),
         )
 
 

@@ -1,23 +1,40 @@
 //! Running a plan: blocks for the threads, rows of one driveline, chunks for the cache.
 
+use std::ops::Range;
+
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
-use crate::chunk::{self, Scratch};
+use crate::block::{Block, CHUNK, Deliver, Target};
+use crate::count::{self, Counted};
 use crate::error::{Error, Result};
+use crate::fold::Folded;
 use crate::geometry::{Geometry, Vector};
+use crate::kernel::Number;
+use crate::pair::Pair;
 use crate::plan::Plan;
-use crate::samples::{ANGLE, Drivelines, Samples, Source, Table};
+use crate::real::Word;
+use crate::reduction::Reduction;
+use crate::samples::{Angles, Drivelines, Load, Samples, Source, Table};
 
-/// Samples per chunk: sines and cosines of this length stay in the first-level cache.
-const CHUNK: usize = 1024;
-
-/// Samples per block of a threaded run: some 20 µs of work.
-const BLOCK: usize = 16 * 1024;
+/// Samples per block of a threaded run: some 20 µs of work. A multiple of the chunk.
+const BLOCK: usize = 16 * CHUNK;
 
 /// Samples from which threads repay their waking: about 100 µs of work, where one thread and four
 /// measure the same for the cheapest output.
 const THREADED: usize = 6 * BLOCK;
+
+/// The arithmetic of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// Single precision after a reduction in double.
+    Single,
+    /// Double.
+    #[default]
+    Double,
+    /// Double with error terms: results are within one ulp.
+    InTwo,
+}
 
 /// How a run is spread over the machine. Results do not depend on it.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,48 +45,96 @@ pub struct Execution {
     pub workers: Option<usize>,
 }
 
+/// The planes of a result, each as long as there are samples.
+#[derive(Debug)]
+pub enum Planes<'a, 'b> {
+    /// Of doubles.
+    Double(&'a mut [&'b mut [f64]]),
+    /// Of single precision.
+    Single(&'a mut [&'b mut [f32]]),
+}
+
+/// The folded constants of one driveline, prepared for any number of runs.
+#[derive(Clone, Debug)]
+pub struct Constants(pub(crate) Kept);
+
+#[derive(Clone, Debug)]
+pub(crate) enum Kept {
+    Single(Folded<f32>),
+    Double(Folded<f64>),
+    InTwo(Folded<Pair>),
+}
+
 impl Plan {
-    /// Evaluates the plan at every sample; `planes` are the planes of the result, each as long as
-    /// there are samples.
+    /// Folds the first of the drivelines once for all runs.
+    ///
+    /// # Errors
+    /// Arrays of other lengths than one driveline has, or fewer.
+    pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<Constants> {
+        lines.check(self.joint_count)?;
+        fn folded<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
+            let mut folded = Folded::new(plan, 1);
+            folded.fold(plan, lines, 1, |_| 0);
+            folded
+        }
+        Ok(Constants(match precision {
+            Precision::Single => Kept::Single(folded(self, lines)),
+            Precision::Double => Kept::Double(folded(self, lines)),
+            Precision::InTwo => Kept::InTwo(folded(self, lines)),
+        }))
+    }
+
+    /// Evaluates the plan at every sample.
+    ///
+    /// `constants` are what [`Plan::fold`] gives for the only driveline of the samples, if it is
+    /// known.
     ///
     /// # Errors
     /// Arrays whose lengths do not fit together, a plan with a load without one in the samples.
     pub fn run(
         &self,
         samples: &Samples<'_>,
+        constants: Option<&Constants>,
+        precision: Precision,
+        planes: Planes<'_, '_>,
+        execution: Execution,
+    ) -> Result<()> {
+        let table = Table::new(self, samples)?;
+        let level = execution.level.unwrap_or_else(Level::new);
+        let run = Run { plan: self, table: &table, level, constants };
+        let workers = execution.workers;
+        match (precision, planes) {
+            (Precision::Single, Planes::Single(planes)) => run.fill::<f32, f32>(planes, workers),
+            (Precision::Single, Planes::Double(planes)) => run.fill::<f32, f64>(planes, workers),
+            (Precision::Double, Planes::Single(planes)) => run.fill::<f64, f32>(planes, workers),
+            (Precision::Double, Planes::Double(planes)) => run.fill::<f64, f64>(planes, workers),
+            (Precision::InTwo, Planes::Single(planes)) => run.fill::<Pair, f32>(planes, workers),
+            (Precision::InTwo, Planes::Double(planes)) => run.fill::<Pair, f64>(planes, workers),
+        }
+    }
+
+    /// Evaluates the plan and reduces the last axis of the samples; `planes` are as many as
+    /// [`Reduction::results`] says, each as long as there are rows.
+    ///
+    /// # Errors
+    /// As [`Plan::run`].
+    pub fn reduce(
+        &self,
+        samples: &Samples<'_>,
+        constants: Option<&Constants>,
+        precision: Precision,
+        reduction: Reduction,
         planes: &mut [&mut [f64]],
         execution: Execution,
     ) -> Result<()> {
-        let total = samples.shape.iter().product::<usize>();
-        if planes.len() != self.planes || planes.iter().any(|plane| plane.len() != total) {
-            let (found, wanted) = (planes.len(), self.planes);
-            let problem = format!("has {found} planes; it needs {wanted} of {total} samples");
-            return Err(Error::new("planes", &[], problem));
-        }
-        let table = Table::new(self, samples)?;
-        if total == 0 {
-            return Ok(());
-        }
+        let table = Table::by_rows(self, samples)?;
         let level = execution.level.unwrap_or_else(Level::new);
-        let size = match execution.workers {
-            _ if total < THREADED => total,
-            Some(workers) if workers < rayon::current_num_threads() => {
-                total.div_ceil(workers.max(1)).max(BLOCK)
-            }
-            _ => BLOCK,
-        };
-        if size >= total {
-            run_block(self, &table, level, 0, planes);
-            return Ok(());
+        let run = Run { plan: self, table: &table, level, constants };
+        match precision {
+            Precision::Single => run.reduce::<f32>(reduction, planes, execution.workers),
+            Precision::Double => run.reduce::<f64>(reduction, planes, execution.workers),
+            Precision::InTwo => run.reduce::<Pair>(reduction, planes, execution.workers),
         }
-        let mut rests: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
-        let blocks: Vec<Vec<&mut [f64]>> = (0..total.div_ceil(size))
-            .map(|_| rests.iter_mut().filter_map(Iterator::next).collect())
-            .collect();
-        blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
-            run_block(self, &table, level, i * size, &mut block);
-        });
-        Ok(())
     }
 
     /// Evaluates a plan without a load for one driveline; one vector per plane.
@@ -82,7 +147,7 @@ impl Plan {
     ///
     /// let joint = Geometry::from_bends(&[0.5], &[], &[])?;
     /// let plan = Plan::new(&Request {
-    ///     joint_count: 1,
+    ///     largest_bends: &joint.bends,
     ///     outputs: &[Output::SpeedRatio],
     ///     shafts: &[1],
     ///     joints: &[],
@@ -108,91 +173,164 @@ impl Plan {
                 normals: &normals,
             },
             line_strides: &[0],
-            angle: Source { data: angle, strides: &[1] },
+            angle: Angles::Array(Source { data: angle, strides: &[1] }),
             load: None,
         };
         let mut planes = vec![vec![0.0; angle.len()]; self.planes];
         let mut views: Vec<&mut [f64]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
-        self.run(&samples, &mut views, Execution::default())?;
+        let planes_to_fill = Planes::Double(&mut views);
+        self.run(&samples, None, Precision::Double, planes_to_fill, Execution::default())?;
         Ok(planes)
     }
 }
 
-/// Runs the block of samples that starts at `start`, compiled for the level.
-fn run_block(
-    plan: &Plan,
-    table: &Table<'_>,
-    level: Level,
-    start: usize,
-    planes: &mut [&mut [f64]],
-) {
-    let longest = CHUNK.min(table.row_length());
-    let mut scratch = Scratch::new(plan, table, longest);
-    dispatch!(level, _simd => run_rows(plan, table, &mut scratch, start, planes));
-}
+/// Arithmetic operations for one sample, on doubles or singles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Operations(pub(crate) usize);
 
-#[inline(always)]
-fn run_rows(
-    plan: &Plan,
-    table: &Table<'_>,
-    scratch: &mut Scratch,
-    start: usize,
-    planes: &mut [&mut [f64]],
-) {
-    let total = planes.first().map_or(0, |plane| plane.len());
-    let row_length = table.row_length();
-    let mut done = 0;
-    while done < total {
-        let (row, first) = ((start + done) / row_length, (start + done) % row_length);
-        let length = (row_length - first).min(total - done);
-        let (line, line_step) = table.locate(&table.line, row);
-        for (column, cursor) in table.columns.iter().zip(&mut scratch.cursors) {
-            let (origin, step) = table.locate(&column.strides, row);
-            *cursor = (origin + first * step, step);
+impl Plan {
+    /// Operations per sample on the first driveline, counted on a run over one sample.
+    pub(crate) fn operations(&self, lines: &Drivelines<'_>, precision: Precision) -> Operations {
+        match precision {
+            Precision::Single => self.count::<0>(lines),
+            Precision::Double => self.count::<1>(lines),
+            Precision::InTwo => self.count::<2>(lines),
         }
-        if line_step == 0 {
-            scratch.folded.fold(plan, &table.lines, [line]);
-        }
-        for at in (0..length).step_by(CHUNK) {
-            let size = CHUNK.min(length - at);
-            if line_step != 0 {
-                let samples = first + at..first + at + size;
-                scratch.folded.fold(plan, &table.lines, samples.map(|i| line + i * line_step));
-            }
-            let place = done + at..done + at + size;
-            let (origin, step) = scratch.cursors[ANGLE];
-            let angle = table.columns[ANGLE].data;
-            if step == 1 {
-                let angle = &angle[origin + at..origin + at + size];
-                chunk::run_motion(plan, angle, scratch, planes, place.clone());
-            } else {
-                let mut gathered = [0.0; CHUNK];
-                gather(angle, origin + at * step, step, &mut gathered[..size]);
-                chunk::run_motion(plan, &gathered[..size], scratch, planes, place.clone());
-            }
-            if let Some(load) = &plan.load {
-                let columns = table.columns.iter().zip(&scratch.cursors);
-                for ((column, &(origin, step)), buffer) in
-                    columns.zip(&mut scratch.gathered).skip(1)
-                {
-                    gather(column.data, origin + at * step, step, &mut buffer[..size]);
-                }
-                chunk::run_load(plan, load, table, scratch, planes, place);
-            }
-        }
-        done += length;
+    }
+
+    fn count<const TYPE: usize>(&self, lines: &Drivelines<'_>) -> Operations {
+        let (one, still) = ([1.0], [0]);
+        let source = || Source { data: &one[..], strides: &still };
+        let inertias: Vec<usize> = self.absorbing();
+        let samples = Samples {
+            shape: &[1],
+            lines: *lines,
+            line_strides: &still,
+            angle: Angles::Array(source()),
+            load: Some(Load {
+                torque: source(),
+                speed: source(),
+                acceleration: source(),
+                inertias: inertias.into_iter().map(|shaft| (shaft, source())).collect(),
+            }),
+        };
+        let Ok(table) = Table::new(self, &samples) else { return Operations(0) };
+        let mut plane = vec![[0.0]; self.planes];
+        let mut planes: Vec<&mut [f64]> = plane.iter_mut().map(|word| &mut word[..]).collect();
+        let mut block = Block::<Counted<TYPE>>::new(self, &table, None, &(0..1), false);
+        Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
     }
 }
 
-#[inline(always)]
-fn gather(data: &[f64], origin: usize, step: usize, buffer: &mut [f64]) {
-    match step {
-        0 => buffer.fill(data[origin]),
-        1 => buffer.copy_from_slice(&data[origin..origin + buffer.len()]),
-        _ => {
-            for (x, &value) in buffer.iter_mut().zip(data[origin..].iter().step_by(step)) {
-                *x = value;
+/// One call: what it reads and for which instruction set.
+struct Run<'a, 's> {
+    plan: &'a Plan,
+    table: &'a Table<'s>,
+    level: Level,
+    constants: Option<&'a Constants>,
+}
+
+impl Run<'_, '_> {
+    /// Fills the planes, in blocks if threads repay it.
+    fn fill<T: Deliver<W>, W: Word>(
+        &self,
+        planes: &mut [&mut [W]],
+        workers: Option<usize>,
+    ) -> Result<()> {
+        let total = self.table.samples();
+        if planes.len() != self.plan.planes || planes.iter().any(|plane| plane.len() != total) {
+            let (found, wanted) = (planes.len(), self.plan.planes);
+            let problem = format!("has {found} planes; it needs {wanted} of {total} samples");
+            return Err(Error::new("planes", &[], problem));
+        }
+        if total == 0 {
+            return Ok(());
+        }
+        let size = block_size(total, workers);
+        if size >= total {
+            self.block::<T, W>(0..total, Target::Planes(planes));
+            return Ok(());
+        }
+        let mut rests: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
+        let blocks: Vec<Vec<&mut [W]>> = (0..total.div_ceil(size))
+            .map(|_| rests.iter_mut().filter_map(Iterator::next).collect())
+            .collect();
+        blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
+            let samples = i * size..total.min((i + 1) * size);
+            self.block::<T, W>(samples, Target::Planes(&mut block));
+        });
+        Ok(())
+    }
+
+    /// Reduces every row to one number per result. Rows are cut into the same parts whatever the
+    /// number of threads, so that sums are the same.
+    fn reduce<T: Deliver<f64>>(
+        &self,
+        reduction: Reduction,
+        out: &mut [&mut [f64]],
+        workers: Option<usize>,
+    ) -> Result<()> {
+        let (rows, length) = (self.table.rows(), self.table.row_length());
+        let groups = reduction.groups(self.plan);
+        if out.len() != groups.len() || out.iter().any(|plane| plane.len() != rows) {
+            let (found, wanted) = (out.len(), groups.len());
+            let problem = format!("has {found} planes; it needs {wanted} of {rows} rows");
+            return Err(Error::new("planes", &[], problem));
+        }
+        let parts = length.div_ceil(BLOCK);
+        let rows_per_block = (BLOCK / length).max(1);
+        let results = groups.len();
+        let mut partials = vec![reduction.start(); rows * parts * results];
+        let per_block = if parts > 1 { results } else { rows_per_block * results };
+        let run = |(i, partials): (usize, &mut [Pair])| {
+            let samples = if parts > 1 {
+                let (row, part) = (i / parts, i % parts);
+                row * length + part * BLOCK..row * length + length.min((part + 1) * BLOCK)
+            } else {
+                let first = i * rows_per_block;
+                first * length..(first + partials.len() / results) * length
+            };
+            self.block::<T, f64>(samples, Target::Reduced(reduction, &groups, partials));
+        };
+        if block_size(rows * length, workers) >= rows * length {
+            partials.chunks_mut(per_block).enumerate().for_each(run);
+        } else {
+            let blocks = rows.div_ceil(rows_per_block) * parts;
+            let most = workers.map_or(1, |workers| blocks.div_ceil(workers.max(1)));
+            partials
+                .par_chunks_mut(per_block)
+                .with_min_len(if workers.is_some() { most } else { 1 })
+                .enumerate()
+                .for_each(run);
+        }
+        for row in 0..rows {
+            for (result, plane) in out.iter_mut().enumerate() {
+                let own = (0..parts).map(|part| partials[(row * parts + part) * results + result]);
+                plane[row] = reduction.finish(own, length);
             }
         }
+        Ok(())
+    }
+
+    /// Runs a range of the samples, compiled for the level.
+    fn block<T: Deliver<W>, W: Word>(&self, samples: Range<usize>, mut target: Target<'_, '_, W>) {
+        let kept = self.constants.and_then(T::kept);
+        let spare = match &mut target {
+            Target::Planes(planes) => T::direct(planes).is_none(),
+            Target::Reduced(..) => true,
+        };
+        let mut block = Block::<T>::new(self.plan, self.table, kept, &samples, spare);
+        dispatch!(self.level, _simd => block.run(samples, &mut target));
+    }
+}
+
+/// Samples per block: all of them where threads do not repay their waking.
+fn block_size(total: usize, workers: Option<usize>) -> usize {
+    match workers {
+        _ if total < THREADED => total,
+        Some(workers) if workers < rayon::current_num_threads() => {
+            total.div_ceil(workers.max(1)).next_multiple_of(BLOCK)
+        }
+        _ => BLOCK,
     }
 }

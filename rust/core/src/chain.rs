@@ -3,111 +3,259 @@
 //! Write `w = e^{iα}` for the drive angle. A joint acts as `w → w − k w̄` with `k = tan²(β/2)`, a
 //! shaft between two joints as `w → e^{ip} w` with `p = δ − τ + 90°`. So every shaft of every
 //! chain is `w → A w + B w̄`, and `|A|² − |B|² = Π (1 − k_j²)` is known without cancellation.
+//!
+//! All of it is carried with error terms: the constants of a chain are as good as those of a joint.
 
-use nalgebra::Complex;
+use std::ops::{Add, Mul, Sub};
 
 use crate::joint::Joint;
+use crate::pair::Pair;
+use crate::real::Real;
+use crate::reduce;
 use crate::trig;
+
+/// A complex number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Complex {
+    pub(crate) re: Pair,
+    pub(crate) im: Pair,
+}
+
+impl Complex {
+    #[inline(always)]
+    pub(crate) fn new(re: Pair, im: Pair) -> Self {
+        Self { re, im }
+    }
+
+    #[inline(always)]
+    fn conj(self) -> Self {
+        Self { re: self.re, im: -self.im }
+    }
+
+    #[inline(always)]
+    fn times(self, factor: Pair) -> Self {
+        Self { re: self.re * factor, im: self.im * factor }
+    }
+
+    #[inline(always)]
+    fn norm_squared(self) -> Pair {
+        self.re.square() + self.im.square()
+    }
+}
+
+impl Add for Complex {
+    type Output = Self;
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self { re: self.re + other.re, im: self.im + other.im }
+    }
+}
+
+impl Sub for Complex {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { re: self.re - other.re, im: self.im - other.im }
+    }
+}
+
+impl Mul for Complex {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re - self.im * other.im,
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+}
 
 /// The map `w → A w + B w̄` of a chain so far.
 #[derive(Clone, Copy, Debug)]
-pub struct Transfer {
-    a: Complex<f64>,
-    b: Complex<f64>,
+pub(crate) struct Transfer {
+    pub(crate) a: Complex,
+    pub(crate) b: Complex,
     /// `|A|² − |B|²`.
-    complement: f64,
-    /// The joint that made the map, while there is only one: its constants need no folding.
-    single: Option<Joint>,
+    pub(crate) complement: Pair,
 }
 
 impl Default for Transfer {
     fn default() -> Self {
-        Self { a: Complex::new(1.0, 0.0), b: Complex::new(0.0, 0.0), complement: 1.0, single: None }
+        let a = Complex::new(Pair::ONE, Pair::default());
+        Self { a, b: Complex::default(), complement: Pair::ONE }
     }
 }
 
 impl Transfer {
     /// The map at the output of the last of `joints` when its first shaft drives.
-    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+    fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
         let mut transfer = Self::default();
         for (j, &bend) in bends.iter().enumerate() {
             if j > 0 {
-                transfer.pass_shaft(phases[j - 1], twists[j - 1]);
+                transfer.pass_shaft(shaft_turn(phases[j - 1], twists[j - 1]));
             }
-            transfer.pass_joint(Joint::new(bend));
+            transfer.pass_joint(&Joint::with_error_terms(bend));
         }
         transfer
     }
 
-    /// Follows an intermediate shaft: a turn by `p = δ − τ + 90°`.
-    pub fn pass_shaft(&mut self, phase: f64, twist: f64) {
-        let (sine, cosine) = trig::sin_cos(phase - twist);
-        let turn = Complex::new(-sine, cosine);
-        self.a *= turn;
-        self.b *= turn;
+    /// Follows an intermediate shaft, given its turn.
+    #[inline(always)]
+    pub(crate) fn pass_shaft(&mut self, turn: Complex) {
+        self.a = self.a * turn;
+        self.b = self.b * turn;
     }
 
     /// Follows a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
-    pub fn pass_joint(&mut self, joint: Joint) {
-        if joint.k == 0.0 {
-            return;
-        }
-        self.single = (self.b == Complex::new(0.0, 0.0)).then_some(joint);
+    #[inline(always)]
+    pub(crate) fn pass_joint(&mut self, joint: &Joint<Pair>) {
         let (a, b) = (self.a, self.b);
-        self.a = a - b.conj() * joint.k;
-        self.b = b - a.conj() * joint.k;
-        self.complement *= joint.complement();
+        self.a = a - b.conj().times(joint.k);
+        self.b = b - a.conj().times(joint.k);
+        self.complement = self.complement * joint.complement();
     }
 
-    /// The one joint that moves the shaft exactly as the whole chain does.
-    pub fn equivalent(&self) -> Equivalent {
+    /// The one joint that moves the shaft exactly as the whole chain does, branch-free.
+    #[inline(always)]
+    pub(crate) fn equivalent(&self) -> Equivalent<Pair> {
         // −q/|q| = e^{−2iφ} for q = B/A, up to a positive factor.
-        let z = -self.b * self.a.conj();
-        let size = z.norm();
-        if size == 0.0 {
-            return Equivalent { joint: Joint::STRAIGHT, turn_cos: 1.0, turn_sin: 0.0 };
-        }
-        let joint = self.single.unwrap_or_else(|| {
-            let a2 = self.a.norm_sqr();
-            Joint::from_k(size / a2, self.complement / a2)
-        });
-        let (turn_cos, turn_sin) = half_turn(z.re / size, -z.im / size);
-        Equivalent { joint, turn_cos, turn_sin }
+        let z = Complex::default() - self.b * self.a.conj();
+        // Times a power of two, so that no square of a small number is lost.
+        let largest = z.re.high.abs().max(z.im.high.abs());
+        let straight = largest == 0.0;
+        let scale = inverse_power_of_two(largest);
+        let z = Complex::new(z.re.scaled(scale), z.im.scaled(scale));
+        let size = z.norm_squared().sqrt();
+        let a2 = self.a.norm_squared();
+        let k = (size / a2).scaled(1.0 / scale);
+        let joint = Joint::from_k(k, self.complement / a2);
+        let inverse = size.recip();
+        let (turn_cos, turn_sin) = half_turn(z.re * inverse, -z.im * inverse);
+        if straight { Equivalent::STRAIGHT } else { Equivalent { joint, turn_cos, turn_sin } }
     }
 
     /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`: the rows give the cosine and the sine of
     /// the joint's own driving angle, both times the same positive length.
-    pub fn matrix(&self) -> [f64; 4] {
+    pub(crate) fn matrix(&self) -> [Pair; 4] {
         let (a, b) = (self.a, self.b);
         [a.re + b.re, b.im - a.im, a.im + b.im, a.re - b.re]
     }
 }
 
-/// Cosine and sine of `φ` in `(−90°, 90°]` from those of `2φ`.
-fn half_turn(cos_2: f64, sin_2: f64) -> (f64, f64) {
-    if cos_2 >= 0.0 {
-        let c = (0.5 * (1.0 + cos_2)).sqrt();
-        (c, 0.5 * sin_2 / c)
-    } else {
-        let s = (0.5 * (1.0 - cos_2)).sqrt().copysign(sin_2);
-        (0.5 * sin_2 / s, s)
+/// `e^{ip}` of an intermediate shaft, `p = δ − τ + 90°`.
+pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
+    if trig::any_far([phase, twist].into_iter()) {
+        let turn = |angle: f64| {
+            let (sine, cosine) = trig::sin_cos_in_two(reduce::reduce_any(angle));
+            Complex::new(cosine, sine)
+        };
+        let Complex { re, im } = turn(phase) * turn(-twist);
+        return Complex::new(-im, re);
     }
+    near_shaft_turn(phase, twist)
+}
+
+/// The same, branch-free, for angles that [`trig::any_far`] does not call far.
+#[inline(always)]
+pub(crate) fn near_shaft_turn(phase: f64, twist: f64) -> Complex {
+    let reduced = reduce::reduce_in_two(Pair::sum(phase, -twist));
+    let (sine, cosine) = trig::sin_cos_in_two(reduced);
+    Complex::new(-sine, cosine)
+}
+
+/// A power of two that brings a number near 1.
+#[inline(always)]
+fn inverse_power_of_two(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    // Below 2⁻¹⁰⁰⁰ the scale stays 2¹⁰⁰⁰.
+    let exponent = (x.to_bits() & EXPONENT).max(23 << 52);
+    f64::from_bits((2046 << 52) - exponent)
+}
+
+/// Cosine and sine of `φ` in `(−90°, 90°]` from those of `2φ`.
+#[inline(always)]
+fn half_turn(cos_2: Pair, sin_2: Pair) -> (Pair, Pair) {
+    let half = (Pair::ONE + cos_2.abs()).scaled(0.5);
+    let large = half.sqrt();
+    let small = sin_2.abs().scaled(0.5) / large;
+    if cos_2.high >= 0.0 { (large, small.copysign(sin_2)) } else { (small, large.copysign(sin_2)) }
 }
 
 /// A joint whose driving angle is the drive angle turned by `φ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Equivalent {
+pub struct Equivalent<T = f64> {
     /// The joint with the equivalent bend.
-    pub joint: Joint,
+    pub joint: Joint<T>,
     /// `cos φ`.
-    pub turn_cos: f64,
+    pub turn_cos: T,
     /// `sin φ`; exactly zero where the joint needs no turning.
-    pub turn_sin: f64,
+    pub turn_sin: T,
+}
+
+impl Equivalent<Pair> {
+    pub(crate) const STRAIGHT: Self =
+        Self { joint: Joint::STRAIGHT, turn_cos: Pair::ONE, turn_sin: Pair::exact(0.0) };
+
+    /// A joint on the drive shaft itself.
+    #[inline(always)]
+    pub(crate) fn of_joint(joint: Joint<Pair>) -> Self {
+        Self { joint, ..Self::STRAIGHT }
+    }
+}
+
+impl Equivalent {
+    /// The joint that moves the last shaft of a chain exactly as its joints do.
+    ///
+    /// ```
+    /// let [bend, no_twist] = [0.3, 0.0];
+    /// let one = cardan::Equivalent::of_chain(&[bend, 0.0], &[no_twist], &[0.7]);
+    /// assert!((one.joint.bend() - bend).abs() < 1e-15);
+    /// ```
+    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        let equivalent = Transfer::of_chain(bends, twists, phases).equivalent();
+        let mut bent = bends.iter().filter(|&&bend| bend != 0.0);
+        match (bent.next(), bent.next()) {
+            // Its own constants hold where tan²(β/2) is too small for a double.
+            (Some(&bend), None) => {
+                let joint = Joint::with_error_terms(bend);
+                Self::nearest(&Equivalent { joint, ..equivalent })
+            }
+            _ => Self::nearest(&equivalent),
+        }
+    }
+}
+
+impl<T: Real> Equivalent<T> {
+    #[inline(always)]
+    pub(crate) fn nearest(equivalent: &Equivalent<Pair>) -> Self {
+        Self {
+            joint: Joint::nearest(&equivalent.joint),
+            turn_cos: T::from_pair(equivalent.turn_cos),
+            turn_sin: T::from_pair(equivalent.turn_sin),
+        }
+    }
 }
 
 impl Equivalent {
     /// `φ` in radians, in `(−π/2, π/2]`: the joint's driving angle is `α + φ`.
     pub fn angle_offset(&self) -> f64 {
         self.turn_sin.atan2(self.turn_cos)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folding_keeps_the_area() {
+        let (bends, twists, phases) = ([0.3, 1.2, 0.7], [0.4, -2.0], [1.1, 3e13]);
+        let transfer = Transfer::of_chain(&bends, &twists, &phases);
+        let [cc, cs, sc, ss] = transfer.matrix();
+        let determinant = (cc * ss - cs * sc).value();
+        assert!((determinant - transfer.complement.value()).abs() < 1e-30);
     }
 }

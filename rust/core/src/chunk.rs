@@ -1,280 +1,493 @@
 //! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
 
-use std::ops::Range;
-
+use crate::atan::AtanRange;
 use crate::chain::Equivalent;
-use crate::fold::{Folded, with_constants};
-use crate::kernel;
+use crate::column::{Column, View, ViewMut};
+use crate::fold::Folded;
+use crate::kernel::{self, AfterArray, Drive, Number, Pins};
 use crate::moment::Pose;
-use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep};
-use crate::samples::{ACCELERATION, SPEED, TORQUE, Table};
-use crate::trig::AtanRange;
+use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
+use crate::samples::{ACCELERATION, Drivelines, SPEED, TORQUE, Table};
 
 /// The buffers of one block, each as long as its longest chunk.
-pub(crate) struct Scratch {
-    pub(crate) folded: Folded,
+pub(crate) struct Scratch<T: Number> {
     /// Where the current row begins in each column of the table, and its step.
     pub(crate) cursors: Vec<(usize, usize)>,
     /// The load's columns at the current chunk.
     pub(crate) gathered: Vec<Vec<f64>>,
-    sine: Vec<f64>,
-    cosine: Vec<f64>,
-    turned_sine: Vec<f64>,
-    turned_cosine: Vec<f64>,
+    pins: [Column<T>; 2],
+    turned: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
-    rates: Vec<[Vec<f64>; 2]>,
-    power: Vec<f64>,
-    torsion: Vec<f64>,
+    rates: Vec<[Column<T>; 2]>,
+    power: Column<T>,
+    torsion: Column<T>,
+    parts: [Column<T>; 3],
+    /// The first part of the support moment of the shaft that the load has come to.
+    support: [Column<T>; 3],
+    /// Angle errors of a chunk or a whole period, for each shaft whose angle is wanted.
+    errors: Vec<Column<T>>,
 }
 
-impl Scratch {
+impl<T: Number> Scratch<T> {
     pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
-        let chunk = |needed: bool| vec![0.0; if needed { longest } else { 0 }];
-        let mut rates: Vec<[Vec<f64>; 2]> = vec![[vec![], vec![]]; plan.joint_count + 1];
-        for step in plan.shafts.iter().filter(|step| step.keep_rates) {
-            rates[step.shaft] = [chunk(true), chunk(true)];
+        let size = |needed: bool| if needed { longest } else { 0 };
+        fn columns<T: Number, const N: usize>(length: usize) -> [Column<T>; N] {
+            std::array::from_fn(|_| Column::new(length))
         }
+        let rates = (0..=plan.joint_count).map(|shaft| {
+            let kept = plan.shafts.iter().any(|step| step.shaft == shaft && step.keep_rates);
+            columns(size(kept))
+        });
         let loaded = plan.load.is_some();
+        let moments = plan.joints.iter().any(JointStep::needs_torsion);
         Self {
-            folded: Folded::new(plan),
             cursors: vec![(0, 0); table.columns.len()],
-            gathered: vec![chunk(loaded); table.columns.len()],
-            sine: chunk(true),
-            cosine: chunk(true),
-            turned_sine: chunk(plan.joint_count > 1),
-            turned_cosine: chunk(plan.joint_count > 1),
-            rates,
-            power: chunk(loaded),
-            torsion: chunk(loaded),
+            gathered: vec![vec![0.0; size(loaded)]; table.columns.len()],
+            pins: columns(longest),
+            turned: columns(size(plan.shafts.iter().any(|step| step.shaft > 1))),
+            rates: rates.collect(),
+            power: Column::new(size(loaded)),
+            torsion: Column::new(size(moments)),
+            parts: columns(size(moments)),
+            support: columns(size(plan.joints.iter().any(JointStep::needs_support))),
+            errors: plan
+                .shafts
+                .iter()
+                .filter(|step| step.angle.is_some())
+                .map(|_| Column::new(size(T::SHORT || table.sweep.is_some())))
+                .collect(),
         }
+    }
+
+    /// Makes room for the angle errors of so many samples: of a period that is to be repeated.
+    pub(crate) fn keep_errors(&mut self, period: usize) {
+        for errors in &mut self.errors {
+            *errors = Column::new(period);
+        }
+    }
+}
+
+/// The geometry that a chunk sees.
+#[derive(Clone, Copy)]
+pub(crate) enum Seen {
+    /// This one of the folded drivelines at every sample.
+    One(usize),
+    /// One at each sample.
+    Each,
+}
+
+/// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all
+/// samples share, so that they stay in registers, and once for constants of their own.
+macro_rules! with_constants {
+    ($seen:expr, $constants:expr, $at:ident => $body:expr) => {{
+        let constants = $constants;
+        match $seen {
+            Seen::One(index) => {
+                let shared = constants(index);
+                let $at = move |_: usize| shared;
+                $body
+            }
+            Seen::Each => {
+                let $at = constants;
+                $body
+            }
+        }
+    }};
+}
+
+/// Sines and cosines of a chunk.
+#[inline(always)]
+pub(crate) fn find_pins<T: Number>(
+    plan: &Plan,
+    drive: Drive<'_>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    let [sine, cosine] = scratch.pins.each_mut().map(|pins| pins.view_mut(size));
+    if plan.needs_sense() {
+        kernel::pins::<true, T>(drive, sine, cosine);
+    } else {
+        kernel::pins::<false, T>(drive, sine, cosine);
     }
 }
 
 /// Angles and rates of every shaft of the plan at one chunk.
 #[inline(always)]
-pub(crate) fn run_motion(
+pub(crate) fn run_motion<T: Number>(
     plan: &Plan,
-    angle: &[f64],
-    scratch: &mut Scratch,
-    planes: &mut [&mut [f64]],
-    place: Range<usize>,
+    drive: Drive<'_>,
+    folded: &Folded<T>,
+    seen: Seen,
+    scratch: &mut Scratch<T>,
+    planes: &mut [&mut [T::Word]],
+    size: usize,
+    kept_from: usize,
 ) {
-    let size = place.len();
-    let Scratch { folded, sine, cosine, turned_sine, turned_cosine, rates, .. } = scratch;
-    let (sine, cosine) = (&mut sine[..size], &mut cosine[..size]);
-    if plan.needs_sense() {
-        kernel::sensed_pins(angle, sine, cosine);
-    } else {
-        kernel::pins(angle, sine, cosine);
-    }
+    let Scratch { pins, turned, rates, errors, .. } = scratch;
+    let pins = pins_of(pins, size);
+    let mut errors = errors.iter_mut();
     for step in &plan.shafts {
-        let rates = rates[step.shaft].each_mut().map(|rate| &mut rate[..]);
-        let Some(shaft) = &folded.shafts[step.shaft] else {
-            run_drive_shaft(step, angle, rates, planes, place.clone());
+        let mut none = Column::new(0);
+        let errors = step.angle.and_then(|_| errors.next()).unwrap_or(&mut none);
+        let errors = errors.window_mut(kept_from, size);
+        let rates = rates[step.shaft].each_mut();
+        let bent = step.shaft > plan.first_bent();
+        let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| bent) else {
+            run_drive_shaft(step, drive, rates, planes, size);
             continue;
         };
-        with_constants!(&shaft.equivalents, at => {
-            if shaft.turned {
-                let turned = (&mut turned_sine[..size], &mut turned_cosine[..size]);
-                kernel::turn(at, sine, cosine, turned.0, turned.1);
-                run_shaft(step, shaft.range, at, [angle, turned.0, turned.1], rates, planes, place.clone());
-            } else {
-                run_shaft(step, shaft.range, at, [angle, sine, cosine], rates, planes, place.clone());
+        let folded = match seen {
+            Seen::One(index) => shaft.equivalents(index + 1),
+            Seen::Each => shaft.equivalents(size),
+        };
+        let range = match seen {
+            Seen::One(index) => AtanRange::of(&folded.get(index).joint),
+            Seen::Each => plan.range(step.shaft),
+        };
+        with_constants!(seen, |i| folded.get(i), at => {
+            let mut pins = pins;
+            if step.shaft > 1 {
+                let [sine, cosine] = turned.each_mut().map(|turned| turned.view_mut(size));
+                kernel::turn(at, pins, sine, cosine);
+                pins = pins_of(turned, size);
             }
+            run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
         });
     }
     for (step, poses) in plan.joints.iter().zip(&folded.poses) {
-        with_constants!(poses, at => {
+        if !step.needs_tilt() {
+            continue;
+        }
+        with_constants!(seen, |i: usize| poses[i], at => {
             if let Some(plane) = step.tilt_driving {
-                let out = &mut planes[plane][place.clone()];
-                kernel::tilt(at, Pose::tilt_driving, sine, cosine, out);
+                kernel::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
             }
             if let Some(plane) = step.tilt_driven {
-                let out = &mut planes[plane][place.clone()];
-                kernel::tilt(at, Pose::tilt_driven, sine, cosine, out);
+                kernel::tilt(at, Pose::tilt_driven, pins, &mut *planes[plane]);
             }
         });
     }
 }
 
-/// Shaft 0 turns with the drive.
 #[inline(always)]
-fn run_drive_shaft(
+fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> Pins<'_, T> {
+    Pins { sine: sine.view(size), cosine: cosine.view(size) }
+}
+
+/// The angle of the shaft in this slot at a later period, from the errors of the first.
+#[inline(always)]
+pub(crate) fn repeat_angle<T: Number>(
+    scratch: &Scratch<T>,
+    slot: usize,
+    first: usize,
+    drive: Drive<'_>,
+    out: &mut [T::Word],
+) {
+    let errors = scratch.errors[slot].part(first, out.len());
+    kernel::add_drive::<T>(drive, |i| errors.get(i), out);
+}
+
+/// A shaft with no bent joint before it turns with the drive.
+#[inline(always)]
+fn run_drive_shaft<T: Number>(
     step: &ShaftStep,
-    angle: &[f64],
-    rates: [&mut [f64]; 2],
-    planes: &mut [&mut [f64]],
-    place: Range<usize>,
+    drive: Drive<'_>,
+    [ratio, acceleration]: [&mut Column<T>; 2],
+    planes: &mut [&mut [T::Word]],
+    size: usize,
 ) {
     if let Some(plane) = step.angle {
-        kernel::drive_angle(angle, &mut planes[plane][place.clone()]);
+        kernel::drive_angle::<T>(drive, &mut *planes[plane]);
     }
     let constants =
         [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
     for (plane, value) in constants {
         if let Some(plane) = plane {
-            kernel::drive_constant(value, angle, &mut planes[plane][place.clone()]);
+            kernel::constant::<T>(value, drive, &mut *planes[plane]);
         }
-    }
-    let [ratio, acceleration] = rates;
-    kernel::drive_constant(1.0, angle, ratio);
-    kernel::drive_constant(0.0, angle, acceleration);
-}
-
-/// Every output of one shaft, each written straight to its plane; the rates go by way of a buffer
-/// where the load reads them too.
-#[inline(always)]
-fn run_shaft(
-    step: &ShaftStep,
-    range: AtanRange,
-    at: impl Fn(usize) -> Equivalent + Copy,
-    [angle, s, c]: [&[f64]; 3],
-    rates: [&mut [f64]; 2],
-    planes: &mut [&mut [f64]],
-    place: Range<usize>,
-) {
-    let size = place.len();
-    match (step.angle_error, step.angle) {
-        (Some(error), None) => {
-            kernel::angle_error(range, at, s, c, &mut planes[error][place.clone()]);
-        }
-        (None, Some(turned)) => {
-            kernel::angle(range, at, angle, s, c, &mut planes[turned][place.clone()]);
-        }
-        (Some(error), Some(turned)) => {
-            let [error, turned] = two(planes, error, turned, place.clone());
-            kernel::angle_error(range, at, s, c, error);
-            kernel::sum(angle, error, turned);
-        }
-        (None, None) => {}
     }
     if step.keep_rates {
-        let [ratio, acceleration] = rates.map(|rate| &mut rate[..size]);
-        kernel::rates(at, s, c, ratio, acceleration);
+        kernel::constant::<T>(1.0, drive, ratio.view_mut(size));
+        kernel::constant::<T>(0.0, drive, acceleration.view_mut(size));
+    }
+}
+
+/// Every output of one shaft, each written straight to its plane; what the load or a later period
+/// reads as well goes by way of a buffer.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
+fn run_shaft<T: Number>(
+    step: &ShaftStep,
+    range: AtanRange,
+    at: impl Fn(usize) -> Equivalent<T> + Copy,
+    drive: Drive<'_>,
+    pins: Pins<'_, T>,
+    [ratio, acceleration]: [&mut Column<T>; 2],
+    mut errors: ViewMut<'_, T>,
+    planes: &mut [&mut [T::Word]],
+    size: usize,
+) {
+    if let Some([rotation, ratio, acceleration]) = step.together() {
+        let [rotation, ratio, acceleration] = planes
+            .get_disjoint_mut([rotation, ratio, acceleration])
+            .expect("a plan gives every output planes of its own");
+        let rates: [&mut [T::Word]; 2] = [ratio, acceleration];
+        match drive {
+            _ if step.angle.is_none() => {
+                kernel::motion::<T>(range, at, pins, &mut **rotation, rates);
+            }
+            Drive::Array(angle) if !T::SHORT => {
+                let out = AfterArray(&angle[..size], rotation);
+                kernel::motion::<T>(range, at, pins, out, rates);
+            }
+            _ => {
+                kernel::motion::<T>(range, at, pins, errors.again(), rates);
+                kernel::add_drive::<T>(drive, |i| errors.get(i), rotation);
+            }
+        }
+        return;
+    }
+    if let Some(plane) = step.angle_error {
+        kernel::angle_error::<T>(range, at, pins, &mut *planes[plane]);
+    }
+    if let Some(plane) = step.angle {
+        let out = &mut *planes[plane];
+        match drive {
+            Drive::Array(angle) if !T::SHORT => {
+                kernel::angle_error::<T>(range, at, pins, AfterArray(&angle[..size], out));
+            }
+            _ => {
+                kernel::angle_error(range, at, pins, errors.again());
+                kernel::add_drive::<T>(drive, |i| errors.get(i), out);
+            }
+        }
+    }
+    if step.keep_rates {
+        kernel::rates(at, pins, ratio.view_mut(size), acceleration.view_mut(size));
         for (plane, rate) in [(step.speed_ratio, ratio), (step.acceleration_ratio, acceleration)] {
             if let Some(plane) = plane {
-                planes[plane][place.clone()].copy_from_slice(rate);
+                kernel::copy::<T>(rate.view(size), &mut *planes[plane]);
             }
         }
         return;
     }
     match (step.speed_ratio, step.acceleration_ratio) {
-        (Some(ratio), None) => kernel::speed_ratio(at, s, c, &mut planes[ratio][place]),
+        (Some(ratio), None) => kernel::speed_ratio::<T>(at, pins, &mut *planes[ratio]),
         (None, Some(acceleration)) => {
-            kernel::acceleration_ratio(at, s, c, &mut planes[acceleration][place]);
+            kernel::acceleration_ratio::<T>(at, pins, &mut *planes[acceleration]);
         }
         (Some(ratio), Some(acceleration)) => {
-            let [ratio, acceleration] = two(planes, ratio, acceleration, place);
-            kernel::rates(at, s, c, ratio, acceleration);
+            let [ratio, acceleration] = planes
+                .get_disjoint_mut([ratio, acceleration])
+                .expect("a plan gives every output planes of its own");
+            kernel::rates::<T>(at, pins, &mut **ratio, &mut **acceleration);
         }
         (None, None) => {}
     }
 }
 
-/// Every output of one joint that its torsion gives.
-#[inline(always)]
-fn run_joint(
-    step: &JointStep,
-    at: impl Fn(usize) -> Pose + Copy,
-    input: [&[f64]; 3],
-    planes: &mut [&mut [f64]],
-    place: Range<usize>,
-) {
-    if let Some(plane) = step.moment {
-        let out = three(planes, plane, place.clone());
-        kernel::vector::<false>(at, Pose::moment, input, out);
-    }
-    if let Some(plane) = step.support_driving {
-        let out = three(planes, plane, place.clone());
-        kernel::vector::<true>(at, Pose::bending_driving_vector, input, out);
-    }
-    if let Some(plane) = step.support_driven {
-        let out = three(planes, plane, place.clone());
-        kernel::vector::<true>(at, Pose::support_driven, input, out);
-    }
-    if let Some(plane) = step.bending_driving {
-        kernel::size(at, Pose::bending_driving, input, &mut planes[plane][place.clone()]);
-    }
-    if let Some(plane) = step.bending_driven {
-        kernel::size(at, Pose::bending_driven, input, &mut planes[plane][place]);
-    }
-}
-
-/// The same place in the three planes of a vector.
-#[inline(always)]
-fn three<'a>(
-    planes: &'a mut [&mut [f64]],
-    first: usize,
-    place: Range<usize>,
-) -> [&'a mut [f64]; 3] {
-    planes
-        .get_disjoint_mut([first, first + 1, first + 2])
-        .expect("a plan gives every output planes of its own")
-        .map(|plane| &mut plane[place.clone()])
-}
-
-/// The same place in two planes.
-#[inline(always)]
-fn two<'a>(
-    planes: &'a mut [&mut [f64]],
-    first: usize,
-    second: usize,
-    place: Range<usize>,
-) -> [&'a mut [f64]; 2] {
-    planes
-        .get_disjoint_mut([first, second])
-        .expect("a plan gives every output planes of its own")
-        .map(|plane| &mut plane[place.clone()])
-}
-
 /// Torques and moments at one chunk: the power travels from the end where the torque is given.
 #[inline(always)]
-pub(crate) fn run_load(
+#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
+pub(crate) fn run_load<T: Number>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
-    scratch: &mut Scratch,
-    planes: &mut [&mut [f64]],
-    place: Range<usize>,
+    folded: &Folded<T>,
+    seen: Seen,
+    scratch: &mut Scratch<T>,
+    planes: &mut [&mut [T::Word]],
+    size: usize,
 ) {
-    let size = place.len();
-    let Scratch { folded, gathered, sine, cosine, rates, power, torsion, .. } = scratch;
+    let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
     let column = |index: usize| &gathered[index][..size];
-    let (sine, cosine) = (&sine[..size], &cosine[..size]);
-    let (power, torsion) = (&mut power[..size], &mut torsion[..size]);
-    let ratio = |shaft: usize| &rates[shaft][0][..size];
-    match load.end {
-        End::Drive => power.copy_from_slice(column(TORQUE)),
-        End::Output => kernel::multiply(column(TORQUE), ratio(load.stations[0].shaft), power),
-    }
-    for &plane in &load.supports {
-        for component in &mut planes[plane..plane + 3] {
-            component[place.clone()].fill(0.0);
-        }
-    }
+    let pins = pins_of(pins, size);
+    let ratio = |shaft: usize| rates[shaft][0].view(size);
+    let first = match load.end {
+        End::Drive => None,
+        End::Output => Some(ratio(load.stations[0].shaft)),
+    };
+    kernel::spread(column(TORQUE), first, power.view_mut(size));
     for station in &load.stations {
-        let absorb = |sign: f64, power: &mut [f64]| {
+        let absorb = |sign: f64, power: ViewMut<'_, T>| {
             if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
                 let drive = [column(inertia), column(SPEED), column(ACCELERATION)];
-                let acceleration = &rates[station.shaft][1][..size];
+                let acceleration = rates[station.shaft][1].view(size);
                 kernel::absorb(sign, drive, ratio(station.shaft), acceleration, power);
             }
         };
         if load.end == End::Output {
-            absorb(1.0, power);
+            absorb(1.0, power.view_mut(size));
         }
         if let Some(plane) = station.torque {
-            kernel::divide(power, ratio(station.shaft), &mut planes[plane][place.clone()]);
+            let torque = &mut *planes[plane];
+            kernel::divide::<T>(power.view(size), ratio(station.shaft), torque);
         }
         if station.torsion {
             let joint = station.shaft - 1;
-            kernel::divide(power, ratio(joint), torsion);
-            with_constants!(&folded.poses[joint], at => {
-                run_joint(&plan.joints[joint], at, [sine, cosine, torsion], planes, place.clone());
+            kernel::divide(power.view(size), ratio(joint), torsion.view_mut(size));
+            let step = &plan.joints[joint];
+            let poses = &folded.poses[joint];
+            with_constants!(seen, |i: usize| poses[i], at => {
+                run_bending(step, at, pins, torsion.view(size), planes);
+                if step.needs_parts() {
+                    let views = parts.each_mut().map(|part| part.view_mut(size));
+                    kernel::parts(at, pins, torsion.view(size), views);
+                }
             });
+            if step.needs_parts() {
+                let parts = parts.each_ref().map(|part| part.view(size));
+                run_moments(step, seen, poses, torsion.view(size), parts, support, planes, size);
+            }
         }
         if load.end == End::Drive {
-            absorb(-1.0, power);
+            absorb(-1.0, power.view_mut(size));
         }
+    }
+}
+
+/// The sizes of a joint's bending moments.
+#[inline(always)]
+fn run_bending<T: Number>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T> + Copy,
+    pins: Pins<'_, T>,
+    torsion: View<'_, T>,
+    planes: &mut [&mut [T::Word]],
+) {
+    if let Some(plane) = step.bending_driving {
+        let out = &mut *planes[plane];
+        kernel::size::<T>(at, Pose::bending_driving, pins, torsion, out);
+    }
+    if let Some(plane) = step.bending_driven {
+        let out = &mut *planes[plane];
+        kernel::size::<T>(at, Pose::bending_driven, pins, torsion, out);
+    }
+}
+
+/// The vectors that a joint's torsion gives, component by component: the moment on its driven
+/// shaft, and its part of the support moments of both.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one joint reads and writes")]
+fn run_moments<T: Number>(
+    step: &JointStep,
+    seen: Seen,
+    poses: &[Pose<T>],
+    torsion: View<'_, T>,
+    [sine2, cosine2, product]: [View<'_, T>; 3],
+    support: &mut [Column<T>; 3],
+    planes: &mut [&mut [T::Word]],
+    size: usize,
+) {
+    for i in 0..3 {
+        if let Some(plane) = step.moment {
+            let out = &mut *planes[plane + i];
+            let columns = [torsion, sine2, product];
+            component(seen, poses, |_| None, |pose| moment_factors(pose, i), columns, out);
+        }
+        // The shaft that the load leaves is complete before the part of the next one is kept.
+        for support_step in step.support.iter().flatten() {
+            let &Support { driving, plane, first, last } = support_step;
+            let factors = |pose: &Pose<T>| support_factors(pose, driving, i);
+            let columns = [if driving { sine2 } else { cosine2 }, product];
+            let out = &mut *planes[plane + i];
+            match (first, last) {
+                (true, true) => component(seen, poses, |_| None, factors, columns, out),
+                (true, false) => {
+                    let kept = support[i].view_mut(size);
+                    component(seen, poses, |_| None, factors, columns, kept);
+                }
+                (false, _) => {
+                    let kept = support[i].view(size);
+                    component(seen, poses, |j| Some(kept.get(j)), factors, columns, out);
+                }
+            }
+        }
+    }
+}
+
+/// Component `i` of the moment on the driven shaft: factors of the torsion, of its part with the
+/// squared sine, and of that with the product.
+#[inline(always)]
+fn moment_factors<T: Number>(pose: &Pose<T>, i: usize) -> [T; 3] {
+    [pose.along[i], pose.in_plane[i], pose.across[i]]
+}
+
+/// The same of what a shaft's bearings must give: for the driving shaft against the part of the
+/// reaction across it, with squared sine and product; for the driven one with squared cosine.
+#[inline(always)]
+fn support_factors<T: Number>(pose: &Pose<T>, driving: bool, i: usize) -> [T; 2] {
+    if driving { [pose.in_plane[i], pose.across[i]] } else { [pose.out_plane[i], -pose.across[i]] }
+}
+
+/// One component: a sum of columns with factors from the pose. Columns whose factor is zero, as
+/// most are where the driveline lies in a plane or along an axis, are left out.
+#[inline(always)]
+fn component<const N: usize, T: Number>(
+    seen: Seen,
+    poses: &[Pose<T>],
+    start: impl Fn(usize) -> Option<T> + Copy,
+    factors: impl Fn(&Pose<T>) -> [T; N],
+    columns: [View<'_, T>; N],
+    out: impl kernel::Out<T>,
+) {
+    let index = match seen {
+        Seen::Each => {
+            kernel::combine(start, |i| factors(&poses[i]), columns, out);
+            return;
+        }
+        Seen::One(index) => index,
+    };
+    let factors = factors(&poses[index]);
+    let mut kept = (0..N).filter(|&i| factors[i] != T::from_f64(0.0));
+    let at = |i: usize| (factors[i], columns[i]);
+    match [kept.next(), kept.next(), kept.next()].map(|found| found.map(at)) {
+        [None, _, _] => {
+            // Nothing but NaN, where the torsion is that.
+            let zero = T::from_f64(0.0);
+            kernel::combine(start, |_| [zero], [columns[0]], out);
+        }
+        [Some((f, a)), None, _] => kernel::combine(start, |_| [f], [a], out),
+        [Some((f, a)), Some((g, b)), None] => {
+            kernel::combine(start, |_| [f, g], [a, b], out);
+        }
+        [Some((f, a)), Some((g, b)), Some((h, c))] => {
+            kernel::combine(start, |_| [f, g, h], [a, b, c], out);
+        }
+    }
+}
+
+impl Plan {
+    /// Terms of vectors that vanish all over the first driveline, because of where it lies.
+    pub(crate) fn vanishing(&self, lines: &Drivelines<'_>) -> Vec<String> {
+        let mut folded = Folded::<f64>::new(self, 1);
+        folded.fold(self, lines, 1, |_| 0);
+        let mut vanishing = vec![];
+        for (j, step) in self.joints.iter().enumerate() {
+            let Some(pose) = folded.poses[j].first() else { continue };
+            for (i, axis) in ["x", "y", "z"].iter().enumerate() {
+                if step.moment.is_some() {
+                    let terms = moment_factors(pose, i);
+                    vanishing.extend(words(&format!("joint {j}: {axis} of the moment"), &terms));
+                }
+                for part in step.support.iter().flatten() {
+                    let terms = support_factors(pose, part.driving, i);
+                    let shaft = if part.driving { j } else { j + 1 };
+                    let what = format!("joint {j}: {axis} of its part of shaft {shaft}'s support");
+                    vanishing.extend(words(&what, &terms));
+                }
+            }
+        }
+        vanishing
+    }
+}
+
+/// How many terms of a component are left out.
+fn words(what: &str, terms: &[f64]) -> Option<String> {
+    let kept = terms.iter().filter(|&&term| term != 0.0).count();
+    match (kept, terms.len() - kept) {
+        (_, 0) => None,
+        (0, _) => Some(format!("{what}: vanishes where the driveline lies")),
+        (_, left) => Some(format!("{what}: {left} of {} terms, zero where it lies", terms.len())),
     }
 }

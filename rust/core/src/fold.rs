@@ -1,79 +1,250 @@
-//! The constants that a plan needs of its drivelines: one set for a row of samples, or one per
-//! sample where the geometry changes with the angle.
+//! The constants that a plan needs of its drivelines.
+//!
+//! Drivelines are folded many at a time, joint by joint over all of them, so that folding
+//! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
 
-use crate::chain::{Equivalent, Transfer};
+use crate::chain::{self, Complex, Equivalent, Transfer};
+use crate::column::{Column, View};
 use crate::geometry::Vector;
 use crate::joint::Joint;
 use crate::moment::Pose;
+use crate::pair::Pair;
 use crate::plan::Plan;
+use crate::real::Real;
 use crate::samples::Drivelines;
-use crate::trig::AtanRange;
+use crate::trig;
 
-/// The folded drivelines of a row or chunk.
-pub(crate) struct Folded {
+/// Drivelines that are folded together: their running maps stay in the first-level cache.
+const LANES: usize = 64;
+
+/// The constants of a run of drivelines.
+#[derive(Clone, Debug)]
+pub(crate) struct Folded<T: Real> {
     /// Per shaft, where the plan needs it; shaft 0 needs nothing.
-    pub(crate) shafts: Vec<Option<FoldedShaft>>,
+    pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
     /// Per joint, empty where the plan does not need it.
-    pub(crate) poses: Vec<Vec<Pose>>,
+    pub(crate) poses: Vec<Vec<Pose<T>>>,
+    maps: Maps,
+    turns: Turns,
 }
 
-/// The equivalent joints of one shaft.
-#[derive(Clone)]
-pub(crate) struct FoldedShaft {
-    /// One for all samples, or one per sample.
-    pub(crate) equivalents: Vec<Equivalent>,
-    /// Whether any of them turns the drive angle.
-    pub(crate) turned: bool,
-    /// The inverse tangent that serves them all.
-    pub(crate) range: AtanRange,
-}
+/// The equivalent joints of one shaft, one per driveline.
+#[derive(Clone, Debug)]
+pub(crate) struct FoldedShaft<T: Real>([Column<T>; 9]);
 
-impl Folded {
-    pub(crate) fn new(plan: &Plan) -> Self {
-        let mut shafts = vec![None; plan.joint_count + 1];
-        for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
-            let empty =
-                FoldedShaft { equivalents: vec![], turned: false, range: AtanRange::Hundredth };
-            shafts[step.shaft] = Some(empty);
-        }
-        Self { shafts, poses: vec![vec![]; plan.joint_count] }
+impl<T: Real> FoldedShaft<T> {
+    fn new(length: usize) -> Self {
+        Self(std::array::from_fn(|_| Column::new(length)))
     }
 
-    /// Folds the drivelines at `indices`, each once up to the last shaft that the plan needs.
+    /// The first equivalent joints.
+    #[inline(always)]
+    pub(crate) fn equivalents(&self, length: usize) -> Equivalents<'_, T> {
+        Equivalents(self.0.each_ref().map(|column| column.view(length)))
+    }
+
+    #[inline(always)]
+    fn set(&mut self, start: usize, length: usize, at: impl Fn(usize) -> Equivalent<Pair>) {
+        let [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin] =
+            self.0.each_mut().map(|column| column.view_mut(start + length));
+        let mut out = [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin];
+        for i in 0..length {
+            let Equivalent { joint, turn_cos, turn_sin } = Equivalent::<T>::nearest(&at(i));
+            let Joint { cos, cos2, sin, sin2, versine, inverse_exsecant, k } = joint;
+            let numbers = [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin];
+            for (column, number) in out.iter_mut().zip(numbers) {
+                column.set(start + i, number);
+            }
+        }
+    }
+}
+
+/// A run of equivalent joints to read.
+#[derive(Clone, Copy)]
+pub(crate) struct Equivalents<'a, T: Real>([View<'a, T>; 9]);
+
+impl<T: Real> Equivalents<'_, T> {
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> Equivalent<T> {
+        let [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin] =
+            self.0.each_ref().map(|view| view.get(i));
+        let joint = Joint { cos, cos2, sin, sin2, versine, inverse_exsecant, k };
+        Equivalent { joint, turn_cos, turn_sin }
+    }
+}
+
+/// The running maps of the drivelines that are folded together.
+#[derive(Clone, Debug)]
+struct Maps {
+    a: [Column<Pair>; 2],
+    b: [Column<Pair>; 2],
+    complement: Column<Pair>,
+}
+
+impl Maps {
+    fn new(lanes: usize) -> Self {
+        let two = || std::array::from_fn(|_| Column::new(lanes));
+        Self { a: two(), b: two(), complement: Column::new(lanes) }
+    }
+
+    #[inline(always)]
+    fn read(&self, length: usize) -> impl Fn(usize) -> Transfer {
+        let [a_re, a_im] = self.a.each_ref().map(|column| column.view(length));
+        let [b_re, b_im] = self.b.each_ref().map(|column| column.view(length));
+        let complement = self.complement.view(length);
+        move |i| Transfer {
+            a: Complex::new(a_re.get(i), a_im.get(i)),
+            b: Complex::new(b_re.get(i), b_im.get(i)),
+            complement: complement.get(i),
+        }
+    }
+
+    /// Each map by what `step` makes of it.
+    #[inline(always)]
+    fn update(&mut self, length: usize, step: impl Fn(usize, &mut Transfer)) {
+        let [mut a_re, mut a_im] = self.a.each_mut().map(|column| column.view_mut(length));
+        let [mut b_re, mut b_im] = self.b.each_mut().map(|column| column.view_mut(length));
+        let mut complement = self.complement.view_mut(length);
+        for i in 0..length {
+            let mut transfer = Transfer {
+                a: Complex::new(a_re.get(i), a_im.get(i)),
+                b: Complex::new(b_re.get(i), b_im.get(i)),
+                complement: complement.get(i),
+            };
+            step(i, &mut transfer);
+            a_re.set(i, transfer.a.re);
+            a_im.set(i, transfer.a.im);
+            b_re.set(i, transfer.b.re);
+            b_im.set(i, transfer.b.im);
+            complement.set(i, transfer.complement);
+        }
+    }
+}
+
+/// The turns of intermediate shafts, one per driveline.
+#[derive(Clone, Debug)]
+struct Turns([Column<Pair>; 2]);
+
+impl Turns {
+    #[inline(always)]
+    fn find(&mut self, phases: &[f64], twists: &[f64]) {
+        let length = phases.len();
+        let twists = &twists[..length];
+        let [mut re, mut im] = self.0.each_mut().map(|column| column.view_mut(length));
+        let far = trig::any_far(phases.iter().chain(twists).copied());
+        for i in 0..length {
+            let turn = chain::near_shaft_turn(phases[i], twists[i]);
+            re.set(i, turn.re);
+            im.set(i, turn.im);
+        }
+        if far {
+            for i in 0..length {
+                let turn = chain::shaft_turn(phases[i], twists[i]);
+                re.set(i, turn.re);
+                im.set(i, turn.im);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn read(&self, length: usize) -> impl Fn(usize) -> Complex {
+        let [re, im] = self.0.each_ref().map(|column| column.view(length));
+        move |i| Complex::new(re.get(i), im.get(i))
+    }
+}
+
+impl<T: Real> Folded<T> {
+    /// Room for a run of so many drivelines.
+    pub(crate) fn new(plan: &Plan, longest: usize) -> Self {
+        let lanes = LANES.min(longest);
+        let mut shafts = vec![None; plan.joint_count + 1];
+        for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
+            shafts[step.shaft] = Some(FoldedShaft::new(longest));
+        }
+        Self {
+            shafts,
+            poses: vec![vec![]; plan.joint_count],
+            maps: Maps::new(lanes),
+            turns: Turns(std::array::from_fn(|_| Column::new(lanes))),
+        }
+    }
+
+    /// Folds `count` drivelines, of which `line_of(i)` is the index, each once up to the last shaft
+    /// that the plan needs.
+    #[inline(always)]
     pub(crate) fn fold(
         &mut self,
         plan: &Plan,
         lines: &Drivelines<'_>,
-        indices: impl IntoIterator<Item = usize>,
+        count: usize,
+        line_of: impl Fn(usize) -> usize,
     ) {
         self.poses.iter_mut().for_each(Vec::clear);
-        self.shafts.iter_mut().flatten().for_each(|shaft| shaft.equivalents.clear());
-        let n = plan.joint_count;
-        for line in indices {
-            let mut transfer = Transfer::default();
-            for j in 0..plan.reach() {
-                if j > 0 {
-                    let between = line * (n - 1) + j - 1;
-                    transfer.pass_shaft(lines.phases[between], lines.twists[between]);
-                }
-                let joint = Joint::new(lines.bends[line * n + j]);
-                if plan.needs_pose(j) {
-                    let shaft = line * (n + 1) + j;
-                    let u_in = vector(lines.directions, shaft);
-                    let u_out = vector(lines.directions, shaft + 1);
-                    let normal = vector(lines.normals, line * n + j);
-                    self.poses[j].push(Pose::new(&transfer, joint, u_in, u_out, normal));
-                }
-                transfer.pass_joint(joint);
-                if let Some(shaft) = &mut self.shafts[j + 1] {
-                    shaft.equivalents.push(transfer.equivalent());
-                }
-            }
+        for start in (0..count).step_by(LANES) {
+            let length = LANES.min(count - start);
+            self.fold_lanes(plan, lines, start, length, |i| line_of(start + i));
         }
-        for shaft in self.shafts.iter_mut().flatten() {
-            let tangents = shaft.equivalents.iter().map(|e| e.joint.max_error_tangent());
-            shaft.range = AtanRange::holding(tangents.fold(0.0, f64::max));
-            shaft.turned = shaft.equivalents.iter().any(|e| e.turn_sin != 0.0);
+    }
+
+    #[inline(always)]
+    fn fold_lanes(
+        &mut self,
+        plan: &Plan,
+        lines: &Drivelines<'_>,
+        start: usize,
+        length: usize,
+        line_of: impl Fn(usize) -> usize,
+    ) {
+        let n = plan.joint_count;
+        let Self { shafts, poses, maps, turns } = self;
+        let mut bends = [0.0; LANES];
+        let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
+        let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
+            for (i, x) in out.iter_mut().enumerate() {
+                *x = data[line_of(i) * each + j];
+            }
+        };
+        for j in 0..plan.reach() {
+            gather(lines.bends, n, j, &mut bends[..length]);
+            let bends = &bends[..length];
+            if j == 0 {
+                maps.update(length, |_, transfer| *transfer = Transfer::default());
+            } else {
+                gather(lines.phases, n - 1, j - 1, &mut phases[..length]);
+                gather(lines.twists, n - 1, j - 1, &mut twists[..length]);
+                turns.find(&phases[..length], &twists[..length]);
+                let turn = turns.read(length);
+                maps.update(length, |i, transfer| transfer.pass_shaft(turn(i)));
+            }
+            if plan.needs_pose(j) {
+                let transfer = maps.read(length);
+                poses[j].extend((0..length).map(|i| {
+                    let line = line_of(i);
+                    let u_in = vector(lines.directions, line * (n + 1) + j);
+                    let u_out = vector(lines.directions, line * (n + 1) + j + 1);
+                    let normal = vector(lines.normals, line * n + j);
+                    let joint = Joint::with_error_terms(bends[i]);
+                    Pose::new(&transfer(i), &joint, u_in, u_out, normal)
+                }));
+            }
+            if j == 0
+                && let Some(shaft) = &mut shafts[1]
+            {
+                let at = |i: usize| Equivalent::of_joint(Joint::with_error_terms(bends[i]));
+                shaft.set(start, length, at);
+            }
+            if plan.reach() == 1 {
+                return;
+            }
+            maps.update(length, |i, transfer| {
+                transfer.pass_joint(&Joint::with_error_terms(bends[i]));
+            });
+            if j > 0
+                && let Some(shaft) = &mut shafts[j + 1]
+            {
+                let transfer = maps.read(length);
+                shaft.set(start, length, |i| transfer(i).equivalent());
+            }
         }
     }
 }
@@ -81,20 +252,3 @@ impl Folded {
 fn vector(flat: &[f64], index: usize) -> Vector {
     Vector::from_column_slice(&flat[3 * index..3 * index + 3])
 }
-
-/// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all
-/// samples share, so that they stay in registers, and once for constants of their own.
-macro_rules! with_constants {
-    ($constants:expr, $at:ident => $body:expr) => {
-        if let [shared] = $constants.as_slice() {
-            let shared = *shared;
-            let $at = move |_: usize| shared;
-            $body
-        } else {
-            let each = $constants.as_slice();
-            let $at = move |i: usize| each[i];
-            $body
-        }
-    };
-}
-pub(crate) use with_constants;

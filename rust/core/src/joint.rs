@@ -1,78 +1,121 @@
 //! One universal joint: the constants of its bend and its extremes in closed form.
 //!
 //! The formulas per angle take the sine and cosine of the joint's driving angle and stand here as
-//! plain scalar functions; the kernel runs them over slices.
+//! plain functions of one sample; the kernel runs them over slices.
 
+use crate::pair::Pair;
+use crate::real::Real;
+use crate::reduce::HALF_PI;
 use crate::trig;
 
 /// The constants of one joint with a given bend.
 ///
-/// Each is computed from its own well-conditioned formula, so that all keep full relative accuracy
-/// from the smallest bend to the last one below 90°.
+/// Each is computed from its own well-conditioned formula with twice the digits, so that all are
+/// the nearest numbers from the smallest bend to the last one below 90°.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joint {
+pub struct Joint<T = f64> {
     /// `cos β`, the smallest speed ratio.
-    pub cos: f64,
+    pub cos: T,
+    /// `cos² β`.
+    pub cos2: T,
     /// `sin β`.
-    pub sin: f64,
+    pub sin: T,
     /// `sin² β`.
-    pub sin2: f64,
+    pub sin2: T,
     /// `1 − cos β`.
-    pub versine: f64,
+    pub versine: T,
     /// `cos β/(1 − cos β)`, the inverse of the exsecant; infinite for a straight joint.
-    pub inverse_exsecant: f64,
+    pub inverse_exsecant: T,
     /// `k = tan²(β/2)`.
-    pub k: f64,
+    pub k: T,
 }
 
-impl Joint {
+impl Joint<Pair> {
     /// The straight joint, which passes its rotation on unchanged.
     pub const STRAIGHT: Self = Self {
-        cos: 1.0,
-        sin: 0.0,
-        sin2: 0.0,
-        versine: 0.0,
-        inverse_exsecant: f64::INFINITY,
-        k: 0.0,
+        cos: Pair::ONE,
+        cos2: Pair::ONE,
+        sin: Pair::exact(0.0),
+        sin2: Pair::exact(0.0),
+        versine: Pair::exact(0.0),
+        inverse_exsecant: Pair::exact(f64::INFINITY),
+        k: Pair::exact(0.0),
     };
 
-    /// The joint with a bend in `[0, π/2)`, in radians. Sine, cosine and the squares are within
-    /// 0.8 ulp: their errors go into every sample.
-    pub fn new(bend: f64) -> Self {
-        let (sine, [cos, cos_low]) = trig::sin_cos_in_two(bend);
-        let (half_sine, _) = trig::sin_cos_in_two(0.5 * bend);
-        let [sin2, _] = square(sine);
-        let [versine, versine_low] = square(half_sine).map(|half| 2.0 * half);
-        let quotient = cos / versine;
-        let remainder = (-quotient).mul_add(versine, cos) + cos_low - quotient * versine_low;
-        let inverse_exsecant = if versine > f64::MIN_POSITIVE {
-            quotient + remainder / versine
-        } else {
-            f64::INFINITY
-        };
-        Self { cos, sin: sine[0], sin2, versine, inverse_exsecant, k: versine / (1.0 + cos) }
+    /// The joint with a bend in `[0, π/2)`, in radians.
+    #[inline(always)]
+    pub fn with_error_terms(bend: f64) -> Self {
+        let steep = bend > 0.5 * HALF_PI[0];
+        // The difference is exact: the bend is more than half of π/2.
+        let complement = Pair::ordered_sum(HALF_PI[0] - bend, HALF_PI[1]);
+        let (s, c) = trig::sin_cos_of_remainder(if steep { complement } else { Pair::exact(bend) });
+        let (sin, cos) = if steep { (c, s) } else { (s, c) };
+        let (half_sine, _) = trig::sin_cos_of_remainder(Pair::exact(0.5 * bend));
+        let versine = half_sine.square().scaled(2.0);
+        Self {
+            cos,
+            cos2: cos.square(),
+            sin,
+            sin2: sin.square(),
+            versine,
+            inverse_exsecant: inverse_exsecant(cos, versine),
+            k: versine / Pair::ONE.plus_smaller(cos),
+        }
     }
 
     /// The joint with the given `k = tan²(β/2)` and `1 − k²`, the latter known without
     /// cancellation.
-    pub fn from_k(k: f64, complement: f64) -> Self {
-        let one_plus = 1.0 + k;
-        let cos = complement / (one_plus * one_plus);
-        let versine = 2.0 * k / one_plus;
+    #[inline(always)]
+    pub(crate) fn from_k(k: Pair, complement: Pair) -> Self {
+        let one_plus = Pair::ONE.plus_smaller(k);
+        let square = one_plus.square();
+        let cos = complement / square;
+        let versine = k.scaled(2.0) / one_plus;
         Self {
             cos,
-            sin: 2.0 * k.sqrt() / one_plus,
-            sin2: 4.0 * k / (one_plus * one_plus),
+            cos2: cos.square(),
+            sin: k.sqrt().scaled(2.0) / one_plus,
+            sin2: k.scaled(4.0) / square,
             versine,
-            inverse_exsecant: cos / versine,
+            inverse_exsecant: inverse_exsecant(cos, versine),
             k,
         }
     }
+}
 
+#[inline(always)]
+fn inverse_exsecant(cos: Pair, versine: Pair) -> Pair {
+    let quotient = cos / versine;
+    let finite = versine.high > f64::MIN_POSITIVE;
+    if finite { quotient } else { Pair::exact(f64::INFINITY) }
+}
+
+impl<T: Real> Joint<T> {
     /// `1 − k²`.
-    pub fn complement(&self) -> f64 {
-        let one_plus = 1.0 + self.k;
-        self.cos * one_plus * one_plus
+    #[inline(always)]
+    pub(crate) fn complement(&self) -> T {
+        self.cos * (T::from_f64(1.0) + self.k).square()
+    }
+
+    /// The same constants as the nearest numbers of a kernel.
+    #[inline(always)]
+    pub(crate) fn nearest(joint: &Joint<Pair>) -> Self {
+        Self {
+            cos: T::from_pair(joint.cos),
+            cos2: T::from_pair(joint.cos2),
+            sin: T::from_pair(joint.sin),
+            sin2: T::from_pair(joint.sin2),
+            versine: T::from_pair(joint.versine),
+            inverse_exsecant: T::from_pair(joint.inverse_exsecant),
+            k: T::from_pair(joint.k),
+        }
+    }
+}
+
+impl Joint {
+    /// The joint with a bend in `[0, π/2)`, in radians.
+    pub fn new(bend: f64) -> Self {
+        Self::nearest(&Joint::with_error_terms(bend))
     }
 
     /// The bend `β` in radians.
@@ -86,6 +129,7 @@ impl Joint {
     }
 
     /// The largest tangent of the angle error, `(1 − cos β)/(2 √cos β)` (catalogue, Bild 12).
+    #[inline(always)]
     pub fn max_error_tangent(&self) -> f64 {
         self.versine / (2.0 * self.cos.sqrt())
     }
@@ -100,58 +144,69 @@ impl Joint {
         1.0 / self.cos
     }
 
-    /// The largest acceleration ratio, at `cos 2α = (−p + √(p² + 8))/2` with
-    /// `p = (2 − sin² β)/sin² β`.
+    /// Cosine and sine of the angle with the largest acceleration ratio, from
+    /// `cos 2α = (−p + √(p² + 8))/2` with `p = (2 − sin² β)/sin² β`.
     ///
     /// That cosine and its distance from 1 are both written without a difference of near-equals:
     /// the first vanishes for small bends, the second for bends near 90°.
-    pub fn max_acceleration_ratio(&self) -> f64 {
+    pub fn steepest(&self) -> (f64, f64) {
         let sin2 = self.sin2;
         let cos2 = self.cos * self.cos;
         let p_sin2 = 1.0 + cos2;
         let cos_2a = 4.0 * sin2 / (p_sin2 + (p_sin2 * p_sin2 + 8.0 * sin2 * sin2).sqrt());
         let one_minus = 2.0 * cos2 / (sin2 * (cos_2a + 1.0) + p_sin2);
-        let c2 = 0.5 * (1.0 + cos_2a);
-        let s2 = 0.5 * one_minus;
-        let (_, acceleration) = rates(self, -s2.sqrt(), c2.sqrt());
+        ((0.5 * (1.0 + cos_2a)).sqrt(), -(0.5 * one_minus).sqrt())
+    }
+
+    /// The largest acceleration ratio.
+    pub fn max_acceleration_ratio(&self) -> f64 {
+        let (c, s) = self.steepest();
+        let (_, acceleration) = rates(self, s, c);
         acceleration
     }
-}
-
-/// The square of a double with an error term, as such.
-fn square([high, low]: [f64; 2]) -> [f64; 2] {
-    let product = high * high;
-    trig::in_two(product, (2.0 * high).mul_add(low, high.mul_add(high, -product)))
 }
 
 /// Numerator and (positive) denominator of the tangent of the angle error,
 /// `(1 − cos β) s c` over `c² cos β + s²`; a common length of sine and cosine drops out.
 #[inline(always)]
-pub(crate) fn error_tangent(joint: &Joint, s: f64, c: f64) -> (f64, f64) {
-    (joint.versine * (s * c), (c * c).mul_add(joint.cos, s * s))
+pub(crate) fn error_tangent<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, T) {
+    (joint.versine * (s * c), c.square().mul_add(joint.cos, s.square()))
 }
 
 /// The same fraction divided through by `1 − cos β`: `s c` over `a (s² + c²) + s²` with the inverse
 /// exsecant `a`. For bends that are far from straight it has two roundings fewer where they matter
 /// most, where the shaft turns many times as far as the drive.
 #[inline(always)]
-pub(crate) fn steep_error_tangent(joint: &Joint, s: f64, c: f64) -> (f64, f64) {
-    let s2 = s * s;
+pub(crate) fn steep_error_tangent<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, T) {
+    let s2 = s.square();
     (s * c, joint.inverse_exsecant.mul_add(c.mul_add(c, s2), s2))
+}
+
+/// Everything that the last shaft's motion needs, with the squares and the product shared: numerator
+/// and denominator of the error's tangent, speed ratio, acceleration ratio.
+#[inline(always)]
+pub(crate) fn motion<T: Real>(joint: &Joint<T>, s: T, c: T) -> ((T, T), (T, T)) {
+    let (s2, c2, product) = (s.square(), c.square(), s * c);
+    let tangent = (joint.versine * product, c2.mul_add(joint.cos, s2));
+    let across = c2.mul_add(joint.cos2, s2);
+    let inverse = across.recip();
+    let ratio = (joint.cos * (c2 + s2)).over(across, inverse);
+    let rates = (ratio, T::from_f64(-2.0) * joint.sin2 * (product * inverse) * ratio);
+    (tangent, rates)
 }
 
 /// Speed ratio `cos β (s² + c²)/(c² cos² β + s²)` and acceleration ratio
 /// `−2 cos β sin² β s c (s² + c²)/(c² cos² β + s²)²`.
 ///
 /// The sum of the squares stays in: sine and cosine come times a common length. The denominator
-/// is right to the last bend below 90°, where `1 − sin² β cos² α` is not.
+/// is right to the last bend below 90°, where `1 − sin² β cos² α` is not. A straight joint gives
+/// exactly 1, as the quotient of a number by itself.
 #[inline(always)]
-pub(crate) fn rates(joint: &Joint, s: f64, c: f64) -> (f64, f64) {
-    let s2 = s * s;
+pub(crate) fn rates<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, T) {
+    let s2 = s.square();
     let c_cos = c * joint.cos;
-    let inverse = 1.0 / c_cos.mul_add(c_cos, s2);
-    let turning = joint.cos * c.mul_add(c, s2) * inverse;
-    // Exactly 1 where the joint is straight, and still NaN for an angle that is none.
-    let ratio = if joint.cos == 1.0 { s.mul_add(0.0, 1.0) } else { turning };
-    (ratio, -2.0 * joint.sin2 * (s * c * inverse) * ratio)
+    let across = c_cos.mul_add(c_cos, s2);
+    let inverse = across.recip();
+    let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
+    (ratio, T::from_f64(-2.0) * joint.sin2 * (s * c * inverse) * ratio)
 }

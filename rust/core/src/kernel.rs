@@ -1,268 +1,495 @@
 //! Loops over slices, one per output.
 //!
-//! Each is a plain scalar loop without branches that the compiler vectorises for whichever
-//! instruction set the caller was compiled for; all are inlined into [`crate::batch`]'s one
-//! dispatched function. The slices are a chunk of the angles, small enough for the first-level
-//! cache, so a loop per output costs no more than one loop for all and keeps each skippable.
+//! Each is a plain loop without branches over one sample after the other, which the compiler
+//! vectorises for whichever instruction set the caller was compiled for; all are inlined into
+//! [`crate::batch`]'s one dispatched function. The slices are a chunk of the angles, small enough
+//! for the first-level cache, so a loop per output costs no more than one loop for all and keeps
+//! each skippable.
 //!
 //! Constants come through `at(i)`: one value for the whole chunk, or one per sample.
 
+use crate::atan::{Atan, AtanRange};
 use crate::chain::Equivalent;
+use crate::column::{View, ViewMut};
 use crate::joint::{self, Joint};
-use crate::moment::{self, PinAngle, Pose};
-use crate::trig::{self, AtanRange};
+use crate::moment::{self, Parts, Pose};
+use crate::pair::Pair;
+use crate::real::Real;
+use crate::reduce::{self, Far};
+use crate::sweep::Sweep;
+use crate::trig::{self, Angle};
 
-/// Sine and cosine of each angle up to a common factor, by the exact path where an angle is too far
-/// for the fast one.
-#[inline(always)]
-pub(crate) fn pins(angle: &[f64], sine: &mut [f64], cosine: &mut [f64]) {
-    pins_by(trig::pin, angle, sine, cosine);
+/// What a number type needs for kernels.
+pub(crate) trait Number: Angle + Atan {}
+impl<T: Angle + Atan> Number for T {}
+
+/// Where a loop puts its results: a column of numbers, or words of a plane.
+pub(crate) trait Out<T> {
+    /// How many there are.
+    fn room(&self) -> usize;
+
+    /// Puts result `i`.
+    fn put(&mut self, i: usize, number: T);
 }
 
-/// The same up to a positive factor.
-#[inline(always)]
-pub(crate) fn sensed_pins(angle: &[f64], sine: &mut [f64], cosine: &mut [f64]) {
-    pins_by(trig::sensed_pin, angle, sine, cosine);
-}
-
-#[inline(always)]
-fn pins_by(
-    pin: impl Fn(trig::Reduced) -> (f64, f64),
-    angle: &[f64],
-    sine: &mut [f64],
-    cosine: &mut [f64],
-) {
-    let mut far = trig::Far::default();
-    for ((&x, s), c) in angle.iter().zip(sine.iter_mut()).zip(cosine.iter_mut()) {
-        let reduced = trig::reduce(x);
-        far.watch(reduced);
-        (*s, *c) = pin(reduced);
+impl<T: Real> Out<T> for ViewMut<'_, T> {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.len()
     }
-    if far.any() {
-        for ((&x, s), c) in angle.iter().zip(sine).zip(cosine) {
-            (*s, *c) = pin(trig::reduce_any(x));
+
+    #[inline(always)]
+    fn put(&mut self, i: usize, number: T) {
+        self.set(i, number);
+    }
+}
+
+impl<T: Real> Out<T> for &mut [T::Word] {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn put(&mut self, i: usize, number: T) {
+        self[i] = number.value();
+    }
+}
+
+/// The drive angles of a chunk.
+#[derive(Clone, Copy)]
+pub(crate) enum Drive<'a> {
+    /// Doubles.
+    Array(&'a [f64]),
+    /// Those of a sweep from this sample on.
+    Sweep(&'a Sweep, usize),
+}
+
+/// The number of a sweep's sample as a double: a sum, because few machines convert long integers
+/// in vectors.
+#[inline(always)]
+fn number(first: usize, i: usize) -> f64 {
+    first as f64 + f64::from(i as u32)
+}
+
+/// Takes angle errors and puts angles: drive angle plus error.
+pub(crate) struct AfterArray<'a, 'b, W>(pub(crate) &'a [f64], pub(crate) &'b mut [W]);
+
+impl<T: Number> Out<T> for AfterArray<'_, '_, T::Word> {
+    #[inline(always)]
+    fn room(&self) -> usize {
+        self.1.len()
+    }
+
+    #[inline(always)]
+    fn put(&mut self, i: usize, error: T) {
+        self.1[i] = error.after(Pair::exact(self.0[i]));
+    }
+}
+
+/// Sines and cosines of a chunk, up to a common factor.
+#[derive(Clone, Copy)]
+pub(crate) struct Pins<'a, T: Real> {
+    pub(crate) sine: View<'a, T>,
+    pub(crate) cosine: View<'a, T>,
+}
+
+impl<T: Real> Pins<'_, T> {
+    #[inline(always)]
+    fn cut(self, length: usize) -> Self {
+        Self { sine: self.sine.cut(length), cosine: self.cosine.cut(length) }
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> (T, T) {
+        (self.sine.get(i), self.cosine.get(i))
+    }
+}
+
+/// Sine and cosine of each angle up to a common factor, a positive one if `SENSED`, by the exact
+/// path where an angle is too far for the fast one.
+#[inline(always)]
+pub(crate) fn pins<const SENSED: bool, T: Number>(
+    drive: Drive<'_>,
+    mut sine: ViewMut<'_, T>,
+    mut cosine: ViewMut<'_, T>,
+) {
+    let mut far = Far::default();
+    match drive {
+        Drive::Array(angle) => {
+            let angle = &angle[..sine.len()];
+            for (i, &x) in angle.iter().enumerate() {
+                let reduced = T::reduce(x);
+                far.watch(reduced.1);
+                set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+            }
+            if far.any() {
+                for (i, &x) in angle.iter().enumerate() {
+                    let (remainder, quadrant) = reduce::reduce_any(x);
+                    let reduced = (T::from_pair(remainder), quadrant);
+                    set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+                }
+            }
+        }
+        Drive::Sweep(sweep, first) => {
+            for i in 0..sine.len() {
+                let (remainder, quadrant) = sweep.reduced(number(first, i));
+                let reduced = (T::from_pair(remainder), quadrant);
+                set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+            }
+        }
+    }
+    if T::APART {
+        for i in 0..sine.len() {
+            let reduced = (sine.get(i), cosine.get(i).bits());
+            set_pin::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
         }
     }
 }
 
+/// Angles are reduced as doubles, of which a vector holds half as many as of short numbers: those
+/// find their pins in a loop of their own.
+#[inline(always)]
+fn set_reduced<const SENSED: bool, T: Number>(
+    sine: &mut ViewMut<'_, T>,
+    cosine: &mut ViewMut<'_, T>,
+    i: usize,
+    (remainder, quadrant): (T, u64),
+) {
+    if T::APART {
+        sine.set(i, remainder);
+        cosine.set(i, T::of_bits(quadrant));
+    } else {
+        set_pin::<SENSED, T>(sine, cosine, i, (remainder, quadrant));
+    }
+}
+
+#[inline(always)]
+fn set_pin<const SENSED: bool, T: Number>(
+    sine: &mut ViewMut<'_, T>,
+    cosine: &mut ViewMut<'_, T>,
+    i: usize,
+    reduced: (T, u64),
+) {
+    let (s, c) = if SENSED { trig::sensed_pin(reduced) } else { trig::pin(reduced) };
+    sine.set(i, s);
+    cosine.set(i, c);
+}
+
 /// Sine and cosine of the equivalent joint's driving angle `α + φ`.
 #[inline(always)]
-pub(crate) fn turn(
-    at: impl Fn(usize) -> Equivalent,
-    sine: &[f64],
-    cosine: &[f64],
-    turned_sine: &mut [f64],
-    turned_cosine: &mut [f64],
+pub(crate) fn turn<T: Real>(
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    mut sine: ViewMut<'_, T>,
+    mut cosine: ViewMut<'_, T>,
 ) {
-    let input = sine.iter().zip(cosine);
-    let output = turned_sine.iter_mut().zip(turned_cosine);
-    for (i, ((&s, &c), (turned_s, turned_c))) in input.zip(output).enumerate() {
+    let pins = pins.cut(sine.len());
+    for i in 0..sine.len() {
+        let (s, c) = pins.get(i);
         let Equivalent { turn_cos, turn_sin, .. } = at(i);
-        *turned_s = s.mul_add(turn_cos, c * turn_sin);
-        *turned_c = c.mul_add(turn_cos, -(s * turn_sin));
+        sine.set(i, s.mul_add(turn_cos, c * turn_sin));
+        cosine.set(i, c.mul_add(turn_cos, -(s * turn_sin)));
+    }
+}
+
+/// The drive angle plus an angle error.
+#[inline(always)]
+pub(crate) fn add_drive<T: Number>(
+    drive: Drive<'_>,
+    error: impl Fn(usize) -> T,
+    out: &mut [T::Word],
+) {
+    match drive {
+        Drive::Array(angle) => {
+            let angle = &angle[..out.len()];
+            for (i, rotation) in out.iter_mut().enumerate() {
+                *rotation = error(i).after(Pair::exact(angle[i]));
+            }
+        }
+        Drive::Sweep(sweep, first) => {
+            for (i, rotation) in out.iter_mut().enumerate() {
+                *rotation = error(i).after(sweep.angle(number(first, i)));
+            }
+        }
     }
 }
 
 /// Angle error of a joint whose tangents stay within `range`.
 #[inline(always)]
-pub(crate) fn angle_error(
+pub(crate) fn angle_error<T: Number>(
     range: AtanRange,
-    at: impl Fn(usize) -> Equivalent,
-    sine: &[f64],
-    cosine: &[f64],
-    out: &mut [f64],
-) {
-    rotation::<false>(range, at, [sine, sine, cosine], out);
-}
-
-/// Drive angle plus angle error of a joint whose tangents stay within `range`.
-#[inline(always)]
-pub(crate) fn angle(
-    range: AtanRange,
-    at: impl Fn(usize) -> Equivalent,
-    drive: &[f64],
-    sine: &[f64],
-    cosine: &[f64],
-    out: &mut [f64],
-) {
-    rotation::<true>(range, at, [drive, sine, cosine], out);
-}
-
-#[inline(always)]
-fn rotation<const ADD: bool>(
-    range: AtanRange,
-    at: impl Fn(usize) -> Equivalent,
-    input: [&[f64]; 3],
-    out: &mut [f64],
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    out: impl Out<T>,
 ) {
     let tangent = joint::error_tangent;
     match range {
-        AtanRange::Hundredth => by::<ADD>(tangent, trig::atan_hundredth, at, input, out),
-        AtanRange::Tenth => by::<ADD>(tangent, trig::atan_tenth, at, input, out),
-        AtanRange::Third => by::<ADD>(tangent, trig::atan_third, at, input, out),
-        AtanRange::One => by::<ADD>(tangent, trig::atan_one, at, input, out),
-        AtanRange::Any => by::<ADD>(joint::steep_error_tangent, trig::atan_any, at, input, out),
+        AtanRange::Hundredth => by(tangent, T::atan_hundredth, at, pins, out),
+        AtanRange::Tenth => by(tangent, T::atan_tenth, at, pins, out),
+        AtanRange::Third => by(tangent, T::atan_third, at, pins, out),
+        AtanRange::One => by(tangent, T::atan_one, at, pins, out),
+        AtanRange::Any if T::LOW => by(tangent, T::atan_any, at, pins, out),
+        AtanRange::Any => by(joint::steep_error_tangent, T::atan_any, at, pins, out),
     }
 }
 
 #[inline(always)]
-fn by<const ADD: bool>(
-    tangent: impl Fn(&Joint, f64, f64) -> (f64, f64),
-    atan: impl Fn(f64, f64) -> f64,
-    at: impl Fn(usize) -> Equivalent,
-    [drive, sine, cosine]: [&[f64]; 3],
-    out: &mut [f64],
+fn by<T: Number>(
+    tangent: impl Fn(&Joint<T>, T, T) -> (T, T),
+    atan: impl Fn(T, T) -> T,
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    mut out: impl Out<T>,
 ) {
-    let input = drive.iter().zip(sine).zip(cosine);
-    for (i, (((&drive, &s), &c), angle)) in input.zip(out).enumerate() {
+    let pins = pins.cut(out.room());
+    for i in 0..out.room() {
+        let (s, c) = pins.get(i);
         let (y, x) = tangent(&at(i).joint, s, c);
-        let error = atan(y, x);
-        *angle = if ADD { drive + error } else { error };
+        out.put(i, atan(y, x));
     }
 }
 
-/// Element by element `a + b`.
+/// Angle or angle error, speed ratio and acceleration ratio together.
 #[inline(always)]
-pub(crate) fn sum(a: &[f64], b: &[f64], out: &mut [f64]) {
-    for ((&a, &b), sum) in a.iter().zip(b).zip(out) {
-        *sum = a + b;
+pub(crate) fn motion<T: Number>(
+    range: AtanRange,
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    rotations: impl Out<T>,
+    rates: [impl Out<T>; 2],
+) {
+    match range {
+        AtanRange::Hundredth => motion_by(T::atan_hundredth, at, pins, rotations, rates),
+        AtanRange::Tenth => motion_by(T::atan_tenth, at, pins, rotations, rates),
+        AtanRange::Third => motion_by(T::atan_third, at, pins, rotations, rates),
+        AtanRange::One => motion_by(T::atan_one, at, pins, rotations, rates),
+        AtanRange::Any => motion_by(T::atan_any, at, pins, rotations, rates),
+    }
+}
+
+#[inline(always)]
+fn motion_by<T: Number>(
+    atan: impl Fn(T, T) -> T,
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    mut rotations: impl Out<T>,
+    [mut ratios, mut accelerations]: [impl Out<T>; 2],
+) {
+    let length = rotations.room();
+    assert_eq!([ratios.room(), accelerations.room()], [length; 2]);
+    let pins = pins.cut(length);
+    for i in 0..length {
+        let (s, c) = pins.get(i);
+        let ((y, x), (ratio, acceleration)) = joint::motion(&at(i).joint, s, c);
+        rotations.put(i, atan(y, x));
+        ratios.put(i, ratio);
+        accelerations.put(i, acceleration);
     }
 }
 
 /// Speed ratio.
 #[inline(always)]
-pub(crate) fn speed_ratio(
-    at: impl Fn(usize) -> Equivalent,
-    sine: &[f64],
-    cosine: &[f64],
-    out: &mut [f64],
+pub(crate) fn speed_ratio<T: Real>(
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    mut out: impl Out<T>,
 ) {
-    for (i, ((&s, &c), ratio)) in sine.iter().zip(cosine).zip(out).enumerate() {
-        (*ratio, _) = joint::rates(&at(i).joint, s, c);
+    let pins = pins.cut(out.room());
+    for i in 0..out.room() {
+        let (s, c) = pins.get(i);
+        out.put(i, joint::rates(&at(i).joint, s, c).0);
     }
 }
 
 /// Acceleration ratio.
 #[inline(always)]
-pub(crate) fn acceleration_ratio(
-    at: impl Fn(usize) -> Equivalent,
-    sine: &[f64],
-    cosine: &[f64],
-    out: &mut [f64],
+pub(crate) fn acceleration_ratio<T: Real>(
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    mut out: impl Out<T>,
 ) {
-    for (i, ((&s, &c), acceleration)) in sine.iter().zip(cosine).zip(out).enumerate() {
-        (_, *acceleration) = joint::rates(&at(i).joint, s, c);
+    let pins = pins.cut(out.room());
+    for i in 0..out.room() {
+        let (s, c) = pins.get(i);
+        out.put(i, joint::rates(&at(i).joint, s, c).1);
     }
 }
 
 /// Speed ratio and acceleration ratio, which share a division.
 #[inline(always)]
-pub(crate) fn rates(
-    at: impl Fn(usize) -> Equivalent,
-    sine: &[f64],
-    cosine: &[f64],
-    speed_ratio: &mut [f64],
-    acceleration_ratio: &mut [f64],
+pub(crate) fn rates<T: Real>(
+    at: impl Fn(usize) -> Equivalent<T>,
+    pins: Pins<'_, T>,
+    mut ratios: impl Out<T>,
+    mut accelerations: impl Out<T>,
 ) {
-    let output = speed_ratio.iter_mut().zip(acceleration_ratio);
-    for (i, ((&s, &c), (ratio, acceleration))) in sine.iter().zip(cosine).zip(output).enumerate() {
-        (*ratio, *acceleration) = joint::rates(&at(i).joint, s, c);
+    let length = ratios.room();
+    let pins = pins.cut(length);
+    assert_eq!(accelerations.room(), length);
+    for i in 0..length {
+        let (s, c) = pins.get(i);
+        let (ratio, acceleration) = joint::rates(&at(i).joint, s, c);
+        ratios.put(i, ratio);
+        accelerations.put(i, acceleration);
+    }
+}
+
+/// A column to where it is wanted.
+#[inline(always)]
+pub(crate) fn copy<T: Real>(column: View<'_, T>, mut out: impl Out<T>) {
+    let column = column.cut(out.room());
+    for i in 0..out.room() {
+        out.put(i, column.get(i));
     }
 }
 
 /// The power that a shaft's inertia takes, added to the running power times `sign`.
 #[inline(always)]
-pub(crate) fn absorb(
+pub(crate) fn absorb<T: Real>(
     sign: f64,
     [inertia, speed, acceleration]: [&[f64]; 3],
-    ratio: &[f64],
-    acceleration_ratio: &[f64],
-    power: &mut [f64],
+    ratio: View<'_, T>,
+    acceleration_ratio: View<'_, T>,
+    mut power: ViewMut<'_, T>,
 ) {
-    let drive = inertia.iter().zip(speed).zip(acceleration);
-    let shaft = ratio.iter().zip(acceleration_ratio);
-    for (((&i, &w), &e), ((&r, &a), p)) in drive.zip(shaft.zip(power)) {
-        *p += moment::absorbed_power(sign * i, w, e, r, a);
+    let length = power.len();
+    let (ratio, acceleration_ratio) = (ratio.cut(length), acceleration_ratio.cut(length));
+    let drive = inertia[..length].iter().zip(&speed[..length]).zip(&acceleration[..length]);
+    for (i, ((&inertia, &speed), &acceleration)) in drive.enumerate() {
+        let [inertia, speed, acceleration] = [sign * inertia, speed, acceleration].map(T::from_f64);
+        let (r, a) = (ratio.get(i), acceleration_ratio.get(i));
+        let taken = moment::absorbed_power(inertia, speed, acceleration, r, a);
+        power.set(i, power.get(i) + taken);
     }
 }
 
 /// Element by element `a / b`.
 #[inline(always)]
-pub(crate) fn divide(a: &[f64], b: &[f64], out: &mut [f64]) {
-    for ((&a, &b), quotient) in a.iter().zip(b).zip(out) {
-        *quotient = a / b;
+pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, mut out: impl Out<T>) {
+    let (a, b) = (a.cut(out.room()), b.cut(out.room()));
+    for i in 0..out.room() {
+        out.put(i, a.get(i) / b.get(i));
     }
 }
 
-/// Element by element `a · b`.
+/// A column of doubles, times another column if there is one.
 #[inline(always)]
-pub(crate) fn multiply(a: &[f64], b: &[f64], out: &mut [f64]) {
-    for ((&a, &b), product) in a.iter().zip(b).zip(out) {
-        *product = a * b;
-    }
-}
-
-/// A vector per sample, one slice per component: the torsion times what the pose gives per unit of
-/// it, added to what is there if `ADD`.
-#[inline(always)]
-pub(crate) fn vector<const ADD: bool>(
-    at: impl Fn(usize) -> Pose,
-    per_torsion: impl Fn(&Pose, usize, PinAngle) -> f64,
-    [sine, cosine, torsion]: [&[f64]; 3],
-    [x, y, z]: [&mut [f64]; 3],
-) {
-    let input = sine.iter().zip(cosine).zip(torsion);
-    let output = x.iter_mut().zip(y).zip(z);
-    for (i, (((&s, &c), &d), ((x, y), z))) in input.zip(output).enumerate() {
-        let pose = at(i);
-        let pin = pose.angle(s, c);
-        for (component, value) in [x, y, z].into_iter().enumerate() {
-            let moment = d * per_torsion(&pose, component, pin);
-            *value = if ADD { *value + moment } else { moment };
+pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, mut out: ViewMut<'_, T>) {
+    let a = &a[..out.len()];
+    match b {
+        Some(b) => {
+            let b = b.cut(a.len());
+            for (i, &x) in a.iter().enumerate() {
+                out.set(i, T::from_f64(x) * b.get(i));
+            }
+        }
+        None => {
+            for (i, &x) in a.iter().enumerate() {
+                out.set(i, T::from_f64(x));
+            }
         }
     }
 }
 
-/// The size of a moment per sample: the size of the torsion times what the pose gives per unit.
+/// A joint's torsion times squares and product of its pin's sine and cosine.
 #[inline(always)]
-pub(crate) fn size(
-    at: impl Fn(usize) -> Pose,
-    per_torsion: impl Fn(&Pose, PinAngle) -> f64,
-    [sine, cosine, torsion]: [&[f64]; 3],
-    out: &mut [f64],
+pub(crate) fn parts<T: Real>(
+    at: impl Fn(usize) -> Pose<T>,
+    pins: Pins<'_, T>,
+    torsion: View<'_, T>,
+    [mut sine2, mut cosine2, mut product]: [ViewMut<'_, T>; 3],
 ) {
-    for (i, (((&s, &c), &d), size)) in sine.iter().zip(cosine).zip(torsion).zip(out).enumerate() {
-        let pose = at(i);
-        *size = d.abs() * per_torsion(&pose, pose.angle(s, c));
+    let length = sine2.len();
+    let (pins, torsion) = (pins.cut(length), torsion.cut(length));
+    for i in 0..length {
+        let (s, c) = pins.get(i);
+        let Parts { sine2: ss, cosine2: cc, product: sc } = at(i).parts(torsion.get(i), s, c);
+        sine2.set(i, ss);
+        cosine2.set(i, cc);
+        product.set(i, sc);
+    }
+}
+
+/// A sum of columns, each with a factor, after what `start` begins with.
+#[inline(always)]
+pub(crate) fn combine<const N: usize, T: Real>(
+    start: impl Fn(usize) -> Option<T>,
+    factors: impl Fn(usize) -> [T; N],
+    columns: [View<'_, T>; N],
+    mut out: impl Out<T>,
+) {
+    let columns = columns.map(|column| column.cut(out.room()));
+    for i in 0..out.room() {
+        let terms = factors(i).into_iter().zip(&columns);
+        let sum = terms.fold(start(i), |sum, (factor, column)| {
+            let number = column.get(i);
+            Some(sum.map_or(factor * number, |sum| factor.mul_add(number, sum)))
+        });
+        out.put(i, sum.unwrap_or(T::from_f64(0.0)));
+    }
+}
+
+/// A number per sample that the pose gives for its torsion.
+#[inline(always)]
+pub(crate) fn size<T: Real>(
+    at: impl Fn(usize) -> Pose<T>,
+    size_of: impl Fn(&Pose<T>, T, T, T) -> T,
+    pins: Pins<'_, T>,
+    torsion: View<'_, T>,
+    mut out: impl Out<T>,
+) {
+    let (pins, torsion) = (pins.cut(out.room()), torsion.cut(out.room()));
+    for i in 0..out.room() {
+        let (s, c) = pins.get(i);
+        out.put(i, size_of(&at(i), torsion.get(i), s, c));
     }
 }
 
 /// A tilt of the cross, from pins whose sense is right.
 #[inline(always)]
-pub(crate) fn tilt(
-    at: impl Fn(usize) -> Pose,
-    tilt_of: impl Fn(&Pose, f64, f64) -> f64,
-    sine: &[f64],
-    cosine: &[f64],
-    out: &mut [f64],
+pub(crate) fn tilt<T: Real>(
+    at: impl Fn(usize) -> Pose<T>,
+    tilt_of: impl Fn(&Pose<T>, T, T) -> T,
+    pins: Pins<'_, T>,
+    mut out: impl Out<T>,
 ) {
-    for (i, ((&s, &c), tilt)) in sine.iter().zip(cosine).zip(out).enumerate() {
-        *tilt = tilt_of(&at(i), s, c);
+    let pins = pins.cut(out.room());
+    for i in 0..out.room() {
+        let (s, c) = pins.get(i);
+        out.put(i, tilt_of(&at(i), s, c));
     }
 }
 
 /// The drive shaft turns with the drive: its angle, NaN where that is not finite.
 #[inline(always)]
-pub(crate) fn drive_angle(angle: &[f64], out: &mut [f64]) {
-    for (&x, turned) in angle.iter().zip(out) {
-        *turned = x.mul_add(0.0, x);
+pub(crate) fn drive_angle<T: Number>(drive: Drive<'_>, out: &mut [T::Word]) {
+    let zero = T::from_f64(0.0);
+    // Not the bare angle: an infinite one is none.
+    match drive {
+        Drive::Array(angle) => {
+            for (turned, &x) in out.iter_mut().zip(angle) {
+                *turned = zero.after(Pair::exact(x.mul_add(0.0, x)));
+            }
+        }
+        Drive::Sweep(..) => add_drive::<T>(drive, |_| zero, out),
     }
 }
 
-/// A constant of the drive shaft, NaN where the angle is not finite.
+/// A constant, NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn drive_constant(value: f64, angle: &[f64], out: &mut [f64]) {
-    for (&x, constant) in angle.iter().zip(out) {
-        *constant = x.mul_add(0.0, value);
+pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, mut out: impl Out<T>) {
+    match drive {
+        Drive::Array(angle) => {
+            let angle = &angle[..out.room()];
+            for (i, &x) in angle.iter().enumerate() {
+                out.put(i, T::from_f64(x.mul_add(0.0, value)));
+            }
+        }
+        Drive::Sweep(..) => {
+            for i in 0..out.room() {
+                out.put(i, T::from_f64(value));
+            }
+        }
     }
 }

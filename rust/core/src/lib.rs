@@ -1,26 +1,40 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+pub mod atan;
 pub mod batch;
+mod block;
 pub mod chain;
 mod chunk;
+mod column;
+mod count;
 pub mod error;
+pub mod explain;
 mod fold;
 pub mod geometry;
 pub mod joint;
 mod kernel;
 pub mod level;
 mod moment;
+pub mod pair;
 pub mod phasing;
 pub mod plan;
+pub mod real;
+mod reduce;
+pub mod reduction;
 pub mod samples;
+pub mod sweep;
 pub mod trig;
 
-pub use batch::Execution;
-pub use chain::{Equivalent, Transfer};
+pub use batch::{Constants, Execution, Planes, Precision};
+pub use chain::Equivalent;
 pub use error::{Error, Result};
+pub use explain::Call;
 pub use geometry::{Geometry, Vector};
 pub use joint::Joint;
 pub use level::Level;
+pub use pair::Pair;
 pub use plan::{End, Output, Plan, Request};
-pub use samples::{Drivelines, Load, Samples, Source};
+pub use reduction::Reduction;
+pub use samples::{Angles, Drivelines, Load, Samples, Source};
+pub use sweep::Sweep;

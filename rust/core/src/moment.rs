@@ -12,143 +12,139 @@
 //! The power `P = D · (speed ratio)` is the same on both sides of a joint, so torques along a
 //! chain are running sums of what the inertias take.
 
+use crate::atan::Atan;
 use crate::chain::Transfer;
 use crate::geometry::Vector;
 use crate::joint::Joint;
-use crate::trig;
+use crate::pair::Pair;
+use crate::real::Real;
 
 /// One joint of a driveline in space, and how the drive turns it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pose {
+pub(crate) struct Pose<T> {
     /// `(cos α, sin α)` of the drive to the same of this joint's driving angle, times a positive
     /// length.
-    matrix: [f64; 4],
-    joint: Joint,
+    matrix: [T; 4],
+    /// `sin β`.
+    sine: T,
+    /// `cos β`.
+    cosine: T,
+    /// `tan β`.
+    tangent: T,
     /// `u_in`.
-    along: Vector,
+    pub(crate) along: [T; 3],
     /// `tan β e_in`.
-    in_plane: Vector,
+    pub(crate) in_plane: [T; 3],
     /// `−tan β m`.
-    across: Vector,
+    pub(crate) across: [T; 3],
     /// `sin β e_out`.
-    out_plane: Vector,
+    pub(crate) out_plane: [T; 3],
 }
 
-/// The joint's own driving angle `α` at one sample.
+/// A torsion `D` times the squares and the product of sine and cosine of the joint's own driving
+/// angle: what every moment at the joint is made of.
 #[derive(Clone, Copy)]
-pub(crate) struct PinAngle {
-    /// `sin² α`.
-    sine2: f64,
-    /// `cos² α`.
-    cosine2: f64,
-    /// `sin α cos α`.
-    product: f64,
+pub(crate) struct Parts<T> {
+    /// `D sin² α`.
+    pub(crate) sine2: T,
+    /// `D cos² α`.
+    pub(crate) cosine2: T,
+    /// `D sin α cos α`.
+    pub(crate) product: T,
 }
 
-impl Pose {
+impl<T: Real> Pose<T> {
     /// The pose of a joint that `transfer` drives, between the shafts along `u_in` and `u_out`.
     pub(crate) fn new(
         transfer: &Transfer,
-        joint: Joint,
+        joint: &Joint<Pair>,
         u_in: Vector,
         u_out: Vector,
         normal: Vector,
     ) -> Self {
         let tangent = joint.sin / joint.cos;
+        let times = |vector: [Pair; 3], factor: Pair| vector.map(|x| T::from_pair(x * factor));
         Self {
-            matrix: transfer.matrix(),
-            joint,
-            along: u_in,
-            in_plane: normal.cross(&u_in) * tangent,
-            across: normal * -tangent,
-            out_plane: normal.cross(&u_out) * joint.sin,
+            matrix: transfer.matrix().map(T::from_pair),
+            sine: T::from_pair(joint.sin),
+            cosine: T::from_pair(joint.cos),
+            tangent: T::from_pair(tangent),
+            along: [u_in.x, u_in.y, u_in.z].map(T::from_f64),
+            in_plane: times(cross(normal, u_in), tangent),
+            across: times([normal.x, normal.y, normal.z].map(Pair::exact), -tangent),
+            out_plane: times(cross(normal, u_out), joint.sin),
         }
     }
 
     /// Sine and cosine of the joint's own driving angle, times a common length, from those of the
     /// drive angle.
     #[inline(always)]
-    fn turn(&self, s: f64, c: f64) -> (f64, f64) {
+    fn turn(&self, s: T, c: T) -> (T, T) {
         let [cc, cs, sc, ss] = self.matrix;
         (sc.mul_add(c, ss * s), cc.mul_add(c, cs * s))
     }
 
-    /// The joint's own driving angle from a pin of the drive.
+    /// The parts of a torsion from a pin of the drive.
     #[inline(always)]
-    pub(crate) fn angle(&self, s: f64, c: f64) -> PinAngle {
+    pub(crate) fn parts(&self, torsion: T, s: T, c: T) -> Parts<T> {
         let (sine, cosine) = self.turn(s, c);
-        let scale = 1.0 / sine.mul_add(sine, cosine * cosine);
-        PinAngle {
-            sine2: sine * sine * scale,
-            cosine2: cosine * cosine * scale,
-            product: sine * cosine * scale,
-        }
+        let (sine2, cosine2) = (sine.square(), cosine.square());
+        let scale = torsion * (sine2 + cosine2).recip();
+        Parts { sine2: sine2 * scale, cosine2: cosine2 * scale, product: sine * cosine * scale }
     }
 
-    /// Component `i` of the moment on the driven shaft, per unit torsion.
+    /// Size of the bending moment in the driving shaft, `D tan β |sin α|` (Grossmann (6)).
     #[inline(always)]
-    pub(crate) fn moment(&self, i: usize, pin: PinAngle) -> f64 {
-        self.along[i] + self.bending_driving_vector(i, pin)
+    pub(crate) fn bending_driving(&self, torsion: T, s: T, c: T) -> T {
+        let part = self.parts(T::from_f64(1.0), s, c);
+        torsion.abs() * self.tangent * part.sine2.sqrt()
     }
 
-    /// Component `i` of the same moment's part across the driving shaft: what its bearings must
-    /// give against the reaction.
+    /// The same in the driven shaft, `D sin β |cos α| √(1 + tan² β sin² α)` (Grossmann (8)).
     #[inline(always)]
-    pub(crate) fn bending_driving_vector(&self, i: usize, pin: PinAngle) -> f64 {
-        self.in_plane[i].mul_add(pin.sine2, self.across[i] * pin.product)
+    pub(crate) fn bending_driven(&self, torsion: T, s: T, c: T) -> T {
+        let one = T::from_f64(1.0);
+        let part = self.parts(one, s, c);
+        let stretch = self.tangent.square().mul_add(part.sine2, one);
+        torsion.abs() * self.sine * (part.cosine2 * stretch).sqrt()
     }
+}
 
-    /// Component `i` of what the bearings of the driven shaft must give against its part across
-    /// that shaft, per unit torsion.
-    #[inline(always)]
-    pub(crate) fn support_driven(&self, i: usize, pin: PinAngle) -> f64 {
-        self.out_plane[i].mul_add(pin.cosine2, -(self.across[i] * pin.product))
-    }
-
-    /// Size of the bending moment in the driving shaft per unit torsion, `tan β |sin α|`
-    /// (Grossmann (6)).
-    #[inline(always)]
-    pub(crate) fn bending_driving(&self, pin: PinAngle) -> f64 {
-        self.joint.sin / self.joint.cos * pin.sine2.sqrt()
-    }
-
-    /// The same in the driven shaft, `sin β |cos α| √(1 + tan² β sin² α)` (Grossmann (8)).
-    #[inline(always)]
-    pub(crate) fn bending_driven(&self, pin: PinAngle) -> f64 {
-        let tangent = self.joint.sin / self.joint.cos;
-        let stretch = (tangent * tangent).mul_add(pin.sine2, 1.0);
-        self.joint.sin * (pin.cosine2 * stretch).sqrt()
-    }
-
+impl<T: Atan> Pose<T> {
     /// Tilt `ψ₁` of the cross against the driving shaft, `tan ψ₁ = tan β sin α` (Grossmann (3)).
     #[inline(always)]
-    pub(crate) fn tilt_driving(&self, s: f64, c: f64) -> f64 {
+    pub(crate) fn tilt_driving(&self, s: T, c: T) -> T {
         let (sine, cosine) = self.turn(s, c);
-        let length = sine.mul_add(sine, cosine * cosine).sqrt();
-        trig::atan_any(self.joint.sin * sine, self.joint.cos * length)
+        let length = (sine.square() + cosine.square()).sqrt();
+        T::atan_any(self.sine * sine, self.cosine * length)
     }
 
     /// Tilt `ψ₂` against the driven shaft, `sin ψ₂ = sin β cos α` (Grossmann (5)); its cosine is
     /// `√(sin² α + cos² β cos² α)`.
     #[inline(always)]
-    pub(crate) fn tilt_driven(&self, s: f64, c: f64) -> f64 {
+    pub(crate) fn tilt_driven(&self, s: T, c: T) -> T {
         let (sine, cosine) = self.turn(s, c);
-        let across = self.joint.cos * cosine;
-        let along = across.mul_add(across, sine * sine).sqrt();
-        trig::atan_any(self.joint.sin * cosine, along)
+        let across = self.cosine * cosine;
+        let along = across.mul_add(across, sine.square()).sqrt();
+        T::atan_any(self.sine * cosine, along)
     }
+}
+
+fn cross(a: Vector, b: Vector) -> [Pair; 3] {
+    let part = |i: usize, j: usize| Pair::product(a[i], b[j]) - Pair::product(a[j], b[i]);
+    [part(1, 2), part(2, 0), part(0, 1)]
 }
 
 /// What the inertia of a shaft takes from the power that enters it,
 /// `I (ω₀² r′ + ω̇₀ r) r` with the shaft's speed ratio `r` and acceleration ratio `r′`.
 #[inline(always)]
-pub(crate) fn absorbed_power(
-    inertia: f64,
-    speed: f64,
-    acceleration: f64,
-    ratio: f64,
-    acceleration_ratio: f64,
-) -> f64 {
-    let turning = (speed * speed).mul_add(acceleration_ratio, acceleration * ratio);
+pub(crate) fn absorbed_power<T: Real>(
+    inertia: T,
+    speed: T,
+    acceleration: T,
+    ratio: T,
+    acceleration_ratio: T,
+) -> T {
+    let turning = speed.square().mul_add(acceleration_ratio, acceleration * ratio);
     inertia * turning * ratio
 }

@@ -67,8 +67,8 @@ pub fn optimal_phases_of_batch(
 /// ```
 /// let bends = [10_f64, 9.0, 6.0].map(f64::to_radians);
 /// let phases = cardan::phasing::optimal_phases(&bends, &[0.0, 0.0], &[0.0, 0.0]);
-/// let transfer = cardan::Transfer::of_chain(&bends, &[0.0, 0.0], &phases);
-/// assert!(transfer.equivalent().joint.k < 1e-16);
+/// let equivalent = cardan::Equivalent::of_chain(&bends, &[0.0, 0.0], &phases);
+/// assert!(equivalent.joint.k < 1e-16);
 /// ```
 pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64> {
     let mut polygon = Polygon::default();

@@ -4,7 +4,11 @@
 //! needed, in which plane of the result each quantity lands, and in which order a load is carried
 //! along the driveline. [`crate::batch`] runs it.
 
+use crate::atan::AtanRange;
+use crate::chain::Equivalent;
 use crate::error::{Error, Result};
+use crate::joint::Joint;
+use crate::samples::Drivelines;
 
 /// A quantity that can be asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -94,8 +98,8 @@ pub enum End {
 /// What is asked of a driveline.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// Number of joints, `n`.
-    pub joint_count: usize,
+    /// The largest bend of each joint, from [`crate::Drivelines::largest_bends`] or a bound to it.
+    pub largest_bends: &'a [f64],
     /// The quantities, each at most once.
     pub outputs: &'a [Output],
     /// The shafts, `0..=n`, each at most once.
@@ -113,7 +117,11 @@ pub struct Request<'a> {
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub(crate) joint_count: usize,
+    /// The largest bend of each joint; a joint with none is straight in every driveline.
+    pub(crate) largest_bends: Vec<f64>,
     pub(crate) planes: usize,
+    /// How many of the planes, in their order, make up each item of each output.
+    pub(crate) components: Vec<usize>,
     /// In ascending order.
     pub(crate) shafts: Vec<ShaftStep>,
     /// One per joint; most may be idle.
@@ -132,6 +140,19 @@ pub(crate) struct ShaftStep {
     pub(crate) keep_rates: bool,
 }
 
+impl ShaftStep {
+    /// The planes of rotation, speed ratio and acceleration ratio, if one loop finds all three:
+    /// the angle or its error, not both, and rates that nothing else reads.
+    pub(crate) fn together(&self) -> Option<[usize; 3]> {
+        let rotation = match (self.angle, self.angle_error) {
+            (Some(plane), None) | (None, Some(plane)) => plane,
+            _ => return None,
+        };
+        let all = [rotation, self.speed_ratio?, self.acceleration_ratio?];
+        (!self.keep_rates).then_some(all)
+    }
+}
+
 /// What to compute of one joint: the plane, or the first of three, of each output.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointStep {
@@ -140,10 +161,22 @@ pub(crate) struct JointStep {
     pub(crate) moment: Option<usize>,
     pub(crate) bending_driving: Option<usize>,
     pub(crate) bending_driven: Option<usize>,
-    /// Support moment of the driving shaft, to which this joint adds its part.
-    pub(crate) support_driving: Option<usize>,
-    /// Support moment of the driven shaft.
-    pub(crate) support_driven: Option<usize>,
+    /// Its parts of the support moments of the shaft that the load leaves here and of the one that
+    /// it comes to.
+    pub(crate) support: [Option<Support>; 2],
+}
+
+/// A joint's part of the support moment of one of its shafts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Support {
+    /// First plane of the shaft's support moment.
+    pub(crate) plane: usize,
+    /// Whether the shaft is the joint's driving one.
+    pub(crate) driving: bool,
+    /// Whether it is the shaft's first part on the way of the load.
+    pub(crate) first: bool,
+    /// Whether it is its last.
+    pub(crate) last: bool,
 }
 
 impl JointStep {
@@ -151,15 +184,18 @@ impl JointStep {
         self.tilt_driving.is_some() || self.tilt_driven.is_some()
     }
 
+    /// Whether anything is wanted that the torsion times squares and product gives.
+    pub(crate) fn needs_parts(&self) -> bool {
+        self.moment.is_some() || self.needs_support()
+    }
+
+    /// Whether it takes part in a support moment.
+    pub(crate) fn needs_support(&self) -> bool {
+        self.support.iter().any(Option::is_some)
+    }
+
     pub(crate) fn needs_torsion(&self) -> bool {
-        let planes = [
-            self.moment,
-            self.bending_driving,
-            self.bending_driven,
-            self.support_driving,
-            self.support_driven,
-        ];
-        planes.iter().any(Option::is_some)
+        self.needs_parts() || self.bending_driving.is_some() || self.bending_driven.is_some()
     }
 }
 
@@ -169,8 +205,6 @@ pub(crate) struct LoadStep {
     pub(crate) end: End,
     /// In the order of travel.
     pub(crate) stations: Vec<Station>,
-    /// First planes of the support moments, which gather the parts of two joints.
-    pub(crate) supports: Vec<usize>,
 }
 
 /// One shaft on the way: what its inertia takes, and what is wanted of the power entering it.
@@ -191,14 +225,21 @@ impl Plan {
     /// A shaft or joint that does not exist or is named twice, an output named twice, an output
     /// that needs a load where none is given.
     pub fn new(request: &Request<'_>) -> Result<Self> {
-        let n = request.joint_count;
+        let n = request.largest_bends.len();
         check_items("shafts", request.shafts, n + 1)?;
         check_items("joints", request.joints, n)?;
         check_items("inertias", request.inertias, n + 1)?;
         let joints = vec![JointStep::default(); n];
-        let mut plan = Self { joint_count: n, planes: 0, shafts: vec![], joints, load: None };
+        let mut plan = Self {
+            joint_count: n,
+            largest_bends: request.largest_bends.to_vec(),
+            planes: 0,
+            components: vec![],
+            shafts: vec![],
+            joints,
+            load: None,
+        };
         let mut torque = vec![None; n + 1];
-        let mut supports = vec![];
         for (i, &output) in request.outputs.iter().enumerate() {
             if request.outputs[..i].contains(&output) {
                 let problem = format!("is {:?} again; name each output once", output.name());
@@ -212,6 +253,7 @@ impl Plan {
             for &item in items {
                 let plane = Some(plan.planes);
                 plan.planes += output.components();
+                plan.components.push(output.components());
                 match output {
                     Output::Angle => plan.step(item).angle = plane,
                     Output::AngleError => plan.step(item).angle_error = plane,
@@ -219,12 +261,8 @@ impl Plan {
                     Output::AccelerationRatio => plan.step(item).acceleration_ratio = plane,
                     Output::Torque => torque[item] = plane,
                     Output::SupportMoment => {
-                        supports.extend(plane);
-                        if item > 0 {
-                            plan.joints[item - 1].support_driven = plane;
-                        }
-                        if item < n {
-                            plan.joints[item].support_driving = plane;
+                        if let (Some(end), Some(plane)) = (request.load, plane) {
+                            plan.plan_support(end, item, plane);
                         }
                     }
                     Output::Moment => plan.joints[item].moment = plane,
@@ -236,7 +274,7 @@ impl Plan {
             }
         }
         if let Some(end) = request.load {
-            plan.plan_load(end, request.inertias, &torque, supports);
+            plan.plan_load(end, request.inertias, &torque);
         }
         plan.shafts.sort_by_key(|step| step.shaft);
         Ok(plan)
@@ -259,9 +297,53 @@ impl Plan {
         self.joints[joint].needs_tilt() || self.joints[joint].needs_torsion()
     }
 
+    /// Whether any shaft's own angle is wanted.
+    pub(crate) fn needs_angle(&self) -> bool {
+        self.shafts.iter().any(|step| step.angle.is_some())
+    }
+
+    /// Whether anything depends on the pins: some shaft beyond the first bend, or a joint itself.
+    pub(crate) fn needs_pins(&self) -> bool {
+        let bent = self.first_bent();
+        self.shafts.iter().any(|step| step.shaft > bent)
+            || (0..self.joint_count).any(|joint| self.needs_pose(joint))
+    }
+
     /// Whether the sense of a pin matters and not only its line.
     pub(crate) fn needs_sense(&self) -> bool {
         self.joints.iter().any(JointStep::needs_tilt)
+    }
+
+    /// The first joint that is bent in any driveline; the shafts up to it turn with the drive.
+    pub(crate) fn first_bent(&self) -> usize {
+        let bent = self.largest_bends.iter().position(|&bend| bend != 0.0);
+        bent.unwrap_or(self.joint_count)
+    }
+
+    /// The inverse tangent that serves a shaft of every driveline: the equivalent joint is at most
+    /// as bent as the aligned chain, for which the cosines multiply.
+    pub(crate) fn range(&self, shaft: usize) -> AtanRange {
+        let cosines = self.largest_bends[..shaft].iter().map(|&bend| Joint::new(bend).cos);
+        let cos: f64 = cosines.product();
+        // A bound to the tangent, with room for rounding.
+        AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
+    }
+
+    /// The same for the first of the drivelines.
+    pub(crate) fn range_of_first(&self, lines: &Drivelines<'_>, shaft: usize) -> AtanRange {
+        let between = shaft - 1;
+        let equivalent = Equivalent::of_chain(
+            &lines.bends[..shaft],
+            &lines.twists[..between],
+            &lines.phases[..between],
+        );
+        AtanRange::of(&equivalent.joint)
+    }
+
+    /// The shafts whose inertia takes power.
+    pub(crate) fn absorbing(&self) -> Vec<usize> {
+        let stations = self.load.iter().flat_map(|load| &load.stations);
+        stations.filter(|station| station.absorbs).map(|station| station.shaft).collect()
     }
 
     fn step(&mut self, shaft: usize) -> &mut ShaftStep {
@@ -273,15 +355,29 @@ impl Plan {
         &mut self.shafts[index]
     }
 
+    /// The parts of one shaft's support moment, each with the joint that gives it.
+    fn plan_support(&mut self, end: End, shaft: usize, plane: usize) {
+        let n = self.joint_count;
+        let before = shaft > 0;
+        let after = shaft < n;
+        // The load comes to a shaft at one joint and leaves it at the next.
+        let (leaves, comes) = (0, 1);
+        let slots = if end == End::Drive { [comes, leaves] } else { [leaves, comes] };
+        if before {
+            let (first, last) = (end == End::Drive || !after, end == End::Output || !after);
+            let support = Support { plane, driving: false, first, last };
+            self.joints[shaft - 1].support[slots[0]] = Some(support);
+        }
+        if after {
+            let (first, last) = (end == End::Output || !before, end == End::Drive || !before);
+            let support = Support { plane, driving: true, first, last };
+            self.joints[shaft].support[slots[1]] = Some(support);
+        }
+    }
+
     /// Lists the stations between the end where the torque is given and the farthest shaft whose
     /// entering power is wanted; inertias beyond it do not matter.
-    fn plan_load(
-        &mut self,
-        end: End,
-        inertias: &[usize],
-        torque: &[Option<usize>],
-        supports: Vec<usize>,
-    ) {
+    fn plan_load(&mut self, end: End, inertias: &[usize], torque: &[Option<usize>]) {
         let n = self.joint_count;
         let torsion_before = |shaft: usize| shaft > 0 && self.joints[shaft - 1].needs_torsion();
         let wanted = |shaft: &usize| torque[*shaft].is_some() || torsion_before(*shaft);
@@ -314,7 +410,7 @@ impl Plan {
                 self.step(shaft - 1).keep_rates = true;
             }
         }
-        self.load = Some(LoadStep { end, stations, supports });
+        self.load = Some(LoadStep { end, stations });
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::plan::Plan;
+use crate::sweep::Sweep;
 
 /// A flat array seen through broadcasting: sample `(i_0, i_1, …)` holds element `Σ i_k stride_k`.
 #[derive(Clone, Debug)]
@@ -27,6 +28,50 @@ pub struct Drivelines<'a> {
     pub normals: &'a [f64],
 }
 
+impl Drivelines<'_> {
+    /// The number of drivelines, after a look whether the arrays fit together.
+    pub(crate) fn check(&self, n: usize) -> Result<usize> {
+        let count = self.bends.len() / n;
+        let lengths = [
+            ("bends", self.bends.len(), n),
+            ("twists", self.twists.len(), n - 1),
+            ("phases", self.phases.len(), n - 1),
+            ("directions", self.directions.len(), 3 * (n + 1)),
+            ("normals", self.normals.len(), 3 * n),
+        ];
+        for (name, found, each) in lengths {
+            if found != count * each {
+                let problem = format!("has {found} values; {count} drivelines need {each} each");
+                return Err(Error::new(name, &[], problem));
+            }
+        }
+        if count == 0 {
+            return Err(Error::new("bends", &[], "has no driveline"));
+        }
+        Ok(count)
+    }
+
+    /// The largest bend of each of the `joints` over the batch; one with none is straight throughout.
+    pub fn largest_bends(&self, joints: usize) -> Vec<f64> {
+        let mut largest = vec![0.0_f64; joints];
+        for line in self.bends.chunks_exact(joints) {
+            for (largest, &bend) in largest.iter_mut().zip(line) {
+                *largest = largest.max(bend);
+            }
+        }
+        largest
+    }
+}
+
+/// The drive angles of the samples.
+#[derive(Clone, Debug)]
+pub enum Angles<'a> {
+    /// In rad.
+    Array(Source<'a>),
+    /// A uniform sweep along the last axis.
+    Sweep(Sweep),
+}
+
 /// The load on a driveline; torque in N·m, speed in rad/s, acceleration in rad/s², inertias in
 /// kg·m² with the shaft they belong to.
 #[derive(Clone, Debug)]
@@ -50,8 +95,8 @@ pub struct Samples<'a> {
     pub lines: Drivelines<'a>,
     /// Strides of the samples over the drivelines.
     pub line_strides: &'a [usize],
-    /// The drive angles in rad.
-    pub angle: Source<'a>,
+    /// The drive angles.
+    pub angle: Angles<'a>,
     /// The load, if the plan carries one.
     pub load: Option<Load<'a>>,
 }
@@ -63,6 +108,8 @@ pub(crate) struct Table<'a> {
     shape: Vec<usize>,
     /// Strides over the drivelines.
     pub(crate) line: Vec<usize>,
+    /// The sweep that stands for the column of angles.
+    pub(crate) sweep: Option<Sweep>,
     pub(crate) columns: Vec<Column<'a>>,
     /// Column of each shaft's inertia.
     pub(crate) inertia: Vec<Option<usize>>,
@@ -74,6 +121,17 @@ pub(crate) const TORQUE: usize = 1;
 pub(crate) const SPEED: usize = 2;
 pub(crate) const ACCELERATION: usize = 3;
 
+/// How the geometry changes over the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Geometries {
+    /// Not at all.
+    One,
+    /// From row to row.
+    ByRow,
+    /// Along the rows.
+    BySample,
+}
+
 /// One quantity over the samples.
 pub(crate) struct Column<'a> {
     pub(crate) data: &'a [f64],
@@ -81,52 +139,78 @@ pub(crate) struct Column<'a> {
 }
 
 impl<'a> Table<'a> {
+    /// The samples in as few and long rows as they have.
     pub(crate) fn new(plan: &Plan, samples: &Samples<'a>) -> Result<Self> {
+        Self::merged(plan, samples, samples.shape.len())
+    }
+
+    /// The same with the last axis as the row.
+    pub(crate) fn by_rows(plan: &Plan, samples: &Samples<'a>) -> Result<Self> {
+        Self::merged(plan, samples, samples.shape.len().saturating_sub(1))
+    }
+
+    fn merged(plan: &Plan, samples: &Samples<'a>, mergeable: usize) -> Result<Self> {
         let n = plan.joint_count;
         let lines = samples.lines;
-        let count = lines.bends.len() / n;
-        let lengths = [
-            ("bends", lines.bends.len(), n),
-            ("twists", lines.twists.len(), n - 1),
-            ("phases", lines.phases.len(), n - 1),
-            ("directions", lines.directions.len(), 3 * (n + 1)),
-            ("normals", lines.normals.len(), 3 * n),
-        ];
-        for (name, found, each) in lengths {
-            if found != count * each {
-                let problem = format!("has {found} values; {count} drivelines need {each} each");
-                return Err(Error::new(name, &[], problem));
-            }
-        }
-        let mut sources = vec![("angle", &samples.angle)];
+        let count = lines.check(n)?;
+        // A sweep is an array whose elements are their own numbers.
+        let last = samples.shape.len().saturating_sub(1);
+        let numbers: Vec<usize> =
+            (0..samples.shape.len()).map(|axis| usize::from(axis == last)).collect();
+        let none: &'a [f64] = &[];
+        let (angle, sweep) = match &samples.angle {
+            Angles::Array(source) => ((source.data, source.strides, source.data.len()), None),
+            Angles::Sweep(sweep) => ((none, &numbers[..], sweep.count()), Some(*sweep)),
+        };
+        let mut sources = vec![("angle", angle)];
         let mut inertia = vec![None; n + 1];
         if let Some(load) = &samples.load {
+            let whole = |source: &Source<'a>| (source.data, source.strides, source.data.len());
             sources.extend([
-                ("torque", &load.torque),
-                ("speed", &load.speed),
-                ("acceleration", &load.acceleration),
+                ("torque", whole(&load.torque)),
+                ("speed", whole(&load.speed)),
+                ("acceleration", whole(&load.acceleration)),
             ]);
             for (shaft, source) in &load.inertias {
                 inertia[*shaft] = Some(sources.len());
-                sources.push(("inertias", source));
+                sources.push(("inertias", whole(source)));
             }
         } else if plan.load.is_some() {
             return Err(Error::new("load", &[], "is missing; the outputs need one"));
         }
         check_reach("drivelines", count, samples.shape, samples.line_strides)?;
-        for (name, source) in &sources {
-            check_reach(name, source.data.len(), samples.shape, source.strides)?;
+        for (name, (_, strides, length)) in &sources {
+            check_reach(name, *length, samples.shape, strides)?;
         }
         let mut strides: Vec<Vec<usize>> = vec![samples.line_strides.to_vec()];
-        strides.extend(sources.iter().map(|(_, source)| source.strides.to_vec()));
-        let shape = merge_axes(samples.shape, &mut strides);
+        strides.extend(sources.iter().map(|(_, (_, strides, _))| strides.to_vec()));
+        let shape = merge_axes(samples.shape, mergeable, &mut strides);
         let line = strides.remove(0);
         let columns = sources
             .iter()
             .zip(strides)
-            .map(|((_, source), strides)| Column { data: source.data, strides })
+            .map(|((_, (data, _, _)), strides)| Column { data, strides })
             .collect();
-        Ok(Self { lines, shape, line, columns, inertia })
+        Ok(Self { lines, shape, line, sweep, columns, inertia })
+    }
+
+    /// Number of samples.
+    pub(crate) fn samples(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// How the geometry changes over the samples.
+    pub(crate) fn geometries(&self) -> Geometries {
+        match self.line.split_last() {
+            Some((&along, _)) if along != 0 => Geometries::BySample,
+            Some((_, outer)) if outer.iter().any(|&stride| stride != 0) => Geometries::ByRow,
+            _ => Geometries::One,
+        }
+    }
+
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.shape[..self.shape.len() - 1].iter().product()
     }
 
     pub(crate) fn row_length(&self) -> usize {
@@ -161,16 +245,18 @@ fn check_reach(
     Err(Error::new(argument, &[], format!("has {len} elements, which do not fill the samples")))
 }
 
-/// Merges neighbouring axes over which every source keeps its step, and drops axes of length 1;
-/// at least one axis remains.
-fn merge_axes(shape: &[usize], strides: &mut [Vec<usize>]) -> Vec<usize> {
+/// Merges neighbours of the first `mergeable` axes over which every source keeps its step, and drops
+/// those of length 1; at least one axis remains.
+fn merge_axes(shape: &[usize], mergeable: usize, strides: &mut [Vec<usize>]) -> Vec<usize> {
     let mut merged: Vec<usize> = vec![];
     let mut kept: Vec<Vec<usize>> = vec![vec![]; strides.len()];
     for (axis, &length) in shape.iter().enumerate() {
-        if length == 1 {
+        let may = axis < mergeable;
+        if length == 1 && may {
             continue;
         }
-        let joins = !merged.is_empty()
+        let joins = may
+            && !merged.is_empty()
             && strides.iter().zip(&kept).all(|(s, k)| k[k.len() - 1] == s[axis] * length);
         if joins {
             let last = merged.len() - 1;

@@ -1,15 +1,12 @@
 //! Between `numpy` arrays and slices, and from the core's errors to Python's.
 
 use cardan::{Error, Vector};
-use numpy::{PyReadonlyArray1, PyReadwriteArray1};
+use numpy::{Element, PyReadonlyArray1, PyReadwriteArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 /// A flat array of doubles to read.
 pub(crate) type Input<'py> = PyReadonlyArray1<'py, f64>;
-
-/// A flat array of doubles to fill.
-pub(crate) type Output<'py> = PyReadwriteArray1<'py, f64>;
 
 /// The elements of a contiguous array.
 pub(crate) fn slice<'a>(name: &str, array: &'a Input<'_>) -> PyResult<&'a [f64]> {
@@ -17,7 +14,10 @@ pub(crate) fn slice<'a>(name: &str, array: &'a Input<'_>) -> PyResult<&'a [f64]>
 }
 
 /// The elements of a contiguous array, to fill.
-pub(crate) fn slice_mut<'a>(name: &str, array: &'a mut Output<'_>) -> PyResult<&'a mut [f64]> {
+pub(crate) fn slice_mut<'a, W: Element>(
+    name: &str,
+    array: &'a mut PyReadwriteArray1<'_, W>,
+) -> PyResult<&'a mut [W]> {
     array.as_slice_mut().map_err(|_| not_contiguous(name))
 }
 

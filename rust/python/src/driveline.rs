@@ -1,7 +1,7 @@
 //! Geometry of batches of drivelines, and their equivalent joints.
 
 use cardan::phasing::optimal_phases_of_batch;
-use cardan::{Error, Geometry, Transfer, Vector};
+use cardan::{Equivalent, Error, Geometry, Vector};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -139,12 +139,11 @@ pub(crate) fn equivalent<'py>(
         let mut columns: [Vec<f64>; 8] = std::array::from_fn(|_| Vec::with_capacity(count));
         for line in 0..count {
             let between = shaft.saturating_sub(1);
-            let equivalent = Transfer::of_chain(
+            let equivalent = Equivalent::of_chain(
                 &part(bends, line, joints)[..shaft],
                 &part(twists, line, joints - 1)[..between],
                 &part(phases, line, joints - 1)[..between],
-            )
-            .equivalent();
+            );
             let joint = equivalent.joint;
             let values = [
                 joint.bend(),

@@ -17,7 +17,7 @@ mod _core {
     #[pymodule_export]
     use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};
     #[pymodule_export]
-    use super::plan::{Plan, levels};
+    use super::plan::{DriveSweep, Plan, levels};
 
     use super::PyResult;
     use pyo3::prelude::*;

@@ -1,0 +1,124 @@
+"""Uniform sweeps of the drive."""
+
+from __future__ import annotations
+
+import operator
+from typing import Any, Self, SupportsIndex
+
+import numpy as np
+
+from cardan import _core
+from cardan.arrays import FloatArray
+
+
+class Sweep:
+    """Drive angles at equal steps, for ``evaluate`` and plans in place of an array.
+
+    ``Sweep(start, stop, num)`` runs from ``start`` to ``stop`` in rad, both included, as
+    ``numpy.linspace``; ``Sweep.revolutions`` over whole turns. It counts as an array of shape
+    ``(num,)`` but is never stored, and its angles are exact: sample ``i`` is at ``start + i * (stop
+    - start) / (num - 1)``, or at that part of a turn, and not at a double beside it. What repeats
+    from turn to turn is computed once.
+
+    Attributes:
+        num: number of angles.
+    """
+
+    __slots__ = ("_core", "_given", "num")
+    num: int
+
+    def __init__(self, start: float, stop: float, num: SupportsIndex) -> None:
+        """Sweep from ``start`` to ``stop``, both included.
+
+        Raises:
+            TypeError: a number of angles that is not an integer, ends that are not real numbers.
+            ValueError: no angles; an end that is not finite or beyond 1e12 rad.
+        """
+        count = _whole("num", num)
+        ends = (_end("start", start), _end("stop", stop))
+        self._of(_core.Sweep(ends, count, 0), count, (*ends, count))
+
+    @classmethod
+    def revolutions(cls, turns: float, samples: SupportsIndex) -> Self:
+        """Sweep whole turns from 0 on, the end excluded.
+
+        Args:
+            turns: number of turns; they make a whole number of samples.
+            samples: samples per turn.
+
+        Raises:
+            TypeError: a number of samples that is not an integer.
+            ValueError: no samples, or a part of one.
+        """
+        per_turn = _whole("samples", samples)
+        count = float(turns) * per_turn
+        if not count.is_integer() or count < 1.0:
+            raise ValueError(
+                f"turns is {turns} of {per_turn} samples each; together that must be a whole "
+                "number of at least 1"
+            )
+        self = object.__new__(cls)
+        self._of(_core.Sweep(None, int(count), per_turn), int(count), (turns, per_turn))
+        return self
+
+    def _of(self, core: _core.Sweep, count: int, given: tuple[float, ...]) -> None:
+        object.__setattr__(self, "_core", core)
+        object.__setattr__(self, "num", count)
+        object.__setattr__(self, "_given", given)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse: sweeps do not change."""
+        raise AttributeError(f"a sweep cannot change; {name} stays")
+
+    @property
+    def shape(self) -> tuple[int]:
+        """Shape of the array that it stands for."""
+        return (self.num,)
+
+    def __len__(self) -> int:
+        """Return the number of angles."""
+        return self.num
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> FloatArray:  # noqa: ANN401
+        """Return the angles as an array of the nearest doubles."""
+        if copy is False:
+            raise ValueError("a sweep holds no array; one must be made")
+        angles = np.empty(self.num)
+        self._core.fill(0, angles)
+        return angles if dtype is None else angles.astype(dtype)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as made."""
+        return (Sweep if len(self._given) == 3 else Sweep.revolutions, self._given)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare what the sweeps were made from."""
+        return self._given == other._given if isinstance(other, Sweep) else NotImplemented
+
+    def __hash__(self) -> int:
+        """Hash what it was made from."""
+        return hash(self._given)
+
+    def __repr__(self) -> str:
+        """Show how to make it."""
+        given = ", ".join(map(str, self._given))
+        return f"Sweep({given})" if len(self._given) == 3 else f"Sweep.revolutions({given})"
+
+
+def _whole(name: str, value: SupportsIndex) -> int:
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is {value!r}; it must be an integer") from None
+    if count < 1:
+        raise ValueError(f"{name} is {count}; it must be at least 1")
+    if count > _core.Sweep.LONGEST:
+        raise ValueError(f"{name} is {count}; a sweep has at most {_core.Sweep.LONGEST} samples")
+    return count
+
+
+def _end(name: str, value: float) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} is {value!r}; it must be a number") from None

@@ -1,0 +1,359 @@
+//! A block of samples, run by one thread: rows of one driveline, cut into chunks.
+
+use std::ops::Range;
+
+use crate::batch::{Constants, Kept};
+use crate::chunk::{self, Scratch, Seen};
+use crate::count::Counted;
+use crate::fold::Folded;
+use crate::kernel::{Drive, Number};
+use crate::pair::Pair;
+use crate::plan::Plan;
+use crate::real::Word;
+use crate::reduction::Reduction;
+use crate::samples::{ANGLE, Geometries, Table};
+
+/// Samples per chunk: sines and cosines of so many doubles stay in the first-level cache.
+pub(crate) const CHUNK: usize = 1024;
+
+/// Rows whose drivelines are folded together.
+const GROUP: usize = 64;
+
+/// The longest period of a sweep that is kept and repeated.
+const REPEATED: usize = 8 * CHUNK;
+
+/// A number type and the words that its results are delivered in.
+pub(crate) trait Deliver<W: Word>: Number {
+    /// The constants that were kept for this type.
+    fn kept(constants: &Constants) -> Option<&Folded<Self>>;
+
+    /// The planes themselves, where the words are the type's own.
+    fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Word]]>;
+}
+
+macro_rules! deliver {
+    ($($number:ident as $kept:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
+        impl Deliver<$word> for $number {
+            fn kept(constants: &Constants) -> Option<&Folded<Self>> {
+                if let Kept::$kept(folded) = &constants.0 { Some(folded) } else { None }
+            }
+
+            fn direct<'a, 'b>(
+                $planes: &'a mut [&'b mut [$word]],
+            ) -> Option<&'a mut [&'b mut [Self::Word]]> {
+                $direct
+            }
+        }
+    )*};
+}
+
+deliver! {
+    f32 as Single to f32: planes => Some(planes);
+    f32 as Single to f64: _planes => None;
+    f64 as Double to f64: planes => Some(planes);
+    f64 as Double to f32: _planes => None;
+    Pair as InTwo to f64: planes => Some(planes);
+    Pair as InTwo to f32: _planes => None;
+}
+
+/// A run that counts keeps nothing.
+impl<const TYPE: usize> Deliver<f64> for Counted<TYPE> {
+    fn kept(_: &Constants) -> Option<&Folded<Self>> {
+        None
+    }
+
+    fn direct<'a, 'b>(planes: &'a mut [&'b mut [f64]]) -> Option<&'a mut [&'b mut [f64]]> {
+        Some(planes)
+    }
+}
+
+/// What becomes of a block's results.
+pub(crate) enum Target<'a, 'b, W> {
+    /// They fill these parts of the planes.
+    Planes(&'a mut [&'b mut [W]]),
+    /// Those of each row are reduced, group of planes by group of planes.
+    Reduced(Reduction, &'a [usize], &'a mut [Pair]),
+}
+
+/// A block and what it needs at hand.
+pub(crate) struct Block<'a, 's, T: Number> {
+    plan: &'a Plan,
+    table: &'a Table<'s>,
+    /// The only driveline, folded before.
+    kept: Option<&'a Folded<T>>,
+    /// The drivelines of these rows, or of the samples of one chunk.
+    folded: Folded<T>,
+    rows: Range<usize>,
+    scratch: Scratch<T>,
+    /// Planes for one chunk, where the results go on to be converted or reduced.
+    spare: Vec<Vec<T::Word>>,
+    /// The angles of a chunk, where the samples do not hold them side by side.
+    angles: Vec<f64>,
+    /// First angle, step and length of the chunk whose pins are at hand.
+    pins: Option<(usize, usize, usize)>,
+}
+
+/// Part of a row: the row, its samples, and where the block's planes take their results.
+struct Part {
+    row: usize,
+    samples: Range<usize>,
+    place: usize,
+}
+
+impl<'a, 's, T: Number> Block<'a, 's, T> {
+    /// Samples per chunk.
+    const CHUNK: usize = if T::LOW { CHUNK / 2 } else { CHUNK };
+
+    pub(crate) fn new(
+        plan: &'a Plan,
+        table: &'a Table<'s>,
+        kept: Option<&'a Folded<T>>,
+        samples: &Range<usize>,
+        spare: bool,
+    ) -> Self {
+        let row_length = table.row_length();
+        let longest = Self::CHUNK.min(row_length);
+        let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
+        let lines = match table.geometries() {
+            _ if kept.is_some() => 0,
+            Geometries::One => 1,
+            Geometries::ByRow => GROUP.min(rows),
+            Geometries::BySample => longest,
+        };
+        Self {
+            plan,
+            table,
+            kept,
+            folded: Folded::new(plan, lines),
+            rows: 0..0,
+            scratch: Scratch::new(plan, table, longest),
+            spare: vec![vec![T::Word::default(); if spare { longest } else { 0 }]; plan.planes],
+            angles: vec![],
+            pins: None,
+        }
+    }
+
+    /// Runs the samples, row after row.
+    #[inline(always)]
+    pub(crate) fn run<W: Word>(&mut self, samples: Range<usize>, target: &mut Target<'_, '_, W>)
+    where
+        T: Deliver<W>,
+    {
+        let row_length = self.table.row_length();
+        let last_row = (samples.end - 1) / row_length;
+        let mut at = samples.start;
+        while at < samples.end {
+            let (row, first) = (at / row_length, at % row_length);
+            let end = row_length.min(first + samples.end - at);
+            let unit = row - samples.start / row_length;
+            let part = Part { row, samples: first..end, place: at - samples.start };
+            self.see(row, last_row);
+            self.row(&part, unit, target);
+            at += end - first;
+        }
+    }
+
+    /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
+    #[inline(always)]
+    fn see(&mut self, row: usize, last: usize) {
+        for (column, cursor) in self.table.columns.iter().zip(&mut self.scratch.cursors) {
+            *cursor = self.table.locate(&column.strides, row);
+        }
+        let rows = match self.table.geometries() {
+            Geometries::One => row..row + 1,
+            Geometries::ByRow => row..(last + 1).min(row + GROUP),
+            Geometries::BySample => return,
+        };
+        let at_hand = match self.table.geometries() {
+            Geometries::One => !self.rows.is_empty(),
+            _ => self.rows.contains(&row),
+        };
+        if at_hand || self.kept.is_some() {
+            return;
+        }
+        let table = self.table;
+        let line_of = |i: usize| table.locate(&table.line, row + i).0;
+        self.folded.fold(self.plan, &table.lines, rows.len(), line_of);
+        self.rows = rows;
+    }
+
+    /// Runs a part of one row, chunk after chunk; chunks begin at multiples of their length.
+    #[inline(always)]
+    fn row<W: Word>(&mut self, part: &Part, unit: usize, target: &mut Target<'_, '_, W>)
+    where
+        T: Deliver<W>,
+    {
+        let Range { start, end } = part.samples;
+        let stop = match self.period(part, target) {
+            Some(period) => start + period,
+            None => end,
+        };
+        if stop < end {
+            self.scratch.keep_errors(stop - start);
+        }
+        let mut at = start;
+        while at < stop {
+            let next = stop.min((at / Self::CHUNK + 1) * Self::CHUNK);
+            self.chunk(part, at..next, unit, target);
+            at = next;
+        }
+        if stop < end
+            && let Target::Planes(planes) = target
+        {
+            self.repeat(part, stop - start, planes);
+        }
+    }
+
+    /// After how many samples the results of a row repeat themselves, if they are to be repeated.
+    #[inline(always)]
+    fn period<W>(&self, part: &Part, target: &Target<'_, '_, W>) -> Option<usize> {
+        let period = self.table.sweep?.period(self.plan.needs_sense())?;
+        let steady = self.scratch.cursors.iter().skip(1).all(|&(_, step)| step == 0);
+        let one = self.table.geometries() != Geometries::BySample;
+        let repeats = steady && one && period <= REPEATED && 2 * period <= part.samples.len();
+        match target {
+            Target::Planes(_) => repeats.then_some(period),
+            // Every sample counts once: whole periods of what repeats are as good as one.
+            Target::Reduced(..) => {
+                let whole = part.samples.len().is_multiple_of(period);
+                (repeats && whole && !self.plan.needs_angle()).then_some(period)
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn chunk<W: Word>(
+        &mut self,
+        part: &Part,
+        samples: Range<usize>,
+        unit: usize,
+        target: &mut Target<'_, '_, W>,
+    ) where
+        T: Deliver<W>,
+    {
+        let Self { plan, table, scratch, .. } = self;
+        let size = samples.len();
+        let (origin, step) = scratch.cursors[ANGLE];
+        let begin = origin + samples.start * step;
+        let drive = match &table.sweep {
+            Some(sweep) => Drive::Sweep(sweep, begin),
+            None if step == 1 => Drive::Array(&table.columns[ANGLE].data[begin..begin + size]),
+            None => {
+                self.angles.resize(size, 0.0);
+                gather(table.columns[ANGLE].data, begin, step, &mut self.angles);
+                Drive::Array(&self.angles)
+            }
+        };
+        if plan.needs_pins() && self.pins != Some((begin, step, size)) {
+            chunk::find_pins(plan, drive, scratch, size);
+            self.pins = Some((begin, step, size));
+        }
+        let (folded, seen) = match (self.kept, table.geometries()) {
+            (Some(kept), _) => (kept, Seen::One(0)),
+            (None, Geometries::One) => (&self.folded, Seen::One(0)),
+            (None, Geometries::ByRow) => (&self.folded, Seen::One(part.row - self.rows.start)),
+            (None, Geometries::BySample) => {
+                let (line, step) = table.locate(&table.line, part.row);
+                let line_of = |i: usize| line + (samples.start + i) * step;
+                self.folded.fold(plan, &table.lines, size, line_of);
+                (&self.folded, Seen::Each)
+            }
+        };
+        let from = part.place + samples.start - part.samples.start;
+        let kept_from = samples.start - part.samples.start;
+        let direct = match target {
+            Target::Planes(planes) => T::direct(planes),
+            Target::Reduced(..) => None,
+        };
+        let converts = direct.is_none();
+        let mut views: Vec<&mut [T::Word]> = match direct {
+            Some(planes) => planes.iter_mut().map(|plane| &mut plane[from..from + size]).collect(),
+            None => self.spare.iter_mut().map(|plane| &mut plane[..size]).collect(),
+        };
+        chunk::run_motion(plan, drive, folded, seen, scratch, &mut views, size, kept_from);
+        if let Some(load) = &plan.load {
+            let columns = table.columns.iter().zip(&scratch.cursors).skip(1);
+            for ((column, &(origin, step)), buffer) in columns.zip(&mut scratch.gathered[1..]) {
+                gather(column.data, origin + samples.start * step, step, &mut buffer[..size]);
+            }
+            chunk::run_load(plan, load, table, folded, seen, scratch, &mut views, size);
+        }
+        if !converts {
+            return;
+        }
+        match target {
+            Target::Planes(planes) => {
+                for (plane, words) in planes.iter_mut().zip(&self.spare) {
+                    convert(&words[..size], &mut plane[from..from + size]);
+                }
+            }
+            Target::Reduced(reduction, groups, partials) => {
+                let own = &mut partials[unit * groups.len()..(unit + 1) * groups.len()];
+                let mut plane = 0;
+                for (partial, &group) in own.iter_mut().zip(*groups) {
+                    reduction.take(partial, &self.spare[plane..plane + group], size);
+                    plane += group;
+                }
+            }
+        }
+    }
+
+    /// Fills the rest of a row from its first period.
+    #[inline(always)]
+    fn repeat<W: Word>(&mut self, part: &Part, period: usize, planes: &mut [&mut [W]])
+    where
+        T: Deliver<W>,
+    {
+        let length = part.samples.len();
+        let angles: Vec<usize> = self.plan.shafts.iter().filter_map(|step| step.angle).collect();
+        for (i, plane) in planes.iter_mut().enumerate() {
+            if !angles.contains(&i) {
+                let row = &mut plane[part.place..part.place + length];
+                let (first, rest) = row.split_at_mut(period);
+                for again in rest.chunks_mut(period) {
+                    again.copy_from_slice(&first[..again.len()]);
+                }
+            }
+        }
+        let Some(sweep) = &self.table.sweep else { return };
+        let (origin, _) = self.scratch.cursors[ANGLE];
+        for (slot, &plane) in angles.iter().enumerate() {
+            let mut at = period;
+            while at < length {
+                let in_period = at % period;
+                let size = (period - in_period).min(length - at).min(Self::CHUNK);
+                let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
+                let place = part.place + at..part.place + at + size;
+                if let Some(direct) = T::direct(planes) {
+                    let out = &mut direct[plane][place];
+                    chunk::repeat_angle(&self.scratch, slot, in_period, drive, out);
+                } else {
+                    let out = &mut self.spare[plane][..size];
+                    chunk::repeat_angle(&self.scratch, slot, in_period, drive, out);
+                    convert(out, &mut planes[plane][place]);
+                }
+                at += size;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn convert<V: Word, W: Word>(words: &[V], out: &mut [W]) {
+    for (out, &word) in out.iter_mut().zip(words) {
+        *out = W::near(word.into());
+    }
+}
+
+#[inline(always)]
+fn gather(data: &[f64], origin: usize, step: usize, buffer: &mut [f64]) {
+    match step {
+        0 => buffer.fill(data[origin]),
+        1 => buffer.copy_from_slice(&data[origin..origin + buffer.len()]),
+        _ => {
+            for (x, &value) in buffer.iter_mut().zip(data[origin..].iter().step_by(step)) {
+                *x = value;
+            }
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! What a plan does for each sample, and what it leaves out and why, in words.
+
+use crate::batch::{Operations, Precision};
+use crate::plan::{Plan, ShaftStep};
+use crate::reduction::Reduction;
+use crate::samples::Drivelines;
+
+/// How a plan is called.
+#[derive(Clone, Copy, Debug)]
+pub struct Call {
+    /// The arithmetic.
+    pub precision: Precision,
+    /// What rows are reduced to, if they are.
+    pub reduction: Option<Reduction>,
+    /// Whether the angles come from a sweep.
+    pub sweep: bool,
+    /// Whether results are in single precision.
+    pub single: bool,
+}
+
+impl Plan {
+    /// The steps taken and those skipped with the reason, operations and bytes per sample, as text.
+    /// Operations are counted on the first of the drivelines.
+    pub fn explain(&self, lines: &Drivelines<'_>, call: &Call) -> String {
+        let kind = match call.precision {
+            Precision::Single => "single precision after a reduction in double",
+            Precision::Double => "double precision",
+            Precision::InTwo => "double precision with error terms",
+        };
+        let mut text = format!("arithmetic: {kind}\nsteps:");
+        for words in self.steps(lines, call) {
+            text += &format!("\n  {words}");
+        }
+        let skipped = self.skipped(lines, call);
+        if !skipped.is_empty() {
+            text += "\nskipped:";
+        }
+        for words in skipped {
+            text += &format!("\n  {words}");
+        }
+        let read = if call.sweep { 0 } else { 8 };
+        let word = if call.single { 4 } else { 8 };
+        let written = if call.reduction.is_some() { 0 } else { word * self.planes };
+        let Operations(operations) = self.operations(lines, call.precision);
+        text + &format!(
+            "\nper sample: {operations} operations, {read} bytes read, {written} bytes written"
+        )
+    }
+
+    /// The steps in the order in which they run.
+    fn steps(&self, lines: &Drivelines<'_>, call: &Call) -> Vec<String> {
+        let mut steps = vec![];
+        if self.needs_pins() {
+            let from = if call.sweep { "sample number" } else { "angle" };
+            let sense = if self.needs_sense() { "" } else { ", up to their sign" };
+            steps.push(format!("{from} to sine and cosine times a common factor{sense}"));
+        }
+        let bent = self.first_bent();
+        for step in &self.shafts {
+            let shaft = step.shaft;
+            let found = found(step);
+            if shaft <= bent {
+                steps.push(format!("shaft {shaft}: {found}, those of the drive"));
+                continue;
+            }
+            if shaft > 1 {
+                steps
+                    .push(format!("shaft {shaft}: sine and cosine turned to its equivalent joint"));
+            }
+            let terms = if step.angle.is_some() || step.angle_error.is_some() {
+                let range = self.range_of_first(lines, shaft);
+                let terms = range.terms()[call.precision as usize];
+                format!(" (inverse tangent of {terms} terms)")
+            } else {
+                String::new()
+            };
+            let loops = if step.together().is_some() { ", in one loop" } else { "" };
+            steps.push(format!("shaft {shaft}: {found}{terms}{loops}"));
+        }
+        for (j, step) in self.joints.iter().enumerate() {
+            if step.needs_tilt() {
+                steps.push(format!("joint {j}: tilts of the cross"));
+            }
+        }
+        for station in self.load.iter().flat_map(|load| &load.stations) {
+            let shaft = station.shaft;
+            if station.absorbs {
+                steps.push(format!("shaft {shaft}: power that its inertia takes"));
+            }
+            if station.torque.is_some() {
+                steps.push(format!("shaft {shaft}: torque from the power"));
+            }
+            if station.torsion {
+                let step = &self.joints[shaft - 1];
+                let parts = [
+                    (step.moment.is_some(), "moment"),
+                    (step.needs_support(), "support moments"),
+                    (step.bending_driving.is_some(), "bending, driving side"),
+                    (step.bending_driven.is_some(), "bending, driven side"),
+                ];
+                let names: Vec<&str> =
+                    parts.iter().filter(|(wanted, _)| *wanted).map(|(_, name)| *name).collect();
+                steps.push(format!("joint {}: {} from the torsion", shaft - 1, names.join(", ")));
+            }
+        }
+        if let Some(reduction) = call.reduction {
+            steps.push(format!("each row to its {}; no sample is stored", reduction.name()));
+        }
+        steps
+    }
+
+    /// What is left out, and why.
+    fn skipped(&self, lines: &Drivelines<'_>, call: &Call) -> Vec<String> {
+        let n = self.joint_count;
+        let mut skipped = vec![];
+        for (j, &bend) in self.largest_bends.iter().enumerate() {
+            if bend == 0.0 {
+                skipped.push(format!("joint {j}: straight, it passes its rotation on"));
+            }
+        }
+        if let Some(step) = self.shafts.last().filter(|step| step.shaft > 1) {
+            skipped.push(format!(
+                "joints one by one: the {} before shaft {} act as one",
+                step.shaft, step.shaft
+            ));
+        }
+        let reach = self.reach();
+        if reach < n {
+            let last = if reach + 1 == n { String::new() } else { format!(" to {}", n - 1) };
+            skipped.push(format!("joint {reach}{last}: beyond everything asked for"));
+        }
+        let idle: Vec<String> = (0..=n)
+            .filter(|&shaft| self.shafts.iter().all(|step| step.shaft != shaft))
+            .map(|shaft| shaft.to_string())
+            .collect();
+        if !idle.is_empty() {
+            let plural = if idle.len() > 1 { "s" } else { "" };
+            skipped.push(format!("shaft{plural} {}: motion not asked for", idle.join(", ")));
+        }
+        if self.load.is_none() {
+            skipped.push("torques and moments: not asked for".into());
+        }
+        if !self.needs_pins() {
+            skipped.push("sine and cosine: everything turns with the drive".into());
+        }
+        skipped.extend(self.vanishing(lines));
+        if call.sweep {
+            skipped.push(
+                "array of angles: a sweep needs none; whole turns of a sweep are repeated".into(),
+            );
+        }
+        skipped
+    }
+}
+
+/// What is wanted of a shaft.
+fn found(step: &ShaftStep) -> String {
+    let names = [
+        (step.angle.is_some(), "angle"),
+        (step.angle_error.is_some(), "angle error"),
+        (step.speed_ratio.is_some() || step.keep_rates, "speed ratio"),
+        (step.acceleration_ratio.is_some() || step.keep_rates, "acceleration ratio"),
+    ];
+    let names: Vec<&str> = names.iter().filter(|(wanted, _)| *wanted).map(|(_, n)| *n).collect();
+    names.join(", ")
+}
