@@ -39,71 +39,32 @@ const ATAN_0_32: [f64; 11] = [
     -0.025_280_703_822_841_21,
 ];
 
-/// The same for `|t| ≤ 1`, relative error 2⁻⁵⁷·⁶.
-const ATAN_1: [f64; 20] = [
-    -0.333_333_333_333_330_7,
-    0.199_999_999_999_514_62,
-    -0.142_857_142_825_751_38,
-    0.111_111_110_070_267_36,
-    -0.090_909_070_029_974_73,
-    0.076_922_798_393_240_47,
-    -0.066_664_040_575_802_22,
-    0.058_805_278_135_378_954,
-    -0.052_535_185_446_520_895,
-    0.047_223_221_807_003_25,
-    -0.042_191_788_456_041_38,
-    0.036_641_908_439_225_115,
-    -0.029_903_854_296_613_068,
-    0.021_984_847_982_474_087,
-    -0.013_900_554_950_758_369,
-    0.007_196_499_560_716_875,
-    -0.002_884_916_624_583_154,
-    0.000_831_321_220_797_866_1,
-    -0.000_152_160_734_867_644_17,
-    1.322_506_307_323_098e-5,
+/// The same for `|t| ≤ 0.4143`, relative error 2⁻⁶⁴.
+const ATAN_0_41: [f64; 12] = [
+    -0.333_333_333_333_333_26,
+    0.199_999_999_999_976_42,
+    -0.142_857_142_853_847_62,
+    0.111_111_110_879_944_3,
+    -0.090_909_081_385_212_45,
+    0.076_922_826_351_231_95,
+    -0.066_662_250_959_204_62,
+    0.058_770_069_642_556_585,
+    -0.052_183_172_545_158_724,
+    0.045_032_259_437_675_03,
+    -0.033_467_579_649_908_84,
+    0.015_188_775_812_444_587,
 ];
 
-/// `atan t = t − t z/3 + t z² P(z)` for `|t| ≤ 1`, relative error 2⁻⁶²·⁶.
-const ATAN_1_TAIL: [f64; 21] = [
-    0.199_999_999_999_994_07,
-    -0.142_857_142_856_422_45,
-    0.111_111_111_075_685_53,
-    -0.090_909_089_940_131_61,
-    0.076_923_059_975_652_81,
-    -0.066_666_461_414_627_15,
-    0.058_821_716_990_137_1,
-    -0.052_619_483_194_783_385,
-    0.047_556_411_592_639_465,
-    -0.043_221_524_567_954_42,
-    0.039_153_908_760_867_134,
-    -0.034_766_101_399_244_8,
-    0.029_461_534_900_591_103,
-    -0.023_007_390_230_748_735,
-    0.015_915_657_981_989_198,
-    -0.009_357_221_807_205_973,
-    0.004_474_049_000_484_649_6,
-    -0.001_651_841_353_455_212_6,
-    0.000_438_370_319_275_465_65,
-    -7.401_729_130_382_833e-5,
-    5.950_189_342_648_446e-6,
-];
-const THIRD: Pair = Pair::new(0.333_333_333_333_333_3, 1.850_371_707_708_594e-17);
-
-/// The same in single precision, relative errors 2⁻³³, 2⁻²⁷, 2⁻²⁹ and 2⁻²⁸.
+/// The same in single precision, relative errors 2⁻³³, 2⁻²⁷, 2⁻²⁹ and 2⁻³⁰.
 const SINGLE_0_008: [f32; 1] = [-0.333_322_73];
 const SINGLE_0_1: [f32; 2] = [-0.333_327_15, 0.198_012_57];
 const SINGLE_0_32: [f32; 4] = [-0.333_332_77, 0.199_946_05, -0.141_227_83, 0.091_270_92];
-const SINGLE_1: [f32; 9] = [
-    -0.333_332_99,
-    0.199_985_48,
-    -0.142_642_42,
-    0.109_521_88,
-    -0.084_034_56,
-    0.057_957_688,
-    -0.031_177_932,
-    0.010_914_648,
-    -0.001_793_630_3,
-];
+const SINGLE_0_41: [f32; 5] =
+    [-0.333_333_15, 0.199_984_69, -0.142_434_87, 0.105_934_516, -0.060_772_586];
+
+/// `tan 22.5°` and `tan 67.5°`.
+const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
+const TAN_THREE_EIGHTHS: f64 = 2.414_213_562_373_095;
 
 /// The inverse tangent that an angle error needs, chosen once from the largest tangent in reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -114,9 +75,9 @@ pub enum AtanRange {
     Tenth,
     /// Tangents up to 0.32 (bends to 57°).
     Third,
-    /// Tangents up to 1 (bends to 80°).
+    /// Tangents up to 1 (bends to 80°): those of 22.5° and a turn by 45°.
     One,
-    /// Any tangent: the same and an exchange of the sides.
+    /// Any tangent: the same and a turn by 45° or 90°.
     Any,
 }
 
@@ -149,7 +110,7 @@ impl AtanRange {
             Self::Hundredth => [SINGLE_0_008.len(), ATAN_0_008.len(), ATAN_0_008.len()],
             Self::Tenth => [SINGLE_0_1.len(), ATAN_0_1.len(), ATAN_0_1.len()],
             Self::Third => [SINGLE_0_32.len(), ATAN_0_32.len(), ATAN_0_32.len()],
-            Self::One | Self::Any => [SINGLE_1.len(), ATAN_1.len(), ATAN_1_TAIL.len() + 1],
+            Self::One | Self::Any => [SINGLE_0_41.len(), ATAN_0_41.len(), ATAN_0_41.len()],
         }
     }
 }
@@ -162,22 +123,34 @@ pub trait Atan: Real {
     fn atan_tenth(y: Self, x: Self) -> Self;
     /// `|y| ≤ 0.32 x`.
     fn atan_third(y: Self, x: Self) -> Self;
-    /// `|y| ≤ x`.
-    fn atan_one(y: Self, x: Self) -> Self;
+    /// `|y| ≤ 0.4143 x`.
+    fn atan_eighth_turn(y: Self, x: Self) -> Self;
+    /// `self` and so many times 45°.
+    #[must_use]
+    fn after_eighths(self, eighths: f64) -> Self;
 
-    /// Any `y`.
+    /// `|y| ≤ x`: from 22.5° on, turned back by 45°.
+    #[inline(always)]
+    fn atan_one(y: Self, x: Self) -> Self {
+        let size = y.abs();
+        let steep = size.exceeds(x * Self::from_f64(TAN_EIGHTH));
+        let (across, along) = if steep { (size - x, size + x) } else { (size, x) };
+        let a = Self::atan_eighth_turn(across, along);
+        a.after_eighths(if steep { 1.0 } else { 0.0 }).copysign(y)
+    }
+
+    /// Any `y`: from 67.5° on, turned back by 90°.
     #[inline(always)]
     fn atan_any(y: Self, x: Self) -> Self {
         let size = y.abs();
-        let steep = size.exceeds(x);
-        let (small, large) = if steep { (x, size) } else { (size, x) };
-        let a = Self::atan_one(small, large);
-        let a = if steep { Self::quarter_less(a) } else { a };
-        a.copysign(y)
+        let steep = size.exceeds(x * Self::from_f64(TAN_EIGHTH));
+        let steepest = size.exceeds(x * Self::from_f64(TAN_THREE_EIGHTHS));
+        let (across, along) = if steep { (size - x, size + x) } else { (size, x) };
+        let (across, along) = if steepest { (-x, size) } else { (across, along) };
+        let eighths = if steep { 1.0 } else { 0.0 };
+        let eighths = if steepest { 2.0 } else { eighths };
+        Self::atan_eighth_turn(across, along).after_eighths(eighths).copysign(y)
     }
-
-    /// `π/2 − a`.
-    fn quarter_less(a: Self) -> Self;
 }
 
 macro_rules! plain {
@@ -199,22 +172,24 @@ macro_rules! plain {
             }
 
             #[inline(always)]
-            fn atan_one(y: Self, x: Self) -> Self {
+            fn atan_eighth_turn(y: Self, x: Self) -> Self {
                 by_polynomial(y / x, &$one)
             }
 
             #[inline(always)]
-            fn quarter_less(a: Self) -> Self {
-                let high = HALF_PI[0] as Self;
-                high - (a - (HALF_PI[0] - f64::from(high) + HALF_PI[1]) as Self)
+            fn after_eighths(self, eighths: f64) -> Self {
+                let high = (0.5 * HALF_PI[0]) as Self;
+                let low = (0.5 * HALF_PI[0] - high as f64 + 0.5 * HALF_PI[1]) as Self;
+                let eighths = eighths as Self;
+                $float::mul_add(eighths, high, $float::mul_add(eighths, low, self))
             }
         }
     )*};
 }
 
 plain!(
-    f32 SINGLE_0_008 SINGLE_0_1 SINGLE_0_32 SINGLE_1
-    f64 ATAN_0_008 ATAN_0_1 ATAN_0_32 ATAN_1
+    f32 SINGLE_0_008 SINGLE_0_1 SINGLE_0_32 SINGLE_0_41
+    f64 ATAN_0_008 ATAN_0_1 ATAN_0_32 ATAN_0_41
 );
 
 #[inline(always)]
@@ -223,11 +198,13 @@ fn by_polynomial<T: Real>(t: T, coefficients: &[T]) -> T {
     (t * z).mul_add(polynomial(z, coefficients), t)
 }
 
-/// The polynomial is small beside the tangent: only the latter needs its error term.
+/// The polynomial is small beside the tangent: only the latter needs its error term, of which the
+/// inverse tangent passes on `1/(1 + t²)`.
 #[inline(always)]
 fn beside_tangent(t: Pair, coefficients: &[f64]) -> Pair {
     let z = t.high * t.high;
-    Pair { high: t.high, low: (t.high * z).mul_add(polynomial(z, coefficients), t.low) }
+    let low = (-z).mul_add(t.low, t.low);
+    Pair { high: t.high, low: (t.high * z).mul_add(polynomial(z, coefficients), low) }
 }
 
 impl Atan for Pair {
@@ -247,15 +224,12 @@ impl Atan for Pair {
     }
 
     #[inline(always)]
-    fn atan_one(y: Self, x: Self) -> Self {
-        let t = y / x;
-        let z = t.square();
-        let sum = THIRD.plus_smaller(Self::exact(-(z.high * polynomial(z.high, &ATAN_1_TAIL))));
-        t.plus_smaller(-(t * (z * sum)))
+    fn atan_eighth_turn(y: Self, x: Self) -> Self {
+        beside_tangent(y / x, &ATAN_0_41)
     }
 
     #[inline(always)]
-    fn quarter_less(a: Self) -> Self {
-        Self::new(HALF_PI[0], HALF_PI[1]).plus_smaller(-a)
+    fn after_eighths(self, eighths: f64) -> Self {
+        Self::new(0.5 * HALF_PI[0] * eighths, 0.5 * HALF_PI[1] * eighths) + self
     }
 }

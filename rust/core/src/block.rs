@@ -261,11 +261,12 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         };
         let from = part.place + samples.start - part.samples.start;
         let kept_from = samples.start - part.samples.start;
-        let direct = match target {
-            Target::Planes(planes) => T::direct(planes),
-            Target::Reduced(..) => None,
+        let (direct, fills) = match target {
+            Target::Planes(planes) => (T::direct(planes), true),
+            Target::Reduced(..) => (None, false),
         };
         let converts = direct.is_none();
+        scratch.bare = T::SHORT && converts && fills;
         let mut views: Vec<&mut [T::Word]> = match direct {
             Some(planes) => planes.iter_mut().map(|plane| &mut plane[from..from + size]).collect(),
             None => self.spare.iter_mut().map(|plane| &mut plane[..size]).collect(),
@@ -285,6 +286,14 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             Target::Planes(planes) => {
                 for (plane, words) in planes.iter_mut().zip(&self.spare) {
                     convert(&words[..size], &mut plane[from..from + size]);
+                }
+                if scratch.bare {
+                    for step in &plan.shafts {
+                        if let Some(plane) = step.angle {
+                            let out = &mut planes[plane][from..from + size];
+                            add_drive(drive, &self.spare[plane], out);
+                        }
+                    }
                 }
             }
             Target::Reduced(reduction, groups, partials) => {
@@ -325,12 +334,11 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
                 let place = part.place + at..part.place + at + size;
                 if let Some(direct) = T::direct(planes) {
-                    let out = &mut direct[plane][place];
-                    chunk::repeat_angle(&self.scratch, slot, in_period, drive, out);
+                    chunk::repeat_angle(&self.scratch, slot, in_period, drive, &mut direct[plane][place]);
                 } else {
-                    let out = &mut self.spare[plane][..size];
-                    chunk::repeat_angle(&self.scratch, slot, in_period, drive, out);
-                    convert(out, &mut planes[plane][place]);
+                    let errors = &mut self.spare[plane][..size];
+                    chunk::repeat_error(&self.scratch, slot, in_period, errors);
+                    add_drive(drive, errors, &mut planes[plane][place]);
                 }
                 at += size;
             }
@@ -342,6 +350,14 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
 fn convert<V: Word, W: Word>(words: &[V], out: &mut [W]) {
     for (out, &word) in out.iter_mut().zip(words) {
         *out = W::near(word.into());
+    }
+}
+
+/// The drive angle plus a shorter angle error.
+#[inline(always)]
+fn add_drive<V: Word, W: Word>(drive: Drive<'_>, errors: &[V], out: &mut [W]) {
+    for (i, (out, &error)) in out.iter_mut().zip(errors).enumerate() {
+        *out = W::near(drive.angle(i) + error.into());
     }
 }
 

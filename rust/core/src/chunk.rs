@@ -15,6 +15,8 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) cursors: Vec<(usize, usize)>,
     /// The load's columns at the current chunk.
     pub(crate) gathered: Vec<Vec<f64>>,
+    /// Whether angles are delivered without the drive's, which is added with more digits.
+    pub(crate) bare: bool,
     pins: [Column<T>; 2],
     turned: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
@@ -43,6 +45,7 @@ impl<T: Number> Scratch<T> {
         Self {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: vec![vec![0.0; size(loaded)]; table.columns.len()],
+            bare: false,
             pins: columns(longest),
             turned: columns(size(plan.shafts.iter().any(|step| step.shaft > 1))),
             rates: rates.collect(),
@@ -123,7 +126,8 @@ pub(crate) fn run_motion<T: Number>(
     size: usize,
     kept_from: usize,
 ) {
-    let Scratch { pins, turned, rates, errors, .. } = scratch;
+    let Scratch { pins, turned, rates, errors, bare, .. } = scratch;
+    let bare = *bare;
     let pins = pins_of(pins, size);
     let mut errors = errors.iter_mut();
     for step in &plan.shafts {
@@ -133,7 +137,7 @@ pub(crate) fn run_motion<T: Number>(
         let rates = rates[step.shaft].each_mut();
         let bent = step.shaft > plan.first_bent();
         let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| bent) else {
-            run_drive_shaft(step, drive, rates, planes, size);
+            run_drive_shaft(step, drive, rates, bare, planes, size);
             continue;
         };
         let folded = match seen {
@@ -151,7 +155,7 @@ pub(crate) fn run_motion<T: Number>(
                 kernel::turn(at, pins, sine, cosine);
                 pins = pins_of(turned, size);
             }
-            run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
+            run_shaft(step, range, at, drive, pins, rates, bare, errors, planes, size);
         });
     }
     for (step, poses) in plan.joints.iter().zip(&folded.poses) {
@@ -187,20 +191,36 @@ pub(crate) fn repeat_angle<T: Number>(
     kernel::add_drive::<T>(drive, |i| errors.get(i), out);
 }
 
+/// The error alone.
+#[inline(always)]
+pub(crate) fn repeat_error<T: Number>(
+    scratch: &Scratch<T>,
+    slot: usize,
+    first: usize,
+    out: &mut [T::Word],
+) {
+    kernel::copy(scratch.errors[slot].part(first, out.len()), out);
+}
+
 /// A shaft with no bent joint before it turns with the drive.
 #[inline(always)]
 fn run_drive_shaft<T: Number>(
     step: &ShaftStep,
     drive: Drive<'_>,
     [ratio, acceleration]: [&mut Column<T>; 2],
+    bare: bool,
     planes: &mut [&mut [T::Word]],
     size: usize,
 ) {
-    if let Some(plane) = step.angle {
+    if let (Some(plane), false) = (step.angle, bare) {
         kernel::drive_angle::<T>(drive, &mut *planes[plane]);
     }
-    let constants =
-        [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
+    let constants = [
+        (step.angle.filter(|_| bare), 0.0),
+        (step.angle_error, 0.0),
+        (step.speed_ratio, 1.0),
+        (step.acceleration_ratio, 0.0),
+    ];
     for (plane, value) in constants {
         if let Some(plane) = plane {
             kernel::constant::<T>(value, drive, &mut *planes[plane]);
@@ -223,6 +243,7 @@ fn run_shaft<T: Number>(
     drive: Drive<'_>,
     pins: Pins<'_, T>,
     [ratio, acceleration]: [&mut Column<T>; 2],
+    bare: bool,
     mut errors: ViewMut<'_, T>,
     planes: &mut [&mut [T::Word]],
     size: usize,
@@ -235,6 +256,10 @@ fn run_shaft<T: Number>(
         match drive {
             _ if step.angle.is_none() => {
                 kernel::motion::<T>(range, at, pins, &mut **rotation, rates);
+            }
+            _ if bare => {
+                kernel::motion::<T>(range, at, pins, errors.again(), rates);
+                kernel::copy(errors.view(), &mut **rotation);
             }
             Drive::Array(angle) if !T::SHORT => {
                 let out = AfterArray(&angle[..size], rotation);
@@ -253,6 +278,10 @@ fn run_shaft<T: Number>(
     if let Some(plane) = step.angle {
         let out = &mut *planes[plane];
         match drive {
+            _ if bare => {
+                kernel::angle_error(range, at, pins, errors.again());
+                kernel::copy(errors.view(), out);
+            }
             Drive::Array(angle) if !T::SHORT => {
                 kernel::angle_error::<T>(range, at, pins, AfterArray(&angle[..size], out));
             }

@@ -85,6 +85,12 @@ pub(crate) struct ViewMut<'a, T: Real> {
 }
 
 impl<T: Real> ViewMut<'_, T> {
+    /// The same part to read.
+    #[inline(always)]
+    pub(crate) fn view(&self) -> View<'_, T> {
+        View { high: self.high, low: self.low }
+    }
+
     /// The same part once more.
     #[inline(always)]
     pub(crate) fn again(&mut self) -> ViewMut<'_, T> {

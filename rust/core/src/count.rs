@@ -36,8 +36,7 @@ impl<const TYPE: usize> Counted<TYPE> {
     fn atan_in(range: AtanRange, y: Self, x: Self) -> Self {
         let terms = range.terms();
         let [single, double, in_two] = terms.map(|terms| terms + 3);
-        let extra = if range >= AtanRange::One { [28, 5 + 11] } else { [0, 5] };
-        let in_two = in_two + extra.iter().sum::<usize>();
+        let in_two = in_two + 6;
         Self::after_operations(y.0.atan2(x.0), [single, double, in_two])
     }
 }
@@ -166,11 +165,11 @@ impl<const TYPE: usize> Atan for Counted<TYPE> {
         Self::atan_in(AtanRange::Third, y, x)
     }
 
-    fn atan_one(y: Self, x: Self) -> Self {
+    fn atan_eighth_turn(y: Self, x: Self) -> Self {
         Self::atan_in(AtanRange::One, y, x)
     }
 
-    fn quarter_less(a: Self) -> Self {
-        Self::after_operations(std::f64::consts::FRAC_PI_2 - a.0, [2, 2, 5])
+    fn after_eighths(self, eighths: f64) -> Self {
+        Self::after_operations(self.0 + eighths * std::f64::consts::FRAC_PI_4, [2, 2, 10])
     }
 }
