@@ -16,6 +16,7 @@ use crate::plan::Plan;
 use crate::real::Word;
 use crate::reduction::Reduction;
 use crate::samples::{Angles, Drivelines, Load, Samples, Source, Table};
+use crate::sweep::Group;
 
 /// Samples per block of a threaded run: some 20 µs of work. A multiple of the chunk.
 const BLOCK: usize = 16 * CHUNK;
@@ -74,7 +75,7 @@ impl Plan {
         lines.check(self.joint_count)?;
         fn folded<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
             let mut folded = Folded::new(plan, 1);
-            folded.fold(plan, lines, 1, |_| 0);
+            dispatch!(Level::new(), _simd => folded.fold(plan, lines, 1, |_| 0));
             folded
         }
         Ok(Constants(match precision {
@@ -217,7 +218,7 @@ impl Plan {
         let Ok(table) = Table::new(self, &samples) else { return Operations(0) };
         let mut plane = vec![[0.0]; self.planes];
         let mut planes: Vec<&mut [f64]> = plane.iter_mut().map(|word| &mut word[..]).collect();
-        let mut block = Block::<Counted<TYPE>>::new(self, &table, None, &(0..1), false);
+        let mut block = Block::<Counted<TYPE>>::new(self, &table, None, None, &(0..1), false);
         Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
     }
 }
@@ -247,8 +248,10 @@ impl Run<'_, '_> {
             return Ok(());
         }
         let size = block_size(total, workers);
+        let group = dispatch!(self.level, _simd => Block::<T>::group(self.plan, self.table));
+        let group = group.as_ref();
         if size >= total {
-            self.block::<T, W>(0..total, Target::Planes(planes));
+            self.block::<T, W>(group, 0..total, Target::Planes(planes));
             return Ok(());
         }
         let mut rests: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
@@ -257,7 +260,7 @@ impl Run<'_, '_> {
             .collect();
         blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
             let samples = i * size..total.min((i + 1) * size);
-            self.block::<T, W>(samples, Target::Planes(&mut block));
+            self.block::<T, W>(group, samples, Target::Planes(&mut block));
         });
         Ok(())
     }
@@ -282,6 +285,7 @@ impl Run<'_, '_> {
         let results = groups.len();
         let mut partials = vec![reduction.start(); rows * parts * results];
         let per_block = if parts > 1 { results } else { rows_per_block * results };
+        let group = dispatch!(self.level, _simd => Block::<T>::group(self.plan, self.table));
         let run = |(i, partials): (usize, &mut [Pair])| {
             let samples = if parts > 1 {
                 let (row, part) = (i / parts, i % parts);
@@ -290,7 +294,11 @@ impl Run<'_, '_> {
                 let first = i * rows_per_block;
                 first * length..(first + partials.len() / results) * length
             };
-            self.block::<T, f64>(samples, Target::Reduced(reduction, &groups, partials));
+            self.block::<T, f64>(
+                group.as_ref(),
+                samples,
+                Target::Reduced(reduction, &groups, partials),
+            );
         };
         if block_size(rows * length, workers) >= rows * length {
             partials.chunks_mut(per_block).enumerate().for_each(run);
@@ -313,13 +321,18 @@ impl Run<'_, '_> {
     }
 
     /// Runs a range of the samples, compiled for the level.
-    fn block<T: Deliver<W>, W: Word>(&self, samples: Range<usize>, mut target: Target<'_, '_, W>) {
+    fn block<T: Deliver<W>, W: Word>(
+        &self,
+        group: Option<&Group<T>>,
+        samples: Range<usize>,
+        mut target: Target<'_, '_, W>,
+    ) {
         let kept = self.constants.and_then(T::kept);
         let spare = match &mut target {
             Target::Planes(planes) => T::direct(planes).is_none(),
             Target::Reduced(..) => true,
         };
-        let mut block = Block::<T>::new(self.plan, self.table, kept, &samples, spare);
+        let mut block = Block::<T>::new(self.plan, self.table, kept, group, &samples, spare);
         dispatch!(self.level, _simd => block.run(samples, &mut target));
     }
 }

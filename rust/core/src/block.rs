@@ -12,6 +12,7 @@ use crate::plan::Plan;
 use crate::real::Word;
 use crate::reduction::Reduction;
 use crate::samples::{ANGLE, Geometries, Table};
+use crate::sweep::Group;
 
 /// Samples per chunk: sines and cosines of so many doubles stay in the first-level cache.
 pub(crate) const CHUNK: usize = 1024;
@@ -81,6 +82,8 @@ pub(crate) struct Block<'a, 's, T: Number> {
     table: &'a Table<'s>,
     /// The only driveline, folded before.
     kept: Option<&'a Folded<T>>,
+    /// How to find the pins of a long sweep.
+    group: Option<&'a Group<T>>,
     /// The drivelines of these rows, or of the samples of one chunk.
     folded: Folded<T>,
     rows: Range<usize>,
@@ -104,10 +107,20 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     /// Samples per chunk.
     const CHUNK: usize = if T::LOW { CHUNK / 2 } else { CHUNK };
 
+    /// A group of samples for a sweep whose rows are long enough and do not just repeat themselves.
+    #[inline(always)]
+    pub(crate) fn group(plan: &Plan, table: &Table<'_>) -> Option<Group<T>> {
+        let sweep = table.sweep?;
+        let period = sweep.period(plan.needs_sense()).filter(|&period| period <= REPEATED);
+        let samples = period.map_or(table.row_length(), |period| period.min(table.row_length()));
+        Group::new(&sweep, samples, Self::CHUNK).filter(|_| plan.needs_pins())
+    }
+
     pub(crate) fn new(
         plan: &'a Plan,
         table: &'a Table<'s>,
         kept: Option<&'a Folded<T>>,
+        group: Option<&'a Group<T>>,
         samples: &Range<usize>,
         spare: bool,
     ) -> Self {
@@ -124,6 +137,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             plan,
             table,
             kept,
+            group,
             folded: Folded::new(plan, lines),
             rows: 0..0,
             scratch: Scratch::new(plan, table, longest),
@@ -245,7 +259,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             }
         };
         if plan.needs_pins() && self.pins != Some((begin, step, size)) {
-            chunk::find_pins(plan, drive, scratch, size);
+            chunk::find_pins(plan, drive, self.group, scratch, size);
             self.pins = Some((begin, step, size));
         }
         let (folded, seen) = match (self.kept, table.geometries()) {
@@ -334,7 +348,13 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
                 let place = part.place + at..part.place + at + size;
                 if let Some(direct) = T::direct(planes) {
-                    chunk::repeat_angle(&self.scratch, slot, in_period, drive, &mut direct[plane][place]);
+                    chunk::repeat_angle(
+                        &self.scratch,
+                        slot,
+                        in_period,
+                        drive,
+                        &mut direct[plane][place],
+                    );
                 } else {
                     let errors = &mut self.spare[plane][..size];
                     chunk::repeat_error(&self.scratch, slot, in_period, errors);

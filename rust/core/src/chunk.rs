@@ -8,6 +8,7 @@ use crate::kernel::{self, AfterArray, Drive, Number, Pins};
 use crate::moment::Pose;
 use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::samples::{ACCELERATION, Drivelines, SPEED, TORQUE, Table};
+use crate::sweep::Group;
 
 /// The buffers of one block, each as long as its longest chunk.
 pub(crate) struct Scratch<T: Number> {
@@ -103,14 +104,15 @@ macro_rules! with_constants {
 pub(crate) fn find_pins<T: Number>(
     plan: &Plan,
     drive: Drive<'_>,
+    group: Option<&Group<T>>,
     scratch: &mut Scratch<T>,
     size: usize,
 ) {
     let [sine, cosine] = scratch.pins.each_mut().map(|pins| pins.view_mut(size));
-    if plan.needs_sense() {
-        kernel::pins::<true, T>(drive, sine, cosine);
-    } else {
-        kernel::pins::<false, T>(drive, sine, cosine);
+    match (drive, group) {
+        (Drive::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
+        _ if plan.needs_sense() => kernel::pins::<true, T>(drive, sine, cosine),
+        _ => kernel::pins::<false, T>(drive, sine, cosine),
     }
 }
 

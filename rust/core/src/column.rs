@@ -85,6 +85,13 @@ pub(crate) struct ViewMut<'a, T: Real> {
 }
 
 impl<T: Real> ViewMut<'_, T> {
+    /// A part of it.
+    #[inline(always)]
+    pub(crate) fn window(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
+        let low = low::<T>(start..start + length);
+        ViewMut { high: &mut self.high[start..start + length], low: &mut self.low[low] }
+    }
+
     /// The same part to read.
     #[inline(always)]
     pub(crate) fn view(&self) -> View<'_, T> {

@@ -16,7 +16,7 @@ use crate::moment::{self, Parts, Pose};
 use crate::pair::Pair;
 use crate::real::Real;
 use crate::reduce::{self, Far};
-use crate::sweep::Sweep;
+use crate::sweep::{Reduction, Sweep};
 use crate::trig::{self, Angle};
 
 /// What a number type needs for kernels.
@@ -142,13 +142,23 @@ pub(crate) fn pins<const SENSED: bool, T: Number>(
                 }
             }
         }
-        Drive::Sweep(sweep, first) => {
-            for i in 0..sine.len() {
-                let (remainder, quadrant) = sweep.reduced(number(first, i));
-                let reduced = (T::from_pair(remainder), quadrant);
-                set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+        Drive::Sweep(sweep, first) => match sweep.reduction() {
+            Reduction::OfTurns { per_turn, inverse, quarter } => {
+                for i in 0..sine.len() {
+                    let i_th = number(first, i);
+                    let (r, quadrant) = Reduction::of_turns(per_turn, inverse, quarter, i_th);
+                    let reduced = (T::from_pair(r), quadrant);
+                    set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+                }
             }
-        }
+            Reduction::OfAngles(sweep) => {
+                for i in 0..sine.len() {
+                    let (r, quadrant) = Reduction::of_angles(&sweep, number(first, i));
+                    let reduced = (T::from_pair(r), quadrant);
+                    set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+                }
+            }
+        },
     }
     if T::APART {
         for i in 0..sine.len() {
@@ -216,6 +226,11 @@ pub(crate) fn add_drive<T: Number>(
             let angle = &angle[..out.len()];
             for (i, rotation) in out.iter_mut().enumerate() {
                 *rotation = error(i).after(Pair::exact(angle[i]));
+            }
+        }
+        Drive::Sweep(sweep, first) if sweep.starts_at_zero() => {
+            for (i, rotation) in out.iter_mut().enumerate() {
+                *rotation = error(i).after(sweep.turned(number(first, i)));
             }
         }
         Drive::Sweep(sweep, first) => {

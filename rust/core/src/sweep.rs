@@ -2,9 +2,12 @@
 
 use std::f64::consts::TAU;
 
+use crate::column::ViewMut;
 use crate::error::{Error, Result};
 use crate::pair::Pair;
+use crate::real::Word;
 use crate::reduce::{self, HALF_PI, ROUNDING};
+use crate::trig::Angle;
 
 /// Drive angles at equal steps, exact: sample `i` is at `start + i · step` itself and not at a
 /// double beside it.
@@ -74,25 +77,169 @@ impl Sweep {
     /// Sample `i`, a whole number.
     #[inline(always)]
     pub(crate) fn angle(&self, i: f64) -> Pair {
-        let Pair { high, low } = Pair::product(i, self.step.high);
-        let turned = Pair { high, low: i.mul_add(self.step.low, low) };
-        if self.per_turn.is_some() { turned } else { self.start + turned }
+        if self.starts_at_zero() { self.turned(i) } else { self.start + self.turned(i) }
     }
 
-    /// The remainder of sample `i` to the nearest multiple of π/2, and the multiple.
     #[inline(always)]
-    pub(crate) fn reduced(&self, i: f64) -> (Pair, u64) {
-        let Some(per_turn) = self.per_turn else {
-            return reduce::reduce_in_two(self.angle(i));
-        };
-        // In whole steps of a quarter of one, so that nothing is rounded.
+    pub(crate) fn starts_at_zero(&self) -> bool {
+        self.start.high == 0.0
+    }
+
+    /// What the drive has turned from the start to sample `i`.
+    #[inline(always)]
+    pub(crate) fn turned(&self, i: f64) -> Pair {
+        let Pair { high, low } = Pair::product(i, self.step.high);
+        Pair { high, low: i.mul_add(self.step.low, low) }
+    }
+
+    /// How to find the remainder of sample `i` to the nearest multiple of π/2, and the multiple.
+    #[inline(always)]
+    pub(crate) fn reduction(&self) -> Reduction {
+        match self.per_turn {
+            Some(per_turn) => Reduction::OfTurns {
+                per_turn,
+                inverse: 1.0 / per_turn,
+                quarter: self.step.scaled(0.25),
+            },
+            None => Reduction::OfAngles(*self),
+        }
+    }
+}
+
+/// A way from sample numbers to remainders.
+#[derive(Clone, Copy)]
+pub(crate) enum Reduction {
+    /// In whole quarters of a step, so that nothing is rounded before the end.
+    OfTurns { per_turn: f64, inverse: f64, quarter: Pair },
+    /// By way of the angle.
+    OfAngles(Sweep),
+}
+
+impl Reduction {
+    #[inline(always)]
+    pub(crate) fn of_turns(per_turn: f64, inverse: f64, quarter: Pair, i: f64) -> (Pair, u64) {
         let quarters = 4.0 * i;
-        let shifted = quarters.mul_add(1.0 / per_turn, ROUNDING);
+        let shifted = quarters.mul_add(inverse, ROUNDING);
         let steps = (shifted - ROUNDING).mul_add(-per_turn, quarters);
-        let quarter = self.step.scaled(0.25);
         let Pair { high, low } = Pair::product(steps, quarter.high);
         (Pair { high, low: steps.mul_add(quarter.low, low) }, shifted.to_bits())
     }
+
+    #[inline(always)]
+    pub(crate) fn of_angles(sweep: &Sweep, i: f64) -> (Pair, u64) {
+        reduce::reduce_in_two(sweep.angle(i))
+    }
+
+    /// The same for one sample, whichever way.
+    #[inline(always)]
+    pub(crate) fn of(&self, i: f64) -> (Pair, u64) {
+        match *self {
+            Self::OfTurns { per_turn, inverse, quarter } => {
+                Self::of_turns(per_turn, inverse, quarter, i)
+            }
+            Self::OfAngles(ref sweep) => Self::of_angles(sweep, i),
+        }
+    }
+}
+
+/// Tangents of whole steps about the middle of a group of samples. The samples of a group take
+/// theirs from that of the middle by the addition theorem, `(a + b)/(1 − a b)`: no sine each.
+#[derive(Clone, Debug)]
+pub(crate) struct Group<T: Angle> {
+    tangents: [Vec<T::Word>; 2],
+}
+
+impl<T: Angle> Group<T> {
+    /// The widest turn from the middle: with the eighth of a turn that its remainder may have, the
+    /// cosine of the sum stays away from zero.
+    const WIDEST: f64 = 0.39;
+
+    /// The fewest samples that repay a group, and the fewest that repay its table.
+    const FEWEST: usize = 32;
+    const REPAID: usize = 4096;
+
+    /// A group for so many samples of a sweep, if one repays its making; at most `longest`.
+    #[inline(always)]
+    pub(crate) fn new(sweep: &Sweep, samples: usize, longest: usize) -> Option<Self> {
+        let half = (Self::WIDEST / sweep.step.high.abs()).min(longest as f64 / 2.0) as usize;
+        let length = 2 * half / 16 * 16;
+        if length < Self::FEWEST || samples < Self::REPAID {
+            return None;
+        }
+        let mut tangents = [vec![T::Word::default(); length], vec![T::Word::default(); length]];
+        let [high, low] = &mut tangents;
+        for (i, (high, low)) in high.iter_mut().zip(low).enumerate() {
+            let steps = Pair::exact(i as f64 - (length / 2) as f64);
+            let (numerator, denominator) = Pair::tangent(steps * sweep.step);
+            [*high, *low] = words::<T>(numerator / denominator);
+        }
+        Some(Self { tangents })
+    }
+
+    pub(crate) fn length(&self) -> usize {
+        self.tangents[0].len()
+    }
+
+    /// Sine and cosine up to a positive factor of the samples from `first` on.
+    #[inline(always)]
+    pub(crate) fn pins(
+        &self,
+        sweep: &Sweep,
+        first: usize,
+        mut sine: ViewMut<'_, T>,
+        mut cosine: ViewMut<'_, T>,
+    ) {
+        const MOST: usize = 64;
+        let length = self.length();
+        let reduction = sweep.reduction();
+        let count = sine.len();
+        let mut middles = [([T::Word::default(); 2], 0_u64); MOST];
+        let mut at = 0;
+        while at < count {
+            // The middles of the next groups side by side, then group by group.
+            let group = (first + at) / length;
+            let groups = ((first + count).div_ceil(length) - group).min(MOST);
+            for (i, middle) in middles[..groups].iter_mut().enumerate() {
+                let sample = ((group + i) * length + length / 2) as f64;
+                let (remainder, quadrant) = reduction.of(sample);
+                let (numerator, denominator) = Pair::tangent(remainder);
+                *middle = (words::<T>(numerator / denominator), quadrant);
+            }
+            for (i, &(middle, quadrant)) in middles[..groups].iter().enumerate() {
+                let begin = (group + i) * length;
+                let from = (first + at) - begin;
+                let size = (length - from).min(count - at);
+                let [high, low] = self.tangents.each_ref().map(|t| &t[from..from + size]);
+                let (odd, half) = (quadrant & 1, quadrant >> 1 & 1);
+                let (mut s, mut c) = (sine.window(at, size), cosine.window(at, size));
+                let tangent = |j: usize| {
+                    let (y, x) = T::tangent_of_sum(middle, [high[j], low[j]]);
+                    (y.turned_if(half), x.turned_if(half))
+                };
+                if odd == 1 {
+                    for j in 0..size {
+                        let (y, x) = tangent(j);
+                        s.set(j, x);
+                        c.set(j, -y);
+                    }
+                } else {
+                    for j in 0..size {
+                        let (y, x) = tangent(j);
+                        s.set(j, y);
+                        c.set(j, x);
+                    }
+                }
+                at += size;
+            }
+        }
+    }
+}
+
+/// A number's high word and what is missing to it.
+#[inline(always)]
+fn words<T: Angle>(number: Pair) -> [T::Word; 2] {
+    let high = T::Word::near(number.value());
+    [high, T::Word::near((number.high - high.into()) + number.low)]
 }
 
 fn check_count(argument: &'static str, count: usize) -> Result<()> {
