@@ -7,6 +7,7 @@ _Flat: TypeAlias = NDArray[np.float64]
 _Broadcast: TypeAlias = tuple[_Flat, list[int]]
 
 __all__ = [
+    "Lines",
     "Plan",
     "Sweep",
     "__version__",
@@ -44,26 +45,30 @@ class Sweep:
     def fill(self, first: int, out: _Flat) -> None: ...
 
 @final
+class Lines:
+    def __new__(cls, joints: int, arrays: list[_Flat]) -> Lines: ...
+
+@final
 class Plan:
     def __new__(
         cls,
-        joints: int,
+        lines: Lines,
         outputs: tuple[str, ...],
         shaft_items: list[int],
         joint_items: list[int],
         load: str | None,
         inertias: list[int],
-        geometry: list[_Flat],
         precision: str,
         reduction: str | None,
     ) -> Plan: ...
-    def planes(self) -> int: ...
     def explain(self, sweep: bool, single: bool) -> str: ...
+    def fill(self, angle: _Flat, out: _Flat, workers: int | None) -> bool: ...
     def run(
         self,
         shape: list[int],
         line_strides: list[int],
-        angle: Sweep | _Broadcast,
+        sweep: Sweep | None,
+        angle: _Broadcast | None,
         load: tuple[_Broadcast, _Broadcast, _Broadcast, list[tuple[int, _Flat, list[int]]]] | None,
         out: list[_Flat] | list[NDArray[np.float32]],
         workers: int | None,

@@ -34,12 +34,13 @@ class Driveline:
     shafts 0 and 1. All rotations are right-handed about ``u_i``.
     """
 
-    __slots__ = ("_bends", "_directions", "_normals", "_phases", "_twists")
+    __slots__ = ("_bends", "_directions", "_lines", "_normals", "_phases", "_twists")
     _bends: FloatArray
     _twists: FloatArray
     _phases: FloatArray
     _directions: FloatArray
     _normals: FloatArray
+    _lines: _core.Lines
 
     def __init__(self) -> None:
         """Refuse: a driveline is made from bends, points, directions or slopes."""
@@ -246,6 +247,7 @@ class Driveline:
         self._bends, self._twists, self._phases, self._directions, self._normals = arrays
         for array in arrays:
             array.flags.writeable = False
+        self._lines = _core.Lines(self.n_joints, [array.reshape(-1) for array in arrays])
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:

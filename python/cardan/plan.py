@@ -58,6 +58,7 @@ class Plan:
         "_line_shape",
         "_load",
         "_places",
+        "_plain",
         "_planes",
         "_reduce",
         "_steady",
@@ -93,18 +94,13 @@ class Plan:
         self._line_shape = line.shape
         self._workers = workers
         self._level = level
-        threads.at_most(workers)
         self._core = _core.Plan(
-            n,
+            line._lines,
             names,
             shaft_items,
             joint_items,
             load.end if load else None,
             list(self._inertias),
-            [
-                array.reshape(-1)
-                for array in (line.bends, line.twists, line.phases, line.directions, line.normals)
-            ],
             _precision(tolerance, self._dtype),
             reduce,
         )
@@ -123,6 +119,10 @@ class Plan:
             self._places[name] = _Place(first, items, vector)
             first += count[output.per] * (3 if vector else 1)
         self._planes = first
+        plain = self._dtype == _DOUBLE and level is None and load is None and reduce is None
+        alone = all(items is None and not vector for _, items, vector in self._places.values())
+        self._plain = plain and alone and self._steady
+        threads.at_most(workers)
 
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
@@ -138,6 +138,11 @@ class Plan:
             TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
+        if self._plain and out is None and type(angle) is np.ndarray and angle.dtype == _DOUBLE:
+            # The short way of small calls.
+            block = np.empty((self._planes, *angle.shape))
+            if self._core.fill(angle, block, threads.at_most(self._workers)):
+                return Result({name: block[place.first] for name, place in self._places.items()})
         if isinstance(angle, Sweep):
             angles, own = None, angle.shape
         else:
@@ -171,7 +176,8 @@ class Plan:
         self._core.run(
             samples,
             line,
-            angle._core if angles is None else (apart(angles.reshape(-1)), steps),  # type: ignore[union-attr]
+            angle._core if isinstance(angle, Sweep) else None,
+            None if angles is None else (apart(angles.reshape(-1)), steps),
             self._spread_load(samples, apart),
             flats,
             threads.at_most(self._workers),

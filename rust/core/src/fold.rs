@@ -44,16 +44,14 @@ impl<T: Real> FoldedShaft<T> {
     }
 
     #[inline(always)]
-    fn set(&mut self, start: usize, length: usize, at: impl Fn(usize) -> Equivalent<Pair>) {
-        let [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin] =
-            self.0.each_mut().map(|column| column.view_mut(start + length));
-        let mut out = [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin];
+    fn set(&mut self, start: usize, length: usize, source: &impl Lane<Equivalent<Pair>>) {
+        let mut columns = self.0.each_mut().map(|column| column.part_mut(start, length));
         for i in 0..length {
-            let Equivalent { joint, turn_cos, turn_sin } = Equivalent::<T>::nearest(&at(i));
+            let Equivalent { joint, turn_cos, turn_sin } = Equivalent::<T>::nearest(&source.at(i));
             let Joint { cos, cos2, sin, sin2, versine, inverse_exsecant, k } = joint;
             let numbers = [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin];
-            for (column, number) in out.iter_mut().zip(numbers) {
-                column.set(start + i, number);
+            for (column, number) in columns.iter_mut().zip(numbers) {
+                column.set(i, number);
             }
         }
     }
@@ -88,20 +86,15 @@ impl Maps {
     }
 
     #[inline(always)]
-    fn read(&self, length: usize) -> impl Fn(usize) -> Transfer {
+    fn read(&self, length: usize) -> Read<'_> {
         let [a_re, a_im] = self.a.each_ref().map(|column| column.view(length));
         let [b_re, b_im] = self.b.each_ref().map(|column| column.view(length));
-        let complement = self.complement.view(length);
-        move |i| Transfer {
-            a: Complex::new(a_re.get(i), a_im.get(i)),
-            b: Complex::new(b_re.get(i), b_im.get(i)),
-            complement: complement.get(i),
-        }
+        Read([a_re, a_im, b_re, b_im, self.complement.view(length)])
     }
 
     /// Each map by what `step` makes of it.
     #[inline(always)]
-    fn update(&mut self, length: usize, step: impl Fn(usize, &mut Transfer)) {
+    fn update(&mut self, length: usize, step: &impl Step) {
         let [mut a_re, mut a_im] = self.a.each_mut().map(|column| column.view_mut(length));
         let [mut b_re, mut b_im] = self.b.each_mut().map(|column| column.view_mut(length));
         let mut complement = self.complement.view_mut(length);
@@ -111,13 +104,86 @@ impl Maps {
                 b: Complex::new(b_re.get(i), b_im.get(i)),
                 complement: complement.get(i),
             };
-            step(i, &mut transfer);
+            step.take(i, &mut transfer);
             a_re.set(i, transfer.a.re);
             a_im.set(i, transfer.a.im);
             b_re.set(i, transfer.b.re);
             b_im.set(i, transfer.b.im);
             complement.set(i, transfer.complement);
         }
+    }
+}
+
+// What happens in a lane is a method and not a closure: a closure so large would be compiled by
+// itself, without the instruction set of the loop that calls it.
+
+/// Something that there is in each lane.
+trait Lane<T> {
+    fn at(&self, i: usize) -> T;
+}
+
+/// A step that every lane takes.
+trait Step {
+    fn take(&self, i: usize, transfer: &mut Transfer);
+}
+
+/// The running maps.
+struct Read<'a>([View<'a, Pair>; 5]);
+
+impl Lane<Transfer> for Read<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Transfer {
+        let [a_re, a_im, b_re, b_im, complement] = self.0.each_ref().map(|view| view.get(i));
+        Transfer { a: Complex::new(a_re, a_im), b: Complex::new(b_re, b_im), complement }
+    }
+}
+
+impl Lane<Equivalent<Pair>> for Read<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Equivalent<Pair> {
+        let transfer: Transfer = self.at(i);
+        transfer.equivalent()
+    }
+}
+
+/// First joints, by their bends.
+struct First<'a>(&'a [f64]);
+
+impl Lane<Equivalent<Pair>> for First<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Equivalent<Pair> {
+        Equivalent::of_joint(Joint::with_error_terms(self.0[i]))
+    }
+}
+
+/// Back to the drive shaft.
+struct Start;
+
+impl Step for Start {
+    #[inline(always)]
+    fn take(&self, _: usize, transfer: &mut Transfer) {
+        *transfer = Transfer::default();
+    }
+}
+
+/// Past a joint, by its bend.
+struct PassJoint<'a>(&'a [f64]);
+
+impl Step for PassJoint<'_> {
+    #[inline(always)]
+    fn take(&self, i: usize, transfer: &mut Transfer) {
+        transfer.pass_joint(&Joint::with_error_terms(self.0[i]));
+    }
+}
+
+/// Past a shaft, by its turn.
+struct PassShaft<'a>([View<'a, Pair>; 2]);
+
+impl Step for PassShaft<'_> {
+    #[inline(always)]
+    fn take(&self, i: usize, transfer: &mut Transfer) {
+        let [re, im] = self.0.each_ref().map(|view| view.get(i));
+        transfer.pass_shaft(Complex::new(re, im));
     }
 }
 
@@ -147,9 +213,8 @@ impl Turns {
     }
 
     #[inline(always)]
-    fn read(&self, length: usize) -> impl Fn(usize) -> Complex {
-        let [re, im] = self.0.each_ref().map(|column| column.view(length));
-        move |i| Complex::new(re.get(i), im.get(i))
+    fn read(&self, length: usize) -> PassShaft<'_> {
+        PassShaft(self.0.each_ref().map(|column| column.view(length)))
     }
 }
 
@@ -207,43 +272,39 @@ impl<T: Real> Folded<T> {
         for j in 0..plan.reach() {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
-            if j == 0 {
-                maps.update(length, |_, transfer| *transfer = Transfer::default());
-            } else {
+            let alone = plan.reach() == 1 && !plan.needs_pose(0);
+            if j == 0 && !alone {
+                maps.update(length, &Start);
+            } else if j > 0 {
                 gather(lines.phases, n - 1, j - 1, &mut phases[..length]);
                 gather(lines.twists, n - 1, j - 1, &mut twists[..length]);
                 turns.find(&phases[..length], &twists[..length]);
-                let turn = turns.read(length);
-                maps.update(length, |i, transfer| transfer.pass_shaft(turn(i)));
+                maps.update(length, &turns.read(length));
             }
             if plan.needs_pose(j) {
-                let transfer = maps.read(length);
+                let maps: Read<'_> = maps.read(length);
                 poses[j].extend((0..length).map(|i| {
                     let line = line_of(i);
                     let u_in = vector(lines.directions, line * (n + 1) + j);
                     let u_out = vector(lines.directions, line * (n + 1) + j + 1);
                     let normal = vector(lines.normals, line * n + j);
                     let joint = Joint::with_error_terms(bends[i]);
-                    Pose::new(&transfer(i), &joint, u_in, u_out, normal)
+                    Pose::new(&maps.at(i), &joint, u_in, u_out, normal)
                 }));
             }
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                let at = |i: usize| Equivalent::of_joint(Joint::with_error_terms(bends[i]));
-                shaft.set(start, length, at);
+                shaft.set(start, length, &First(bends));
             }
             if plan.reach() == 1 {
                 return;
             }
-            maps.update(length, |i, transfer| {
-                transfer.pass_joint(&Joint::with_error_terms(bends[i]));
-            });
+            maps.update(length, &PassJoint(bends));
             if j > 0
                 && let Some(shaft) = &mut shafts[j + 1]
             {
-                let transfer = maps.read(length);
-                shaft.set(start, length, |i| transfer(i).equivalent());
+                shaft.set(start, length, &maps.read(length));
             }
         }
     }

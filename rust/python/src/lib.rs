@@ -7,6 +7,7 @@
 
 mod convert;
 mod driveline;
+mod lines;
 mod plan;
 
 use pyo3::prelude::*;
@@ -16,6 +17,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};
+    #[pymodule_export]
+    use super::lines::Lines;
     #[pymodule_export]
     use super::plan::{DriveSweep, Plan, levels};
 

@@ -4,12 +4,16 @@ use cardan::{
     Angles, Call, Constants, Drivelines, End, Execution, Level, Load, Output as Quantity,
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
-use numpy::{Element, PyArray1, PyArrayMethods, PyReadwriteArray1};
+use numpy::{Element, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArrayDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 
 use crate::convert::{Input, slice, slice_mut, value_error};
+use crate::lines::Lines;
+
+/// Samples that are done before it is worth giving the interpreter away.
+const BRIEF: usize = 1000;
 
 /// A flat array and its strides over the samples.
 type Broadcast<'py> = (Input<'py>, Vec<usize>);
@@ -17,51 +21,6 @@ type Broadcast<'py> = (Input<'py>, Vec<usize>);
 /// Torque, speed, acceleration, and the inertias with their shafts.
 type LoadArrays<'py> =
     (Broadcast<'py>, Broadcast<'py>, Broadcast<'py>, Vec<(usize, Input<'py>, Vec<usize>)>);
-
-/// Bends, twists, phases, directions and normals of the drivelines.
-enum Geometry {
-    /// One driveline, folded.
-    One([Vec<f64>; 5], Constants),
-    /// A batch, whose arrays never change.
-    Batch([Py<PyArray1<f64>>; 5]),
-}
-
-impl Geometry {
-    /// Runs `body` with the drivelines, and what is folded of them.
-    fn with<R>(
-        &self,
-        py: Python<'_>,
-        body: impl FnOnce(Drivelines<'_>, Option<&Constants>) -> PyResult<R>,
-    ) -> PyResult<R> {
-        match self {
-            Self::One([bends, twists, phases, directions, normals], constants) => {
-                let lines = Drivelines { bends, twists, phases, directions, normals };
-                body(lines, Some(constants))
-            }
-            Self::Batch(arrays) => {
-                let [bends, twists, phases, directions, normals] =
-                    arrays.each_ref().map(|array| array.bind(py).try_readonly());
-                let (bends, twists, phases) = (bends?, twists?, phases?);
-                let (directions, normals) = (directions?, normals?);
-                let lines = Drivelines {
-                    bends: slice("bends", &bends)?,
-                    twists: slice("twists", &twists)?,
-                    phases: slice("phases", &phases)?,
-                    directions: slice("directions", &directions)?,
-                    normals: slice("normals", &normals)?,
-                };
-                body(lines, None)
-            }
-        }
-    }
-}
-
-/// The drive angles of a call.
-#[derive(FromPyObject)]
-enum Drive<'py> {
-    Sweep(Bound<'py, DriveSweep>),
-    Array(Broadcast<'py>),
-}
 
 /// Arrays to fill, each holding planes one after another.
 #[derive(FromPyObject)]
@@ -105,82 +64,104 @@ pub(crate) struct Plan {
     plan: CorePlan,
     precision: Precision,
     reduction: Option<Reduction>,
-    geometry: Geometry,
+    lines: Py<Lines>,
+    /// What is folded of the only driveline.
+    constants: Option<Constants>,
 }
 
 #[pymethods]
 impl Plan {
-    /// `load` is `None`, `"drive"` or `"output"`: where the load's torque is given. `geometry` is
-    /// bends, twists, phases, directions and normals of the drivelines, flat.
+    /// `load` is `None`, `"drive"` or `"output"`: where the load's torque is given.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call, named by the caller")]
     fn new(
-        joints: usize,
+        lines: Bound<'_, Lines>,
         outputs: Vec<PyBackedStr>,
         shaft_items: Vec<usize>,
         joint_items: Vec<usize>,
         load: Option<&str>,
         inertias: Vec<usize>,
-        geometry: [Bound<'_, PyArray1<f64>>; 5],
         precision: &str,
         reduction: Option<&str>,
     ) -> PyResult<Self> {
         let outputs = outputs.iter().map(|name| quantity(name)).collect::<PyResult<Vec<_>>>()?;
-        let load = load.map(end).transpose()?;
-        let precision = self::precision(precision)?;
-        let reduction = reduction.map(self::reduction).transpose()?;
-        let arrays = geometry.each_ref().map(|array| array.try_readonly());
-        let [bends, twists, phases, directions, normals] = arrays;
-        let (bends, twists, phases) = (bends?, twists?, phases?);
-        let (directions, normals) = (directions?, normals?);
-        let lines = Drivelines {
-            bends: slice("bends", &bends)?,
-            twists: slice("twists", &twists)?,
-            phases: slice("phases", &phases)?,
-            directions: slice("directions", &directions)?,
-            normals: slice("normals", &normals)?,
-        };
         let request = Request {
-            largest_bends: &lines.largest_bends(joints),
+            largest_bends: lines.get().largest_bends(),
             outputs: &outputs,
             shafts: &shaft_items,
             joints: &joint_items,
-            load,
+            load: load.map(end).transpose()?,
             inertias: &inertias,
         };
         let plan = CorePlan::new(&request).map_err(|error| value_error(&error))?;
-        let geometry = if lines.bends.len() == joints {
-            let own = [lines.bends, lines.twists, lines.phases, lines.directions, lines.normals];
-            let constants = plan.fold(&lines, precision).map_err(|error| value_error(&error))?;
-            Geometry::One(own.map(<[f64]>::to_vec), constants)
+        let precision = self::precision(precision)?;
+        let reduction = reduction.map(self::reduction).transpose()?;
+        let constants = if lines.get().is_one() {
+            let fold = |arrays: Drivelines<'_>| {
+                plan.fold(&arrays, precision).map_err(|error| value_error(&error))
+            };
+            Some(lines.get().with(lines.py(), fold)?)
         } else {
-            Geometry::Batch(geometry.map(Bound::unbind))
+            None
         };
-        Ok(Self { plan, precision, reduction, geometry })
-    }
-
-    /// Number of planes of a result.
-    fn planes(&self) -> usize {
-        self.reduction.map_or(self.plan.planes(), |reduction| reduction.results(&self.plan))
+        Ok(Self { plan, precision, reduction, lines: lines.unbind(), constants })
     }
 
     /// The steps taken and skipped, in words.
     fn explain(&self, py: Python<'_>, sweep: bool, single: bool) -> PyResult<String> {
-        let call = Call { precision: self.precision, reduction: self.reduction, sweep, single };
-        self.geometry.with(py, |lines, _| Ok(self.plan.explain(&lines, &call)))
+        let (precision, reduction) = (self.precision, self.reduction);
+        let call = Call { precision, reduction, sweep, single };
+        self.lines.get().with(py, |lines| Ok(self.plan.explain(&lines, &call)))
+    }
+
+    /// Fills the planes in `out` for one driveline without a load, if both arrays are such as
+    /// `run` takes; otherwise returns false.
+    fn fill(
+        &self,
+        py: Python<'_>,
+        angle: PyReadonlyArrayDyn<'_, f64>,
+        mut out: PyReadwriteArrayDyn<'_, f64>,
+        workers: Option<usize>,
+    ) -> PyResult<bool> {
+        let (Ok(angle), Ok(out)) = (angle.as_slice(), out.as_slice_mut()) else {
+            return Ok(false);
+        };
+        let total = angle.len();
+        if total == 0 {
+            return Ok(true);
+        }
+        self.lines.get().with(py, |lines| {
+            let samples = Samples {
+                shape: &[total],
+                lines,
+                line_strides: &[0],
+                angle: Angles::Array(Source { data: angle, strides: &[1] }),
+                load: None,
+            };
+            let mut planes: Vec<&mut [f64]> = out.chunks_mut(total).collect();
+            let execution = Execution { level: None, workers };
+            let mut run = || {
+                let (constants, planes) = (self.constants.as_ref(), Planes::Double(&mut planes));
+                self.plan.run(&samples, constants, self.precision, planes, execution)
+            };
+            let result = if total < BRIEF { run() } else { py.detach(run) };
+            result.map_err(|error| value_error(&error))
+        })?;
+        Ok(true)
     }
 
     /// Fills `out`, flat arrays that hold the planes one after another.
     ///
-    /// The strides say which driveline and which element each sample of the given shape
-    /// sees.
+    /// Either `sweep` or `angle` is given; the strides say which driveline and which element each
+    /// sample of the given shape sees.
     #[allow(clippy::too_many_arguments, reason = "flat arrays of one call, named by the caller")]
     fn run(
         &self,
         py: Python<'_>,
         shape: Vec<usize>,
         line_strides: Vec<usize>,
-        angle: Drive<'_>,
+        sweep: Option<Bound<'_, DriveSweep>>,
+        angle: Option<Broadcast<'_>>,
         load: Option<LoadArrays<'_>>,
         out: Out<'_>,
         workers: Option<usize>,
@@ -195,14 +176,16 @@ impl Plan {
             return Ok(());
         }
         let load = load.as_ref().map(borrow_load).transpose()?;
-        let angle = match &angle {
-            Drive::Sweep(sweep) => Angles::Sweep(sweep.get().0),
-            Drive::Array(array) => Angles::Array(source("angle", array)?),
+        let angle = match (&sweep, &angle) {
+            (Some(sweep), _) => Angles::Sweep(sweep.get().0),
+            (None, Some(array)) => Angles::Array(source("angle", array)?),
+            (None, None) => return Err(PyValueError::new_err("angle is missing")),
         };
-        self.geometry.with(py, |lines, constants| {
+        self.lines.get().with(py, |lines| {
             let samples =
                 Samples { shape: &shape, lines, line_strides: &line_strides, angle, load };
             let (plan, precision) = (&self.plan, self.precision);
+            let constants = self.constants.as_ref();
             let run = |planes: Planes<'_, '_>| {
                 let result = py.detach(|| match (self.reduction, planes) {
                     (Some(reduction), Planes::Double(planes)) => {

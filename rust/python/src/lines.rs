@@ -1,0 +1,76 @@
+//! The flat arrays of a batch of drivelines, as plans read them.
+
+use cardan::Drivelines;
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+
+use crate::convert::slice;
+
+/// Bends, twists, phases, directions and normals.
+enum Arrays {
+    /// Those of one driveline, copied.
+    One([Vec<f64>; 5]),
+    /// Those of a batch, which never change.
+    Batch([Py<PyArray1<f64>>; 5]),
+}
+
+/// A driveline or a batch of them.
+#[pyclass(frozen, module = "cardan._core")]
+pub(crate) struct Lines {
+    arrays: Arrays,
+    largest_bends: Vec<f64>,
+}
+
+#[pymethods]
+impl Lines {
+    /// Drivelines of so many joints from flat arrays, of which a batch keeps a reference.
+    #[new]
+    fn new(py: Python<'_>, joints: usize, arrays: [Bound<'_, PyArray1<f64>>; 5]) -> PyResult<Self> {
+        let batch =
+            Self { arrays: Arrays::Batch(arrays.map(Bound::unbind)), largest_bends: vec![] };
+        let (one, largest_bends) = batch.with(py, |lines| {
+            let own = [lines.bends, lines.twists, lines.phases, lines.directions, lines.normals];
+            let one = lines.bends.len() == joints;
+            let bends = if joints == 0 { vec![] } else { lines.largest_bends(joints) };
+            Ok((one.then(|| own.map(<[f64]>::to_vec)), bends))
+        })?;
+        let arrays = one.map_or(batch.arrays, Arrays::One);
+        Ok(Self { arrays, largest_bends })
+    }
+}
+
+impl Lines {
+    pub(crate) fn largest_bends(&self) -> &[f64] {
+        &self.largest_bends
+    }
+
+    pub(crate) fn is_one(&self) -> bool {
+        matches!(self.arrays, Arrays::One(_))
+    }
+
+    /// Runs `body` with the arrays.
+    pub(crate) fn with<R>(
+        &self,
+        py: Python<'_>,
+        body: impl FnOnce(Drivelines<'_>) -> PyResult<R>,
+    ) -> PyResult<R> {
+        match &self.arrays {
+            Arrays::One([bends, twists, phases, directions, normals]) => {
+                body(Drivelines { bends, twists, phases, directions, normals })
+            }
+            Arrays::Batch(arrays) => {
+                let [bends, twists, phases, directions, normals] =
+                    arrays.each_ref().map(|array| array.bind(py).try_readonly());
+                let (bends, twists, phases) = (bends?, twists?, phases?);
+                let (directions, normals) = (directions?, normals?);
+                body(Drivelines {
+                    bends: slice("bends", &bends)?,
+                    twists: slice("twists", &twists)?,
+                    phases: slice("phases", &phases)?,
+                    directions: slice("directions", &directions)?,
+                    normals: slice("normals", &normals)?,
+                })
+            }
+        }
+    }
+}
