@@ -2,28 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
-from cardan.outputs import OUTPUTS
 
-REDUCTIONS: Mapping[str, Callable[[FloatArray], Any]] = MappingProxyType(
-    {
-        "peak": lambda samples: np.max(np.abs(samples), axis=-1),
-        "min": lambda samples: np.min(samples, axis=-1),
-        "max": lambda samples: np.max(samples, axis=-1),
-        "mean": lambda samples: np.mean(samples, axis=-1),
-        "rms": lambda samples: np.sqrt(np.mean(np.square(samples), axis=-1)),
-    }
-)
-"""Reductions over the last axis; ``peak`` is the largest magnitude."""
+REDUCTIONS = ("peak", "min", "max", "mean", "rms")
+"""Reductions that ``Driveline.evaluate`` knows; ``peak`` is the largest magnitude."""
 
 CLOSED_FORMS: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
@@ -56,15 +46,6 @@ def reduced(
     The arrays are ``(items, *batch)``, and ``(items, *batch, 3)`` for a vector by components; the
     ``peak`` of a vector is its largest length and has no components.
     """
-    samples = line.evaluate(angle, names, load=load, shafts=shafts, joints=joints, **options)
-    figures = {}
-    for name, values in samples.items():
-        for reduction in reductions:
-            if not OUTPUTS[name].vector:
-                figure = REDUCTIONS[reduction](values)
-            elif reduction == "peak":
-                figure = np.max(np.linalg.norm(values, axis=-1), axis=-1)
-            else:
-                figure = np.moveaxis(REDUCTIONS[reduction](np.moveaxis(values, -1, 0)), 0, -1)
-            figures[name, reduction] = figure
-    return figures
+    arguments = {"load": load, "shafts": shafts, "joints": joints, **options}
+    found = {how: line.evaluate(angle, names, reduce=how, **arguments) for how in reductions}
+    return {(name, how): found[how][name] for name in names for how in reductions}

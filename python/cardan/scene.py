@@ -26,6 +26,8 @@ from cardan.study import Progress, Study, StudyResult, axes_of
 
 _MOST_STEPS = 10_000_000
 
+_OPTIONS = ("tolerance", "dtype", "workers")
+
 _CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
 
 
@@ -150,7 +152,7 @@ class Scene:
             quantities = _quantities(output, loaded)
             shafts = _items(output, "shafts", line.n_joints + 1)
             joints = _items(output, "joints", line.n_joints)
-            options = {key: output[key] for key in ("workers",) if key in output}
+            options = {key: output[key] for key in _OPTIONS if key in output}
             if angle.bends is not None and "closed_forms" in output:
                 raise ValueError("closed_forms do not go with bend_columns_deg of [angles]")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}

@@ -211,6 +211,12 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 ),
                 "table": Key(kinds.TABLE_FILE, "file for the table, likewise"),
                 "picture": Key(kinds.PICTURE_FILE, f"its name ends in {', '.join(plots.SUFFIXES)}"),
+                "tolerance": Key(
+                    kinds.TOLERANCE,
+                    "error permitted, relative to the largest magnitude of each quantity; 0 for "
+                    "every result within 1 ulp; default: the fast double",
+                ),
+                "dtype": Key(kinds.DTYPE, "float64 or float32; default: float64"),
                 "workers": Key(
                     kinds.WORKERS, "at most so many threads, -1 for all cores; default: as useful"
                 ),

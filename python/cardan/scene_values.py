@@ -85,6 +85,13 @@ def _positive(place: str, value: object) -> float:
     return number
 
 
+def _tolerance(place: str, value: object) -> float:
+    number = _number(place, value)
+    if not 0.0 <= number < 1.0:
+        raise ValueError(f"{place} is {shown(value)}; it must lie in [0, 1)")
+    return number
+
+
 def _whole(place: str, value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise ValueError(f"{place} is {shown(value)}; it must be a whole number of at least 1")
@@ -312,6 +319,8 @@ INDICES = Kind(
     _distinct(_index, "whole numbers"),
     {**_array({"type": "integer", "minimum": 0}, 1), "uniqueItems": True},
 )
+TOLERANCE = Kind("number", _tolerance, {"type": "number", "minimum": 0, "exclusiveMaximum": 1})
+DTYPE = Kind("name", _one_of(("float64", "float32")), {"enum": ["float64", "float32"]})
 WORKERS = Kind("whole number", _workers, {"type": "integer", "minimum": -1, "not": {"const": 0}})
 CURVES_FILE = Kind("curves file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIXES))
 TABLE_FILE = Kind("table file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIXES))
