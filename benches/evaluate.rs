@@ -5,7 +5,8 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use cardan::{
-    Drivelines, Execution, Geometry, Level, Output, Plan, Request, Samples, Source, level,
+    Angles, Drivelines, Execution, Geometry, Level, Output, Plan, Planes, Precision, Request,
+    Samples, Source, Sweep, level,
 };
 use criterion::{BenchmarkId, Criterion, Throughput};
 use rayon::prelude::*;
@@ -22,6 +23,9 @@ struct Case {
     plan: Plan,
     angle: Vec<f64>,
     planes: Vec<Vec<f64>>,
+    /// In place of the angles.
+    sweep: Option<Sweep>,
+    precision: Precision,
 }
 
 impl Case {
@@ -31,7 +35,7 @@ impl Case {
         let line = Geometry::from_bends(&bends, &vec![0.3; between], &vec![0.7; between])
             .expect("the bends are valid");
         let request = Request {
-            joint_count: joints,
+            largest_bends: &line.bends,
             outputs,
             shafts: &[joints],
             joints: &[],
@@ -47,6 +51,8 @@ impl Case {
             planes: vec![vec![0.0; samples]; plan.planes()],
             line,
             plan,
+            sweep: None,
+            precision: Precision::Double,
         }
     }
 
@@ -61,12 +67,16 @@ impl Case {
                 normals: &self.normals,
             },
             line_strides: &[0],
-            angle: Source { data: &self.angle, strides: &[1] },
+            angle: match self.sweep {
+                Some(sweep) => Angles::Sweep(sweep),
+                None => Angles::Array(Source { data: &self.angle, strides: &[1] }),
+            },
             load: None,
         };
         let mut planes: Vec<&mut [f64]> = self.planes.iter_mut().map(Vec::as_mut_slice).collect();
         let execution = Execution { level: Some(level), workers };
-        self.plan.run(&samples, &mut planes, execution).expect("the arrays fit");
+        let planes = Planes::Double(&mut planes);
+        self.plan.run(&samples, None, self.precision, planes, execution).expect("the arrays fit");
         black_box(&mut self.planes);
     }
 
@@ -113,6 +123,30 @@ fn criterion_groups(criterion: &mut Criterion) {
         group.bench_function(BenchmarkId::from_parameter(joints), |b| {
             b.iter(|| case.run(Level::new(), Some(1)));
         });
+    }
+    group.finish();
+}
+
+/// The three outputs together by arithmetic, and over sweeps in place of an array.
+fn ways(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("motion of the last shaft by arithmetic and sweep");
+    for samples in [10_000, 100_000] {
+        group.throughput(Throughput::Elements(samples as u64));
+        let ways = [
+            ("double", Precision::Double, None),
+            ("single", Precision::Single, None),
+            ("double with error terms", Precision::InTwo, None),
+            ("sweep", Precision::Double, Some(Sweep::new(0.0, 20.0, samples))),
+            ("turns of 720", Precision::Double, Some(Sweep::of_turns(samples, 720))),
+        ];
+        for (name, precision, sweep) in ways {
+            let mut case = Case::new(1, 30.0, &MOTION, samples);
+            case.precision = precision;
+            case.sweep = sweep.map(|sweep| sweep.expect("the sweep is valid"));
+            group.bench_function(BenchmarkId::new(name, samples), |b| {
+                b.iter(|| case.run(Level::new(), Some(1)));
+            });
+        }
     }
     group.finish();
 }
@@ -165,6 +199,7 @@ fn main() {
         .measurement_time(Duration::from_secs(1))
         .configure_from_args();
     criterion_groups(&mut criterion);
+    ways(&mut criterion);
     criterion.final_summary();
     // Under `cargo test --benches` each bench only has to run.
     if std::env::args().any(|argument| argument == "--bench") {

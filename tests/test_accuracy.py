@@ -21,6 +21,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,6 +55,19 @@ SEARCHED_LIMITS = {
     "torque of a flywheel": 12,
     "moment": 7,
 }
+# With ``tolerance=0``.
+FAITHFUL_LIMITS = {
+    "angle": 1,
+    "angle_error": 1,
+    "speed_ratio": 1,
+    "acceleration_ratio": 1,
+    "torque of the driven shaft": 2,
+    "torque of the driving shaft": 2,
+    "torque of a flywheel": 2,
+    "moment": 2,
+}
+# Single precision, which a tolerance of 1e-6 permits: relative to the largest over a turn.
+SINGLE_LIMIT = 1e-6
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
 
 NORMAL = 2.0**-1022
@@ -215,7 +229,13 @@ class Grid:
         return [Exact.of(component) for component in zip(*moments, strict=True)]
 
     def evaluate(
-        self, outputs: tuple[str, ...], *, level: str, apart: bool = False, **options: object
+        self,
+        outputs: tuple[str, ...],
+        *,
+        level: str,
+        apart: bool = False,
+        tolerance: float | None = None,
+        **options: object,
     ) -> Result:
         """Evaluate row by row, or with a driveline for each sample if ``apart``."""
         bends, angles = np.array(self.bends), np.array(self.angles)
@@ -225,7 +245,8 @@ class Grid:
             line = Driveline.from_bends(bends[:, None])
         else:
             line = Driveline.from_bends(bends[:, None, None])
-        return Plan(line, outputs, shafts=[0, 1], joints=0, load=load, level=level)(angles)
+        settings = {"shafts": [0, 1], "joints": 0, "load": load}
+        return Plan(line, outputs, **settings, level=level, tolerance=tolerance)(angles)  # type: ignore[arg-type]
 
 
 @cache
@@ -249,7 +270,10 @@ def judge(where: str, name: str, samples: Grid, got: Doubles, want: Exact, ulps:
         f"nearest {float(want.high[worst]).hex()}"
     )
     print(report)
-    limits = SEARCHED_LIMITS if where.startswith("searched") else LIMITS
+    if "faithful" in where:
+        limits = FAITHFUL_LIMITS
+    else:
+        limits = SEARCHED_LIMITS if where.startswith("searched") else LIMITS
     assert ulps[worst] <= limits[name], report
 
 
@@ -267,6 +291,50 @@ def test_motion(generator: str, name: str) -> None:
     # With a driveline for each sample another polynomial may serve.
     got = samples.evaluate((name,), level=BEST, apart=True)[name][1]
     judge(f"{generator}, apart", name, samples, got, want, want.ulps(got))
+    # One loop finds all three together.
+    rotation = "angle_error" if name == "angle_error" else "angle"
+    together = (rotation, "speed_ratio", "acceleration_ratio")
+    got = samples.evaluate(together, level=BEST)[name][1].ravel()
+    judge(f"{generator}, together", name, samples, got, want, want.ulps(got))
+
+
+@generators
+@pytest.mark.parametrize("name", MOTION)
+def test_faithful_motion(generator: str, name: str) -> None:
+    samples = grid(generator)
+    want = samples.exact(name)
+    # Error terms of smaller angles would be below the smallest double.
+    counts = np.tile(np.abs(samples.angles) > 1e-280, len(samples.bends)) | (want.high == 0)
+    rotation = "angle_error" if name == "angle_error" else "angle"
+    for names in ((name,), (rotation, "speed_ratio", "acceleration_ratio")):
+        for apart in (False, True):
+            result = samples.evaluate(names, level=BEST, apart=apart, tolerance=0)
+            got = result[name][1].ravel()
+            ulps = np.where(counts, want.ulps(got), 0.0)
+            judge(f"{generator}, faithful", name, samples, got, want, ulps)
+
+
+@generators
+@pytest.mark.parametrize("name", MOTION)
+def test_single_precision_keeps_its_tolerance(generator: str, name: str) -> None:
+    samples = grid(generator)
+    bends = np.array(samples.bends)
+    joint = Driveline.from_bends(bends[:, None]).equivalent()
+    largest = {
+        "angle": np.full(bends.shape, 2 * np.pi),
+        "angle_error": joint.max_angle_error,
+        "speed_ratio": joint.max_speed_ratio,
+        "acceleration_ratio": joint.max_acceleration_ratio,
+    }[name]
+    want = samples.exact(name).high.reshape(len(bends), -1)
+    got = samples.evaluate((name,), level=BEST, tolerance=SINGLE_LIMIT)[name][1]
+    got = got.reshape(want.shape)
+    # Nothing smaller has all digits in single precision.
+    counts = largest > 1e-30
+    size = np.maximum(largest[counts, None], np.abs(want[counts]) if name == "angle" else 0.0)
+    error = np.max(np.abs(got[counts] - want[counts]) / size)
+    print(f"{generator}: {name} in single precision is {error:.2e} off")
+    assert error <= SINGLE_LIMIT
 
 
 @generators
@@ -282,30 +350,38 @@ def test_torque(generator: str) -> None:
             {"speed": 1.0, "inertias": torque[:, None] * [0, math.copysign(1, torque[0])]},
         ),
     ):
-        got = samples.evaluate(("torque",), level=BEST, **load).torque[shaft].ravel()
-        if name == "torque of a flywheel":
-            got = got * math.copysign(1, torque[0])
         want = samples.exact(name)
-        judge(generator, name, samples, got, want, want.ulps(got))
+        for where, tolerance in ((generator, None), (f"{generator}, faithful", 0)):
+            result = samples.evaluate(("torque",), level=BEST, tolerance=tolerance, **load)
+            got = result.torque[shaft].ravel()
+            if name == "torque of a flywheel":
+                got = got * math.copysign(1, torque[0])
+            judge(where, name, samples, got, want, want.ulps(got))
 
 
 @generators
 def test_moment(generator: str) -> None:
     samples = grid(generator)
-    moment = samples.evaluate(("moment",), level=BEST, drive_torque=1.0).moment.reshape(-1, 3)
     want = samples.exact_moment()
     largest = np.argmax([np.abs(component.high) for component in want], axis=0)
     ulp = np.choose(largest, [component.ulp for component in want])
-    for i, component in enumerate(want):
-        got = moment[:, i]
-        judge(generator, "moment", samples, got, component, component.distance(got) / ulp)
+    for where, tolerance in ((generator, None), (f"{generator}, faithful", 0)):
+        result = samples.evaluate(("moment",), level=BEST, drive_torque=1.0, tolerance=tolerance)
+        moment = result.moment.reshape(-1, 3)
+        for i, component in enumerate(want):
+            got = moment[:, i]
+            judge(where, "moment", samples, got, component, component.distance(got) / ulp)
 
 
 @generators
 @pytest.mark.parametrize("level", _core.levels()[1:])
 def test_other_levels_give_the_same(generator: str, level: str) -> None:
     samples = grid(generator)
-    load = {"drive_torque": samples.torque, "speed": 3.0, "inertias": [0.25, 0.5]}
+    load: dict[str, Any] = {
+        "drive_torque": samples.torque,
+        "speed": 3.0,
+        "inertias": [0.25, 0.5],
+    }
     for apart in (False, True):
         if apart:
             load["drive_torque"] = np.tile(samples.torque, len(samples.bends))

@@ -445,7 +445,7 @@ class Driveline:
         load: Load | None = None,
         reduce: Reduction | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
-        dtype: DTypeLike = None,
+        dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
     ) -> Result:
@@ -505,7 +505,7 @@ class Driveline:
         joints: Items = None,
         load: Load | None = None,
         reduce: Reduction | None = None,
-        dtype: DTypeLike = None,
+        dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
     ) -> Plan:
@@ -542,7 +542,7 @@ class Driveline:
 
         def taken(own: FloatArray) -> FloatArray:
             core = own.shape[len(self.shape) :]
-            flat = own.reshape(-1, *core)
+            flat = own.reshape(math.prod(self.shape), *core)
             return np.ascontiguousarray(flat[np.ravel(places)]).reshape(*shape, *core)
 
         return Driveline._of(

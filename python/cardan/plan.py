@@ -74,7 +74,7 @@ class Plan:
         joints: Items = None,
         load: Load | None = None,
         reduce: Reduction | None = None,
-        dtype: DTypeLike = None,
+        dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
         level: str | None = None,
@@ -140,9 +140,9 @@ class Plan:
         """
         if self._plain and out is None and type(angle) is np.ndarray and angle.dtype == _DOUBLE:
             # The short way of small calls.
-            block = np.empty((self._planes, *angle.shape))
-            if self._core.fill(angle, block, threads.at_most(self._workers)):
-                return Result({name: block[place.first] for name, place in self._places.items()})
+            planes = np.empty((self._planes, *angle.shape))
+            if self._core.fill(angle, planes, threads.at_most(self._workers)):
+                return Result({name: planes[place.first] for name, place in self._places.items()})
         if isinstance(angle, Sweep):
             angles, own = None, angle.shape
         else:
@@ -153,6 +153,7 @@ class Plan:
         if self._reduce:
             rows = self._rows(shape)
         given = {} if out is None else self._checked_out(out, rows)
+        block: NDArray[Any] | None = None
         if self._reduce:
             block = np.empty((self._planes, *rows))
             flats: list[NDArray[Any]] = [block.reshape(-1)]
@@ -160,7 +161,7 @@ class Plan:
             block = np.empty((self._planes, *rows), self._dtype)
             flats = [block.reshape(-1)]
         else:
-            block, flats = None, self._planes_of(given, rows)
+            flats = self._planes_of(given, rows)
 
         def apart(array: FloatArray) -> FloatArray:
             """What is read must not change while the results are written."""
@@ -226,7 +227,7 @@ class Plan:
     def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:
         """What is left of the samples' shape when the last axis is reduced."""
         if not shape:
-            raise ValueError("reduce works over the last axis of the samples; a single angle has none")
+            raise ValueError("reduce works over the last axis of the samples; one angle has none")
         if shape[-1] == 0:
             raise ValueError(f"reduce finds no samples in the last axis of {shape}")
         return shape[:-1]
@@ -290,10 +291,10 @@ class Plan:
         return arrays
 
     def _spread_load(
-        self, shape: list[int], apart: Any  # noqa: ANN401 - the caller's function
-    ) -> (
-        tuple[_Broadcast, _Broadcast, _Broadcast, list[tuple[int, FloatArray, list[int]]]] | None
-    ):
+        self,
+        shape: list[int],
+        apart: Any,  # noqa: ANN401 - the caller's function
+    ) -> tuple[_Broadcast, _Broadcast, _Broadcast, list[tuple[int, FloatArray, list[int]]]] | None:
         load = self._load
         if load is None:
             return None
@@ -369,13 +370,13 @@ def _items(argument: str, value: int | slice | Sequence[int], count: int) -> lis
 _DOUBLE, _SINGLE = np.dtype(np.float64), np.dtype(np.float32)
 
 
-def _word(dtype: DTypeLike) -> np.dtype[Any]:
+def _word(dtype: DTypeLike | None) -> np.dtype[Any]:
     if dtype is None:
         return _DOUBLE
     try:
         word = np.dtype(dtype)
     except TypeError:
-        word = None
+        word = np.dtype(object)
     if word not in (_DOUBLE, _SINGLE):
         raise ValueError(f"dtype is {dtype!r}; it must be float64 or float32")
     return word
@@ -403,7 +404,9 @@ def _precision(tolerance: float | None, dtype: np.dtype[Any]) -> str:
 
 def _is_steady(load: Load) -> bool:
     arrays = (load.torque, load.speed, load.acceleration)
-    return not any(array.ndim for array in arrays) and np.ndim(load.inertias) < 2
+    if any(array.ndim for array in arrays):
+        return False
+    return load.inertias is None or load.inertias.ndim < 2
 
 
 def _inertias(n: int, load: Load | None) -> dict[int, FloatArray]:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
+from cardan.plan import Reduction
 
 REDUCTIONS = ("peak", "min", "max", "mean", "rms")
 """Reductions that ``Driveline.evaluate`` knows; ``peak`` is the largest magnitude."""
@@ -34,7 +35,7 @@ def reduced(
     line: Driveline,
     angle: ArrayLike,
     names: tuple[str, ...],
-    reductions: tuple[str, ...],
+    reductions: tuple[Reduction, ...],
     *,
     load: Load | None,
     shafts: list[int],

@@ -15,6 +15,7 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
+from cardan.plan import Reduction
 from cardan.reductions import CLOSED_FORMS, reduced
 from cardan.scene_format import FORMAT, Form
 from cardan.scene_parts import make_driveline, make_load
@@ -118,7 +119,7 @@ class Study:
     load: Mapping[str, Any] | None
     angle: ArrayLike
     quantities: tuple[str, ...]
-    reductions: tuple[str, ...]
+    reductions: tuple[Reduction, ...]
     closed_forms: tuple[str, ...]
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...]

@@ -7,7 +7,7 @@ from typing import Any, Self, SupportsIndex
 
 import numpy as np
 
-from cardan import _core
+from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray
 
 
@@ -26,6 +26,8 @@ class Sweep:
 
     __slots__ = ("_core", "_given", "num")
     num: int
+    _core: NativeSweep
+    _given: tuple[float, ...]
 
     def __init__(self, start: float, stop: float, num: SupportsIndex) -> None:
         """Sweep from ``start`` to ``stop``, both included.
@@ -36,7 +38,7 @@ class Sweep:
         """
         count = _whole("num", num)
         ends = (_end("start", start), _end("stop", stop))
-        self._of(_core.Sweep(ends, count, 0), count, (*ends, count))
+        self._of(NativeSweep(ends, count, 0), count, (*ends, count))
 
     @classmethod
     def revolutions(cls, turns: float, samples: SupportsIndex) -> Self:
@@ -58,10 +60,10 @@ class Sweep:
                 "number of at least 1"
             )
         self = object.__new__(cls)
-        self._of(_core.Sweep(None, int(count), per_turn), int(count), (turns, per_turn))
+        self._of(NativeSweep(None, int(count), per_turn), int(count), (turns, per_turn))
         return self
 
-    def _of(self, core: _core.Sweep, count: int, given: tuple[float, ...]) -> None:
+    def _of(self, core: NativeSweep, count: int, given: tuple[float, ...]) -> None:
         object.__setattr__(self, "_core", core)
         object.__setattr__(self, "num", count)
         object.__setattr__(self, "_given", given)
@@ -112,8 +114,8 @@ def _whole(name: str, value: SupportsIndex) -> int:
         raise TypeError(f"{name} is {value!r}; it must be an integer") from None
     if count < 1:
         raise ValueError(f"{name} is {count}; it must be at least 1")
-    if count > _core.Sweep.LONGEST:
-        raise ValueError(f"{name} is {count}; a sweep has at most {_core.Sweep.LONGEST} samples")
+    if count > NativeSweep.LONGEST:
+        raise ValueError(f"{name} is {count}; a sweep has at most {NativeSweep.LONGEST} samples")
     return count
 
 

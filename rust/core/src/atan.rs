@@ -104,6 +104,12 @@ impl AtanRange {
         Self::holding(versine / (2.0 * cos.sqrt()))
     }
 
+    /// Whether the bends are so moderate that squares shared among all formulas cost no accuracy;
+    /// steeper ones have formulas with fewer roundings each.
+    pub(crate) fn is_moderate(self) -> bool {
+        self <= Self::Third
+    }
+
     /// Its terms in single precision, in double, and in double with error terms.
     pub(crate) fn terms(self) -> [usize; 3] {
         match self {
@@ -179,7 +185,7 @@ macro_rules! plain {
             #[inline(always)]
             fn after_eighths(self, eighths: f64) -> Self {
                 let high = (0.5 * HALF_PI[0]) as Self;
-                let low = (0.5 * HALF_PI[0] - high as f64 + 0.5 * HALF_PI[1]) as Self;
+                let low = (0.5 * HALF_PI[0] - f64::from(high) + 0.5 * HALF_PI[1]) as Self;
                 let eighths = eighths as Self;
                 $float::mul_add(eighths, high, $float::mul_add(eighths, low, self))
             }

@@ -73,11 +73,6 @@ impl Plan {
     /// Arrays of other lengths than one driveline has, or fewer.
     pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<Constants> {
         lines.check(self.joint_count)?;
-        fn folded<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
-            let mut folded = Folded::new(plan, 1);
-            dispatch!(Level::new(), _simd => folded.fold(plan, lines, 1, |_| 0));
-            folded
-        }
         Ok(Constants(match precision {
             Precision::Single => Kept::Single(folded(self, lines)),
             Precision::Double => Kept::Double(folded(self, lines)),
@@ -183,6 +178,13 @@ impl Plan {
         self.run(&samples, None, Precision::Double, planes_to_fill, Execution::default())?;
         Ok(planes)
     }
+}
+
+/// The first driveline folded.
+fn folded<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
+    let mut folded = Folded::new(plan, 1);
+    dispatch!(Level::new(), _simd => folded.fold(plan, lines, 1, |_| 0));
+    folded
 }
 
 /// Arithmetic operations for one sample, on doubles or singles.

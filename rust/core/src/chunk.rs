@@ -34,9 +34,6 @@ pub(crate) struct Scratch<T: Number> {
 impl<T: Number> Scratch<T> {
     pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
         let size = |needed: bool| if needed { longest } else { 0 };
-        fn columns<T: Number, const N: usize>(length: usize) -> [Column<T>; N] {
-            std::array::from_fn(|_| Column::new(length))
-        }
         let rates = (0..=plan.joint_count).map(|shaft| {
             let kept = plan.shafts.iter().any(|step| step.shaft == shaft && step.keep_rates);
             columns(size(kept))
@@ -69,6 +66,10 @@ impl<T: Number> Scratch<T> {
             *errors = Column::new(period);
         }
     }
+}
+
+fn columns<T: Number, const N: usize>(length: usize) -> [Column<T>; N] {
+    std::array::from_fn(|_| Column::new(length))
 }
 
 /// The geometry that a chunk sees.
@@ -118,6 +119,7 @@ pub(crate) fn find_pins<T: Number>(
 
 /// Angles and rates of every shaft of the plan at one chunk.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
 pub(crate) fn run_motion<T: Number>(
     plan: &Plan,
     drive: Drive<'_>,
@@ -250,7 +252,8 @@ fn run_shaft<T: Number>(
     planes: &mut [&mut [T::Word]],
     size: usize,
 ) {
-    if let Some([rotation, ratio, acceleration]) = step.together() {
+    let together = step.together().filter(|_| T::LOW || range.is_moderate());
+    if let Some([rotation, ratio, acceleration]) = together {
         let [rotation, ratio, acceleration] = planes
             .get_disjoint_mut([rotation, ratio, acceleration])
             .expect("a plan gives every output planes of its own");

@@ -65,7 +65,7 @@ pub(crate) struct View<'a, T: Real> {
     low: &'a [T::Word],
 }
 
-impl<'a, T: Real> View<'a, T> {
+impl<T: Real> View<'_, T> {
     /// The first numbers: loops cut what they read to the length of what they write.
     #[inline(always)]
     pub(crate) fn cut(self, length: usize) -> Self {

@@ -21,7 +21,7 @@ pub struct Call {
 impl Plan {
     /// The steps taken and those skipped with the reason, operations and bytes per sample, as text.
     /// Operations are counted on the first of the drivelines.
-    pub fn explain(&self, lines: &Drivelines<'_>, call: &Call) -> String {
+    pub fn explain(&self, lines: &Drivelines<'_>, call: Call) -> String {
         let kind = match call.precision {
             Precision::Single => "single precision after a reduction in double",
             Precision::Double => "double precision",
@@ -29,14 +29,14 @@ impl Plan {
         };
         let mut text = format!("arithmetic: {kind}\nsteps:");
         for words in self.steps(lines, call) {
-            text += &format!("\n  {words}");
+            text.extend(["\n  ", &words]);
         }
         let skipped = self.skipped(lines, call);
         if !skipped.is_empty() {
             text += "\nskipped:";
         }
         for words in skipped {
-            text += &format!("\n  {words}");
+            text.extend(["\n  ", &words]);
         }
         let read = if call.sweep { 0 } else { 8 };
         let word = if call.single { 4 } else { 8 };
@@ -48,7 +48,7 @@ impl Plan {
     }
 
     /// The steps in the order in which they run.
-    fn steps(&self, lines: &Drivelines<'_>, call: &Call) -> Vec<String> {
+    fn steps(&self, lines: &Drivelines<'_>, call: Call) -> Vec<String> {
         let mut steps = vec![];
         if self.needs_pins() {
             let from = if call.sweep { "sample number" } else { "angle" };
@@ -67,15 +67,17 @@ impl Plan {
                 steps
                     .push(format!("shaft {shaft}: sine and cosine turned to its equivalent joint"));
             }
-            let terms = if step.angle.is_some() || step.angle_error.is_some() {
-                let range = self.range_of_first(lines, shaft);
+            let range = Self::range_of_first(lines, shaft);
+            let mut how = String::new();
+            if step.angle.is_some() || step.angle_error.is_some() {
                 let terms = range.terms()[call.precision as usize];
-                format!(" (inverse tangent of {terms} terms)")
-            } else {
-                String::new()
-            };
-            let loops = if step.together().is_some() { ", in one loop" } else { "" };
-            steps.push(format!("shaft {shaft}: {found}{terms}{loops}"));
+                how = format!(" (inverse tangent of {terms} terms)");
+            }
+            let shared = range.is_moderate() || call.precision == Precision::InTwo;
+            if step.together().is_some() && shared {
+                how += ", in one loop";
+            }
+            steps.push(format!("shaft {shaft}: {found}{how}"));
         }
         for (j, step) in self.joints.iter().enumerate() {
             if step.needs_tilt() {
@@ -110,7 +112,7 @@ impl Plan {
     }
 
     /// What is left out, and why.
-    fn skipped(&self, lines: &Drivelines<'_>, call: &Call) -> Vec<String> {
+    fn skipped(&self, lines: &Drivelines<'_>, call: Call) -> Vec<String> {
         let n = self.joint_count;
         let mut skipped = vec![];
         for (j, &bend) in self.largest_bends.iter().enumerate() {

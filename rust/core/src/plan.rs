@@ -144,9 +144,9 @@ impl ShaftStep {
     /// The planes of rotation, speed ratio and acceleration ratio, if one loop finds all three:
     /// the angle or its error, not both, and rates that nothing else reads.
     pub(crate) fn together(&self) -> Option<[usize; 3]> {
-        let rotation = match (self.angle, self.angle_error) {
-            (Some(plane), None) | (None, Some(plane)) => plane,
-            _ => return None,
+        let ((Some(rotation), None) | (None, Some(rotation))) = (self.angle, self.angle_error)
+        else {
+            return None;
         };
         let all = [rotation, self.speed_ratio?, self.acceleration_ratio?];
         (!self.keep_rates).then_some(all)
@@ -330,7 +330,7 @@ impl Plan {
     }
 
     /// The same for the first of the drivelines.
-    pub(crate) fn range_of_first(&self, lines: &Drivelines<'_>, shaft: usize) -> AtanRange {
+    pub(crate) fn range_of_first(lines: &Drivelines<'_>, shaft: usize) -> AtanRange {
         let between = shaft - 1;
         let equivalent = Equivalent::of_chain(
             &lines.bends[..shaft],

@@ -118,13 +118,13 @@ fn plus(a: f64, b: f64) -> f64 {
 /// The smaller one; NaN if either is.
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
-    if (b < a) | (b != b) { b } else { a }
+    if b < a || b.is_nan() { b } else { a }
 }
 
 /// The larger one; NaN if either is.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
-    if (b > a) | (b != b) { b } else { a }
+    if b > a || b.is_nan() { b } else { a }
 }
 
 /// Folds numbers in as many lanes as vectors of every width can share, so that sums have the same

@@ -34,8 +34,7 @@ impl Sweep {
     /// [`Sweep::FARTHEST`].
     pub fn new(start: f64, stop: f64, count: usize) -> Result<Self> {
         for (name, end) in [("start", start), ("stop", stop)] {
-            // Not `>`, which lets NaN pass.
-            if !(end.abs() <= Self::FARTHEST) {
+            if end.is_nan() || end.abs() > Self::FARTHEST {
                 let problem = format!("is {end} rad; a sweep must end within 1e12 rad of zero");
                 return Err(Error::new(name, &[], problem));
             }

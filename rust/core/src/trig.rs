@@ -60,7 +60,7 @@ const TANGENT: Tangent<3, 3, f64> = Tangent {
 
 /// Relative error 2⁻²⁵·².
 const TANGENT_SINGLE: Tangent<1, 2, f32> =
-    Tangent { numerator: [-0.095_781_236], denominator: [-0.429_115_06, 0.009_709_465] };
+    Tangent { numerator: [-0.095_781_24], denominator: [-0.429_115_06, 0.009_709_465] };
 
 /// Relative error 2⁻⁶² with the first coefficient of the numerator continued by
 /// [`TANGENT_LOW`]; that of the denominator is exact.
@@ -148,12 +148,12 @@ macro_rules! plain {
 
             #[inline(always)]
             fn bits(self) -> u64 {
-                self.to_bits() as u64
+                u64::from(self.to_bits())
             }
 
             #[inline(always)]
             fn after(self, drive: Pair) -> Self {
-                (drive.high + (drive.low + self as f64)) as Self
+                (drive.high + (drive.low + f64::from(self))) as Self
             }
 
             // The first sum is exact where it cancels.

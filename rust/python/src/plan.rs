@@ -4,7 +4,9 @@ use cardan::{
     Angles, Call, Constants, Drivelines, End, Execution, Level, Load, Output as Quantity,
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
-use numpy::{Element, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArrayDyn};
+use numpy::{
+    Element, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
@@ -61,7 +63,7 @@ impl DriveSweep {
 /// The steps for one set of outputs, and the drivelines they are for.
 #[pyclass(frozen, module = "cardan._core")]
 pub(crate) struct Plan {
-    plan: CorePlan,
+    steps: CorePlan,
     precision: Precision,
     reduction: Option<Reduction>,
     lines: Py<Lines>,
@@ -104,14 +106,14 @@ impl Plan {
         } else {
             None
         };
-        Ok(Self { plan, precision, reduction, lines: lines.unbind(), constants })
+        Ok(Self { steps: plan, precision, reduction, lines: lines.unbind(), constants })
     }
 
     /// The steps taken and skipped, in words.
     fn explain(&self, py: Python<'_>, sweep: bool, single: bool) -> PyResult<String> {
         let (precision, reduction) = (self.precision, self.reduction);
         let call = Call { precision, reduction, sweep, single };
-        self.lines.get().with(py, |lines| Ok(self.plan.explain(&lines, &call)))
+        self.lines.get().with(py, |lines| Ok(self.steps.explain(&lines, call)))
     }
 
     /// Fills the planes in `out` for one driveline without a load, if both arrays are such as
@@ -123,6 +125,9 @@ impl Plan {
         mut out: PyReadwriteArrayDyn<'_, f64>,
         workers: Option<usize>,
     ) -> PyResult<bool> {
+        if !(angle.is_c_contiguous() && out.is_c_contiguous()) {
+            return Ok(false);
+        }
         let (Ok(angle), Ok(out)) = (angle.as_slice(), out.as_slice_mut()) else {
             return Ok(false);
         };
@@ -142,7 +147,7 @@ impl Plan {
             let execution = Execution { level: None, workers };
             let mut run = || {
                 let (constants, planes) = (self.constants.as_ref(), Planes::Double(&mut planes));
-                self.plan.run(&samples, constants, self.precision, planes, execution)
+                self.steps.run(&samples, constants, self.precision, planes, execution)
             };
             let result = if total < BRIEF { run() } else { py.detach(run) };
             result.map_err(|error| value_error(&error))
@@ -184,7 +189,7 @@ impl Plan {
         self.lines.get().with(py, |lines| {
             let samples =
                 Samples { shape: &shape, lines, line_strides: &line_strides, angle, load };
-            let (plan, precision) = (&self.plan, self.precision);
+            let (plan, precision) = (&self.steps, self.precision);
             let constants = self.constants.as_ref();
             let run = |planes: Planes<'_, '_>| {
                 let result = py.detach(|| match (self.reduction, planes) {

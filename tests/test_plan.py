@@ -1,0 +1,372 @@
+"""Plans, sweeps, reductions, dtypes and tolerances: every way to the same results."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cardan import Driveline, Load, Plan, Sweep
+from cardan.plan import REDUCTIONS
+from oracle import mp
+
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+CHAIN = Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2])
+STEEP = Driveline.from_bends([1.55])
+LOAD = Load(drive_torque=7.0, speed=30.0, inertias=[0.1, 0.0, 0.3, 0.2])
+ANGLE = np.linspace(-7.0, 20.0, 3000)
+
+
+def peak(line: Driveline, name: str, shaft: int = -1) -> Any:  # noqa: ANN401 - a number or array
+    joint = line.equivalent(shaft)
+    return {
+        "angle": 2 * np.pi,
+        "angle_error": joint.max_angle_error,
+        "speed_ratio": joint.max_speed_ratio,
+        "acceleration_ratio": joint.max_acceleration_ratio,
+    }[name]
+
+
+# --- plans -----------------------------------------------------------------------------------
+
+
+def test_a_plan_gives_what_evaluate_gives() -> None:
+    options: dict[str, Any] = {"shafts": [1, 3], "joints": 0, "load": LOAD}
+    names = (*MOTION, "torque", "support_moment", "moment", "tilt_driven")
+    plan = CHAIN.plan(names, **options)
+    for angle in (ANGLE, ANGLE.reshape(3, -1), 0.3, ANGLE[::-7]):
+        want = CHAIN.evaluate(angle, names, **options)
+        for name in names:
+            assert np.array_equal(plan(angle)[name], want[name]), name
+
+
+def test_a_plan_fills_out() -> None:
+    plan = CHAIN.plan(("angle", "moment"), joints=0, load=LOAD)
+    want = plan(ANGLE)
+    out = {"moment": np.empty((ANGLE.size, 3)), "angle": np.empty(ANGLE.size)}
+    got = plan(ANGLE, out=out)
+    for name, array in out.items():
+        assert got[name] is array
+        assert np.array_equal(array, want[name])
+
+
+def test_the_short_way_sees_layout_and_type() -> None:
+    plan = STEEP.plan("speed_ratio")
+    want = plan(ANGLE[:60]).speed_ratio.reshape(6, 10)
+    square = ANGLE[:60].reshape(6, 10)
+    for angle in (square, np.asfortranarray(square), square.tolist(), square.astype(object)):
+        if isinstance(angle, np.ndarray) and angle.dtype == object:
+            with pytest.raises(TypeError, match="angle has dtype object"):
+                plan(angle)
+        else:
+            assert np.array_equal(plan(angle).speed_ratio, want)
+    assert plan(np.empty((0, 3))).speed_ratio.shape == (0, 3)
+
+
+def test_plans_are_pickled_and_copied() -> None:
+    plan = CHAIN.plan("torque", shafts=-1, load=LOAD, tolerance=0)
+    again = pickle.loads(pickle.dumps(plan))
+    assert isinstance(again, Plan)
+    assert np.array_equal(again(ANGLE).torque, plan(ANGLE).torque)
+    assert np.array_equal(copy.deepcopy(plan)(ANGLE).torque, plan(ANGLE).torque)
+    assert "torque" in repr(plan)
+
+
+def operations(plan: Plan) -> int:
+    found = re.search(r"per sample: (\d+) operations", plan.explain())
+    assert found
+    return int(found[1])
+
+
+def test_explain_counts_what_runs() -> None:
+    # 5 to reduce, 8 for the rational tangent; 3 squares and products, 1 sum of squares, 1 inverse,
+    # 1 product and a quotient of 3.
+    assert operations(Driveline.from_bends([0.5]).plan("speed_ratio")) >= 13 + 8
+    # A shaft of a chain costs one turn more, however long the chain.
+    one = Driveline.from_bends([0.5])
+    costs = [Driveline.from_bends([0.1] * n, 0.3, 0.2).plan("speed_ratio") for n in (2, 5, 64)]
+    assert {operations(plan) for plan in costs} == {operations(one.plan("speed_ratio")) + 4}
+    # Tolerances and terms.
+    assert operations(one.plan("angle", tolerance=1e-6)) < operations(one.plan("angle"))
+    assert operations(one.plan("angle", tolerance=0)) > operations(one.plan("angle"))
+    assert operations(STEEP.plan("angle")) > operations(one.plan("angle"))
+    assert operations(Driveline.from_bends([0.0]).plan("speed_ratio")) <= 1
+
+
+@pytest.mark.parametrize(
+    ("line", "names", "options", "words"),
+    [
+        (CHAIN, "speed_ratio", {}, ["joint 1: straight", "the 3 before shaft 3 act as one"]),
+        (CHAIN, "speed_ratio", {"shafts": 1}, ["joint 1 to 2: beyond everything asked for"]),
+        (CHAIN, "speed_ratio", {}, ["torques and moments: not asked for"]),
+        (
+            Driveline.from_bends([0.2]),
+            "moment",
+            {"load": Load(drive_torque=1.0)},
+            ["x of the moment: 2 of 3 terms"],
+        ),
+        (
+            Driveline.from_bends([0.2]),
+            "support_moment",
+            {"load": Load(drive_torque=1.0), "shafts": 0},
+            ["x of its part of shaft 0's support: vanishes"],
+        ),
+        (Driveline.from_bends([0.0]), MOTION, {}, ["sine and cosine: everything turns with"]),
+        (STEEP, "speed_ratio", {"reduce": "peak"}, ["no sample is stored", "0 bytes written"]),
+        (STEEP, "speed_ratio", {"dtype": np.float32}, ["single precision", "4 bytes written"]),
+        (STEEP, "angle", {"tolerance": 0}, ["double precision with error terms"]),
+    ],
+)
+def test_explain_says_what_is_skipped_and_why(
+    line: Driveline,
+    names: Any,  # noqa: ANN401
+    options: Any,  # noqa: ANN401
+    words: list[str],
+) -> None:
+    text = line.plan(names, **options).explain()
+    for part in words:
+        assert part in text, text
+
+
+def test_what_vanishes_is_zero_and_nan_stays_nan() -> None:
+    line = Driveline.from_bends([0.4])
+    got = line.evaluate([0.3, np.nan], "support_moment", shafts=0, load=LOAD_OF_ONE).support_moment
+    assert got[0, 0] == 0.0
+    assert abs(got[0, 1]) > 0.1
+    assert np.isnan(got[1]).all()
+
+
+LOAD_OF_ONE = Load(drive_torque=7.0)
+
+
+# --- sweeps ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("line", [CHAIN, STEEP], ids=["chain", "steep"])
+@pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
+@pytest.mark.parametrize(
+    "sweep",
+    [
+        Sweep(-2.0, 5.0, 1),
+        Sweep(-2.0, 5.0, 777),
+        Sweep(0.0, 1e4, 3000),
+        Sweep(-3.0, 40.0, 20_011),
+        Sweep(11.0, -30.0, 9001),
+        Sweep.revolutions(1, 720),
+        Sweep.revolutions(7.5, 90),
+        Sweep.revolutions(4, 721),
+        Sweep.revolutions(1, 20_000),
+    ],
+    ids=repr,
+)
+def test_sweeps_are_their_arrays(line: Driveline, sweep: Sweep, tolerance: float | None) -> None:
+    angle = np.asarray(sweep)
+    assert angle.shape == sweep.shape
+    names = (*MOTION, "tilt_driving")
+    got = line.evaluate(sweep, names, joints=0, tolerance=tolerance)
+    want = line.evaluate(angle, names, joints=0, tolerance=0)
+    relative = 1e-6 if tolerance else 1e-14
+    # The array's angles are rounded, and near 90 deg the shaft turns many times as far.
+    rounding = np.spacing(np.abs(angle).max()) * peak(line, "speed_ratio") ** 3
+    for name in names:
+        size = peak(line, name) if name in MOTION else 1.6
+        off = np.max(np.abs(got[name] - want[name]))
+        assert off <= relative * size + rounding * (1 + size), name
+
+
+def test_sweeps_are_exact() -> None:
+    line = Driveline.from_bends([math.radians(89.9)])
+    got = line.evaluate(Sweep.revolutions(3, 8), ("angle", "angle_error", "speed_ratio"))
+    # At every quarter of a turn the error is exactly zero, the ratio an extreme.
+    assert not got.angle_error[::2].any()
+    joint = line.equivalent()
+    assert np.array_equal(got.speed_ratio[::4], np.full(6, joint.max_speed_ratio))
+    assert np.allclose(got.speed_ratio[2::4], joint.min_speed_ratio, rtol=4e-16, atol=0)
+    assert got.angle[::2].tolist() == [float(quarter * mp.pi / 2) for quarter in range(12)]
+
+
+def test_a_sweep_broadcasts_against_a_batch() -> None:
+    batch = Driveline.from_bends([[0.1], [0.5], [1.2]])
+    sweep = Sweep.revolutions(2, 360)
+    got = batch[:, None].evaluate(sweep, MOTION)
+    assert got.angle.shape == (3, 720)
+    for i in range(3):
+        alone = batch[i].evaluate(sweep, MOTION)
+        for name in MOTION:
+            assert np.array_equal(got[name][i], alone[name])
+
+
+def test_sweeps_as_values() -> None:
+    sweep = Sweep(0.0, 1.0, 5)
+    assert np.allclose(np.asarray(sweep), np.linspace(0, 1, 5), rtol=1e-16)
+    assert pickle.loads(pickle.dumps(sweep)) == sweep
+    turns = Sweep.revolutions(2, 36)
+    assert pickle.loads(pickle.dumps(turns)) == turns
+    assert len({sweep, Sweep(0.0, 1.0, 5), turns}) == 2
+    assert repr(turns) == "Sweep.revolutions(2, 36)"
+    assert len(turns) == turns.num == 72
+    with pytest.raises(AttributeError, match="cannot change"):
+        sweep.num = 3
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (lambda: Sweep(0, 1, 0), ValueError, "num is 0; it must be at least 1"),
+        (lambda: Sweep(0, 1, 2.5), TypeError, "num is 2.5; it must be an integer"),  # type: ignore[arg-type]
+        (lambda: Sweep(0, math.nan, 3), ValueError, "stop is NaN rad"),
+        (lambda: Sweep(-2e12, 0, 3), ValueError, "within 1e12 rad"),
+        (lambda: Sweep("a", 0, 3), TypeError, "start is 'a'; it must be a number"),  # type: ignore[arg-type]
+        (lambda: Sweep.revolutions(0.3, 7), ValueError, "a whole number of at least 1"),
+        (lambda: Sweep.revolutions(1, 1 << 60), ValueError, "at most 1125899906842624 samples"),
+    ],
+)
+def test_wrong_sweeps(make: Any, error: type[Exception], message: str) -> None:  # noqa: ANN401
+    with pytest.raises(error, match=re.escape(message)):
+        make()
+
+
+# --- reductions ------------------------------------------------------------------------------
+
+PLAIN = {
+    "min": lambda x: x.min(axis=-1),
+    "max": lambda x: x.max(axis=-1),
+    "mean": lambda x: x.mean(axis=-1),
+    "rms": lambda x: np.sqrt((x * x).mean(axis=-1)),
+    "peak": lambda x: np.abs(x).max(axis=-1),
+}
+
+
+@pytest.mark.parametrize("how", REDUCTIONS)
+@pytest.mark.parametrize(
+    "angle",
+    [ANGLE, ANGLE[:1], np.linspace(0, 99, 40_001), Sweep.revolutions(5, 720), Sweep(1, 9, 333)],
+    ids=["array", "one", "long", "turns", "sweep"],
+)
+def test_reductions_are_those_of_the_samples(how: Any, angle: Any) -> None:  # noqa: ANN401
+    names = (*MOTION, "torque", "bending_driven")
+    options: dict[str, Any] = {"shafts": [1, 3], "load": LOAD}
+    samples = CHAIN.evaluate(angle, names, **options)
+    got = CHAIN.evaluate(angle, names, reduce=how, **options)
+    for name in names:
+        want = PLAIN[how](samples[name])
+        assert got[name].shape == want.shape
+        scale = np.abs(samples[name]).max()
+        exact = how in ("min", "max", "peak")
+        assert np.all(np.abs(got[name] - want) <= (0.0 if exact else 4e-15 * scale)), name
+
+
+def test_reductions_of_vectors() -> None:
+    samples = CHAIN.evaluate(ANGLE, "moment", load=LOAD).moment
+    got = {how: CHAIN.evaluate(ANGLE, "moment", load=LOAD, reduce=how).moment for how in REDUCTIONS}
+    assert np.array_equal(got["max"], samples.max(axis=1))
+    assert got["mean"].shape == (3, 3)
+    assert np.allclose(got["peak"], np.linalg.norm(samples, axis=-1).max(axis=1), rtol=1e-15)
+    assert got["peak"].shape == (3,)
+
+
+def test_reductions_row_by_row_whatever_the_threads() -> None:
+    bends = np.linspace(0.01, 1.5, 300)
+    batch = Driveline.from_bends(bends[:, None])[:, None]
+    sweep = Sweep.revolutions(3, 720)
+    want = batch.evaluate(sweep, MOTION, reduce="rms", workers=1)
+    for workers in (2, 3, -1, None):
+        got = batch.evaluate(sweep, MOTION, reduce="rms", workers=workers)
+        for name in MOTION:
+            assert np.array_equal(got[name], want[name])
+    long = CHAIN.evaluate(np.linspace(0, 9, 300_000), "speed_ratio", reduce="mean", workers=1)
+    other = CHAIN.evaluate(np.linspace(0, 9, 300_000), "speed_ratio", reduce="mean", workers=3)
+    assert long.speed_ratio == other.speed_ratio
+
+
+def test_a_nan_among_the_samples_stays() -> None:
+    angle = ANGLE.copy()
+    angle[1234] = np.nan
+    for how in REDUCTIONS:
+        assert np.isnan(CHAIN.evaluate(angle, "speed_ratio", reduce=how).speed_ratio)
+
+
+def test_extremes_of_a_turn_are_the_closed_forms() -> None:
+    line = Driveline.from_bends(np.radians([[1.0], [20.0], [60.0], [85.0]]))
+    joint = line.equivalent()
+    fine = Sweep.revolutions(1, 100_000)
+    got = line[:, None].evaluate(fine, ("speed_ratio", "angle_error"), reduce="max")
+    assert np.allclose(got.speed_ratio, joint.max_speed_ratio, rtol=1e-15)
+    assert np.allclose(got.angle_error, joint.max_angle_error, rtol=1e-6)
+    assert np.all(got.angle_error <= joint.max_angle_error * (1 + 1e-15))
+
+
+@pytest.mark.parametrize(
+    ("options", "angle", "message"),
+    [
+        ({"reduce": "median"}, ANGLE, "reduce is 'median'; did you mean"),
+        ({"reduce": "max"}, 0.3, "one angle has none"),
+        ({"reduce": "max"}, np.empty((2, 0)), "no samples in the last axis"),
+        ({"dtype": np.int32}, ANGLE, "it must be float64 or float32"),
+        ({"dtype": "nonsense"}, ANGLE, "it must be float64 or float32"),
+        ({"tolerance": -1.0}, ANGLE, "tolerance is -1.0; it must not be negative"),
+        ({"tolerance": math.nan}, ANGLE, "tolerance is nan"),
+    ],
+)
+def test_wrong_options(options: Any, angle: Any, message: str) -> None:  # noqa: ANN401
+    with pytest.raises(ValueError, match=re.escape(message)):
+        CHAIN.evaluate(angle, "speed_ratio", **options)
+
+
+# --- dtype and tolerance ---------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("angle", [ANGLE, Sweep.revolutions(3, 720), ANGLE.reshape(3, -1)])
+def test_single_precision(angle: Any) -> None:  # noqa: ANN401
+    names = (*MOTION, "torque", "moment", "bending_driving")
+    options: dict[str, Any] = {"load": LOAD, "joints": 0}
+    want = CHAIN.evaluate(angle, names, **options)
+    got = CHAIN.evaluate(angle, names, dtype=np.float32, **options)
+    out = {name: np.empty(got[name].shape, np.float32) for name in names}
+    CHAIN.evaluate(angle, names, dtype=np.float32, out=out, **options)
+    for name in names:
+        assert got[name].dtype == np.float32
+        assert np.array_equal(out[name], got[name])
+        scale = np.abs(want[name]).max()
+        assert np.max(np.abs(got[name] - want[name])) < 1e-6 * scale, name
+    with pytest.raises(ValueError, match=re.escape("has dtype float64; it must be float32")):
+        CHAIN.evaluate(angle, "angle", dtype="f4", out={"angle": np.empty(np.shape(angle))})
+
+
+def test_single_results_of_double_arithmetic() -> None:
+    want = CHAIN.evaluate(ANGLE, MOTION, tolerance=0)
+    got = CHAIN.evaluate(ANGLE, MOTION, dtype=np.float32, tolerance=0)
+    for name in MOTION:
+        assert np.array_equal(got[name], want[name].astype(np.float32))
+
+
+def test_loads_follow_the_tolerance() -> None:
+    exact = CHAIN.evaluate(ANGLE, ("torque", "support_moment"), shafts=[1, 2], load=LOAD)
+    for tolerance, limit in ((0, 1e-14), (1e-9, 1e-14), (1e-6, 1e-6)):
+        got = CHAIN.evaluate(
+            ANGLE, ("torque", "support_moment"), shafts=[1, 2], load=LOAD, tolerance=tolerance
+        )
+        for name in got:
+            scale = np.abs(exact[name]).max()
+            assert np.max(np.abs(got[name] - exact[name])) < limit * scale
+
+
+# --- indexing a batch ------------------------------------------------------------------------
+
+
+def test_a_batch_is_indexed() -> None:
+    batch = Driveline.from_bends(np.linspace(0.1, 1.2, 24).reshape(4, 3, 2), 0.3, 0.2)
+    assert batch[1].shape == (3,)
+    assert np.array_equal(batch[1, 2].bends, batch.bends[1, 2])
+    assert batch[:, None].shape == (4, 1, 3)
+    assert np.array_equal(batch[::2, 1].directions, batch.directions[::2, 1])
+    assert batch[np.array([3, 0])].shape == (2, 3)
+    with pytest.raises(IndexError):
+        batch[4]
+    with pytest.raises(TypeError, match="no batch to index"):
+        batch[0, 0][0]
