@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import math
 import os
@@ -14,7 +13,6 @@ import sys
 import sysconfig
 import textwrap
 import time
-import types
 from pathlib import Path
 
 import pytest
@@ -130,18 +128,12 @@ def examples_of(*arguments: str) -> list[str]:
 
 
 NAMES = list(commands().commands)
-LANDED = {
-    "explain": hasattr(cardan.Driveline, "plan"),
-    "report": importlib.util.find_spec("cardan.report") is not None,
-}
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_examples_of_the_help_work(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    if not LANDED.get(name, True):
-        pytest.skip(f"{name} needs what is not there")
     monkeypatch.chdir(tmp_path)
     first, *others = examples_of()
     assert run(*first.split()).exit_code == 0
@@ -340,19 +332,6 @@ def test_plot(scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (into / "a.png").read_bytes().startswith(b"\x89PNG")
     assert {entry.name for entry in into.iterdir()} == {"scene.svg", "a.png"}
     failed(run("plot", scene, "--output", "a.gif"), "a.gif must end in .svg or .png or .pdf")
-
-
-def test_report_is_written_by_its_module(
-    scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked = []
-    module = types.ModuleType("cardan.report")
-    module.write_report = lambda loaded, path: asked.append((loaded.name, path))  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "cardan.report", module)
-    monkeypatch.chdir(into)
-    assert run("report", scene).output == "wrote scene.html\n"
-    assert run("report", scene, "--output", "b.html").output == "wrote b.html\n"
-    assert asked == [(str(scene), Path("scene.html")), (str(scene), Path("b.html"))]
 
 
 def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,6 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -91,15 +90,6 @@ Draw a scene into a file that ends in {", ".join(SUFFIXES)}.
 Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
-"""
-
-_REPORT = """\
-Write a report on a scene: one HTML page that needs no network.
-
-\b
-Examples:
-  cardan report shaft.toml
-  cardan report shaft.toml --output report.html
 """
 
 _CHECK = """\
@@ -257,17 +247,6 @@ def commands() -> click.Group:
         with _progress_bar() as progress:
             result = loaded.run(progress)
         write_picture(result, path)
-        click.echo(f"wrote {path}")
-
-    @cardan.command(help=_REPORT, short_help="Write a report on a scene.")
-    @scene_argument
-    @output_option("Page to write; by default named as the scene, .html, in the current folder.")
-    def report(scene: Path, output: Path | None) -> None:
-        path = output or Path(f"{scene.stem}.html")
-        loaded = Scene.load(scene)
-        check_writable(path)
-        page: Any = import_module("cardan.report")
-        page.write_report(loaded, path)
         click.echo(f"wrote {path}")
 
     @cardan.command(help=_CHECK, short_help="Check a scene against the limits.")
