@@ -89,7 +89,7 @@ pub(crate) fn polynomial<T: Real>(z: T, coefficients: &[T]) -> T {
 /// What a number type adds to [`Real`] for angles.
 pub trait Angle: Real {
     /// The remainder of an angle to the nearest multiple of π/2, and the multiple in the low bits,
-    /// for angles that pass [`Far`].
+    /// for angles up to about 1.7e12.
     fn reduce(angle: f64) -> (Self, u64);
 
     /// Numerator and denominator of the rational tangent of a remainder.
