@@ -4,7 +4,6 @@
 //! the bends that occur in practice: `atan t = t + t z P(z)`, `z = t²`, minimax fits to the stated
 //! relative error (Remez exchange in 50-digit arithmetic).
 
-use crate::joint::Joint;
 use crate::pair::Pair;
 use crate::real::Real;
 use crate::reduce::HALF_PI;
@@ -95,13 +94,6 @@ impl AtanRange {
         } else {
             Self::Any
         }
-    }
-
-    /// The shortest range for the angle error of a joint.
-    #[inline(always)]
-    pub(crate) fn of<T: Real>(joint: &Joint<T>) -> Self {
-        let (versine, cos): (f64, f64) = (joint.versine.value().into(), joint.cos.value().into());
-        Self::holding(versine / (2.0 * cos.sqrt()))
     }
 
     /// Whether the bends are so moderate that squares shared among all formulas cost no accuracy;

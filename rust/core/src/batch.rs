@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use rayon::prelude::*;
 
 use crate::block::{Block, CHUNK, Deliver, Target};
@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::fold::Folded;
 use crate::geometry::{Geometry, Vector};
 use crate::kernel::Number;
+use crate::level::compiled_for;
 use crate::pair::Pair;
 use crate::plan::Plan;
 use crate::real::Word;
@@ -182,8 +183,8 @@ impl Plan {
 
 /// The first driveline folded.
 fn folded<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
-    let mut folded = Folded::new(plan, 1);
-    dispatch!(Level::new(), _simd => folded.fold(plan, lines, 1, |_| 0));
+    let mut folded = Folded::new(plan, 1, false);
+    compiled_for!(Level::new(), folded.fold(plan, lines, 1, |_| 0));
     folded
 }
 
@@ -220,7 +221,8 @@ impl Plan {
         let Ok(table) = Table::new(self, &samples) else { return Operations(0) };
         let mut plane = vec![[0.0]; self.planes];
         let mut planes: Vec<&mut [f64]> = plane.iter_mut().map(|word| &mut word[..]).collect();
-        let mut block = Block::<Counted<TYPE>>::new(self, &table, None, None, &(0..1), false);
+        let mut block =
+            Block::<Counted<TYPE>>::new(self, &table, Level::new(), None, None, &(0..1), false);
         Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
     }
 }
@@ -250,7 +252,7 @@ impl Run<'_, '_> {
             return Ok(());
         }
         let size = block_size(total, workers);
-        let group = dispatch!(self.level, _simd => Block::<T>::group(self.plan, self.table));
+        let group = Block::<T>::group(self.plan, self.table, self.level);
         let group = group.as_ref();
         if size >= total {
             self.block::<T, W>(group, 0..total, Target::Planes(planes));
@@ -287,7 +289,7 @@ impl Run<'_, '_> {
         let results = groups.len();
         let mut partials = vec![reduction.start(); rows * parts * results];
         let per_block = if parts > 1 { results } else { rows_per_block * results };
-        let group = dispatch!(self.level, _simd => Block::<T>::group(self.plan, self.table));
+        let group = Block::<T>::group(self.plan, self.table, self.level);
         let run = |(i, partials): (usize, &mut [Pair])| {
             let samples = if parts > 1 {
                 let (row, part) = (i / parts, i % parts);
@@ -334,8 +336,9 @@ impl Run<'_, '_> {
             Target::Planes(planes) => T::direct(planes).is_none(),
             Target::Reduced(..) => true,
         };
-        let mut block = Block::<T>::new(self.plan, self.table, kept, group, &samples, spare);
-        dispatch!(self.level, _simd => block.run(samples, &mut target));
+        let mut block =
+            Block::<T>::new(self.plan, self.table, self.level, kept, group, &samples, spare);
+        block.run(samples, &mut target);
     }
 }
 

@@ -3,10 +3,12 @@
 use std::ops::Range;
 
 use crate::batch::{Constants, Kept};
-use crate::chunk::{self, Scratch, Seen};
+use crate::chunk::{self, Scratch};
 use crate::count::Counted;
-use crate::fold::Folded;
+use crate::extremes;
+use crate::fold::{Folded, Seen};
 use crate::kernel::{Drive, Number};
+use crate::level::{Level, compiled_for};
 use crate::pair::Pair;
 use crate::plan::Plan;
 use crate::real::Word;
@@ -80,10 +82,11 @@ pub(crate) enum Target<'a, 'b, W> {
 pub(crate) struct Block<'a, 's, T: Number> {
     plan: &'a Plan,
     table: &'a Table<'s>,
-    /// The only driveline, folded before.
-    kept: Option<&'a Folded<T>>,
+    level: Level,
     /// How to find the pins of a long sweep.
     group: Option<&'a Group<T>>,
+    /// The only driveline, folded before.
+    kept: Option<&'a Folded<T>>,
     /// The drivelines of these rows, or of the samples of one chunk.
     folded: Folded<T>,
     rows: Range<usize>,
@@ -92,8 +95,10 @@ pub(crate) struct Block<'a, 's, T: Number> {
     spare: Vec<Vec<T::Word>>,
     /// The angles of a chunk, where the samples do not hold them side by side.
     angles: Vec<f64>,
-    /// First angle, step and length of the chunk whose pins are at hand.
+    /// First angle, step and length of the chunk whose pins are at hand, and of that for which
+    /// sine and cosine of twice the angle are.
     pins: Option<(usize, usize, usize)>,
+    twice: Option<(usize, usize, usize)>,
 }
 
 /// Part of a row: the row, its samples, and where the block's planes take their results.
@@ -108,17 +113,18 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     const CHUNK: usize = if T::LOW { CHUNK / 2 } else { CHUNK };
 
     /// A group of samples for a sweep whose rows are long enough and do not just repeat themselves.
-    #[inline(always)]
-    pub(crate) fn group(plan: &Plan, table: &Table<'_>) -> Option<Group<T>> {
+    pub(crate) fn group(plan: &Plan, table: &Table<'_>, level: Level) -> Option<Group<T>> {
         let sweep = table.sweep?;
         let period = sweep.period(plan.needs_sense()).filter(|&period| period <= REPEATED);
         let samples = period.map_or(table.row_length(), |period| period.min(table.row_length()));
-        Group::new(&sweep, samples, Self::CHUNK).filter(|_| plan.needs_pins())
+        let group = compiled_for!(level, Group::new(&sweep, samples, Self::CHUNK));
+        group.filter(|_| plan.needs_poses() || plan.moving().next().is_some())
     }
 
     pub(crate) fn new(
         plan: &'a Plan,
         table: &'a Table<'s>,
+        level: Level,
         kept: Option<&'a Folded<T>>,
         group: Option<&'a Group<T>>,
         samples: &Range<usize>,
@@ -136,19 +142,20 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         Self {
             plan,
             table,
-            kept,
+            level,
             group,
-            folded: Folded::new(plan, lines),
+            kept,
+            folded: Folded::new(plan, lines, table.geometries() == Geometries::BySample),
             rows: 0..0,
             scratch: Scratch::new(plan, table, longest),
             spare: vec![vec![T::Word::default(); if spare { longest } else { 0 }]; plan.planes],
             angles: vec![],
             pins: None,
+            twice: None,
         }
     }
 
     /// Runs the samples, row after row.
-    #[inline(always)]
     pub(crate) fn run<W: Word>(&mut self, samples: Range<usize>, target: &mut Target<'_, '_, W>)
     where
         T: Deliver<W>,
@@ -168,7 +175,6 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
-    #[inline(always)]
     fn see(&mut self, row: usize, last: usize) {
         for (column, cursor) in self.table.columns.iter().zip(&mut self.scratch.cursors) {
             *cursor = self.table.locate(&column.strides, row);
@@ -187,12 +193,11 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         }
         let table = self.table;
         let line_of = |i: usize| table.locate(&table.line, row + i).0;
-        self.folded.fold(self.plan, &table.lines, rows.len(), line_of);
+        compiled_for!(self.level, self.folded.fold(self.plan, &table.lines, rows.len(), line_of));
         self.rows = rows;
     }
 
     /// Runs a part of one row, chunk after chunk; chunks begin at multiples of their length.
-    #[inline(always)]
     fn row<W: Word>(&mut self, part: &Part, unit: usize, target: &mut Target<'_, '_, W>)
     where
         T: Deliver<W>,
@@ -205,10 +210,18 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         if stop < end {
             self.scratch.keep_errors(stop - start);
         }
+        if let Target::Reduced(reduction, ..) = target
+            && let Some(picked) = self.extremes(part.row, start..stop, *reduction)
+        {
+            for samples in picked.chunks(Self::CHUNK) {
+                self.chunk(part, 0..samples.len(), Some(samples), unit, target);
+            }
+            return;
+        }
         let mut at = start;
         while at < stop {
             let next = stop.min((at / Self::CHUNK + 1) * Self::CHUNK);
-            self.chunk(part, at..next, unit, target);
+            self.chunk(part, at..next, None, unit, target);
             at = next;
         }
         if stop < end
@@ -219,7 +232,6 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// After how many samples the results of a row repeat themselves, if they are to be repeated.
-    #[inline(always)]
     fn period<W>(&self, part: &Part, target: &Target<'_, '_, W>) -> Option<usize> {
         let period = self.table.sweep?.period(self.plan.needs_sense())?;
         let steady = self.scratch.cursors.iter().skip(1).all(|&(_, step)| step == 0);
@@ -235,33 +247,56 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         }
     }
 
-    #[inline(always)]
+    /// The samples that decide a smallest or largest value, if few do.
+    fn extremes(
+        &self,
+        row: usize,
+        samples: Range<usize>,
+        reduction: Reduction,
+    ) -> Option<Vec<f64>> {
+        let sweep = self.table.sweep.as_ref()?;
+        let (_, along) = self.scratch.cursors[ANGLE];
+        let one = self.table.geometries() != Geometries::BySample;
+        if !(reduction.is_extreme() && self.plan.has_closed_extremes() && one && along == 1) {
+            return None;
+        }
+        let (folded, index) = match self.kept {
+            Some(kept) => (kept, 0),
+            None => (&self.folded, row - self.rows.start),
+        };
+        let index = if self.table.geometries() == Geometries::One { 0 } else { index };
+        let shafts = self.plan.moving().filter_map(|step| {
+            folded.shafts[step.shaft].as_ref().map(|shaft| (step, shaft.crest(index)))
+        });
+        extremes::beside(sweep, samples, shafts)
+    }
+
+    /// One chunk of a row, or samples picked from it.
     fn chunk<W: Word>(
         &mut self,
         part: &Part,
         samples: Range<usize>,
+        picked: Option<&[f64]>,
         unit: usize,
         target: &mut Target<'_, '_, W>,
     ) where
         T: Deliver<W>,
     {
-        let Self { plan, table, scratch, .. } = self;
+        let Self { plan, table, level, scratch, .. } = self;
+        let level = *level;
         let size = samples.len();
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
-        let drive = match &table.sweep {
-            Some(sweep) => Drive::Sweep(sweep, begin),
-            None if step == 1 => Drive::Array(&table.columns[ANGLE].data[begin..begin + size]),
-            None => {
+        let drive = match (&table.sweep, picked) {
+            (Some(sweep), Some(picked)) => Drive::Picked(sweep, picked),
+            (Some(sweep), None) => Drive::Sweep(sweep, begin),
+            (None, _) if step == 1 => Drive::Array(&table.columns[ANGLE].data[begin..begin + size]),
+            (None, _) => {
                 self.angles.resize(size, 0.0);
                 gather(table.columns[ANGLE].data, begin, step, &mut self.angles);
                 Drive::Array(&self.angles)
             }
         };
-        if plan.needs_pins() && self.pins != Some((begin, step, size)) {
-            chunk::find_pins(plan, drive, self.group, scratch, size);
-            self.pins = Some((begin, step, size));
-        }
         let (folded, seen) = match (self.kept, table.geometries()) {
             (Some(kept), _) => (kept, Seen::One(0)),
             (None, Geometries::One) => (&self.folded, Seen::One(0)),
@@ -269,10 +304,20 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             (None, Geometries::BySample) => {
                 let (line, step) = table.locate(&table.line, part.row);
                 let line_of = |i: usize| line + (samples.start + i) * step;
-                self.folded.fold(plan, &table.lines, size, line_of);
-                (&self.folded, Seen::Each)
+                compiled_for!(level, self.folded.fold(plan, &table.lines, size, line_of));
+                (&self.folded, Seen::Each(size))
             }
         };
+        let place = picked.is_none().then_some((begin, step, size));
+        let [pinned, doubled] = chunk::ways(plan, folded, seen);
+        if pinned && (place.is_none() || self.pins != place) {
+            compiled_for!(level, chunk::find_pins(plan, drive, self.group, scratch, size));
+            self.pins = place;
+        }
+        if doubled && (place.is_none() || self.twice != place) {
+            compiled_for!(level, chunk::find_twice(drive, scratch, size));
+            self.twice = place;
+        }
         let from = part.place + samples.start - part.samples.start;
         let kept_from = samples.start - part.samples.start;
         let (direct, fills) = match target {
@@ -285,13 +330,19 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             Some(planes) => planes.iter_mut().map(|plane| &mut plane[from..from + size]).collect(),
             None => self.spare.iter_mut().map(|plane| &mut plane[..size]).collect(),
         };
-        chunk::run_motion(plan, drive, folded, seen, scratch, &mut views, size, kept_from);
+        compiled_for!(
+            level,
+            chunk::run_motion(plan, drive, folded, seen, scratch, &mut views, size, kept_from)
+        );
         if let Some(load) = &plan.load {
             let columns = table.columns.iter().zip(&scratch.cursors).skip(1);
             for ((column, &(origin, step)), buffer) in columns.zip(&mut scratch.gathered[1..]) {
                 gather(column.data, origin + samples.start * step, step, &mut buffer[..size]);
             }
-            chunk::run_load(plan, load, table, folded, seen, scratch, &mut views, size);
+            compiled_for!(
+                level,
+                chunk::run_load(plan, load, table, folded, seen, scratch, &mut views, size)
+            );
         }
         if !converts {
             return;
@@ -299,13 +350,14 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         match target {
             Target::Planes(planes) => {
                 for (plane, words) in planes.iter_mut().zip(&self.spare) {
-                    convert(&words[..size], &mut plane[from..from + size]);
+                    let out = &mut plane[from..from + size];
+                    compiled_for!(level, convert(&words[..size], out));
                 }
                 if scratch.bare {
                     for step in &plan.shafts {
                         if let Some(plane) = step.angle {
                             let out = &mut planes[plane][from..from + size];
-                            add_drive(drive, &self.spare[plane], out);
+                            compiled_for!(level, add_drive(drive, &self.spare[plane], out));
                         }
                     }
                 }
@@ -314,7 +366,8 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let own = &mut partials[unit * groups.len()..(unit + 1) * groups.len()];
                 let mut plane = 0;
                 for (partial, &group) in own.iter_mut().zip(*groups) {
-                    reduction.take(partial, &self.spare[plane..plane + group], size);
+                    let planes = &self.spare[plane..plane + group];
+                    compiled_for!(level, reduction.take(partial, planes, size));
                     plane += group;
                 }
             }
@@ -322,7 +375,6 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// Fills the rest of a row from its first period.
-    #[inline(always)]
     fn repeat<W: Word>(&mut self, part: &Part, period: usize, planes: &mut [&mut [W]])
     where
         T: Deliver<W>,
@@ -348,17 +400,16 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
                 let place = part.place + at..part.place + at + size;
                 if let Some(direct) = T::direct(planes) {
-                    chunk::repeat_angle(
-                        &self.scratch,
-                        slot,
-                        in_period,
-                        drive,
-                        &mut direct[plane][place],
+                    let (scratch, out) = (&self.scratch, &mut direct[plane][place]);
+                    compiled_for!(
+                        self.level,
+                        chunk::repeat_angle(scratch, slot, in_period, drive, out)
                     );
                 } else {
                     let errors = &mut self.spare[plane][..size];
                     chunk::repeat_error(&self.scratch, slot, in_period, errors);
-                    add_drive(drive, errors, &mut planes[plane][place]);
+                    let out = &mut planes[plane][place];
+                    compiled_for!(self.level, add_drive(drive, errors, out));
                 }
                 at += size;
             }

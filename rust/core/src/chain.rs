@@ -8,10 +8,12 @@
 
 use std::ops::{Add, Mul, Sub};
 
+use crate::atan::AtanRange;
 use crate::joint::Joint;
 use crate::pair::Pair;
 use crate::real::Real;
 use crate::reduce;
+use crate::ripple::Ripple;
 use crate::trig;
 
 /// A complex number.
@@ -137,6 +139,15 @@ impl Transfer {
         if straight { Equivalent::STRAIGHT } else { Equivalent { joint, turn_cos, turn_sin } }
     }
 
+    /// The shaft's motion in twice the drive angle.
+    #[inline(always)]
+    pub(crate) fn ripple(&self) -> Ripple<Pair> {
+        let a2 = self.a.norm_squared();
+        let inverse = a2.recip();
+        let q = (self.b * self.a.conj()).times(-inverse);
+        Ripple::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
+    }
+
     /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`: the rows give the cosine and the sine of
     /// the joint's own driving angle, both times the same positive length.
     pub(crate) fn matrix(&self) -> [Pair; 4] {
@@ -228,18 +239,20 @@ impl Equivalent {
     }
 }
 
-impl<T: Real> Equivalent<T> {
-    #[inline(always)]
-    pub(crate) fn nearest(equivalent: &Equivalent<Pair>) -> Self {
+impl Equivalent {
+    fn nearest(equivalent: &Equivalent<Pair>) -> Self {
         Self {
             joint: Joint::nearest(&equivalent.joint),
-            turn_cos: T::from_pair(equivalent.turn_cos),
-            turn_sin: T::from_pair(equivalent.turn_sin),
+            turn_cos: equivalent.turn_cos.value(),
+            turn_sin: equivalent.turn_sin.value(),
         }
     }
-}
 
-impl Equivalent {
+    /// The inverse tangent that serves its angle error.
+    pub(crate) fn range(&self) -> AtanRange {
+        AtanRange::holding(self.joint.max_error_tangent())
+    }
+
     /// `φ` in radians, in `(−π/2, π/2]`: the joint's driving angle is `α + φ`.
     pub fn angle_offset(&self) -> f64 {
         self.turn_sin.atan2(self.turn_cos)

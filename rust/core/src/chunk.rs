@@ -1,10 +1,9 @@
 //! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
 
 use crate::atan::AtanRange;
-use crate::chain::Equivalent;
 use crate::column::{Column, View, ViewMut};
-use crate::fold::Folded;
-use crate::kernel::{self, AfterArray, Drive, Number, Pins};
+use crate::fold::{Folded, Seen};
+use crate::kernel::{self, AfterArray, Drive, Line, Number, Pins, Sense, Swing, Twice};
 use crate::moment::Pose;
 use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::samples::{ACCELERATION, Drivelines, SPEED, TORQUE, Table};
@@ -19,6 +18,7 @@ pub(crate) struct Scratch<T: Number> {
     /// Whether angles are delivered without the drive's, which is added with more digits.
     pub(crate) bare: bool,
     pins: [Column<T>; 2],
+    twice: [Column<T>; 2],
     turned: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
     rates: Vec<[Column<T>; 2]>,
@@ -38,14 +38,17 @@ impl<T: Number> Scratch<T> {
             let kept = plan.shafts.iter().any(|step| step.shaft == shaft && step.keep_rates);
             columns(size(kept))
         });
+        let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
+        let pinned = !T::DOUBLED || steep || plan.needs_poses();
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
         Self {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: vec![vec![0.0; size(loaded)]; table.columns.len()],
             bare: false,
-            pins: columns(longest),
-            turned: columns(size(plan.shafts.iter().any(|step| step.shaft > 1))),
+            pins: columns(size(pinned)),
+            twice: columns(size(T::DOUBLED)),
+            turned: columns(size(pinned && plan.moving().any(|step| step.shaft > 1))),
             rates: rates.collect(),
             power: Column::new(size(loaded)),
             torsion: Column::new(size(moments)),
@@ -72,15 +75,6 @@ fn columns<T: Number, const N: usize>(length: usize) -> [Column<T>; N] {
     std::array::from_fn(|_| Column::new(length))
 }
 
-/// The geometry that a chunk sees.
-#[derive(Clone, Copy)]
-pub(crate) enum Seen {
-    /// This one of the folded drivelines at every sample.
-    One(usize),
-    /// One at each sample.
-    Each,
-}
-
 /// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all
 /// samples share, so that they stay in registers, and once for constants of their own.
 macro_rules! with_constants {
@@ -92,7 +86,7 @@ macro_rules! with_constants {
                 let $at = move |_: usize| shared;
                 $body
             }
-            Seen::Each => {
+            Seen::Each(_) => {
                 let $at = constants;
                 $body
             }
@@ -100,7 +94,7 @@ macro_rules! with_constants {
     }};
 }
 
-/// Sines and cosines of a chunk.
+/// Sines and cosines of a chunk: the pins of the drive.
 #[inline(always)]
 pub(crate) fn find_pins<T: Number>(
     plan: &Plan,
@@ -112,9 +106,26 @@ pub(crate) fn find_pins<T: Number>(
     let [sine, cosine] = scratch.pins.each_mut().map(|pins| pins.view_mut(size));
     match (drive, group) {
         (Drive::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
-        _ if plan.needs_sense() => kernel::pins::<true, T>(drive, sine, cosine),
-        _ => kernel::pins::<false, T>(drive, sine, cosine),
+        _ if plan.needs_sense() => kernel::pins::<Sense, T>(drive, sine, cosine),
+        _ => kernel::pins::<Line, T>(drive, sine, cosine),
     }
+}
+
+/// Those of twice the drive angle.
+#[inline(always)]
+pub(crate) fn find_twice<T: Number>(drive: Drive<'_>, scratch: &mut Scratch<T>, size: usize) {
+    let [sine, cosine] = scratch.twice.each_mut().map(|twice| twice.view_mut(size));
+    kernel::pins::<Twice, T>(drive, sine, cosine);
+}
+
+/// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
+#[inline(always)]
+pub(crate) fn ways<T: Number>(plan: &Plan, folded: &Folded<T>, seen: Seen) -> [bool; 2] {
+    let mut ways = [plan.needs_poses(), false];
+    for folded in plan.moving().filter_map(|step| folded.shafts[step.shaft].as_ref()) {
+        ways[usize::from(T::DOUBLED && folded.range(seen).is_moderate())] = true;
+    }
+    ways
 }
 
 /// Angles and rates of every shaft of the plan at one chunk.
@@ -130,9 +141,10 @@ pub(crate) fn run_motion<T: Number>(
     size: usize,
     kept_from: usize,
 ) {
-    let Scratch { pins, turned, rates, errors, bare, .. } = scratch;
+    let Scratch { pins, twice, turned, rates, errors, bare, .. } = scratch;
     let bare = *bare;
     let pins = pins_of(pins, size);
+    let twice = pins_of(twice, size);
     let mut errors = errors.iter_mut();
     for step in &plan.shafts {
         let mut none = Column::new(0);
@@ -144,23 +156,34 @@ pub(crate) fn run_motion<T: Number>(
             run_drive_shaft(step, drive, rates, bare, planes, size);
             continue;
         };
-        let folded = match seen {
-            Seen::One(index) => shaft.equivalents(index + 1),
-            Seen::Each => shaft.equivalents(size),
-        };
-        let range = match seen {
-            Seen::One(index) => AtanRange::of(&folded.get(index).joint),
-            Seen::Each => plan.range(step.shaft),
-        };
-        with_constants!(seen, |i| folded.get(i), at => {
-            let mut pins = pins;
-            if step.shaft > 1 {
-                let [sine, cosine] = turned.each_mut().map(|turned| turned.view_mut(size));
-                kernel::turn(at, pins, sine, cosine);
-                pins = pins_of(turned, size);
-            }
-            run_shaft(step, range, at, drive, pins, rates, bare, errors, planes, size);
-        });
+        let range = shaft.range(seen);
+        if !(T::DOUBLED && range.is_moderate()) {
+            let equivalents = shaft.equivalents(seen);
+            with_constants!(seen, |i| equivalents.get(i), at => {
+                let mut pins = pins;
+                if step.shaft > 1 {
+                    let [sine, cosine] = turned.each_mut().map(|turned| turned.view_mut(size));
+                    kernel::turn(|i| at(i).1, pins, sine, cosine);
+                    pins = pins_of(turned, size);
+                }
+                let at = |i| at(i).0;
+                run_shaft(step, range, at, drive, pins, rates, bare, errors, planes, size);
+            });
+            continue;
+        }
+        let ripples = shaft.ripples(seen);
+        if !T::DOUBLED {
+            continue;
+        }
+        if step.shaft == 1 {
+            with_constants!(seen, |i| ripples.get(i).unturned(), at => {
+                run_shaft(step, range, at, drive, twice, rates, bare, errors, planes, size);
+            });
+        } else {
+            with_constants!(seen, |i| ripples.get(i), at => {
+                run_shaft(step, range, at, drive, twice, rates, bare, errors, planes, size);
+            });
+        }
     }
     for (step, poses) in plan.joints.iter().zip(&folded.poses) {
         if !step.needs_tilt() {
@@ -179,7 +202,8 @@ pub(crate) fn run_motion<T: Number>(
 
 #[inline(always)]
 fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> Pins<'_, T> {
-    Pins { sine: sine.view(size), cosine: cosine.view(size) }
+    let size = |column: &Column<T>| if column.is_empty() { 0 } else { size };
+    Pins { sine: sine.view(size(sine)), cosine: cosine.view(size(cosine)) }
 }
 
 /// The angle of the shaft in this slot at a later period, from the errors of the first.
@@ -240,10 +264,10 @@ fn run_drive_shaft<T: Number>(
 /// reads as well goes by way of a buffer.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
-fn run_shaft<T: Number>(
+fn run_shaft<T: Number, S: Swing<T>>(
     step: &ShaftStep,
     range: AtanRange,
-    at: impl Fn(usize) -> Equivalent<T> + Copy,
+    at: impl Fn(usize) -> S + Copy,
     drive: Drive<'_>,
     pins: Pins<'_, T>,
     [ratio, acceleration]: [&mut Column<T>; 2],
@@ -252,7 +276,7 @@ fn run_shaft<T: Number>(
     planes: &mut [&mut [T::Word]],
     size: usize,
 ) {
-    let together = step.together().filter(|_| T::LOW || range.is_moderate());
+    let together = step.together().filter(|_| S::MODERATE && range.is_moderate());
     if let Some([rotation, ratio, acceleration]) = together {
         let [rotation, ratio, acceleration] = planes
             .get_disjoint_mut([rotation, ratio, acceleration])
@@ -260,25 +284,25 @@ fn run_shaft<T: Number>(
         let rates: [&mut [T::Word]; 2] = [ratio, acceleration];
         match drive {
             _ if step.angle.is_none() => {
-                kernel::motion::<T>(range, at, pins, &mut **rotation, rates);
+                kernel::motion::<T, S>(range, at, pins, &mut **rotation, rates);
             }
             _ if bare => {
-                kernel::motion::<T>(range, at, pins, errors.again(), rates);
+                kernel::motion::<T, S>(range, at, pins, errors.again(), rates);
                 kernel::copy(errors.view(), &mut **rotation);
             }
             Drive::Array(angle) if !T::SHORT => {
                 let out = AfterArray(&angle[..size], rotation);
-                kernel::motion::<T>(range, at, pins, out, rates);
+                kernel::motion::<T, S>(range, at, pins, out, rates);
             }
             _ => {
-                kernel::motion::<T>(range, at, pins, errors.again(), rates);
+                kernel::motion::<T, S>(range, at, pins, errors.again(), rates);
                 kernel::add_drive::<T>(drive, |i| errors.get(i), rotation);
             }
         }
         return;
     }
     if let Some(plane) = step.angle_error {
-        kernel::angle_error::<T>(range, at, pins, &mut *planes[plane]);
+        kernel::angle_error::<T, S>(range, at, pins, &mut *planes[plane]);
     }
     if let Some(plane) = step.angle {
         let out = &mut *planes[plane];
@@ -288,7 +312,7 @@ fn run_shaft<T: Number>(
                 kernel::copy(errors.view(), out);
             }
             Drive::Array(angle) if !T::SHORT => {
-                kernel::angle_error::<T>(range, at, pins, AfterArray(&angle[..size], out));
+                kernel::angle_error::<T, S>(range, at, pins, AfterArray(&angle[..size], out));
             }
             _ => {
                 kernel::angle_error(range, at, pins, errors.again());
@@ -306,15 +330,15 @@ fn run_shaft<T: Number>(
         return;
     }
     match (step.speed_ratio, step.acceleration_ratio) {
-        (Some(ratio), None) => kernel::speed_ratio::<T>(at, pins, &mut *planes[ratio]),
+        (Some(ratio), None) => kernel::speed_ratio::<T, S>(at, pins, &mut *planes[ratio]),
         (None, Some(acceleration)) => {
-            kernel::acceleration_ratio::<T>(at, pins, &mut *planes[acceleration]);
+            kernel::acceleration_ratio::<T, S>(at, pins, &mut *planes[acceleration]);
         }
         (Some(ratio), Some(acceleration)) => {
             let [ratio, acceleration] = planes
                 .get_disjoint_mut([ratio, acceleration])
                 .expect("a plan gives every output planes of its own");
-            kernel::rates::<T>(at, pins, &mut **ratio, &mut **acceleration);
+            kernel::rates::<T, S>(at, pins, &mut **ratio, &mut **acceleration);
         }
         (None, None) => {}
     }
@@ -337,9 +361,10 @@ pub(crate) fn run_load<T: Number>(
     let column = |index: usize| &gathered[index][..size];
     let pins = pins_of(pins, size);
     let ratio = |shaft: usize| rates[shaft][0].view(size);
+    let bent = plan.first_bent();
     let first = match load.end {
         End::Drive => None,
-        End::Output => Some(ratio(load.stations[0].shaft)),
+        End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
     };
     kernel::spread(column(TORQUE), first, power.view_mut(size));
     for station in &load.stations {
@@ -355,23 +380,32 @@ pub(crate) fn run_load<T: Number>(
         }
         if let Some(plane) = station.torque {
             let torque = &mut *planes[plane];
-            kernel::divide::<T>(power.view(size), ratio(station.shaft), torque);
+            if station.shaft > bent {
+                kernel::divide::<T>(power.view(size), ratio(station.shaft), torque);
+            } else {
+                kernel::copy::<T>(power.view(size), torque);
+            }
         }
         if station.torsion {
             let joint = station.shaft - 1;
-            kernel::divide(power.view(size), ratio(joint), torsion.view_mut(size));
+            let torsion = if joint > bent {
+                kernel::divide(power.view(size), ratio(joint), torsion.view_mut(size));
+                torsion.view(size)
+            } else {
+                power.view(size)
+            };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint];
             with_constants!(seen, |i: usize| poses[i], at => {
-                run_bending(step, at, pins, torsion.view(size), planes);
+                run_bending(step, at, pins, torsion, planes);
                 if step.needs_parts() {
                     let views = parts.each_mut().map(|part| part.view_mut(size));
-                    kernel::parts(at, pins, torsion.view(size), views);
+                    kernel::parts(at, pins, torsion, views);
                 }
             });
             if step.needs_parts() {
                 let parts = parts.each_ref().map(|part| part.view(size));
-                run_moments(step, seen, poses, torsion.view(size), parts, support, planes, size);
+                run_moments(step, seen, poses, torsion, parts, support, planes, size);
             }
         }
         if load.end == End::Drive {
@@ -413,11 +447,13 @@ fn run_moments<T: Number>(
     planes: &mut [&mut [T::Word]],
     size: usize,
 ) {
+    let none = |_: usize| None;
     for i in 0..3 {
         if let Some(plane) = step.moment {
             let out = &mut *planes[plane + i];
             let columns = [torsion, sine2, product];
-            component(seen, poses, |_| None, |pose| moment_factors(pose, i), columns, out);
+            let factors = |pose: &Pose<T>| moment_factors(pose, i);
+            component(seen, poses, none, factors, columns, out);
         }
         // The shaft that the load leaves is complete before the part of the next one is kept.
         for support_step in step.support.iter().flatten() {
@@ -426,14 +462,15 @@ fn run_moments<T: Number>(
             let columns = [if driving { sine2 } else { cosine2 }, product];
             let out = &mut *planes[plane + i];
             match (first, last) {
-                (true, true) => component(seen, poses, |_| None, factors, columns, out),
+                (true, true) => component(seen, poses, none, factors, columns, out),
                 (true, false) => {
                     let kept = support[i].view_mut(size);
-                    component(seen, poses, |_| None, factors, columns, kept);
+                    component(seen, poses, none, factors, columns, kept);
                 }
                 (false, _) => {
                     let kept = support[i].view(size);
-                    component(seen, poses, |j| Some(kept.get(j)), factors, columns, out);
+                    let start = |j: usize| Some(kept.get(j));
+                    component(seen, poses, start, factors, columns, out);
                 }
             }
         }
@@ -466,7 +503,7 @@ fn component<const N: usize, T: Number>(
     out: impl kernel::Out<T>,
 ) {
     let index = match seen {
-        Seen::Each => {
+        Seen::Each(_) => {
             kernel::combine(start, |i| factors(&poses[i]), columns, out);
             return;
         }
@@ -494,7 +531,7 @@ fn component<const N: usize, T: Number>(
 impl Plan {
     /// Terms of vectors that vanish all over the first driveline, because of where it lies.
     pub(crate) fn vanishing(&self, lines: &Drivelines<'_>) -> Vec<String> {
-        let mut folded = Folded::<f64>::new(self, 1);
+        let mut folded = Folded::<f64>::new(self, 1, false);
         folded.fold(self, lines, 1, |_| 0);
         let mut vanishing = vec![];
         for (j, step) in self.joints.iter().enumerate() {

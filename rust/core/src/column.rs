@@ -17,6 +17,10 @@ impl<T: Real> Column<T> {
         Self { high: words(length), low: words(low::<T>(0..length).len()) }
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.high.is_empty()
+    }
+
     /// The first numbers, to read.
     #[inline(always)]
     pub(crate) fn view(&self, length: usize) -> View<'_, T> {

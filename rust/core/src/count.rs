@@ -90,6 +90,14 @@ impl<const TYPE: usize> Real for Counted<TYPE> {
         Self::after_operations(self.0.mul_add(a.0, b.0), [1, 1, 12])
     }
 
+    fn plus_smaller(self, other: Self) -> Self {
+        Self::after_operations(self.0 + other.0, [1, 1, 5])
+    }
+
+    fn scaled(self, power: f64) -> Self {
+        Self::after_operations(self.0 * power, [1, 1, 2])
+    }
+
     fn recip(self) -> Self {
         Self::after_operations(1.0 / self.0, [1, 1, 4])
     }
@@ -128,6 +136,13 @@ impl<const TYPE: usize> Angle for Counted<TYPE> {
     fn tangent(remainder: Self) -> (Self, Self) {
         let tangent = Self::after_operations(remainder.0.tan(), [5, 8, 45]);
         (tangent, Self(1.0))
+    }
+
+    const DOUBLED: bool = TYPE == 2;
+
+    fn sin_cos(remainder: Self) -> (Self, Self) {
+        let (sine, cosine) = remainder.0.sin_cos();
+        (Self::after_operations(sine, [0, 0, 34]), Self(cosine))
     }
 
     fn turned_if(self, bit: u64) -> Self {

@@ -1,5 +1,6 @@
 //! What a plan does for each sample, and what it leaves out and why, in words.
 
+use crate::atan::AtanRange;
 use crate::batch::{Operations, Precision};
 use crate::plan::{Plan, ShaftStep};
 use crate::reduction::Reduction;
@@ -50,8 +51,13 @@ impl Plan {
     /// The steps in the order in which they run.
     fn steps(&self, lines: &Drivelines<'_>, call: Call) -> Vec<String> {
         let mut steps = vec![];
-        if self.needs_pins() {
-            let from = if call.sweep { "sample number" } else { "angle" };
+        let from = if call.sweep { "sample number" } else { "angle" };
+        let ranges: Vec<AtanRange> =
+            self.moving().map(|step| Self::range_of_first(lines, step.shaft)).collect();
+        if ranges.iter().any(|range| range.is_moderate()) {
+            steps.push(format!("{from} to sine and cosine of twice the angle"));
+        }
+        if self.needs_poses() || ranges.iter().any(|range| !range.is_moderate()) {
             let sense = if self.needs_sense() { "" } else { ", up to their sign" };
             steps.push(format!("{from} to sine and cosine times a common factor{sense}"));
         }
@@ -63,18 +69,17 @@ impl Plan {
                 steps.push(format!("shaft {shaft}: {found}, those of the drive"));
                 continue;
             }
-            if shaft > 1 {
+            let range = Self::range_of_first(lines, shaft);
+            if shaft > 1 && !range.is_moderate() {
                 steps
                     .push(format!("shaft {shaft}: sine and cosine turned to its equivalent joint"));
             }
-            let range = Self::range_of_first(lines, shaft);
             let mut how = String::new();
             if step.angle.is_some() || step.angle_error.is_some() {
                 let terms = range.terms()[call.precision as usize];
                 how = format!(" (inverse tangent of {terms} terms)");
             }
-            let shared = range.is_moderate() || call.precision == Precision::InTwo;
-            if step.together().is_some() && shared {
+            if step.together().is_some() && range.is_moderate() {
                 how += ", in one loop";
             }
             steps.push(format!("shaft {shaft}: {found}{how}"));
@@ -142,7 +147,7 @@ impl Plan {
         if self.load.is_none() {
             skipped.push("torques and moments: not asked for".into());
         }
-        if !self.needs_pins() {
+        if !self.needs_poses() && self.moving().next().is_none() {
             skipped.push("sine and cosine: everything turns with the drive".into());
         }
         skipped.extend(self.vanishing(lines));

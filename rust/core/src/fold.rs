@@ -3,23 +3,26 @@
 //! Drivelines are folded many at a time, joint by joint over all of them, so that folding
 //! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
 
+use crate::atan::AtanRange;
 use crate::chain::{self, Complex, Equivalent, Transfer};
 use crate::column::{Column, View};
+use crate::extremes::Crest;
 use crate::geometry::Vector;
-use crate::joint::Joint;
+use crate::joint::{Constants, Joint};
 use crate::moment::Pose;
 use crate::pair::Pair;
 use crate::plan::Plan;
 use crate::real::Real;
+use crate::ripple::Ripple;
 use crate::samples::Drivelines;
-use crate::trig;
+use crate::trig::{self, Angle};
 
 /// Drivelines that are folded together: their running maps stay in the first-level cache.
 const LANES: usize = 64;
 
 /// The constants of a run of drivelines.
 #[derive(Clone, Debug)]
-pub(crate) struct Folded<T: Real> {
+pub(crate) struct Folded<T: Angle> {
     /// Per shaft, where the plan needs it; shaft 0 needs nothing.
     pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
     /// Per joint, empty where the plan does not need it.
@@ -28,28 +31,90 @@ pub(crate) struct Folded<T: Real> {
     turns: Turns,
 }
 
-/// The equivalent joints of one shaft, one per driveline.
+/// The constants of one shaft, one set per driveline: an equivalent joint, or what number types that
+/// go by twice the drive angle need as long as bends are moderate.
 #[derive(Clone, Debug)]
-pub(crate) struct FoldedShaft<T: Real>([Column<T>; 9]);
+pub(crate) struct FoldedShaft<T: Angle> {
+    /// The largest tangents in reach.
+    bound: AtanRange,
+    ripples: [Column<T>; 4],
+    equivalents: [Column<T>; 7],
+}
 
-impl<T: Real> FoldedShaft<T> {
-    fn new(length: usize) -> Self {
-        Self(std::array::from_fn(|_| Column::new(length)))
+impl<T: Angle> FoldedShaft<T> {
+    /// Room for so many; a geometry `by_sample` goes one way at all samples.
+    fn new(bound: AtanRange, length: usize, by_sample: bool) -> Self {
+        let moderate = bound.is_moderate();
+        let doubled = T::DOUBLED && (moderate || !by_sample);
+        let steep = !T::DOUBLED || !moderate;
+        let size = |needed: bool| if needed { length } else { 0 };
+        Self {
+            bound,
+            ripples: std::array::from_fn(|_| Column::new(size(doubled))),
+            equivalents: std::array::from_fn(|_| Column::new(size(steep))),
+        }
     }
 
-    /// The first equivalent joints.
+    /// The largest tangents that the samples of a chunk reach.
     #[inline(always)]
-    pub(crate) fn equivalents(&self, length: usize) -> Equivalents<'_, T> {
-        Equivalents(self.0.each_ref().map(|column| column.view(length)))
+    pub(crate) fn range(&self, seen: Seen) -> AtanRange {
+        match seen {
+            Seen::One(index) if T::DOUBLED => self.ripples(seen).get(index).range().min(self.bound),
+            Seen::One(index) => self.equivalents(seen).get(index).0.range(),
+            Seen::Each(_) => self.bound,
+        }
+    }
+
+    /// What the extremes of one of them need.
+    pub(crate) fn crest(&self, index: usize) -> Crest {
+        let seen = Seen::One(index);
+        if T::DOUBLED {
+            let [re, im]: [f64; 2] = self.ripples(seen).get(index).q.map(|x| x.value().into());
+            return Crest { twice_offset: -im.atan2(re), k: re.hypot(im) };
+        }
+        let (joint, turn) = self.equivalents(seen).get(index);
+        let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
+        let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
+        Crest { twice_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
+    }
+
+    /// The constants by twice the drive angle.
+    #[inline(always)]
+    pub(crate) fn ripples(&self, seen: Seen) -> Ripples<'_, T> {
+        Ripples(self.ripples.each_ref().map(|column| column.view(seen.count())))
+    }
+
+    /// The equivalent joints.
+    #[inline(always)]
+    pub(crate) fn equivalents(&self, seen: Seen) -> Equivalents<'_, T> {
+        Equivalents(self.equivalents.each_ref().map(|column| column.view(seen.count())))
     }
 
     #[inline(always)]
-    fn set(&mut self, start: usize, length: usize, source: &impl Lane<Equivalent<Pair>>) {
-        let mut columns = self.0.each_mut().map(|column| column.part_mut(start, length));
+    fn set<L>(&mut self, start: usize, length: usize, source: &L)
+    where
+        L: Lane<Ripple<Pair>> + Lane<Equivalent<Pair>>,
+    {
+        if !self.ripples[0].is_empty() {
+            let mut columns = self.ripples.each_mut().map(|column| column.part_mut(start, length));
+            for i in 0..length {
+                let ripple: Ripple<Pair> = source.at(i);
+                let Ripple { q: [re, im], mean, complement } = Ripple::<T>::nearest(&ripple);
+                for (column, number) in columns.iter_mut().zip([re, im, mean, complement]) {
+                    column.set(i, number);
+                }
+            }
+        }
+        if self.equivalents[0].is_empty() {
+            return;
+        }
+        let mut columns = self.equivalents.each_mut().map(|column| column.part_mut(start, length));
         for i in 0..length {
-            let Equivalent { joint, turn_cos, turn_sin } = Equivalent::<T>::nearest(&source.at(i));
-            let Joint { cos, cos2, sin, sin2, versine, inverse_exsecant, k } = joint;
-            let numbers = [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin];
+            let equivalent: Equivalent<Pair> = source.at(i);
+            let Constants { cos, cos2, sin2, versine, inverse_exsecant } =
+                Constants::<T>::nearest(&equivalent.joint);
+            let [turn_cos, turn_sin] = [equivalent.turn_cos, equivalent.turn_sin].map(T::from_pair);
+            let numbers = [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin];
             for (column, number) in columns.iter_mut().zip(numbers) {
                 column.set(i, number);
             }
@@ -57,17 +122,49 @@ impl<T: Real> FoldedShaft<T> {
     }
 }
 
+/// The geometry that a chunk sees.
+#[derive(Clone, Copy)]
+pub(crate) enum Seen {
+    /// This one of the folded drivelines at every sample.
+    One(usize),
+    /// One at each of so many samples.
+    Each(usize),
+}
+
+impl Seen {
+    /// How many of the folded drivelines that takes.
+    #[inline(always)]
+    fn count(self) -> usize {
+        match self {
+            Self::One(index) => index + 1,
+            Self::Each(count) => count,
+        }
+    }
+}
+
+/// A run of constants by twice the drive angle to read.
+#[derive(Clone, Copy)]
+pub(crate) struct Ripples<'a, T: Real>([View<'a, T>; 4]);
+
+impl<T: Real> Ripples<'_, T> {
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> Ripple<T> {
+        let [re, im, mean, complement] = self.0.each_ref().map(|view| view.get(i));
+        Ripple { q: [re, im], mean, complement }
+    }
+}
+
 /// A run of equivalent joints to read.
 #[derive(Clone, Copy)]
-pub(crate) struct Equivalents<'a, T: Real>([View<'a, T>; 9]);
+pub(crate) struct Equivalents<'a, T: Real>([View<'a, T>; 7]);
 
 impl<T: Real> Equivalents<'_, T> {
+    /// The constants of the joint, cosine and sine of its turn.
     #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> Equivalent<T> {
-        let [cos, cos2, sin, sin2, versine, inverse_exsecant, k, turn_cos, turn_sin] =
+    pub(crate) fn get(&self, i: usize) -> (Constants<T>, [T; 2]) {
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
             self.0.each_ref().map(|view| view.get(i));
-        let joint = Joint { cos, cos2, sin, sin2, versine, inverse_exsecant, k };
-        Equivalent { joint, turn_cos, turn_sin }
+        (Constants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
     }
 }
 
@@ -138,6 +235,14 @@ impl Lane<Transfer> for Read<'_> {
     }
 }
 
+impl Lane<Ripple<Pair>> for Read<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Ripple<Pair> {
+        let transfer: Transfer = self.at(i);
+        transfer.ripple()
+    }
+}
+
 impl Lane<Equivalent<Pair>> for Read<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Equivalent<Pair> {
@@ -148,6 +253,13 @@ impl Lane<Equivalent<Pair>> for Read<'_> {
 
 /// First joints, by their bends.
 struct First<'a>(&'a [f64]);
+
+impl Lane<Ripple<Pair>> for First<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Ripple<Pair> {
+        Ripple::of_joint(self.0[i])
+    }
+}
 
 impl Lane<Equivalent<Pair>> for First<'_> {
     #[inline(always)]
@@ -218,13 +330,14 @@ impl Turns {
     }
 }
 
-impl<T: Real> Folded<T> {
-    /// Room for a run of so many drivelines.
-    pub(crate) fn new(plan: &Plan, longest: usize) -> Self {
+impl<T: Angle> Folded<T> {
+    /// Room for a run of so many drivelines, of different rows or of different samples.
+    pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool) -> Self {
         let lanes = LANES.min(longest);
         let mut shafts = vec![None; plan.joint_count + 1];
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
-            shafts[step.shaft] = Some(FoldedShaft::new(longest));
+            let bound = plan.range(step.shaft);
+            shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample));
         }
         Self {
             shafts,
@@ -282,7 +395,7 @@ impl<T: Real> Folded<T> {
                 maps.update(length, &turns.read(length));
             }
             if plan.needs_pose(j) {
-                let maps: Read<'_> = maps.read(length);
+                let maps = maps.read(length);
                 poses[j].extend((0..length).map(|i| {
                     let line = line_of(i);
                     let u_in = vector(lines.directions, line * (n + 1) + j);

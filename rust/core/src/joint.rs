@@ -3,6 +3,7 @@
 //! The formulas per angle take the sine and cosine of the joint's driving angle and stand here as
 //! plain functions of one sample; the kernel runs them over slices.
 
+use crate::atan::AtanRange;
 use crate::pair::Pair;
 use crate::real::Real;
 use crate::reduce::HALF_PI;
@@ -83,6 +84,34 @@ impl Joint<Pair> {
     }
 }
 
+/// What the formulas per angle take of a joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Constants<T> {
+    pub(crate) cos: T,
+    pub(crate) cos2: T,
+    pub(crate) sin2: T,
+    pub(crate) versine: T,
+    pub(crate) inverse_exsecant: T,
+}
+
+impl<T: Real> Constants<T> {
+    /// The nearest numbers of a kernel.
+    #[inline(always)]
+    pub(crate) fn nearest(joint: &Joint<Pair>) -> Self {
+        let [cos, cos2, sin2, versine, inverse_exsecant] =
+            [joint.cos, joint.cos2, joint.sin2, joint.versine, joint.inverse_exsecant]
+                .map(T::from_pair);
+        Self { cos, cos2, sin2, versine, inverse_exsecant }
+    }
+
+    /// The inverse tangent that serves the joint's angle error.
+    #[inline(always)]
+    pub(crate) fn range(&self) -> AtanRange {
+        let (versine, cos): (f64, f64) = (self.versine.value().into(), self.cos.value().into());
+        AtanRange::holding(versine / (2.0 * cos.sqrt()))
+    }
+}
+
 #[inline(always)]
 fn inverse_exsecant(cos: Pair, versine: Pair) -> Pair {
     let quotient = cos / versine;
@@ -96,26 +125,25 @@ impl<T: Real> Joint<T> {
     pub(crate) fn complement(&self) -> T {
         self.cos * (T::from_f64(1.0) + self.k).square()
     }
-
-    /// The same constants as the nearest numbers of a kernel.
-    #[inline(always)]
-    pub(crate) fn nearest(joint: &Joint<Pair>) -> Self {
-        Self {
-            cos: T::from_pair(joint.cos),
-            cos2: T::from_pair(joint.cos2),
-            sin: T::from_pair(joint.sin),
-            sin2: T::from_pair(joint.sin2),
-            versine: T::from_pair(joint.versine),
-            inverse_exsecant: T::from_pair(joint.inverse_exsecant),
-            k: T::from_pair(joint.k),
-        }
-    }
 }
 
 impl Joint {
     /// The joint with a bend in `[0, π/2)`, in radians.
     pub fn new(bend: f64) -> Self {
         Self::nearest(&Joint::with_error_terms(bend))
+    }
+
+    /// The nearest doubles.
+    pub(crate) fn nearest(joint: &Joint<Pair>) -> Self {
+        Self {
+            cos: joint.cos.value(),
+            cos2: joint.cos2.value(),
+            sin: joint.sin.value(),
+            sin2: joint.sin2.value(),
+            versine: joint.versine.value(),
+            inverse_exsecant: joint.inverse_exsecant.value(),
+            k: joint.k.value(),
+        }
     }
 
     /// The bend `β` in radians.
@@ -161,7 +189,9 @@ impl Joint {
     /// The largest acceleration ratio.
     pub fn max_acceleration_ratio(&self) -> f64 {
         let (c, s) = self.steepest();
-        let (_, acceleration) = rates(self, s, c);
+        let Self { cos, cos2, sin2, versine, inverse_exsecant, .. } = *self;
+        let constants = Constants { cos, cos2, sin2, versine, inverse_exsecant };
+        let (_, acceleration) = rates(&constants, s, c);
         acceleration
     }
 }
@@ -169,7 +199,7 @@ impl Joint {
 /// Numerator and (positive) denominator of the tangent of the angle error,
 /// `(1 − cos β) s c` over `c² cos β + s²`; a common length of sine and cosine drops out.
 #[inline(always)]
-pub(crate) fn error_tangent<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, T) {
+pub(crate) fn error_tangent<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T) {
     (joint.versine * (s * c), c.square().mul_add(joint.cos, s.square()))
 }
 
@@ -177,7 +207,7 @@ pub(crate) fn error_tangent<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, T) {
 /// exsecant `a`. For bends that are far from straight it has two roundings fewer where they matter
 /// most, where the shaft turns many times as far as the drive.
 #[inline(always)]
-pub(crate) fn steep_error_tangent<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, T) {
+pub(crate) fn steep_error_tangent<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T) {
     let s2 = s.square();
     (s * c, joint.inverse_exsecant.mul_add(c.mul_add(c, s2), s2))
 }
@@ -185,7 +215,7 @@ pub(crate) fn steep_error_tangent<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, 
 /// Everything that the last shaft's motion needs, with the squares and the product shared: numerator
 /// and denominator of the error's tangent, speed ratio, acceleration ratio.
 #[inline(always)]
-pub(crate) fn motion<T: Real>(joint: &Joint<T>, s: T, c: T) -> ((T, T), (T, T)) {
+pub(crate) fn motion<T: Real>(joint: &Constants<T>, s: T, c: T) -> ((T, T), (T, T)) {
     let (s2, c2, product) = (s.square(), c.square(), s * c);
     let tangent = (joint.versine * product, c2.mul_add(joint.cos, s2));
     let across = c2.mul_add(joint.cos2, s2);
@@ -202,7 +232,7 @@ pub(crate) fn motion<T: Real>(joint: &Joint<T>, s: T, c: T) -> ((T, T), (T, T)) 
 /// is right to the last bend below 90°, where `1 − sin² β cos² α` is not. A straight joint gives
 /// exactly 1, as the quotient of a number by itself.
 #[inline(always)]
-pub(crate) fn rates<T: Real>(joint: &Joint<T>, s: T, c: T) -> (T, T) {
+pub(crate) fn rates<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T) {
     let s2 = s.square();
     let c_cos = c * joint.cos;
     let across = c_cos.mul_add(c_cos, s2);

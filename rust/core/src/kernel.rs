@@ -9,13 +9,13 @@
 //! Constants come through `at(i)`: one value for the whole chunk, or one per sample.
 
 use crate::atan::{Atan, AtanRange};
-use crate::chain::Equivalent;
 use crate::column::{View, ViewMut};
-use crate::joint::{self, Joint};
+use crate::joint;
 use crate::moment::{self, Parts, Pose};
 use crate::pair::Pair;
 use crate::real::Real;
 use crate::reduce::{self, Far};
+use crate::ripple::Ripple;
 use crate::sweep::{Reduction, Sweep};
 use crate::trig::{self, Angle};
 
@@ -63,6 +63,8 @@ pub(crate) enum Drive<'a> {
     Array(&'a [f64]),
     /// Those of a sweep from this sample on.
     Sweep(&'a Sweep, usize),
+    /// Those of a sweep at these samples.
+    Picked(&'a Sweep, &'a [f64]),
 }
 
 impl Drive<'_> {
@@ -72,6 +74,7 @@ impl Drive<'_> {
         match self {
             Self::Array(angle) => angle[i],
             Self::Sweep(sweep, first) => sweep.angle(number(*first, i)).value(),
+            Self::Picked(sweep, samples) => sweep.angle(samples[i]).value(),
         }
     }
 }
@@ -98,7 +101,7 @@ impl<T: Number> Out<T> for AfterArray<'_, '_, T::Word> {
     }
 }
 
-/// Sines and cosines of a chunk, up to a common factor.
+/// Sines and cosines of a chunk: of the drive angle, up to a common factor, or of twice the angle.
 #[derive(Clone, Copy)]
 pub(crate) struct Pins<'a, T: Real> {
     pub(crate) sine: View<'a, T>,
@@ -117,10 +120,50 @@ impl<T: Real> Pins<'_, T> {
     }
 }
 
-/// Sine and cosine of each angle up to a common factor, a positive one if `SENSED`, by the exact
-/// path where an angle is too far for the fast one.
+/// Which sines and cosines to find.
+pub(crate) trait Kind {
+    /// Whether they are of twice the drive angle.
+    const TWICE: bool = false;
+
+    /// Sine and cosine of a reduced angle.
+    fn find<T: Number>(reduced: (T, u64)) -> (T, T);
+}
+
+/// Pins as lines: a common factor of sine and cosine does not matter.
+pub(crate) struct Line;
+
+impl Kind for Line {
+    #[inline(always)]
+    fn find<T: Number>(reduced: (T, u64)) -> (T, T) {
+        trig::pin(reduced)
+    }
+}
+
+/// Pins with their sense: a positive factor does not matter.
+pub(crate) struct Sense;
+
+impl Kind for Sense {
+    #[inline(always)]
+    fn find<T: Number>(reduced: (T, u64)) -> (T, T) {
+        trig::sensed_pin(reduced)
+    }
+}
+
+/// Sine and cosine themselves, of twice the angle.
+pub(crate) struct Twice;
+
+impl Kind for Twice {
+    const TWICE: bool = true;
+
+    #[inline(always)]
+    fn find<T: Number>(reduced: (T, u64)) -> (T, T) {
+        trig::turned(reduced)
+    }
+}
+
+/// Sine and cosine for each angle, by the exact path where one is too far for the fast one.
 #[inline(always)]
-pub(crate) fn pins<const SENSED: bool, T: Number>(
+pub(crate) fn pins<K: Kind, T: Number>(
     drive: Drive<'_>,
     mut sine: ViewMut<'_, T>,
     mut cosine: ViewMut<'_, T>,
@@ -130,40 +173,50 @@ pub(crate) fn pins<const SENSED: bool, T: Number>(
         Drive::Array(angle) => {
             let angle = &angle[..sine.len()];
             for (i, &x) in angle.iter().enumerate() {
-                let reduced = T::reduce(x);
+                let reduced = T::reduce(if K::TWICE { x + x } else { x });
                 far.watch(reduced.1);
-                set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+                set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
             }
             if far.any() {
                 for (i, &x) in angle.iter().enumerate() {
-                    let (remainder, quadrant) = reduce::reduce_any(x);
-                    let reduced = (T::from_pair(remainder), quadrant);
-                    set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+                    let reduced = reduce::reduce_any(x);
+                    let (r, quadrant) = if K::TWICE { reduce::twice(reduced) } else { reduced };
+                    set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
                 }
             }
         }
-        Drive::Sweep(sweep, first) => match sweep.reduction() {
-            Reduction::OfTurns { per_turn, inverse, quarter } => {
-                for i in 0..sine.len() {
-                    let i_th = number(first, i);
-                    let (r, quadrant) = Reduction::of_turns(per_turn, inverse, quarter, i_th);
-                    let reduced = (T::from_pair(r), quadrant);
-                    set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+        Drive::Sweep(sweep, first) => {
+            let sweep = if K::TWICE { sweep.twice() } else { *sweep };
+            match sweep.reduction() {
+                Reduction::OfTurns { per_turn, inverse, quarter } => {
+                    for i in 0..sine.len() {
+                        let i_th = number(first, i);
+                        let (r, quadrant) = Reduction::of_turns(per_turn, inverse, quarter, i_th);
+                        let reduced = (T::from_pair(r), quadrant);
+                        set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+                    }
+                }
+                Reduction::OfAngles(sweep) => {
+                    for i in 0..sine.len() {
+                        let (r, quadrant) = Reduction::of_angles(&sweep, number(first, i));
+                        let reduced = (T::from_pair(r), quadrant);
+                        set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+                    }
                 }
             }
-            Reduction::OfAngles(sweep) => {
-                for i in 0..sine.len() {
-                    let (r, quadrant) = Reduction::of_angles(&sweep, number(first, i));
-                    let reduced = (T::from_pair(r), quadrant);
-                    set_reduced::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
-                }
+        }
+        Drive::Picked(sweep, samples) => {
+            let reduction = if K::TWICE { sweep.twice() } else { *sweep }.reduction();
+            for (i, &sample) in samples.iter().enumerate() {
+                let (r, quadrant) = reduction.of(sample);
+                set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
             }
-        },
+        }
     }
     if T::APART {
         for i in 0..sine.len() {
             let reduced = (sine.get(i), cosine.get(i).bits());
-            set_pin::<SENSED, T>(&mut sine, &mut cosine, i, reduced);
+            set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
         }
     }
 }
@@ -171,7 +224,7 @@ pub(crate) fn pins<const SENSED: bool, T: Number>(
 /// Angles are reduced as doubles, of which a vector holds half as many as of short numbers: those
 /// find their pins in a loop of their own.
 #[inline(always)]
-fn set_reduced<const SENSED: bool, T: Number>(
+fn set_reduced<K: Kind, T: Number>(
     sine: &mut ViewMut<'_, T>,
     cosine: &mut ViewMut<'_, T>,
     i: usize,
@@ -181,26 +234,26 @@ fn set_reduced<const SENSED: bool, T: Number>(
         sine.set(i, remainder);
         cosine.set(i, T::of_bits(quadrant));
     } else {
-        set_pin::<SENSED, T>(sine, cosine, i, (remainder, quadrant));
+        set_pin::<K, T>(sine, cosine, i, (remainder, quadrant));
     }
 }
 
 #[inline(always)]
-fn set_pin<const SENSED: bool, T: Number>(
+fn set_pin<K: Kind, T: Number>(
     sine: &mut ViewMut<'_, T>,
     cosine: &mut ViewMut<'_, T>,
     i: usize,
     reduced: (T, u64),
 ) {
-    let (s, c) = if SENSED { trig::sensed_pin(reduced) } else { trig::pin(reduced) };
+    let (s, c) = K::find(reduced);
     sine.set(i, s);
     cosine.set(i, c);
 }
 
-/// Sine and cosine of the equivalent joint's driving angle `α + φ`.
+/// Sine and cosine of the equivalent joint's driving angle `α + φ`, given those of `φ`.
 #[inline(always)]
 pub(crate) fn turn<T: Real>(
-    at: impl Fn(usize) -> Equivalent<T>,
+    at: impl Fn(usize) -> [T; 2],
     pins: Pins<'_, T>,
     mut sine: ViewMut<'_, T>,
     mut cosine: ViewMut<'_, T>,
@@ -208,7 +261,7 @@ pub(crate) fn turn<T: Real>(
     let pins = pins.cut(sine.len());
     for i in 0..sine.len() {
         let (s, c) = pins.get(i);
-        let Equivalent { turn_cos, turn_sin, .. } = at(i);
+        let [turn_cos, turn_sin] = at(i);
         sine.set(i, s.mul_add(turn_cos, c * turn_sin));
         cosine.set(i, c.mul_add(turn_cos, -(s * turn_sin)));
     }
@@ -238,49 +291,134 @@ pub(crate) fn add_drive<T: Number>(
                 *rotation = error(i).after(sweep.angle(number(first, i)));
             }
         }
+        Drive::Picked(sweep, samples) => {
+            for (i, (rotation, &sample)) in out.iter_mut().zip(samples).enumerate() {
+                *rotation = error(i).after(sweep.angle(sample));
+            }
+        }
     }
 }
 
-/// Angle error of a joint whose tangents stay within `range`.
+/// How a shaft moves, from sine and cosine of an angle: its own way for steep bends and for others.
+pub(crate) trait Swing<T: Real>: Copy {
+    /// Whether it serves moderate bends, and whether it serves others.
+    const MODERATE: bool;
+    const STEEP: bool;
+
+    /// Numerator and positive denominator of the tangent of the angle error.
+    fn error_tangent(&self, s: T, c: T) -> (T, T);
+
+    /// Speed ratio and acceleration ratio.
+    fn rates(&self, s: T, c: T) -> (T, T);
+
+    /// The same by a quotient with fewer roundings where bends are the steepest.
+    fn steep_error_tangent(&self, s: T, c: T) -> (T, T);
+
+    /// Tangent and rates.
+    fn motion(&self, s: T, c: T) -> ((T, T), (T, T));
+}
+
+/// From the pins of the joint's driving angle.
+impl<T: Angle> Swing<T> for joint::Constants<T> {
+    const MODERATE: bool = !T::DOUBLED;
+    const STEEP: bool = true;
+
+    #[inline(always)]
+    fn error_tangent(&self, s: T, c: T) -> (T, T) {
+        joint::error_tangent(self, s, c)
+    }
+
+    #[inline(always)]
+    fn steep_error_tangent(&self, s: T, c: T) -> (T, T) {
+        joint::steep_error_tangent(self, s, c)
+    }
+
+    #[inline(always)]
+    fn rates(&self, s: T, c: T) -> (T, T) {
+        joint::rates(self, s, c)
+    }
+
+    #[inline(always)]
+    fn motion(&self, s: T, c: T) -> ((T, T), (T, T)) {
+        joint::motion(self, s, c)
+    }
+}
+
+/// From twice the drive angle.
+impl<T: Angle, const TURNED: bool> Swing<T> for Ripple<T, TURNED> {
+    const MODERATE: bool = true;
+    const STEEP: bool = false;
+
+    #[inline(always)]
+    fn error_tangent(&self, s: T, c: T) -> (T, T) {
+        let parts = self.parts(s, c);
+        (parts.along, parts.beside)
+    }
+
+    #[inline(always)]
+    fn steep_error_tangent(&self, s: T, c: T) -> (T, T) {
+        self.error_tangent(s, c)
+    }
+
+    #[inline(always)]
+    fn rates(&self, s: T, c: T) -> (T, T) {
+        self.parts(s, c).rates()
+    }
+
+    #[inline(always)]
+    fn motion(&self, s: T, c: T) -> ((T, T), (T, T)) {
+        let parts = self.parts(s, c);
+        ((parts.along, parts.beside), parts.rates())
+    }
+}
+
+/// Angle error of a shaft whose tangents stay within `range`.
 #[inline(always)]
-pub(crate) fn angle_error<T: Number>(
+pub(crate) fn angle_error<T: Number, S: Swing<T>>(
     range: AtanRange,
-    at: impl Fn(usize) -> Equivalent<T>,
+    at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
     out: impl Out<T>,
 ) {
-    let tangent = joint::error_tangent;
-    match range {
-        AtanRange::Hundredth => by(tangent, T::atan_hundredth, at, pins, out),
-        AtanRange::Tenth => by(tangent, T::atan_tenth, at, pins, out),
-        AtanRange::Third => by(tangent, T::atan_third, at, pins, out),
-        AtanRange::One => by(tangent, T::atan_one, at, pins, out),
-        AtanRange::Any if T::LOW => by(tangent, T::atan_any, at, pins, out),
-        AtanRange::Any => by(joint::steep_error_tangent, T::atan_any, at, pins, out),
+    let tangent = S::error_tangent;
+    if S::MODERATE && range.is_moderate() {
+        match range {
+            AtanRange::Hundredth => error_by(tangent, T::atan_hundredth, at, pins, out),
+            AtanRange::Tenth => error_by(tangent, T::atan_tenth, at, pins, out),
+            _ => error_by(tangent, T::atan_third, at, pins, out),
+        }
+    } else if S::STEEP {
+        match range {
+            // With error terms the infinite inverse exsecant of a straight joint would be no number.
+            AtanRange::Any if T::LOW => error_by(tangent, T::atan_any, at, pins, out),
+            AtanRange::Any => error_by(S::steep_error_tangent, T::atan_any, at, pins, out),
+            _ => error_by(tangent, T::atan_one, at, pins, out),
+        }
     }
 }
 
 #[inline(always)]
-fn by<T: Number>(
-    tangent: impl Fn(&Joint<T>, T, T) -> (T, T),
+fn error_by<T: Number, S: Swing<T>>(
+    tangent: impl Fn(&S, T, T) -> (T, T),
     atan: impl Fn(T, T) -> T,
-    at: impl Fn(usize) -> Equivalent<T>,
+    at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
     mut out: impl Out<T>,
 ) {
     let pins = pins.cut(out.room());
     for i in 0..out.room() {
         let (s, c) = pins.get(i);
-        let (y, x) = tangent(&at(i).joint, s, c);
+        let (y, x) = tangent(&at(i), s, c);
         out.put(i, atan(y, x));
     }
 }
 
-/// Angle or angle error, speed ratio and acceleration ratio together.
+/// Angle or angle error, speed ratio and acceleration ratio together, for moderate bends: steeper
+/// ones have formulas with fewer roundings each.
 #[inline(always)]
-pub(crate) fn motion<T: Number>(
+pub(crate) fn motion<T: Number, S: Swing<T>>(
     range: AtanRange,
-    at: impl Fn(usize) -> Equivalent<T>,
+    at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
     rotations: impl Out<T>,
     rates: [impl Out<T>; 2],
@@ -288,16 +426,14 @@ pub(crate) fn motion<T: Number>(
     match range {
         AtanRange::Hundredth => motion_by(T::atan_hundredth, at, pins, rotations, rates),
         AtanRange::Tenth => motion_by(T::atan_tenth, at, pins, rotations, rates),
-        AtanRange::Third => motion_by(T::atan_third, at, pins, rotations, rates),
-        AtanRange::One => motion_by(T::atan_one, at, pins, rotations, rates),
-        AtanRange::Any => motion_by(T::atan_any, at, pins, rotations, rates),
+        _ => motion_by(T::atan_third, at, pins, rotations, rates),
     }
 }
 
 #[inline(always)]
-fn motion_by<T: Number>(
+fn motion_by<T: Number, S: Swing<T>>(
     atan: impl Fn(T, T) -> T,
-    at: impl Fn(usize) -> Equivalent<T>,
+    at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
     mut rotations: impl Out<T>,
     [mut ratios, mut accelerations]: [impl Out<T>; 2],
@@ -307,7 +443,7 @@ fn motion_by<T: Number>(
     let pins = pins.cut(length);
     for i in 0..length {
         let (s, c) = pins.get(i);
-        let ((y, x), (ratio, acceleration)) = joint::motion(&at(i).joint, s, c);
+        let ((y, x), (ratio, acceleration)) = at(i).motion(s, c);
         rotations.put(i, atan(y, x));
         ratios.put(i, ratio);
         accelerations.put(i, acceleration);
@@ -316,36 +452,36 @@ fn motion_by<T: Number>(
 
 /// Speed ratio.
 #[inline(always)]
-pub(crate) fn speed_ratio<T: Real>(
-    at: impl Fn(usize) -> Equivalent<T>,
+pub(crate) fn speed_ratio<T: Real, S: Swing<T>>(
+    at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
     mut out: impl Out<T>,
 ) {
     let pins = pins.cut(out.room());
     for i in 0..out.room() {
         let (s, c) = pins.get(i);
-        out.put(i, joint::rates(&at(i).joint, s, c).0);
+        out.put(i, at(i).rates(s, c).0);
     }
 }
 
 /// Acceleration ratio.
 #[inline(always)]
-pub(crate) fn acceleration_ratio<T: Real>(
-    at: impl Fn(usize) -> Equivalent<T>,
+pub(crate) fn acceleration_ratio<T: Real, S: Swing<T>>(
+    at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
     mut out: impl Out<T>,
 ) {
     let pins = pins.cut(out.room());
     for i in 0..out.room() {
         let (s, c) = pins.get(i);
-        out.put(i, joint::rates(&at(i).joint, s, c).1);
+        out.put(i, at(i).rates(s, c).1);
     }
 }
 
 /// Speed ratio and acceleration ratio, which share a division.
 #[inline(always)]
-pub(crate) fn rates<T: Real>(
-    at: impl Fn(usize) -> Equivalent<T>,
+pub(crate) fn rates<T: Real, S: Swing<T>>(
+    at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
     mut ratios: impl Out<T>,
     mut accelerations: impl Out<T>,
@@ -355,7 +491,7 @@ pub(crate) fn rates<T: Real>(
     assert_eq!(accelerations.room(), length);
     for i in 0..length {
         let (s, c) = pins.get(i);
-        let (ratio, acceleration) = joint::rates(&at(i).joint, s, c);
+        let (ratio, acceleration) = at(i).rates(s, c);
         ratios.put(i, ratio);
         accelerations.put(i, acceleration);
     }
@@ -447,11 +583,14 @@ pub(crate) fn combine<const N: usize, T: Real>(
 ) {
     let columns = columns.map(|column| column.cut(out.room()));
     for i in 0..out.room() {
-        let terms = factors(i).into_iter().zip(&columns);
-        let sum = terms.fold(start(i), |sum, (factor, column)| {
+        let mut sum = start(i);
+        for (factor, column) in factors(i).into_iter().zip(&columns) {
             let number = column.get(i);
-            Some(sum.map_or(factor * number, |sum| factor.mul_add(number, sum)))
-        });
+            sum = match sum {
+                Some(sum) => Some(factor.mul_add(number, sum)),
+                None => Some(factor * number),
+            };
+        }
         out.put(i, sum.unwrap_or(T::from_f64(0.0)));
     }
 }
@@ -498,7 +637,7 @@ pub(crate) fn drive_angle<T: Number>(drive: Drive<'_>, out: &mut [T::Word]) {
                 *turned = zero.after(Pair::exact(x.mul_add(0.0, x)));
             }
         }
-        Drive::Sweep(..) => add_drive::<T>(drive, |_| zero, out),
+        Drive::Sweep(..) | Drive::Picked(..) => add_drive::<T>(drive, |_| zero, out),
     }
 }
 
@@ -512,7 +651,7 @@ pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, mut out: impl Ou
                 out.put(i, T::from_f64(x.mul_add(0.0, value)));
             }
         }
-        Drive::Sweep(..) => {
+        Drive::Sweep(..) | Drive::Picked(..) => {
             for i in 0..out.room() {
                 out.put(i, T::from_f64(value));
             }

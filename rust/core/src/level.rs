@@ -3,6 +3,36 @@
 pub use fearless_simd::Level;
 use fearless_simd::Simd;
 
+/// Runs the expression compiled for the level, at the strongest one that it holds. Those before
+/// AVX2 have no fused multiply-add and gain nothing on the machine's baseline; elsewhere than on
+/// x86 the baseline has all that the kernels need.
+macro_rules! compiled_for {
+    ($level:expr, $run:expr) => {{
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            use fearless_simd::Simd;
+            if let Some(simd) = $level.as_avx512() {
+                simd.vectorize(
+                    #[inline(always)]
+                    || $run,
+                )
+            } else if let Some(simd) = $level.as_avx2() {
+                simd.vectorize(
+                    #[inline(always)]
+                    || $run,
+                )
+            } else {
+                $run
+            }
+        }
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        {
+            $run
+        }
+    }};
+}
+pub(crate) use compiled_for;
+
 /// Every level that this machine can run, strongest first, with its name.
 ///
 /// ```

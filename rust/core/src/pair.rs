@@ -173,6 +173,16 @@ impl Real for Pair {
     }
 
     #[inline(always)]
+    fn plus_smaller(self, other: Self) -> Self {
+        Self::plus_smaller(self, other)
+    }
+
+    #[inline(always)]
+    fn scaled(self, power: f64) -> Self {
+        Self::scaled(self, power)
+    }
+
+    #[inline(always)]
     fn recip(self) -> Self {
         let high = 1.0 / self.high;
         let rest = (-high).mul_add(self.low, (-high).mul_add(self.high, 1.0));

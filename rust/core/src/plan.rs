@@ -302,11 +302,20 @@ impl Plan {
         self.shafts.iter().any(|step| step.angle.is_some())
     }
 
-    /// Whether anything depends on the pins: some shaft beyond the first bend, or a joint itself.
-    pub(crate) fn needs_pins(&self) -> bool {
+    /// What is needed of the shafts beyond the first bend.
+    pub(crate) fn moving(&self) -> impl Iterator<Item = &ShaftStep> {
         let bent = self.first_bent();
-        self.shafts.iter().any(|step| step.shaft > bent)
-            || (0..self.joint_count).any(|joint| self.needs_pose(joint))
+        self.shafts.iter().filter(move |step| step.shaft > bent)
+    }
+
+    /// Whether anything is wanted of any joint itself.
+    pub(crate) fn needs_poses(&self) -> bool {
+        (0..self.joint_count).any(|joint| self.needs_pose(joint))
+    }
+
+    /// Whether nothing is wanted but what is extreme at known angles.
+    pub(crate) fn has_closed_extremes(&self) -> bool {
+        self.load.is_none() && !self.needs_poses() && !self.needs_angle()
     }
 
     /// Whether the sense of a pin matters and not only its line.
@@ -337,7 +346,7 @@ impl Plan {
             &lines.twists[..between],
             &lines.phases[..between],
         );
-        AtanRange::of(&equivalent.joint)
+        equivalent.range()
     }
 
     /// The shafts whose inertia takes power.
@@ -378,7 +387,7 @@ impl Plan {
     /// Lists the stations between the end where the torque is given and the farthest shaft whose
     /// entering power is wanted; inertias beyond it do not matter.
     fn plan_load(&mut self, end: End, inertias: &[usize], torque: &[Option<usize>]) {
-        let n = self.joint_count;
+        let (n, bent) = (self.joint_count, self.first_bent());
         let torsion_before = |shaft: usize| shaft > 0 && self.joints[shaft - 1].needs_torsion();
         let wanted = |shaft: &usize| torque[*shaft].is_some() || torsion_before(*shaft);
         let range: Vec<usize> = match end {
@@ -403,10 +412,11 @@ impl Plan {
         for station in &stations {
             let shaft = station.shaft;
             let starts = end == End::Output && shaft == n;
-            if station.absorbs || station.torque.is_some() || starts {
+            // Nothing is divided or multiplied by the speed ratio of a shaft that turns as the drive.
+            if station.absorbs || shaft > bent && (station.torque.is_some() || starts) {
                 self.step(shaft).keep_rates = true;
             }
-            if station.torsion {
+            if station.torsion && shaft - 1 > bent {
                 self.step(shaft - 1).keep_rates = true;
             }
         }

@@ -73,6 +73,14 @@ pub trait Real:
     #[must_use]
     fn mul_add(self, a: Self, b: Self) -> Self;
 
+    /// `self + other` where `self` is not the smaller one.
+    #[must_use]
+    fn plus_smaller(self, other: Self) -> Self;
+
+    /// Times a power of two.
+    #[must_use]
+    fn scaled(self, power: f64) -> Self;
+
     /// `1/self`.
     #[must_use]
     fn recip(self) -> Self;
@@ -129,6 +137,16 @@ macro_rules! plain {
             #[inline(always)]
             fn mul_add(self, a: Self, b: Self) -> Self {
                 $float::mul_add(self, a, b)
+            }
+
+            #[inline(always)]
+            fn plus_smaller(self, other: Self) -> Self {
+                self + other
+            }
+
+            #[inline(always)]
+            fn scaled(self, power: f64) -> Self {
+                self * power as Self
             }
 
             #[inline(always)]

@@ -99,6 +99,19 @@ pub(crate) fn reduce_any(x: f64) -> (Pair, u64) {
     }
 }
 
+/// The same for twice the angle.
+pub(crate) fn twice((remainder, quadrant): (Pair, u64)) -> (Pair, u64) {
+    let (double, quadrants) = (remainder.scaled(2.0), quadrant.wrapping_mul(2));
+    let quarter = Pair::ordered_sum(HALF_PI[0], HALF_PI[1]);
+    if double.high > 0.5 * HALF_PI[0] {
+        (double - quarter, quadrants.wrapping_add(1))
+    } else if double.high < -0.5 * HALF_PI[0] {
+        (double + quarter, quadrants.wrapping_sub(1))
+    } else {
+        (double, quadrants)
+    }
+}
+
 /// The remainder of a large finite `x` to the nearest multiple of π/2, and the low bits of
 /// that multiple (M. Payne and R. Hanek, 1983).
 ///

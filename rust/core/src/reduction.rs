@@ -23,6 +23,11 @@ pub enum Reduction {
 const LANES: usize = 16;
 
 impl Reduction {
+    /// Whether it is one of the samples' own values or its size.
+    pub(crate) fn is_extreme(self) -> bool {
+        matches!(self, Self::Min | Self::Max | Self::Peak)
+    }
+
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Min, Self::Max, Self::Mean, Self::Rms, Self::Peak];
 

@@ -62,6 +62,11 @@ impl Sweep {
         self.count
     }
 
+    /// The step, the nearest double.
+    pub(crate) fn step(&self) -> f64 {
+        self.step.value()
+    }
+
     /// Angle of sample `i`, the nearest double.
     pub fn at(&self, i: usize) -> f64 {
         self.angle(i as f64).value()
@@ -91,6 +96,17 @@ impl Sweep {
         Pair { high, low: i.mul_add(self.step.low, low) }
     }
 
+    /// The sweep of twice the angles.
+    #[inline(always)]
+    pub(crate) fn twice(&self) -> Self {
+        Self {
+            start: self.start.scaled(2.0),
+            step: self.step.scaled(2.0),
+            count: self.count,
+            per_turn: self.per_turn.map(|per_turn| 0.5 * per_turn),
+        }
+    }
+
     /// How to find the remainder of sample `i` to the nearest multiple of π/2, and the multiple.
     #[inline(always)]
     pub(crate) fn reduction(&self) -> Reduction {
@@ -108,7 +124,7 @@ impl Sweep {
 /// A way from sample numbers to remainders.
 #[derive(Clone, Copy)]
 pub(crate) enum Reduction {
-    /// In whole quarters of a step, so that nothing is rounded before the end.
+    /// In halves of a quarter of a step at the least, so that nothing is rounded before the end.
     OfTurns { per_turn: f64, inverse: f64, quarter: Pair },
     /// By way of the angle.
     OfAngles(Sweep),

@@ -1,0 +1,118 @@
+//! Moderate bends in twice the drive angle.
+//!
+//! A shaft behind any chain of joints stands at `α + arg(1 − q e^{−2iα})` with `q = −B/A` of the
+//! chain's map ([`crate::chain`]) and `|q| = k`; for one joint on the drive shaft `q = tan²(β/2)`.
+//! With `p = q e^{−2iα}`:
+//!
+//! `tan Δ = −Im p/(1 − Re p)`, speed ratio `r = (1 − k²)/(1 + k² − 2 Re p)`, acceleration ratio
+//! `4 Im p r/(1 + k² − 2 Re p)`.
+//!
+//! Here all but `Im p` is a small number beside 1, and so are its roundings. For steep bends
+//! `1 + k² − 2 Re p` nearly vanishes; they have the formulas of [`crate::joint`].
+
+use crate::atan::AtanRange;
+use crate::pair::Pair;
+use crate::real::Real;
+use crate::trig::Angle;
+
+/// How a shaft swings about the drive, twice in a turn. `TURNED` shafts have an imaginary part:
+/// all but the one behind the first joint, whose pin is that of the drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Ripple<T, const TURNED: bool = true> {
+    /// Real and imaginary part of `q`.
+    pub(crate) q: [T; 2],
+    /// `(1 + k²)/2`.
+    pub(crate) mean: T,
+    /// `(1 − k²)/2`.
+    pub(crate) complement: T,
+}
+
+impl Ripple<Pair> {
+    /// That of `q`, given `|q|²` and `1 − |q|²`.
+    #[inline(always)]
+    pub(crate) fn new(q: [Pair; 2], square: Pair, complement: Pair) -> Self {
+        Self {
+            q,
+            mean: Pair::exact(0.5).plus_smaller(square.scaled(0.5)),
+            complement: complement.scaled(0.5),
+        }
+    }
+
+    /// That of a joint on the drive shaft.
+    #[inline(always)]
+    pub(crate) fn of_joint(bend: f64) -> Self {
+        let (numerator, denominator) = Pair::tangent(Pair::exact(0.5 * bend));
+        let k = (numerator / denominator).square();
+        let square = k.square();
+        Self::new([k, Pair::exact(0.0)], square, Pair::ONE.plus_smaller(-square))
+    }
+}
+
+impl<T: Real> Ripple<T> {
+    /// The nearest numbers of a kernel.
+    #[inline(always)]
+    pub(crate) fn nearest(ripple: &Ripple<Pair>) -> Self {
+        Self {
+            q: ripple.q.map(T::from_pair),
+            mean: T::from_pair(ripple.mean),
+            complement: T::from_pair(ripple.complement),
+        }
+    }
+
+    /// The inverse tangent that serves its angle error, at most `asin k`.
+    #[inline(always)]
+    pub(crate) fn range(&self) -> AtanRange {
+        let [re, im] = self.q.map(|x| x.value().into());
+        let complement: f64 = self.complement.value().into();
+        AtanRange::holding((0.5 * (re * re + im * im) / complement).sqrt())
+    }
+
+    /// The same for a pin that is that of the drive.
+    #[inline(always)]
+    pub(crate) fn unturned(self) -> Ripple<T, false> {
+        let Self { q, mean, complement } = self;
+        Ripple { q, mean, complement }
+    }
+}
+
+/// The parts of a swing.
+#[derive(Clone, Copy)]
+pub(crate) struct Parts<T> {
+    /// `−Im p`.
+    pub(crate) along: T,
+    /// `1 − Re p`.
+    pub(crate) beside: T,
+    /// `(1 + k²)/2 − Re p`.
+    across: T,
+    /// `(1 − k²)/2`.
+    complement: T,
+}
+
+impl<T: Real, const TURNED: bool> Ripple<T, TURNED> {
+    /// The parts from sine and cosine of `2α`.
+    #[inline(always)]
+    pub(crate) fn parts(&self, s: T, c: T) -> Parts<T> {
+        let [re, im] = self.q;
+        let (along, p) = if TURNED {
+            (re.mul_add(s, -(im * c)), re.mul_add(c, im * s))
+        } else {
+            (re * s, re * c)
+        };
+        Parts {
+            along,
+            beside: T::from_f64(1.0).plus_smaller(-p),
+            across: self.mean.plus_smaller(-p),
+            complement: self.complement,
+        }
+    }
+}
+
+impl<T: Real> Parts<T> {
+    /// Speed ratio and acceleration ratio.
+    #[inline(always)]
+    pub(crate) fn rates(&self) -> (T, T) {
+        let inverse = self.across.recip();
+        let ratio = self.complement.over(self.across, inverse);
+        (ratio, (self.along * inverse * ratio).scaled(-2.0))
+    }
+}
