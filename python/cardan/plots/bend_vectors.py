@@ -65,8 +65,14 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
         if turn.angle > 0.0:
             head = {"arrowstyle": "-|>", "shrinkA": 0.0, "shrinkB": 0.0, **THIN}
             axes.annotate("", tuple(arc[:, -1]), tuple(arc[:, -4]), arrowprops=head)
-        middle = 1.12 * radius * np.array([np.cos(curve[30]), np.sin(curve[30])])
-        axes.annotate(f"{np.degrees(turn.angle):.2f}°", tuple(middle), ha="center", va="center")
+        axes.annotate(
+            f"{np.degrees(turn.angle):.2f}°",
+            tuple(reach),
+            xytext=(14.0 * np.cos(last), 6.0 * np.sin(last)),
+            textcoords="offset points",
+            ha="center",
+            va="center",
+        )
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("bend to the right [deg]")
         axes.set_ylabel("bend upwards [deg]")

@@ -46,7 +46,8 @@ def plot_hodograph(
     if line.shape:
         raise ValueError(f"line has shape {line.shape}; this picture shows one driveline")
     item = item_index("joint", joint, line.n_joints)
-    angle_deg = np.arange(360 * _PER_DEGREE + 1) / _PER_DEGREE
+    # A second time round would fill the gaps of the dashes.
+    angle_deg = np.arange(180 * _PER_DEGREE + 1) / _PER_DEGREE
     given = Load(drive_torque=1.0) if load is None else load
     moment = line.evaluate(np.radians(angle_deg), "moment", joints=item, load=given).moment
     normal = line.normals[item]
@@ -60,15 +61,16 @@ def plot_hodograph(
             middle = np.array([np.ptp(x) / 2.0 + np.min(x), np.ptp(y) / 2.0 + np.min(y)])
             for mark in marks:
                 inwards = middle - (x[mark], y[mark])
-                inwards *= 7.0 / max(float(np.linalg.norm(inwards)), 1e-300)
+                inwards /= max(float(np.linalg.norm(inwards)), 1e-300)
                 axes.annotate(
                     f"{angle_deg[mark]:g}°",
                     (x[mark], y[mark]),
-                    xytext=inwards,
+                    xytext=(10.0 * inwards[0], 7.0 * inwards[1]),
                     textcoords="offset points",
                     ha="center",
                     va="center",
                     fontsize="small",
+                    bbox={"facecolor": "white", "alpha": 0.8, "linewidth": 0.0, "pad": 0.0},
                 )
         unit = " / drive torque" if load is None else " [N m]"
         axes.set_aspect("equal", adjustable="datalim")
