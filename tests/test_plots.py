@@ -236,7 +236,14 @@ def test_failing_picture_leaves_nothing(tmp_path: Path, monkeypatch: pytest.Monk
 SPATIAL = Driveline.from_projected_bends([15, -11.5], [7, 12], degrees=True)
 SINGLE = Driveline.from_bends([50], degrees=True)
 SEVERAL = Driveline.from_bends([[10], [20], [30]], degrees=True)
-POINTS = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+POINTS: list[list[float]] = [
+    [0, 0, 0],
+    [350, -24, 0],
+    [1650, -46, 0],
+    [3150, -180, 45],
+    [3450, -196, 45],
+]
+SHORT: list[list[float]] = [[0, 0, 0], [1, 0.1, 0], [1.1, 0, 0], [2.5, 0, 0.1], [2.7, 0, 0]]
 TRUCK = Driveline.from_points(POINTS, phases=[0.3, -0.7])
 FLYWHEEL = Load(speed=100.0, inertias=[0.0, 0.1, 0.2, 0.3], output_torque=50.0)
 COMPENSATION = """\
@@ -281,6 +288,10 @@ PICTURES: dict[str, tuple[str, Picture]] = {
     "loaded hodograph": ("rectilinear", partial(plots.plot_hodograph, TRUCK, 1, load=FLYWHEEL)),
     "spatial": ("3d", partial(plots.plot_driveline, SPATIAL)),
     "truck": ("3d", partial(plots.plot_driveline, TRUCK, 1.0, points=POINTS)),
+    "plane": ("3d", partial(plots.plot_driveline, Driveline.from_bends([10], degrees=True))),
+    "straight": ("3d", partial(plots.plot_driveline, Driveline.from_bends([0, 0, 0]))),
+    "eight": ("3d", partial(plots.plot_driveline, Driveline.from_bends([0.1] * 8))),
+    "short": ("3d", partial(plots.plot_driveline, Driveline.from_points(SHORT), points=SHORT)),
 }
 each_picture = pytest.mark.parametrize("name", PICTURES)
 
@@ -375,7 +386,9 @@ def test_curves_can_be_told_apart_in_grey(name: str) -> None:
     assert (axes.get_legend() is not None) == bool(labels) == bool(handles)
 
 
-@pytest.mark.parametrize("name", set(PICTURES) - {"spatial", "truck", "bending"})
+@pytest.mark.parametrize(
+    "name", [name for name, (kind, _) in PICTURES.items() if kind == "rectilinear"]
+)
 def test_axes_are_labelled(name: str) -> None:
     axes = PICTURES[name][1]()
     assert axes.get_xlabel()

@@ -20,7 +20,7 @@ _STEPS = 48
 _PINS = ("driving pin", "driven pin")
 _DEPTH = 1.3  # of a yoke, over its half span
 _PLANE = {"facecolor": "0.75", "edgecolor": "0.5", "alpha": 0.25, "linewidth": 0.5}
-_SHAFT = {"color": "0.45", "linewidth": 2.2, "solid_capstyle": "round"}
+_SHAFT = {"color": "0.65", "linewidth": 2.2, "solid_capstyle": "round"}
 
 
 def yoke_pins(line: Driveline, angle: float = 0.0) -> FloatArray:
@@ -72,7 +72,9 @@ def plot_driveline(
     """
     _single(line)
     places = _places(line, points)
-    size = _yoke_size(places)
+    lengths = np.linalg.norm(np.diff(places, axis=0), axis=-1)
+    size = _yoke_size(lengths)
+    crowded = np.min(lengths[1:-1], initial=np.inf) < 0.15 * np.sum(lengths)
     up = np.array([0.0, 1.0, 0.0])
     with drawing(ax, "3d", height_mm=_HEIGHT) as axes:
         from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -93,18 +95,19 @@ def plot_driveline(
         ):
             before, after = line.directions[joint : joint + 2]
             disc = centre + 2.0 * size * _round(before, np.cross(line.normals[joint], before))
-            drawn.append(disc)
             plane = Poly3DCollection([disc], label="bend plane", clip_on=False, **_PLANE)
             space.add_collection3d(plane)
             for i, (pin, towards) in enumerate(zip(pins, (-before, after), strict=True)):
                 yoke = centre + size * _round(pin, _DEPTH * towards)[: _STEPS // 2 + 1]
                 space.plot(*yoke.T, color=LINES[i]["color"], linewidth=1.6, clip_on=False)
                 ends = centre + size * np.array([pin, -pin])
+                drawn += [disc, ends]
                 space.plot(*ends.T, marker=MARKERS[i], label=_PINS[i], clip_on=False, **LINES[i])
             if joint == 0:
                 legend_above(axes, loc="lower center", bbox_to_anchor=(0.5, 0.22))
             label = f"joint {joint}\n{np.degrees(line.bends[joint]):.3g}°"
-            space.text(*(centre + 2.4 * size * up), label, ha="center", va="bottom")
+            side, towards = (-1.0, "top") if crowded and joint % 2 else (1.0, "bottom")
+            space.text(*(centre + 2.4 * size * side * up), label, ha="center", va=towards)
         space.text(*(places[0] - 0.4 * size * line.directions[0]), "drive", ha="right", va="center")
         _look(space, np.concatenate(drawn))
     return axes
@@ -125,9 +128,8 @@ def _look(space: Any, drawn: FloatArray) -> None:  # noqa: ANN401 - has no types
     space.set_axis_off()
 
 
-def _yoke_size(places: FloatArray) -> float:
+def _yoke_size(lengths: FloatArray) -> float:
     """Half the span of a yoke that leaves some of every shaft to be seen."""
-    lengths = np.linalg.norm(np.diff(places, axis=0), axis=-1)
     between = float(np.min(lengths[1:-1], initial=np.inf))
     ends = float(min(lengths[0], lengths[-1]))
     return min(0.07 * float(np.sum(lengths)), 0.3 * between, 0.6 * ends)
