@@ -762,8 +762,10 @@ def test_drivelines_that_make_no_picture() -> None:
         plots.plot_driveline(SEVERAL)
     with pytest.raises(ValueError, match=r"points has shape \(3, 3\); it must be \(5, 3\)"):
         plots.plot_driveline(TRUCK, points=POINTS[:3])
+    moved = np.array(POINTS)
+    moved[3, 1] = -100
     with pytest.raises(ValueError, match=r"points\[2\] and \[3\] do not lie along shaft 2"):
-        plots.plot_driveline(TRUCK, points=[*POINTS[:3], [3150, -100, 45], POINTS[4]])
+        plots.plot_driveline(TRUCK, points=moved)
     with pytest.raises(ValueError, match="projection 'rectilinear'; this picture needs '3d'"):
         plots.plot_driveline(TRUCK, ax=given_axes())
 
