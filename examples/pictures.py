@@ -87,7 +87,7 @@ scene = cardan.Scene.parse("""
     [driveline]
     bends_deg = [10, 10]
     [study]
-    bends_deg.1 = {from = 7, to = 13, steps = 61}
-    phases_deg.0 = {from = -10, to = 10, steps = 41}
+    bends_deg.1 = {from = 7, to = 13, steps = 121}
+    phases_deg.0 = {from = -10, to = 10, steps = 81}
 """)
 save("equivalent_bend", plots.plot_study(scene.run().study).figure)

@@ -254,6 +254,8 @@ bends_deg.1 = {from = 14, to = 6, steps = 81}
 phases_deg.0 = {from = -15, to = 15, steps = 61}
 """
 
+SUSPENSION = next(path for path in EXAMPLES if path.stem == "suspension").read_text("utf-8")
+
 
 def study(text: str) -> StudyResult:
     result = Scene.parse(text).run().study
@@ -283,6 +285,7 @@ PICTURES: dict[str, tuple[str, Picture]] = {
     "harmonics": ("rectilinear", partial(plots.plot_harmonics, SEVERAL)),
     "ratio harmonics": ("rectilinear", partial(plots.plot_harmonics, TRUCK, "speed_ratio")),
     "map": ("rectilinear", partial(plots.plot_study, study(COMPENSATION))),
+    "suspension": ("rectilinear", partial(plots.plot_study, study(SUSPENSION))),
     "map of U": ("rectilinear", partial(plots.plot_study, study(COMPENSATION), "non_uniformity")),
     "hodograph": ("rectilinear", partial(plots.plot_hodograph, SINGLE)),
     "loaded hodograph": ("rectilinear", partial(plots.plot_hodograph, TRUCK, 1, load=FLYWHEEL)),
@@ -316,7 +319,7 @@ def texts(figure: Figure, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, Bb
     def record(self: Text, renderer: RendererBase) -> None:
         draw(self, renderer)
         if self.get_visible() and self.get_text():
-            assert float(self.get_fontsize()) > 5.8, "smaller than small print"
+            assert 5.8 < float(self.get_fontsize()) <= 8.0, self.get_text()
             found.append((self.get_text(), Text.get_window_extent(self, renderer)))
 
     monkeypatch.setattr(Text, "draw", record)
@@ -641,11 +644,11 @@ def test_a_study_of_one_key_is_a_curve() -> None:
     text += "[study]\nbends_deg.1 = [12, 8, 10]\nspeed_rpm = [600]\n"
     text += "[output]\nclosed_forms = ['equivalent_bend', 'non_uniformity']\n"
     axes = plots.plot_study(study(text))
-    x, y = curve(axes, 1)
+    x, y = curve(axes, 0)
     np.testing.assert_array_equal(x, [8, 10, 12])
     line = Driveline.from_bends(np.array([[10, 8], [10, 10], [10, 12]]), degrees=True)
     np.testing.assert_allclose(y, np.degrees(line.equivalent().bend), rtol=1e-12, atol=1e-7)
-    np.testing.assert_allclose(curve(axes, 2)[1], 3.0, rtol=1e-15)
+    np.testing.assert_allclose(curve(axes, 1)[1], 3.0, rtol=1e-15)
     bare = plots.plot_study(study(text), "non_uniformity")
     assert len(bare.get_lines()) == 1
     assert bare.get_legend() is None
@@ -655,9 +658,27 @@ def test_a_study_of_one_key_is_a_curve() -> None:
     assert legend.get_texts()[0].get_text() == "limit 0.0027"
 
 
+@pytest.mark.parametrize("few_first", [False, True])
+def test_a_key_of_few_values_makes_a_curve_of_each(few_first: bool) -> None:
+    few, many = "phases_deg.0 = [5, 0]\n", "bends_deg.1 = {from = 5, to = 15, steps = 11}\n"
+    text = "[driveline]\nbends_deg = [10, 10]\nphases_deg = [0]\n[study]\n"
+    axes = plots.plot_study(study(text + (few + many if few_first else many + few)))
+    bends = np.array([[10.0, bend] for bend in range(5, 16)])
+    for place, phase in enumerate((0.0, 5.0)):
+        x, y = curve(axes, place)
+        np.testing.assert_array_equal(x, bends[:, 1])
+        want = Driveline.from_bends(bends, phases=phase, degrees=True).equivalent().bend
+        np.testing.assert_allclose(y, np.degrees(want), rtol=1e-12, atol=1e-6)
+    legend = axes.get_legend()
+    assert legend is not None
+    assert legend.get_title().get_text() == "phases.0 [deg]"
+    assert [text.get_text() for text in legend.get_texts()] == ["0", "5", "limit 3 deg"]
+    assert axes.get_xlabel() == "bends.1 [deg]"
+
+
 def test_a_flat_map_shows_no_rounding() -> None:
-    text = "[driveline]\nbends_deg = [7, 7]\n[study]\nbends_deg.0-1 = [7, 7.0]\n"
-    text += "phases_deg.0 = [0, 180, 360]\n"
+    text = "[driveline]\nbends_deg = [7, 7]\n[study]\nbends_deg.0-1 = [7, 7, 7, 7, 7, 7]\n"
+    text += "phases_deg.0 = {from = 0, to = 1800, steps = 11}\n"
     axes = plots.plot_study(study(text), "non_uniformity")
     lines = [item for item in axes.collections if isinstance(item, ContourSet)]
     assert len(lines) == 1

@@ -29,7 +29,7 @@ _HALF_TURN_DEG = np.arange(721) / 4.0
 def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes:
     """Draw Bild 10: the driven angle over the driving angle, beside that of a straight joint.
 
-    The catalogue draws it at a bend too large to be used, where the two can be told apart.
+    At bends that are in use the two could hardly be told apart.
     """
     line = Driveline.from_bends([bend_deg], degrees=True)
     driven = np.degrees(line.evaluate(np.radians(_HALF_TURN_DEG), "angle").angle)

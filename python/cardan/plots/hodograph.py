@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _PER_DEGREE = 2
+_MARKS = np.arange(0, 180, 30) * _PER_DEGREE
 
 
 def plot_hodograph(
@@ -22,20 +23,18 @@ def plot_hodograph(
     joint: int = 0,
     *,
     load: Load | None = None,
-    marks_deg: int = 30,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the path of what bends the shafts at a joint: its moment seen along either shaft.
 
     Both views have the normal of the bend plane upwards and the bend plane across. A single joint
     under a steady drive torque traces a circle on its driving side and an ellipse on its driven
-    side (Grossmann's moments (6) and (8)), each twice in a turn.
+    side (Grossmann's moments (6) and (8)), each twice in a turn. Drive angles are marked.
 
     Args:
         line: one driveline.
         joint: index of the joint.
         load: the load; by default 1 N m of drive torque, and the axes are per unit of it.
-        marks_deg: mark the drive angles at multiples of so many degrees, over half a turn.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
@@ -51,15 +50,14 @@ def plot_hodograph(
     given = Load(drive_torque=1.0) if load is None else load
     moment = line.evaluate(np.radians(angle_deg), "moment", joints=item, load=given).moment
     normal = line.normals[item]
-    marks = np.arange(0, 180, marks_deg) * _PER_DEGREE
     with drawing(ax, height_mm=60.0) as axes:
         for i, side in enumerate(("driving", "driven")):
             across = np.cross(normal, line.directions[item + i])
             x, y = moment @ across, moment @ normal
             axes.plot(x, y, label=f"{side} shaft {item + i}", **LINES[i])
-            axes.plot(x[marks], y[marks], MARKERS[i], color=LINES[i]["color"])
+            axes.plot(x[_MARKS], y[_MARKS], MARKERS[i], color=LINES[i]["color"])
             middle = np.array([np.ptp(x) / 2.0 + np.min(x), np.ptp(y) / 2.0 + np.min(y)])
-            for mark in marks:
+            for mark in _MARKS:
                 inwards = middle - (x[mark], y[mark])
                 inwards /= max(float(np.linalg.norm(inwards)), 1e-300)
                 axes.annotate(

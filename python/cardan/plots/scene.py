@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import os
 import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cardan.arrays import FloatArray
 from cardan.plots import panel
-from cardan.plots.style import MM, STYLE, SUFFIXES, WIDTH, legend_above, matplotlib, save
+from cardan.plots.style import MM, STYLE, WIDTH, legend_above, matplotlib, save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,8 +63,6 @@ def write_picture(result: SceneResult, path: str | PathLike[str]) -> None:
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: an unknown suffix.
     """
-    if Path(path).suffix not in SUFFIXES:
-        raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
     save(plot_scene(result), path)
 
 

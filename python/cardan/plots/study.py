@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from cardan.arrays import FloatArray
 from cardan.check import MAX_EQUIVALENT_BEND
 from cardan.plots.style import (
     LINES,
+    THIN,
     degree_ticks,
     drawing,
     flat_limits,
@@ -38,6 +40,8 @@ _UNITS = {
     "_m": "m",
 }
 
+_FEW = 5
+
 _LIMIT: Mapping[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.6}
 
 
@@ -50,7 +54,8 @@ def plot_study(
 ) -> Axes:
     """Draw a figure over the one or two keys that a study varies.
 
-    Two keys make a map, the first of them along x, whose lines carry their values.
+    Two keys make a map, the first of them along x, whose lines carry their values; a key of five
+    values or fewer makes a curve for each.
 
     Args:
         study: the ``study`` of an evaluated scene.
@@ -74,7 +79,6 @@ def plot_study(
     unit = next(known.unit for known in study.columns if known.name == column)
     # A list in a scene need not rise.
     orders = [np.argsort(axis.values) for axis in varied]
-    grid = [axis.values[order] for axis, order in zip(varied, orders, strict=True)]
     values: Any = np.ma.masked_invalid(study.values[column].squeeze()[np.ix_(*orders)])
     if limit is None and column == "equivalent_bend":
         limit = float(MAX_EQUIVALENT_BEND)
@@ -82,24 +86,34 @@ def plot_study(
         values, unit = np.degrees(values), "deg"
         limit = None if limit is None else float(np.degrees(limit))
     unit = "" if unit == "1" else unit
+    marked = "" if limit is None else f"limit {number(limit)} {unit}".strip()
     heading = f"{column.replace('_', ' ')}{unit and f' [{unit}]'}"
-    with drawing(ax, height_mm=45.0 if len(grid) == 1 else 62.0) as axes:
-        if limit is not None:
-            # Of the contour of a map there is nothing for a legend.
-            axes.plot([], [], label=f"limit {number(limit)} {unit}".strip(), **_LIMIT)
-            legend_above(axes)
-        if len(grid) == 1:
-            axes.plot(*grid, values, **LINES[0])
+    keys = [axis.key for axis in varied]
+    grid = [axis.values[order] for axis, order in zip(varied, orders, strict=True)]
+    if len(grid) == 2 and len(grid[0]) < len(grid[1]) and len(grid[0]) <= _FEW:
+        keys, grid, values = keys[::-1], grid[::-1], values.T
+    with drawing(ax, height_mm=62.0) as axes:
+        if len(grid) == 2 and len(grid[1]) > _FEW:
+            _map(axes, grid[0], grid[1], values.T, limit)
+            # Contours are nothing for a legend.
+            axes.plot([], [], label=marked, **_LIMIT)
+            axes.set_title(heading, loc="left")
+            _label(axes.yaxis, keys[1])
+            title = ""
+        else:
+            rows = np.atleast_2d(values.T)
+            names = [number(value) for value in grid[1]] if len(grid) == 2 else [""]
+            for i, (name, row) in enumerate(zip(names, rows, strict=True)):
+                axes.plot(grid[0], row, label=name, **LINES[i])
             if limit is not None:
-                axes.axhline(limit, **_LIMIT)
+                axes.axhline(limit, label=marked, **THIN)
             axes.grid(visible=True)
             axes.set_ylabel(heading)
             value_ticks(axes.yaxis)
-        else:
-            _map(axes, grid[0], grid[1], values.T, limit)
-            axes.set_title(heading, loc="left")
-            _label(axes.yaxis, varied[1].key)
-        _label(axes.xaxis, varied[0].key)
+            title = _name(keys[1]) if len(grid) == 2 else ""
+        _label(axes.xaxis, keys[0])
+        if axes.get_legend_handles_labels()[1]:
+            legend_above(axes, title=title, alignment="right", ncols=4)
     return axes
 
 
@@ -115,7 +129,9 @@ def _map(axes: Axes, x: FloatArray, y: FloatArray, z: FloatArray, limit: float |
     axes.contourf(x, y, z, levels=levels, colors=colours)
     if flat:
         return
-    inner = [level for level in levels if low < level < high]
+    near = 1e-9 * (high - low)
+    taken = math.inf if limit is None else limit
+    inner = [level for level in levels if low < level < high and abs(level - taken) > near]
     lines = axes.contour(x, y, z, levels=inner, colors="0.15", linewidths=0.5)
     axes.clabel(lines, fmt=number, fontsize="small", manual=_middles(lines))
     if limit is not None and low < limit < high:
@@ -135,15 +151,17 @@ def _middles(lines: QuadContourSet) -> list[tuple[float, float]]:
     ]
 
 
-def _label(axis: Axis, key: str) -> None:
-    """Label an axis by a scene's key: ``phases_deg.0`` as ``phases.0 [deg]``."""
+def _name(key: str) -> str:
+    """A scene's key as a label: ``phases_deg.0`` as ``phases.0 [deg]``."""
     name, dot, place = key.partition(".")
-    unit = next((unit for ending, unit in _UNITS.items() if name.endswith(ending)), None)
-    if unit is not None:
-        ending = next(ending for ending in _UNITS if name.endswith(ending))
-        key = f"{name.removesuffix(ending).replace('_', ' ')}{dot}{place} [{unit}]"
-    axis.set_label_text(key)
-    if unit == "deg":
+    ending = next((ending for ending in _UNITS if name.endswith(ending)), "")
+    unit = f" [{_UNITS[ending]}]" if ending else ""
+    return f"{name.removesuffix(ending).replace('_', ' ')}{dot}{place}{unit}"
+
+
+def _label(axis: Axis, key: str) -> None:
+    axis.set_label_text(_name(key))
+    if _name(key).endswith("[deg]"):
         degree_ticks(axis, *axis.get_view_interval())
     else:
         value_ticks(axis)
