@@ -133,7 +133,10 @@ def _map(axes: Axes, x: FloatArray, y: FloatArray, z: FloatArray, limit: float |
     taken = math.inf if limit is None else limit
     inner = [level for level in levels if low < level < high and abs(level - taken) > near]
     lines = axes.contour(x, y, z, levels=inner, colors="0.15", linewidths=0.5)
-    axes.clabel(lines, fmt=number, fontsize="small", manual=_middles(lines))
+    for text in axes.clabel(lines, fmt=number, fontsize="small", manual=_middles(lines)):
+        # A 6 on its side could be a 9; long figures need the direction of their lines.
+        if len(text.get_text()) < 3:
+            text.set_rotation(0.0)
     if limit is not None and low < limit < high:
         # Contours have their styles in the plural.
         style: Mapping[str, Any] = {f"{name}s": [value] for name, value in _LIMIT.items()}
