@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-SCRIPTS = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
+ROOT = Path(__file__).parent.parent
+SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
@@ -21,5 +22,8 @@ def test_script(script: Path, tmp_path: Path) -> None:
     if "grossmann" in script.stem:
         assert "0.77786" in done.stdout
         assert "<svg" in (tmp_path / "grossmann.svg").read_text(encoding="utf-8")
+    elif "pictures" in script.stem:
+        drawn = {path.name for path in (tmp_path / "pictures").iterdir()}
+        assert drawn == {path.name for path in (ROOT / "docs" / "pictures").iterdir()}
     else:
         assert "The driveline passes." in done.stdout.split("turned against")[1]

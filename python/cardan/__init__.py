@@ -10,7 +10,7 @@ so. A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft
 array([1.154701, 1.072288, 0.934235])
 """
 
-from cardan import approximations, reference, workshop
+from cardan import approximations, plots, reference, workshop
 from cardan._core import __version__
 from cardan.ball_joint import BallJoint
 from cardan.check import Check, Finding
@@ -39,6 +39,7 @@ __all__ = [
     "Sweep",
     "__version__",
     "approximations",
+    "plots",
     "reference",
     "workshop",
 ]

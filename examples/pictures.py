@@ -1,0 +1,93 @@
+"""Draw every kind of picture that ``cardan.plots`` knows, each 80 mm wide, as SVG.
+
+Give it a folder to write to, by default ``pictures``; those of the documentation are made by
+``python examples/pictures.py docs/pictures``.
+"""
+
+import sys
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+from matplotlib import pyplot
+from matplotlib.figure import Figure
+
+import cardan
+from cardan import plots
+
+matplotlib.use("agg")
+matplotlib.rcParams.update(plots.STYLE)
+
+folder = Path(sys.argv[1] if len(sys.argv) > 1 else "pictures")
+folder.mkdir(parents=True, exist_ok=True)
+
+
+def save(name: str, figure: Figure) -> None:
+    """Write a figure and forget it."""
+    plots.save(figure, folder / f"{name}.svg")
+    pyplot.close(figure)
+    print(f"wrote {name}.svg")
+
+
+def panels(count: int) -> tuple[Any, Any]:
+    """Return a figure of 80 mm with axes for curves over the same angles."""
+    size = (80 / 25.4, (14 + 28 * count) / 25.4)
+    return pyplot.subplots(count, sharex=True, figsize=size, layout="constrained")
+
+
+# The catalogues' figures of a single joint (Bilder 10 to 13).
+save("driven_angle", plots.plot_driven_angle().figure)
+save("angle_error", plots.plot_angle_error([10, 20, 30]).figure)
+save("largest_angle_error", plots.plot_largest_angle_error().figure)
+save("non_uniformity", plots.plot_non_uniformity().figure)
+
+# Their worked example of a shaft bent in space (Bild 18), and the same shaft drawn.
+shaft = cardan.Driveline.from_projected_bends([15, -11.5], [7, 12], degrees=True)
+save("bend_vectors", plots.plot_bend_vectors(shaft).figure)
+shaft = shaft.with_phases(shaft.optimal_phases())
+save("spatial_shaft", plots.plot_driveline(shaft).figure)
+
+# Grossmann's Abb. 3 and 4, and the path of the moment vector.
+save("torque_ratio", plots.plot_torque_ratio(50).figure)
+save("bending_moments", plots.plot_bending_moments(50).figure)
+joint = cardan.Driveline.from_bends([50], degrees=True)
+save("hodograph", plots.plot_hodograph(joint).figure)
+
+# Thoma's moments of a flywheel, exact and for small bends.
+figure, axes = panels(3)
+for ax, component in zip(axes, ("torque", "moment_x", "moment_z"), strict=True):
+    plots.plot_small_angle(component, 30, ax=ax)
+    ax.label_outer()
+save("small_angle", figure)
+
+# Motion of single joints to compare, and their harmonics.
+joints = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
+figure, axes = panels(3)
+for ax, output in zip(axes, ("angle_error", "speed_ratio", "acceleration_ratio"), strict=True):
+    plots.plot_curves(joints, output, ax=ax)
+    ax.label_outer()
+save("motion", figure)
+save("harmonics", plots.plot_harmonics(joints).figure)
+
+# A truck's string of three joints from the points of a drawing, and its loads.
+points = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+truck = cardan.Driveline.from_points(points)
+save("driveline", plots.plot_driveline(truck, points=points).figure)
+load = cardan.Load(output_torque=4000.0)
+figure, axes = panels(3)
+plots.plot_curves(truck, "torque", load=load, shaft=0, ax=axes[0])
+plots.plot_curves(truck, "bending_driven", load=load, joint=1, ax=axes[1])
+plots.plot_curves(truck, "support_moment", load=load, shaft=2, ax=axes[2])
+for ax in axes:
+    ax.label_outer()
+save("loads", figure)
+
+# How well a second joint compensates the first, by its bend and the phase of its yokes.
+scene = cardan.Scene.parse("""
+    [driveline]
+    bends_deg = [10, 10]
+    [study]
+    bends_deg.1 = {from = 7, to = 13, steps = 121}
+    phases_deg.0 = {from = -10, to = 10, steps = 81}
+""")
+save("equivalent_bend", plots.plot_study(scene.run().study).figure)

@@ -1,0 +1,50 @@
+"""Pictures, drawn with matplotlib: of scenes, drivelines and what the sources show.
+
+Every ``plot_`` function but ``plot_scene`` draws on the axes that it is given as ``ax`` and returns
+them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. Curves
+differ in dashes as well as colour, so that they can be told apart in grey.
+
+>>> import cardan.plots
+>>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
+>>> axes = cardan.plots.plot_curves(line, "speed_ratio")  # doctest: +SKIP
+>>> cardan.plots.save(axes.figure, "ratio.svg")  # doctest: +SKIP
+"""
+
+from cardan.plots.bend_vectors import plot_bend_vectors
+from cardan.plots.catalogue import (
+    plot_angle_error,
+    plot_driven_angle,
+    plot_largest_angle_error,
+    plot_non_uniformity,
+)
+from cardan.plots.curves import plot_curves
+from cardan.plots.driveline import plot_driveline, yoke_pins
+from cardan.plots.grossmann import plot_bending_moments, plot_torque_ratio
+from cardan.plots.harmonics import plot_harmonics
+from cardan.plots.hodograph import plot_hodograph
+from cardan.plots.scene import plot_scene, write_picture
+from cardan.plots.study import plot_study
+from cardan.plots.style import STYLE, SUFFIXES, save
+from cardan.plots.thoma import plot_small_angle
+
+__all__ = [
+    "STYLE",
+    "SUFFIXES",
+    "plot_angle_error",
+    "plot_bend_vectors",
+    "plot_bending_moments",
+    "plot_curves",
+    "plot_driveline",
+    "plot_driven_angle",
+    "plot_harmonics",
+    "plot_hodograph",
+    "plot_largest_angle_error",
+    "plot_non_uniformity",
+    "plot_scene",
+    "plot_small_angle",
+    "plot_study",
+    "plot_torque_ratio",
+    "save",
+    "write_picture",
+    "yoke_pins",
+]

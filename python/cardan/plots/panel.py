@@ -1,0 +1,73 @@
+"""Curves of one quantity over the drive angle."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.outputs import Output
+from cardan.plots.style import degree_ticks, flat_limits, line_style, value_ticks
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def in_unit(output: Output, values: FloatArray) -> tuple[FloatArray, str]:
+    """Return values of an output with angles in degrees, and the unit in brackets."""
+    if output.unit == "rad":
+        return np.degrees(values), " [deg]"
+    return values, "" if output.unit == "1" else f" [{output.unit}]"
+
+
+def draw(
+    axes: Axes,
+    angle_deg: FloatArray,
+    curves: Iterable[tuple[str, FloatArray]],
+    scale: float = 1.0,
+) -> None:
+    """Draw curves by their labels, after those that are there.
+
+    Args:
+        axes: where.
+        angle_deg: drive angles, ``(samples,)``; recorded ones need not rise.
+        curves: label and values of each, ``(samples,)``.
+        scale: what values that are all 0 would be measured in.
+    """
+    for place, (label, curve) in enumerate(curves, len(axes.get_lines())):
+        axes.plot(angle_deg, curve, label=label, **line_style(place))
+    axes.grid(visible=True)
+    first, last = float(np.min(angle_deg)), float(np.max(angle_deg))
+    if last > first:
+        axes.set_xlim(first, last)
+    degree_ticks(axes.xaxis, first, last)
+    value_ticks(axes.yaxis)
+    drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
+    axes.autoscale(axis="y")
+    limits = flat_limits(float(np.min(drawn)), float(np.max(drawn)), scale)
+    if limits:
+        axes.set_ylim(*limits)
+
+
+def names(
+    line: Driveline, labels: Sequence[str] | None, components: Sequence[str] | None = None
+) -> list[str]:
+    """Return what to call the curves of a driveline or a batch.
+
+    Raises:
+        ValueError: labels that are not one per curve.
+    """
+    if components is not None:
+        known = list(components)
+    elif not line.shape:
+        known = [""]
+    elif line.n_joints == 1:
+        known = [f"bend {bend:.4g}°" for bend in np.degrees(line.bends[:, 0])]
+    else:
+        known = [f"driveline {i}" for i in range(line.shape[0])]
+    if labels is not None and len(labels) != len(known):
+        raise ValueError(f"labels has {len(labels)} entries; there are {len(known)} curves")
+    return known if labels is None else list(labels)
