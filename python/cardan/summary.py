@@ -97,7 +97,7 @@ def study_text(result: StudyResult, *, radians: bool = False) -> str:
             lines.append((name, "not finite" if low is None or high is None else figure_text(low)))
             continue
         placed = True
-        ends = zip(_ends(low, high), ("least", "largest"), strict=True)
+        ends = zip(range_ends(low, high), ("least", "largest"), strict=True)
         figures = [
             f"{figure} ({', '.join(f'{at:.10g}' for at in found[f'{which}_at'].values())})"
             for figure, which in ends
@@ -283,11 +283,11 @@ def row_text(row: Row, radians: bool = False) -> str:
 
 
 def _range(low: float, high: float) -> str:
-    return " to ".join(_ends(low, high)) if 0.0 < high - low < math.inf else figure_text(low)
+    return " to ".join(range_ends(low, high)) if 0.0 < high - low < math.inf else figure_text(low)
 
 
-def _ends(low: float, high: float) -> tuple[str, str]:
-    """Both with enough decimals for three digits of the difference."""
+def range_ends(low: float, high: float) -> tuple[str, str]:
+    """Write both ends of a range with enough decimals for three digits of the difference."""
     decimals = 2 - math.floor(math.log10(min(high - low, sys.float_info.max)))
     if decimals > 9 or high - low >= 1e7:
         return figure_text(low), figure_text(high)

@@ -12,7 +12,7 @@ from cardan.arrays import FloatArray
 from cardan.report.samples import Panel
 
 _WIDTH, _HEIGHT = 360, 180
-_LEFT, _RIGHT, _TOP, _BOTTOM = 56, 350, 8, 142
+_LEFT, _RIGHT, _TOP, _BOTTOM = 56, 344, 8, 142
 
 _DEGREES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)
 

@@ -12,7 +12,7 @@ from cardan.report.samples import Samples
 _WIDTH, _MARGIN = 1000.0, 16.0
 
 # Lengths beside a shaft between two joints, which is 1; scenes need not give any.
-_END, _PIN, _YOKE = 0.75, 0.16, 0.2
+_END, _PIN, _YOKE = 0.75, 0.19, 0.22
 
 # Pixels that such a shaft takes at most, so that a single joint does not fill the page.
 _MOST = 320.0

@@ -3,6 +3,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const slider = document.getElementById("sample");
 const place = document.querySelector("output[for=sample]");
+const LABEL = 34; // how far from its shaft a number stands
 const SVG = "http://www.w3.org/2000/svg";
 
 const shown = (value, decimals) => value.toFixed(decimals).replace("-", "\u2212");
@@ -40,7 +41,8 @@ function added(parent, name, attributes, text = "") {
 // Returns what draws one view at a sample. Of yokes and crosses the half away from the viewer is faint.
 function drawn(view, svg) {
   const { points: allPoints, pins, pin, yoke } = data.drawing;
-  const at = (p) => `${(view.offset[0] + dot(view.axes[0], p)).toFixed(1)} ${(view.offset[1] + dot(view.axes[1], p)).toFixed(1)}`;
+  const flat = (p) => [0, 1].map((i) => view.offset[i] + dot(view.axes[i], p));
+  const at = (p) => flat(p).map((value) => value.toFixed(1)).join(" ");
   const shafts = allPoints[0].slice(1).map(() => added(svg, "path", { class: "shaft" }));
   const halves = pins[0].map(() =>
     ["in", "out"].map((side) =>
@@ -48,10 +50,11 @@ function drawn(view, svg) {
         sign,
         yoke: added(svg, "path", { class: `yoke ${side}` }),
         arm: added(svg, "path", { class: "arm" }),
+        mark: sign > 0 ? added(svg, "circle", { class: `mark ${side}`, r: 8 }) : null,
       })),
     ),
   );
-  const labels = shafts.map((_, i) => added(svg, "text", { class: "middle" }, `shaft ${i}`));
+  const labels = shafts.map((_, i) => added(svg, "text", {}, i));
   return (sample) => {
     const points = allPoints[Math.min(sample, allPoints.length - 1)];
     const along = shafts.map((_, i) => {
@@ -63,19 +66,25 @@ function drawn(view, svg) {
       const from = plus(points[i], along[i], i === 0 ? 0 : yoke);
       const to = plus(points[i + 1], along[i], i === shafts.length - 1 ? 0 : -yoke);
       path.setAttribute("d", `M${at(from)}L${at(to)}`);
-      const [x, y] = at(plus(from, plus(to, from, -1), 0.5)).split(" ");
-      labels[i].setAttribute("x", x);
-      labels[i].setAttribute("y", Number(y) - 12);
+      const [[x, y], [right, down]] = [flat(from), flat(to)];
+      const length = Math.hypot(right - x, down - y) || 1;
+      labels[i].setAttribute("x", (x + right) / 2 + (LABEL * (down - y)) / length);
+      labels[i].setAttribute("y", (y + down) / 2 - (LABEL * (right - x)) / length);
     });
     halves.forEach((sides, joint) =>
       sides.forEach((signs, side) =>
-        signs.forEach(({ sign, yoke: fork, arm }) => {
+        signs.forEach(({ sign, yoke: fork, arm, mark }) => {
           const centre = points[joint + 1];
           const back = plus(centre, along[joint + side], side === 0 ? -yoke : yoke);
           const across = pins[sample][joint][side].map((value) => sign * pin * value);
           const end = plus(centre, across, 1);
           fork.setAttribute("d", `M${at(back)}L${at(plus(back, across, 1))}L${at(end)}`);
           arm.setAttribute("d", `M${at(centre)}L${at(end)}`);
+          if (mark) {
+            const [x, y] = flat(end);
+            mark.setAttribute("cx", x);
+            mark.setAttribute("cy", y);
+          }
           for (const path of [fork, arm]) path.classList.toggle("far", dot(view.axes[2], across) < 0);
         }),
       ),

@@ -31,10 +31,13 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
         "answer": ("Answer", answer.section(scene, samples)),
         "inputs": ("Inputs", tables.inputs(scene)),
         "results": ("Results", tables.results(result, samples)),
-        "study": ("Study", study_section(result.study) if result.study else ""),
+        "study": (
+            "Study" if scene.study and scene.study.axes else "Figures",
+            study_section(result.study) if result.study else "",
+        ),
         "pictures": ("Over the drive angle", _pictures(samples)),
-        "skipped": ("What was computed, what was skipped", _plan(scene)),
-        "catalogue": ("Exact equivalent bend and catalogue rule", tables.catalogue(scene)),
+        "skipped": ("Computed and skipped", _plan(scene)),
+        "catalogue": ("Exact bend and catalogue rule", tables.catalogue(scene)),
     }
     sections = {key: section for key, section in sections.items() if section[1]}
     name = Path(scene.name).name
@@ -90,15 +93,15 @@ def _pictures(samples: Samples) -> str:
     return (
         "<p>Move the slider, also with the arrow keys, to turn the driveline. Bends and yokes are "
         "drawn true, lengths are not to scale. The driving yoke of each joint is blue, the driven "
-        "one orange; what points away from you is faint.</p>"
+        "one orange, the cross black; what points away from you is faint. Shafts are numbered.</p>"
         f"{note}"
         f'<div class="slider"><label for="sample">{what}</label> '
         '<output for="sample"></output>'
         f'<input type="range" id="sample" min="0" max="{len(x) - 1}" step="1" value="0" '
         'autocomplete="off"></div>'
         "<noscript><p>The drawing and the numbers at the slider need JavaScript.</p></noscript>"
-        f'<div class="views">{_views(samples)}</div>'
-        f'<div class="charts">{"".join(figures)}</div>'
+        f'<div class="turn"><div class="views">{_views(samples)}</div>'
+        f'<div class="charts">{"".join(figures)}</div></div>'
     )
 
 

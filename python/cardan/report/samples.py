@@ -116,7 +116,8 @@ class Samples:
             else:
                 same = np.ptp(sizes) <= 1e-9 * size
                 at = None if same else float(self.result.scene.drive_angle_deg[place])
-                yield Peak(shaft, size, at, moments[place])
+                vector = np.where(np.abs(moments[place]) > noise, moments[place], 0.0)
+                yield Peak(shaft, size, at, vector)
 
     def panels(self) -> list[Panel]:
         """Return the charts, a quantity each, of the samples shown."""

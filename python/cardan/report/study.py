@@ -13,7 +13,7 @@ from cardan.report.charts import chart, number
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import table
 from cardan.study import StudyResult
-from cardan.summary import figure_text, study_data
+from cardan.summary import figure_text, range_ends, study_data
 
 _MOST_CHARTS, _MOST_CURVES, _MOST_POINTS = 12, 5, 1000
 
@@ -28,9 +28,12 @@ def study_section(result: StudyResult) -> str:
     rows = []
     for name, found in data["figures"].items():
         cells = [name]
-        for which in ("least", "largest"):
-            value = found[which]
-            cells.append("not finite" if value is None else figure_text(value))
+        low, high = found["least"], found["largest"]
+        ends = ("not finite", "not finite")
+        if low is not None and high is not None:
+            ends = range_ends(low, high) if low < high else (figure_text(low), figure_text(high))
+        for which, end in zip(("least", "largest"), ends, strict=True):
+            cells.append(end)
             at = found.get(f"{which}_at", {})
             cells += [f"{at[axis.key]:.6g}" if at else "" for axis in result.axes]
         rows.append(cells)

@@ -22,8 +22,10 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> s
         data = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
         lines.append(f'<tr><th scope="row">{escape(first)}</th>{data}</tr>')
     heads = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
+    # Two columns fit any screen if they may break; wider tables scroll by themselves.
+    kind = ' class="narrow"' if len(head) == 2 else ""
     return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(caption)}"><table>'
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(caption)}"><table{kind}>'
         f"<caption>{escape(caption)}</caption><thead><tr>{heads}</tr></thead>"
         f"<tbody>{''.join(lines)}</tbody></table></div>"
     )
@@ -87,13 +89,13 @@ def inputs(scene: Scene) -> str:
 
 def results(result: SceneResult, samples: Samples) -> str:
     """Return the scene's own table, the loads shaft by shaft and the harmonics."""
-    rows = [(row.label.capitalize(), row_text(row)) for row in summary(result)]
+    rows = [(row.label[0].upper() + row.label[1:], row_text(row)) for row in summary(result)]
     parts = [table("Summary, as cardan run prints it", ("What", "Value"), rows)]
     torques = samples.result.values["torque"]
     loads = []
     for peak, torque in zip(samples.support_peaks(), torques, strict=True):
         at = "everywhere" if peak.at_deg is None else f"{peak.at_deg:.1f}"
-        vector = ", ".join(f"{value + 0.0:.4g}" for value in peak.vector)
+        vector = ", ".join(map(_figure, peak.vector))
         loads.append((f"shaft {peak.item}", _span(torque), figure_text(peak.size), at, vector))
     heads = (
         "Shaft",
@@ -147,10 +149,10 @@ def catalogue(scene: Scene) -> str:
         rows.append(
             (
                 name,
-                _span(np.degrees(exact)),
-                _span(np.degrees(rule)),
-                _span(np.degrees(rule - exact)),
-                _figure(np.degrees(np.max(astray))),
+                _fixed(exact),
+                _fixed(rule),
+                _fixed(rule - exact),
+                _fixed(np.max(astray)),
             )
         )
     heads = (
@@ -184,6 +186,13 @@ def _forks(line: Driveline) -> tuple[FloatArray, FloatArray]:
 
 def _figure(value: float | FloatArray) -> str:
     return figure_text(float(value) + 0.0)
+
+
+def _fixed(angles: FloatArray | float) -> str:
+    """An angle in degrees, or the least and the largest of several; what is rounding reads 0."""
+    low, high = (f"{np.degrees(end) + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
+    low, high = (end.removeprefix("-") if float(end) == 0.0 else end for end in (low, high))
+    return low if low == high else f"{low} to {high}"
 
 
 def _span(values: FloatArray | float) -> str:
