@@ -32,20 +32,8 @@ def write_report(scene: Scene, path: str | PathLike[str], progress: Progress | N
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: another suffix, a point of the study that makes no driveline.
     """
-    check_suffix(path)
+    if Path(path).suffix not in SUFFIXES:
+        raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
     text = page(scene, progress)
     with whole_file(path) as file:
         file.write(text.encode())
-
-
-def check_suffix(path: str | PathLike[str]) -> None:
-    """Refuse a file that does not look like a page.
-
-    Raises:
-        ValueError: the suffix is none of ``SUFFIXES``.
-    """
-    if Path(path).suffix not in SUFFIXES:
-        raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
-
-
-__all__ = ["SUFFIXES", "check_suffix", "write_report"]

@@ -84,7 +84,7 @@ def _pictures(samples: Samples) -> str:
             "because the scene gives none; they grow in proportion.</p>"
         )
     if samples.every > 1:
-        note += f'<p class="note">Every {samples.every}th recorded sample is shown.</p>'
+        note += f'<p class="note">One in {samples.every} recorded samples is shown.</p>'
     figures, first = [], 0
     for panel in samples.panels():
         figures.append(chart(panel, x, label, first))

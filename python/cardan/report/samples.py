@@ -189,7 +189,7 @@ def evaluated(scene: Scene) -> Samples:
         shafts=tuple(range(scene.line.n_joints + 1)),
         joints=None,
         study=None,
-        load_case=scene.load_case or Load(drive_torque=NOMINAL_TORQUE),
+        load_case=scene.load_case or Load(),
     )
     result = scene.run()
     nominal = not np.any(result.values["torque"])

@@ -24,9 +24,10 @@ def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> s
     heads = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
     # Two columns fit any screen if they may break; wider tables scroll by themselves.
     kind = ' class="narrow"' if len(head) == 2 else ""
+    said = escape(caption)
     return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{escape(caption)}"><table{kind}>'
-        f"<caption>{escape(caption)}</caption><thead><tr>{heads}</tr></thead>"
+        f'<div class="scroll" tabindex="0" role="region" aria-label="{said}"><table{kind}>'
+        f"<caption>{said}</caption><thead><tr>{heads}</tr></thead>"
         f"<tbody>{''.join(lines)}</tbody></table></div>"
     )
 
