@@ -13,6 +13,7 @@ from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -27,7 +28,9 @@ from selenium.webdriver.remote.webelement import WebElement
 from cardan import Driveline, Load
 from cardan.command import commands
 from cardan.report import write_report
-from cardan.report.samples import NOMINAL_TORQUE, evaluated, pins
+from cardan.report.charts import chart
+from cardan.report.page import embedded
+from cardan.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.scene import Scene
 from cardan.summary import figure_text
 
@@ -134,6 +137,7 @@ def test_without_a_load_moments_are_for_a_stated_torque(tmp_path: Path) -> None:
         peak = NOMINAL_TORQUE * np.tan(np.radians(20.0))
         assert f"With {NOMINAL_TORQUE:g} N m put into the drive" in said
         assert f"shaft 0: up to {figure_text(peak)} N m" in said
+        assert "moment, size [N m]" in said
     assert f"With {NOMINAL_TORQUE:g} N m" not in Text(written(scene(Z_SHAFT), tmp_path)).text
 
 
@@ -222,6 +226,43 @@ def test_every_text_is_escaped(tmp_path: Path) -> None:
     for text in (script, style):
         digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         assert f"'sha256-{digest}'" in page
+
+
+def test_embedded_data_cannot_end_their_element() -> None:
+    data = {"</script><!--": ["<", 0.1, None, "é"]}
+    assert "<" not in embedded(data)
+    assert json.loads(embedded(data)) == data
+
+
+def test_curves_stand_where_the_axes_say() -> None:
+    x = np.linspace(-30.0, 240.0, 50)
+    rising, other = 3.7e-3 * x - 0.21, np.cos(x)
+    panel = Panel("a < b", "N m", (Curve("one", rising), Curve("two", other)))
+    root = ElementTree.fromstring(chart(panel, x, "drive angle [deg]"))
+    assert root[0].text == "a < b [N m]"
+    ticks: dict[str, list[tuple[float, float]]] = {"x": [], "y": []}
+    for line, text in pairwise(root[1]):
+        if line.get("class") == "grid":
+            axis = "x" if line.get("x1") == line.get("x2") else "y"
+            value = float((text.text or "").replace("\N{MINUS SIGN}", "-"))
+            ticks[axis].append((float(line.attrib[f"{axis}1"]), value))
+    assert [value for _, value in ticks["x"]] == [0.0, 90.0, 180.0]
+    assert [value for _, value in ticks["y"]] == [-1.0, -0.5, 0.0, 0.5, 1.0]
+    x_axis, y_axis = (
+        np.polyfit([place for place, _ in found], [value for _, value in found], 1)
+        for found in ticks.values()
+    )
+    for line, values in zip(root.iter("polyline"), (rising, other), strict=True):
+        points = np.array([point.split(",") for point in line.attrib["points"].split()], float)
+        assert np.max(np.abs(np.polyval(x_axis, points[:, 0]) - x)) < 0.1
+        assert np.max(np.abs(np.polyval(y_axis, points[:, 1]) - values)) < 0.01
+
+
+def test_what_varies_by_rounding_alone_is_flat() -> None:
+    noise = 1.0 + 1e-15 * np.random.default_rng(1).uniform(-1.0, 1.0, 50)
+    page = chart(Panel("ratio", "", (Curve("one", noise),)), np.arange(50.0), "x")
+    line = next(ElementTree.fromstring(page).iter("polyline"))
+    assert len({point.split(",")[1] for point in line.attrib["points"].split()}) == 1
 
 
 def run(*arguments: str | Path) -> tuple[int, str]:

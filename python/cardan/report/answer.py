@@ -11,7 +11,10 @@ from cardan.answers import check_scene, yoke_lines, yoke_settings
 from cardan.check import Check
 from cardan.report.samples import NOMINAL_TORQUE, Samples
 from cardan.scene import Scene
-from cardan.summary import equivalent_bend_deg, figure_text
+from cardan.summary import equivalent_bend_deg, figure_text, range_ends
+
+# Shafts that one reads in a list.
+_MOST = 8
 
 
 def section(scene: Scene, samples: Samples) -> str:
@@ -81,10 +84,10 @@ def _motion(scene: Scene) -> str:
         return "The last shaft turns at constant velocity."
     joint = line.equivalent()
     error = figure_text(float(np.degrees(joint.max_angle_error)))
-    part = figure_text(50.0 * float(joint.non_uniformity))
+    slowest, fastest = range_ends(float(joint.min_speed_ratio), float(joint.max_speed_ratio))
     return (
-        f"At steady drive the last shaft leads and lags by up to {error}°, twice per turn; its "
-        f"speed varies by ±{part} %."
+        f"At steady drive the last shaft leads and lags by up to {error}°, twice per turn, at "
+        f"{slowest} to {fastest} times the speed of the drive."
     )
 
 
@@ -102,9 +105,12 @@ def _bearings(samples: Samples) -> str:
     at = "at every angle" if largest.at_deg is None else f"at {largest.at_deg:.1f}° of drive angle"
     if samples.result.scene.recording is None and largest.at_deg is not None:
         at += " and again half a turn later"
+    listed = sorted(sorted(peaks, key=lambda peak: -peak.size)[:_MOST], key=lambda peak: peak.item)
     items = "".join(
-        f"<li>shaft {peak.item}: up to {figure_text(peak.size)} N m</li>" for peak in peaks
+        f"<li>shaft {peak.item}: up to {figure_text(peak.size)} N m</li>" for peak in listed
     )
+    if len(listed) < len(peaks):
+        items += f"<li>the other {len(peaks) - len(listed)}: no more (table below)</li>"
     first = f"Most on shaft {largest.item}: {figure_text(largest.size)} N m across it, {at}."
     return (
         _note(*words)

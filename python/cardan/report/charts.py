@@ -73,7 +73,7 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
     unit = f" [{panel.unit}]" if panel.unit else ""
     heading = f"{panel.heading}{unit}"
     said = f"{heading} over {x_label}, from {low:.4g} to {high:.4g}"
-    rest = f"<li>and {panel.left_out} that vary less</li>" if panel.left_out else ""
+    rest = f"<li>and {panel.left_out} that vary no more</li>" if panel.left_out else ""
     return (
         f"<figure><figcaption>{escape(heading)}</figcaption>"
         f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(said)}">'

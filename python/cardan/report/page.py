@@ -60,10 +60,7 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
         style_hash=_hash(style),
         script=script,
         script_hash=_hash(script),
-        # A data block ends at the first "</script", wherever that stands.
-        data=json.dumps(_data(samples), allow_nan=False, separators=(",", ":")).replace(
-            "<", "\\u003c"
-        ),
+        data=embedded(_data(samples)),
     )
 
 
@@ -148,6 +145,15 @@ def _plan(scene: Scene) -> str:
         "<p>How the quantities that the scene asks for are evaluated, as "
         f"<code>cardan explain</code> says it.</p><pre>{escape(scene.plan().explain())}</pre>"
     )
+
+
+def embedded(data: object) -> str:
+    """Return plain data as JSON that can stand in a script element.
+
+    That ends at the first "</script", wherever it stands.
+    """
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return text.replace("<", "\\u003c")
 
 
 def _part(name: str) -> str:

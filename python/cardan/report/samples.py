@@ -177,10 +177,7 @@ class Samples:
 def evaluated(scene: Scene) -> Samples:
     """Evaluate a scene for the page: one turn in half degrees, or the recorded angles."""
     if scene.recording is None:
-        first, last = float(scene.drive_angle_deg[0]), float(scene.drive_angle_deg[-1])
-        span = min(360.0, last - first)
-        steps = max(1, round(span / _STEP_DEG))
-        degrees = first + span * np.arange(steps + 1) / steps
+        degrees = scene.drive_angle_deg[0] + _STEP_DEG * np.arange(round(360.0 / _STEP_DEG) + 1)
         scene = replace(scene, drive_angle_deg=degrees, drive_angle=np.radians(degrees))
     extra = tuple(name for name in scene.quantities if name not in _MOTION + _LOADED)
     scene = replace(
