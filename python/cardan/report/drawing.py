@@ -9,7 +9,8 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.report.samples import Samples
 
-_WIDTH, _MARGIN = 1000.0, 16.0
+# Pixels; numbers of shafts stand in the margin above.
+_WIDTH, _SIDE, _ABOVE = 1000.0, 16.0, 40.0
 
 # Lengths beside a shaft between two joints, which is 1; scenes need not give any.
 _END, _PIN, _YOKE = 0.75, 0.19, 0.22
@@ -66,8 +67,8 @@ def _axes(directions: FloatArray) -> dict[str, FloatArray]:
 def _view(name: str, axes: FloatArray, points: FloatArray) -> dict[str, Any]:
     flat = points.reshape(-1, 3) @ axes[:2].T
     low, high = flat.min(axis=0) - 1.2 * _PIN, flat.max(axis=0) + 1.2 * _PIN
-    scale = min(_MOST, (_WIDTH - 2.0 * _MARGIN) / float(high[0] - low[0]))
-    height = float(high[1] - low[1]) * scale + 2.0 * _MARGIN
+    scale = min(_MOST, (_WIDTH - 2.0 * _SIDE) / float(high[0] - low[0]))
+    height = float(high[1] - low[1]) * scale + 2.0 * _ABOVE
     middle = scale * (low + high) / 2.0
     offset = np.array([_WIDTH, height]) / 2.0 - middle
     return {

@@ -50,6 +50,7 @@ function drawn(view, svg) {
         sign,
         yoke: added(svg, "path", { class: `yoke ${side}` }),
         arm: added(svg, "path", { class: "arm" }),
+        // One end of each pin is marked: a cross turned by half a turn looks the same.
         mark: sign > 0 ? added(svg, "circle", { class: `mark ${side}`, r: 8 }) : null,
       })),
     ),
@@ -85,7 +86,9 @@ function drawn(view, svg) {
             mark.setAttribute("cx", x);
             mark.setAttribute("cy", y);
           }
-          for (const path of [fork, arm]) path.classList.toggle("far", dot(view.axes[2], across) < 0);
+          for (const part of [fork, arm, mark]) {
+            part?.classList.toggle("far", dot(view.axes[2], across) < 0);
+          }
         }),
       ),
     );

@@ -9,6 +9,7 @@ from html import escape
 from importlib import resources
 from pathlib import Path
 from string import Template
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from cardan.arrays import FloatArray
 from cardan.report import answer, tables
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
-from cardan.report.samples import NOMINAL_TORQUE, Samples, evaluated
+from cardan.report.samples import NOMINAL_TORQUE, Panel, Samples, evaluated
 from cardan.report.study import study_section
 from cardan.scene import Scene
 from cardan.study import Progress
@@ -27,6 +28,7 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
     """Return the whole page as HTML; arguments and errors as of ``write_report``."""
     result = scene.run(progress)
     samples = evaluated(scene)
+    panels, drawn = samples.panels(), drawing(samples)
     sections = {
         "answer": ("Answer", answer.section(scene, samples)),
         "inputs": ("Inputs", tables.inputs(scene)),
@@ -35,7 +37,7 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
             "Study" if scene.study and scene.study.axes else "Figures",
             study_section(result.study) if result.study else "",
         ),
-        "pictures": ("Over the drive angle", _pictures(samples)),
+        "pictures": ("Over the drive angle", _pictures(samples, panels, drawn["views"])),
         "skipped": ("Computed and skipped", _plan(scene)),
         "catalogue": ("Exact bend and catalogue rule", tables.catalogue(scene)),
     }
@@ -60,7 +62,7 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
         style_hash=_hash(style),
         script=script,
         script_hash=_hash(script),
-        data=embedded(_data(samples)),
+        data=embedded(_data(samples, panels, drawn)),
     )
 
 
@@ -72,7 +74,7 @@ def _subtitle(scene: Scene, name: str) -> str:
     return f"{what}; report on the scene {name}"
 
 
-def _pictures(samples: Samples) -> str:
+def _pictures(samples: Samples, panels: list[Panel], views: list[dict[str, Any]]) -> str:
     x, label = _abscissa(samples)
     note = ""
     if samples.nominal:
@@ -83,7 +85,7 @@ def _pictures(samples: Samples) -> str:
     if samples.every > 1:
         note += f'<p class="note">One in {samples.every} recorded samples is shown.</p>'
     figures, first = [], 0
-    for panel in samples.panels():
+    for panel in panels:
         figures.append(chart(panel, x, label, first))
         first += len(panel.curves)
     what = "Drive angle" if samples.result.scene.recording is None else "Recorded sample"
@@ -97,17 +99,17 @@ def _pictures(samples: Samples) -> str:
         f'<input type="range" id="sample" min="0" max="{len(x) - 1}" step="1" value="0" '
         'autocomplete="off"></div>'
         "<noscript><p>The drawing and the numbers at the slider need JavaScript.</p></noscript>"
-        f'<div class="turn"><div class="views">{_views(samples)}</div>'
+        f'<div class="turn"><div class="views">{_views(views)}</div>'
         f'<div class="charts">{"".join(figures)}</div></div>'
     )
 
 
-def _views(samples: Samples) -> str:
+def _views(views: list[dict[str, Any]]) -> str:
     return "".join(
         f"<figure><figcaption>{escape(view['name'])}</figcaption>"
         f'<svg id="view-{number}" viewBox="0 0 {view["size"][0]:g} {view["size"][1]}" role="img" '
         f'aria-label="The driveline. {escape(view["name"])}"></svg></figure>'
-        for number, view in enumerate(drawing(samples)["views"])
+        for number, view in enumerate(views)
     )
 
 
@@ -119,15 +121,15 @@ def _abscissa(samples: Samples) -> tuple[FloatArray, str]:
     return samples.every * np.arange(float(len(angle))), "recorded sample"
 
 
-def _data(samples: Samples) -> dict[str, object]:
+def _data(samples: Samples, panels: list[Panel], drawn: dict[str, Any]) -> dict[str, Any]:
     curves = []
-    for panel in samples.panels():
+    for panel in panels:
         digits = decimals(panel)
         curves += [
             {"decimals": digits, "values": np.round(curve.values, digits).tolist()}
             for curve in panel.curves
         ]
-    return {"places": _places(samples), "curves": curves, "drawing": drawing(samples)}
+    return {"places": _places(samples), "curves": curves, "drawing": drawn}
 
 
 def _places(samples: Samples) -> list[str]:

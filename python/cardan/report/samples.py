@@ -11,6 +11,7 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
+from cardan.outputs import Output
 from cardan.scene import Scene, SceneResult
 
 NOMINAL_TORQUE = 100.0
@@ -122,45 +123,33 @@ class Samples:
     def panels(self) -> list[Panel]:
         """Return the charts, a quantity each, of the samples shown."""
         scene = self.result.scene
-        last = scene.line.n_joints
-        listed: dict[str, list[tuple[int, FloatArray]]] = {}
-        units = {}
+        found: dict[Output, dict[int, FloatArray]] = {}
         for output, item, values in self.result.curves():
             # The drive's own motion is no curve to look at.
             if output.needs_load or output.per == "joint" or item > 0:
                 sizes = np.linalg.norm(values, axis=-1) if output.vector else values
-                listed.setdefault(output.name, []).append((item, sizes))
-                units[output.name] = output
+                found.setdefault(output, {})[item] = sizes
         panels = []
-        for name, curves in listed.items():
-            output = units[name]
-            heading, unit, factor = name.replace("_", " "), output.unit, 1.0
+        for output, curves in found.items():
+            heading, unit, factor = output.name.replace("_", " "), output.unit, 1.0
             scale = self.largest_torque if output.needs_load else 1.0
             if output.vector:
                 heading += ", size"
             if unit == "rad":
                 unit, factor = "deg", math.degrees(1.0)
-            if name == "acceleration_ratio" and scene.speed:
+            if output.name == "acceleration_ratio" and scene.speed:
                 heading, unit, factor = "acceleration", "rad/s²", scene.speed**2
                 heading += " at steady drive" if scene.accelerates else ""
                 scale = factor
             # The last shaft is what a driveline is there for.
-            largest = sorted(
-                curves,
-                key=lambda curve: (output.per == "shaft" and curve[0] == last, np.ptp(curve[1])),
-            )[-_MOST_CURVES:]
-            panels.append(
-                Panel(
-                    heading,
-                    "" if unit == "1" else unit,
-                    tuple(
-                        Curve(f"{output.per} {item}", factor * values[self.shown])
-                        for item, values in sorted(largest, key=lambda curve: curve[0])
-                    ),
-                    scale,
-                    len(curves) - len(largest),
-                )
+            always = scene.line.n_joints if output.per == "shaft" else None
+            by_size = sorted(curves, key=lambda item: (item == always, np.ptp(curves[item])))
+            chosen = tuple(
+                Curve(f"{output.per} {item}", factor * curves[item][self.shown])
+                for item in sorted(by_size[-_MOST_CURVES:])
             )
+            left_out = len(curves) - len(chosen)
+            panels.append(Panel(heading, "" if unit == "1" else unit, chosen, scale, left_out))
         return panels
 
     def pins(self) -> FloatArray:
@@ -187,6 +176,8 @@ def evaluated(scene: Scene) -> Samples:
         joints=None,
         study=None,
         load_case=scene.load_case or Load(),
+        # Few samples need no short cuts, and what is rounding shall be that of doubles.
+        options={},
     )
     result = scene.run()
     nominal = not np.any(result.values["torque"])
