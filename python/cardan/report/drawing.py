@@ -46,7 +46,7 @@ def _axes(directions: FloatArray) -> dict[str, FloatArray]:
     mean = np.mean(directions, axis=(0, 1))
     place = int(np.argmax(np.abs(mean)))
     right = np.zeros(3)
-    right[place] = np.sign(mean[place])
+    right[place] = np.copysign(1.0, mean[place])
     up = np.eye(3)[1 if place != 1 else 2]
     side = np.cross(right, up)
     viewer = -0.55 * right + 0.5 * up + side
