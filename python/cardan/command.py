@@ -9,28 +9,20 @@ import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
 from cardan import __version__, starters
-from cardan.check import Check
+from cardan.answers import check_scene, yoke_settings, yoke_text
 from cardan.curves import check_writable, whole_file, write_curves, write_study
 from cardan.plots import SUFFIXES, write_picture
+from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene_format import describe
 from cardan.study import Progress
-from cardan.summary import (
-    equivalent_bend_deg,
-    study_data,
-    study_text,
-    summary,
-    summary_data,
-    summary_text,
-)
-from cardan.workshop import VIEW, turn
+from cardan.summary import study_data, study_text, summary, summary_data, summary_text
 
 if TYPE_CHECKING:
     import click
@@ -112,6 +104,18 @@ Say how to set the yokes so that the last shaft turns as evenly as possible.
 Examples:
   cardan phase shaft.toml
   cardan phase shaft.toml --json
+"""
+
+_REPORT = """\
+Write a page to hand on, with a driveline that turns in it.
+
+It says whether the driveline runs smoothly, what loads the bearings and how to set the yokes, and
+shows inputs, tables and curves. One HTML file holds everything; it needs no network.
+
+\b
+Examples:
+  cardan report shaft.toml
+  cardan report shaft.toml --output shaft.html
 """
 
 _NEW = f"""\
@@ -249,12 +253,23 @@ def commands() -> click.Group:
         write_picture(result, path)
         click.echo(f"wrote {path}")
 
+    @cardan.command(help=_REPORT, short_help="Write a page to hand on.")
+    @scene_argument
+    @output_option("Page to write; by default named as the scene, .html, in the current folder.")
+    def report(scene: Path, output: Path | None) -> None:
+        path = output or Path(f"{scene.stem}.html")
+        loaded = Scene.load(scene)
+        _check_output(loaded, path)
+        with _progress_bar() as progress:
+            write_report(loaded, path, progress)
+        click.echo(f"wrote {path}")
+
     @cardan.command(help=_CHECK, short_help="Check a scene against the limits.")
     @scene_argument
     @as_json
     def check(scene: Path, as_json: bool) -> int:
         loaded = Scene.load(scene)
-        found = _check(loaded)
+        found = check_scene(loaded)
         passes = bool(np.all(found.passes))
         if as_json:
             findings = [
@@ -277,8 +292,8 @@ def commands() -> click.Group:
     @scene_argument
     @as_json
     def phase(scene: Path, as_json: bool) -> None:
-        data = _phases(Scene.load(scene))
-        click.echo(_json(data) if as_json else _phase_text(data))
+        data = yoke_settings(Scene.load(scene))
+        click.echo(_json(data) if as_json else yoke_text(data))
 
     @cardan.command(help=_SCHEMA, short_help="Print the JSON Schema of scenes.")
     @output_option("File to write; by default it is printed.")
@@ -331,79 +346,6 @@ def _check_output(scene: Scene, path: Path) -> None:
     if scene.recording and path.exists() and path.samefile(scene.recording):
         raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
     check_writable(path)
-
-
-def _check(scene: Scene) -> Check:
-    """Check the driveline of a scene, or all of its study."""
-    if scene.study is None or not scene.study.axes:
-        return scene.line.check(scene.speed or None)
-    blocks = []
-    for _, line, load in scene.study.blocks():
-        speed = load.speed if load and np.any(load.speed) else None
-        blocks.append(line.check(speed).findings)
-    return Check(
-        tuple(
-            replace(parts[0], value=np.concatenate([np.ravel(part.value) for part in parts]))
-            for parts in zip(*blocks, strict=True)
-        )
-    )
-
-
-def _phases(scene: Scene) -> dict[str, Any]:
-    """The best yoke settings of a scene as plain data."""
-    line = scene.line
-    if line.n_joints == 1:
-        raise ValueError(f"{scene.name}: one joint has no yokes to set against each other")
-    if line.shape:
-        raise ValueError(f"{scene.name}: the bends were recorded; yokes are set for fixed bends")
-    best = line.optimal_phases()
-    settings, turns = turn(best), turn(best - line.phases)
-    return {
-        "title": scene.title,
-        "view": VIEW,
-        "shafts": [
-            {
-                "shaft": i + 1,
-                "phase_deg": float(np.degrees(best[i])),
-                "setting_deg": float(np.degrees(settings.angle[i])),
-                "sense": str(settings.sense[i]),
-                "turn_deg": float(np.degrees(turns.angle[i])),
-                "turn_sense": str(turns.sense[i]),
-            }
-            for i in range(line.n_joints - 1)
-        ],
-        "equivalent_bend_deg": {
-            "present": equivalent_bend_deg(line),
-            "best": equivalent_bend_deg(line.with_phases(best)),
-        },
-    }
-
-
-# Less than this, in degrees, would read 0.00.
-_SHOWN = 0.005
-
-
-def _phase_text(data: dict[str, Any]) -> str:
-    lines = [data["title"], ""] if data["title"] else []
-    lines += [f"Set the output-side yoke against the input-side one, {VIEW}:"]
-    for shaft in data["shafts"]:
-        setting = "in one plane"
-        if shaft["setting_deg"] >= _SHOWN:
-            setting = f"{shaft['setting_deg']:.2f}° {shaft['sense']}"
-        change = "as it is"
-        if shaft["turn_deg"] >= _SHOWN:
-            change = (
-                f"turn it {shaft['turn_deg']:.2f}° {shaft['turn_sense']} from its present place"
-            )
-        lines.append(f"- shaft {shaft['shaft']}: {setting} ({change})")
-    bend = data["equivalent_bend_deg"]
-    phases = ", ".join(f"{shaft['phase_deg']:.4f}" for shaft in data["shafts"])
-    lines += [
-        "",
-        f"Equivalent bend: {bend['present']:.4g}° as it is, {bend['best']:.4g}° set so.",
-        f"In the scene: phases_deg = [{phases}]",
-    ]
-    return "\n".join(lines)
 
 
 def _json(data: Any) -> str:  # noqa: ANN401 - any plain data

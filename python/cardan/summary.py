@@ -55,7 +55,7 @@ def summary(result: SceneResult) -> list[Row]:
 
 def summary_text(rows: Sequence[Row], *, radians: bool = False) -> str:
     """Return the table as aligned plain text, at most 79 characters wide."""
-    text = _aligned([(row.label, _figures(row, radians)) for row in rows])
+    text = _aligned([(row.label, row_text(row, radians)) for row in rows])
     if any(row.at_deg is not None for row in rows):
         text += (
             f'\n\nAfter "at": drive angle; 0 {"rad" if radians else "deg"} has the driving pin in '
@@ -94,10 +94,10 @@ def study_text(result: StudyResult, *, radians: bool = False) -> str:
     for name, found in study_data(result, radians=radians)["figures"].items():
         low, high = found["least"], found["largest"]
         if low is None or high is None or low == high:
-            lines.append((name, "not finite" if low is None or high is None else _figure(low)))
+            lines.append((name, "not finite" if low is None or high is None else figure_text(low)))
             continue
         placed = True
-        ends = zip(_ends(low, high), ("least", "largest"), strict=True)
+        ends = zip(range_ends(low, high), ("least", "largest"), strict=True)
         figures = [
             f"{figure} ({', '.join(f'{at:.10g}' for at in found[f'{which}_at'].values())})"
             for figure, which in ends
@@ -270,9 +270,10 @@ def _in_unit(row: Row, radians: bool) -> tuple[float, ...]:
     return row.values
 
 
-def _figures(row: Row, radians: bool) -> str:
+def row_text(row: Row, radians: bool = False) -> str:
+    """Return the value of a row with unit and place."""
     values = _in_unit(row, radians)
-    text = _range(values[0], values[-1]) if row.is_range else ", ".join(map(_figure, values))
+    text = _range(values[0], values[-1]) if row.is_range else ", ".join(map(figure_text, values))
     if row.unit:
         text += " rad" if row.unit == "deg" and radians else f" {row.unit}"
     if row.at_deg is not None:
@@ -282,18 +283,18 @@ def _figures(row: Row, radians: bool) -> str:
 
 
 def _range(low: float, high: float) -> str:
-    return " to ".join(_ends(low, high)) if 0.0 < high - low < math.inf else _figure(low)
+    return " to ".join(range_ends(low, high)) if 0.0 < high - low < math.inf else figure_text(low)
 
 
-def _ends(low: float, high: float) -> tuple[str, str]:
-    """Both with enough decimals for three digits of the difference."""
+def range_ends(low: float, high: float) -> tuple[str, str]:
+    """Write both ends of a range with enough decimals for three digits of the difference."""
     decimals = 2 - math.floor(math.log10(min(high - low, sys.float_info.max)))
     if decimals > 9 or high - low >= 1e7:
-        return _figure(low), _figure(high)
+        return figure_text(low), figure_text(high)
     return f"{low:.{max(0, decimals)}f}", f"{high:.{max(0, decimals)}f}"
 
 
-def _figure(value: float) -> str:
+def figure_text(value: float) -> str:
     """Four significant digits, without an exponent where that is readable."""
     if value == 0.0 or not math.isfinite(value):
         return f"{value:g}"

@@ -1,0 +1,219 @@
+"""What the page of a scene shows sample by sample: every curve, and the pins for the drawing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.load import Load
+from cardan.outputs import Output
+from cardan.scene import Scene, SceneResult
+
+NOMINAL_TORQUE = 100.0
+"""Drive torque in N m that stands in where a scene gives neither torques nor inertias in motion."""
+
+_STEP_DEG = 0.5
+
+# More than a screen can show; a longer recording appears with every n-th of its samples.
+_MOST = 2000
+
+_MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
+_LOADED = ("torque", "support_moment", "moment")
+
+_MOST_CURVES = 6
+
+# Moments below this share of the largest torque are rounding.
+_ROUNDING = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One line of a chart: what it is of and its values, ``(samples,)``."""
+
+    label: str
+    values: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Panel:
+    """One chart.
+
+    Attributes:
+        heading: the quantity.
+        unit: of its values, "" for a ratio.
+        curves: the lines.
+        scale: a size beside which a billionth is rounding.
+        left_out: how many smaller curves there would be beside them.
+    """
+
+    heading: str
+    unit: str
+    curves: tuple[Curve, ...]
+    scale: float = 1.0
+    left_out: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Peak:
+    """Where a shaft's support moment is largest.
+
+    Attributes:
+        item: the shaft.
+        size: of the moment in N m.
+        at_deg: drive angle in degrees of the first such sample; ``None`` where all are alike.
+        vector: the moment there, ``(3,)``.
+    """
+
+    item: int
+    size: float
+    at_deg: float | None
+    vector: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A scene evaluated for the page.
+
+    Attributes:
+        result: motion of all shafts, torques and moments at every sample.
+        nominal: whether ``NOMINAL_TORQUE`` stands in for the load.
+        shown: which of the samples the curves and the drawing show.
+    """
+
+    result: SceneResult
+    nominal: bool
+    shown: slice
+
+    @property
+    def angle_deg(self) -> FloatArray:
+        """Drive angles shown, in degrees, ``(samples,)``."""
+        return self.result.scene.drive_angle_deg[self.shown]
+
+    @property
+    def every(self) -> int:
+        """Of how many samples one is shown."""
+        return int(self.shown.step)
+
+    @property
+    def largest_torque(self) -> float:
+        """Largest torque in any shaft in N m."""
+        return float(np.max(np.abs(self.result.values["torque"])))
+
+    def support_peaks(self) -> Iterator[Peak]:
+        """Yield the peak of every shaft's support moment over all samples."""
+        noise = _ROUNDING * self.largest_torque
+        for shaft, moments in enumerate(self.result.values["support_moment"]):
+            sizes = np.linalg.norm(moments, axis=-1)
+            size = float(np.max(sizes))
+            # The first of equal peaks, however they are rounded.
+            place = int(np.argmax(sizes >= (1.0 - 1e-9) * size))
+            if size <= noise:
+                yield Peak(shaft, 0.0, None, np.zeros(3))
+            else:
+                same = np.ptp(sizes) <= 1e-9 * size
+                at = None if same else float(self.result.scene.drive_angle_deg[place])
+                vector = np.where(np.abs(moments[place]) > noise, moments[place], 0.0)
+                yield Peak(shaft, size, at, vector)
+
+    def panels(self) -> list[Panel]:
+        """Return the charts, a quantity each, of the samples shown."""
+        scene = self.result.scene
+        found: dict[Output, dict[int, FloatArray]] = {}
+        for output, item, values in self.result.curves():
+            # The drive's own motion is no curve to look at.
+            if output.needs_load or output.per == "joint" or item > 0:
+                sizes = np.linalg.norm(values, axis=-1) if output.vector else values
+                found.setdefault(output, {})[item] = sizes
+        panels = []
+        for output, curves in found.items():
+            heading, unit, factor = output.name.replace("_", " "), output.unit, 1.0
+            scale = self.largest_torque if output.needs_load else 1.0
+            if output.vector:
+                heading += ", size"
+            if unit == "rad":
+                unit, factor = "deg", math.degrees(1.0)
+            if output.name == "acceleration_ratio" and scene.speed:
+                heading, unit, factor = "acceleration", "rad/s²", scene.speed**2
+                heading += " at steady drive" if scene.accelerates else ""
+                scale = factor
+            # The last shaft is what a driveline is there for.
+            always = scene.line.n_joints if output.per == "shaft" else None
+            by_size = sorted(curves, key=lambda item: (item == always, np.ptp(curves[item])))
+            chosen = tuple(
+                Curve(f"{output.per} {item}", factor * curves[item][self.shown])
+                for item in sorted(by_size[-_MOST_CURVES:])
+            )
+            left_out = len(curves) - len(chosen)
+            panels.append(Panel(heading, "" if unit == "1" else unit, chosen, scale, left_out))
+        return panels
+
+    def pins(self) -> FloatArray:
+        """Return the pins of every cross at the samples shown, as ``pins`` does."""
+        line, angle = self.result.scene.line, self.result.drive_angle[self.shown]
+        return pins(line[self.shown] if line.shape else line, angle)
+
+    def directions(self) -> FloatArray:
+        """Return the shafts' directions, ``(samples, n + 1, 3)`` or a single sample for all."""
+        line = self.result.scene.line
+        return line.directions[self.shown] if line.shape else line.directions[np.newaxis]
+
+
+def evaluated(scene: Scene) -> Samples:
+    """Evaluate a scene for the page: one turn in half degrees, or the recorded angles."""
+    if scene.recording is None:
+        degrees = scene.drive_angle_deg[0] + _STEP_DEG * np.arange(round(360.0 / _STEP_DEG) + 1)
+        scene = replace(scene, drive_angle_deg=degrees, drive_angle=np.radians(degrees))
+    extra = tuple(name for name in scene.quantities if name not in _MOTION + _LOADED)
+    scene = replace(
+        scene,
+        quantities=(*_MOTION, *_LOADED, *extra),
+        shafts=tuple(range(scene.line.n_joints + 1)),
+        joints=None,
+        study=None,
+        load_case=scene.load_case or Load(),
+        # Few samples need no short cuts, and what is rounding shall be that of doubles.
+        options={},
+    )
+    result = scene.run()
+    nominal = not np.any(result.values["torque"])
+    if nominal:
+        load = Load(drive_torque=NOMINAL_TORQUE, speed=scene.speed)
+        result = replace(scene, load_case=load).run()
+    every = math.ceil(len(scene.drive_angle) / _MOST)
+    return Samples(result, nominal, slice(None, None, every))
+
+
+def pins(line: Driveline, angle: FloatArray) -> FloatArray:
+    """Return unit vectors along the driving and the driven pin of every joint.
+
+    They follow from the geometry alone: a cross keeps its pins at right angles, a shaft carries
+    its output-side pin at its phase from its input-side one.
+
+    Args:
+        line: one driveline, or one per angle.
+        angle: drive angles in rad, ``(samples,)``.
+
+    Returns:
+        ``(samples, n, 2, 3)``.
+    """
+    return np.stack(list(_crosses(line, angle)), axis=1)
+
+
+def _crosses(line: Driveline, angle: FloatArray) -> Iterator[FloatArray]:
+    normal = line.normals[..., 0, :]
+    in_plane = np.cross(normal, line.directions[..., 0, :])
+    cosine, sine = np.cos(angle)[:, np.newaxis], np.sin(angle)[:, np.newaxis]
+    driving = cosine * in_plane + sine * normal
+    for joint in range(line.n_joints):
+        along = line.directions[..., joint + 1, :]
+        driven = np.cross(along, driving)
+        driven = driven / np.linalg.norm(driven, axis=-1, keepdims=True)
+        yield np.stack([driving, driven], axis=1)
+        if joint < line.n_joints - 1:
+            phase = line.phases[..., joint, np.newaxis]
+            driving = np.cos(phase) * driven + np.sin(phase) * np.cross(along, driven)
