@@ -58,11 +58,12 @@ class Plan:
         joint_items: list[int],
         load: str | None,
         inertias: list[int],
-        precision: str,
+        tolerance: float | None,
+        single: bool,
         reduction: str | None,
     ) -> Plan: ...
     def explain(self, sweep: bool, single: bool) -> str: ...
-    def fill(self, angle: _Flat, out: _Flat, workers: int | None) -> bool: ...
+    def fill(self, angle: _Flat, out: list[_Flat], workers: int | None) -> bool: ...
     def run(
         self,
         shape: list[int],

@@ -28,11 +28,6 @@ _Broadcast: TypeAlias = tuple[FloatArray, list[int]]
 REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
 """What rows of samples can be reduced to."""
 
-# The error of each arithmetic, relative to an output's largest magnitude over a turn, with room
-# above what is measured (tests/test_accuracy.py).
-_SINGLE_ERROR = 1e-6
-_DOUBLE_ERROR = 4e-15
-
 
 class _Place(NamedTuple):
     """Where an output lies in the planes of a result."""
@@ -101,7 +96,8 @@ class Plan:
             joint_items,
             load.end if load else None,
             list(self._inertias),
-            _precision(tolerance, self._dtype),
+            _permitted(tolerance),
+            self._dtype == _SINGLE,
             reduce,
         )
         # The last shaft is asked for, not a list of one.
@@ -138,11 +134,10 @@ class Plan:
             TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        if self._plain and out is None and type(angle) is np.ndarray and angle.dtype == _DOUBLE:
-            # The short way of small calls.
-            planes = np.empty((self._planes, *angle.shape))
-            if self._core.fill(angle, planes, threads.at_most(self._workers)):
-                return Result({name: planes[place.first] for name, place in self._places.items()})
+        if self._plain and type(angle) is np.ndarray and angle.dtype == _DOUBLE:
+            result = self._at_once(angle, out)
+            if result is not None:
+                return result
         if isinstance(angle, Sweep):
             angles, own = None, angle.shape
         else:
@@ -192,6 +187,27 @@ class Plan:
         for name, target in given.items():
             target[...] = arrays[name]
             arrays[name] = target
+        return Result(arrays)
+
+    def _at_once(
+        self, angle: FloatArray, out: Mapping[str, NDArray[Any]] | None
+    ) -> Result | None:
+        """Evaluate the short way of small calls, if the arrays are plain ones."""
+        workers = threads.at_most(self._workers)
+        if out is None:
+            planes = np.empty((self._planes, *angle.shape))
+            if not self._core.fill(angle, [planes], workers):
+                return None
+            return Result({name: planes[place.first] for name, place in self._places.items()})
+        if out.keys() != self._places.keys():
+            return None
+        arrays = {name: out[name] for name in self._places}
+        for array in arrays.values():
+            plain = type(array) is np.ndarray and array.dtype == _DOUBLE
+            if not plain or array.shape != angle.shape:
+                return None
+        if not self._core.fill(angle, list(arrays.values()), workers):
+            return None
         return Result(arrays)
 
     def explain(self) -> str:
@@ -267,8 +283,9 @@ class Plan:
         flats = []
         for name, place in self._places.items():
             target = given.get(name)
-            direct = target is not None and not place.vector and target.flags.carray
-            if target is None or not direct:
+            if target is not None and place.vector:
+                target = np.moveaxis(target, -1, 0 if place.items is None else 1)
+            if target is None or not target.flags.carray:
                 planes = (place.items or 1) * (3 if place.vector else 1)
                 target = np.empty((planes, *rows), self._dtype)
             flats.append(target.reshape(-1))
@@ -388,18 +405,16 @@ def _reduction(reduce: str | None) -> str | None:
     return reduce
 
 
-def _precision(tolerance: float | None, dtype: np.dtype[Any]) -> str:
+def _permitted(tolerance: float | None) -> float | None:
     if tolerance is None:
-        return "single" if dtype == _SINGLE else "double"
+        return None
     try:
         permitted = float(tolerance)
     except (TypeError, ValueError):
         raise TypeError(f"tolerance is {tolerance!r}; it must be a number") from None
     if not permitted >= 0.0:
         raise ValueError(f"tolerance is {permitted}; it must not be negative")
-    if permitted >= _SINGLE_ERROR:
-        return "single"
-    return "double" if permitted >= _DOUBLE_ERROR else "two"
+    return permitted
 
 
 def _is_steady(load: Load) -> bool:

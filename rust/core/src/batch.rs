@@ -38,6 +38,12 @@ pub enum Precision {
     InTwo,
 }
 
+impl Precision {
+    /// The errors of results relative to the largest over a turn, with room above what is measured.
+    pub(crate) const SINGLE_ERROR: f64 = 1e-6;
+    pub(crate) const DOUBLE_ERROR: f64 = 4e-15;
+}
+
 /// How a run is spread over the machine. Results do not depend on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Execution {

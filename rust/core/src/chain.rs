@@ -34,6 +34,14 @@ impl Complex {
         Self { re: self.re, im: -self.im }
     }
 
+    /// The same number in words that do not overlap, as they do after a sum that cancels; products
+    /// take it for granted.
+    #[inline(always)]
+    fn apart(self) -> Self {
+        let Self { re, im } = self;
+        Self { re: Pair::sum(re.high, re.low), im: Pair::sum(im.high, im.low) }
+    }
+
     #[inline(always)]
     fn times(self, factor: Pair) -> Self {
         Self { re: self.re * factor, im: self.im * factor }
@@ -124,7 +132,7 @@ impl Transfer {
     #[inline(always)]
     pub(crate) fn equivalent(&self) -> Equivalent<Pair> {
         // −q/|q| = e^{−2iφ} for q = B/A, up to a positive factor.
-        let z = Complex::default() - self.b * self.a.conj();
+        let z = (Complex::default() - self.b * self.a.conj()).apart();
         // Times a power of two, so that no square of a small number is lost.
         let largest = z.re.high.abs().max(z.im.high.abs());
         let straight = largest == 0.0;
@@ -144,7 +152,7 @@ impl Transfer {
     pub(crate) fn ripple(&self) -> Ripple<Pair> {
         let a2 = self.a.norm_squared();
         let inverse = a2.recip();
-        let q = (self.b * self.a.conj()).times(-inverse);
+        let q = (self.b * self.a.conj()).apart().times(-inverse);
         Ripple::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
     }
 

@@ -2,6 +2,7 @@
 
 use crate::atan::AtanRange;
 use crate::batch::{Operations, Precision};
+use crate::error::{Error, Result};
 use crate::plan::{Plan, ShaftStep};
 use crate::reduction::Reduction;
 use crate::samples::Drivelines;
@@ -22,7 +23,13 @@ pub struct Call {
 impl Plan {
     /// The steps taken and those skipped with the reason, operations and bytes per sample, as text.
     /// Operations are counted on the first of the drivelines.
-    pub fn explain(&self, lines: &Drivelines<'_>, call: Call) -> String {
+    ///
+    /// # Errors
+    /// Arrays of other lengths than the drivelines have, or no driveline.
+    pub fn explain(&self, lines: &Drivelines<'_>, call: Call) -> Result<String> {
+        if lines.check(self.joint_count)? == 0 {
+            return Err(Error::new("drivelines", &[], "is empty; there is nothing to explain"));
+        }
         let kind = match call.precision {
             Precision::Single => "single precision after a reduction in double",
             Precision::Double => "double precision",
@@ -43,9 +50,10 @@ impl Plan {
         let word = if call.single { 4 } else { 8 };
         let written = if call.reduction.is_some() { 0 } else { word * self.planes };
         let Operations(operations) = self.operations(lines, call.precision);
-        text + &format!(
-            "\nper sample: {operations} operations, {read} bytes read, {written} bytes written"
-        )
+        Ok(text
+            + &format!(
+                "\nper sample: {operations} operations, {read} bytes read, {written} bytes written"
+            ))
     }
 
     /// The steps in the order in which they run.

@@ -96,8 +96,9 @@ impl<T: Real> Pose<T> {
     /// Size of the bending moment in the driving shaft, `D tan β |sin α|` (Grossmann (6)).
     #[inline(always)]
     pub(crate) fn bending_driving(&self, torsion: T, s: T, c: T) -> T {
-        let part = self.parts(T::from_f64(1.0), s, c);
-        torsion.abs() * self.tangent * part.sine2.sqrt()
+        let (sine, cosine) = self.turn(s, c);
+        let length = (sine.square() + cosine.square()).sqrt();
+        torsion.abs() * self.tangent * (sine.abs() / length)
     }
 
     /// The same in the driven shaft, `D sin β |cos α| √(1 + tan² β sin² α)` (Grossmann (8)).

@@ -5,6 +5,7 @@
 //! along the driveline. [`crate::batch`] runs it.
 
 use crate::atan::AtanRange;
+use crate::batch::Precision;
 use crate::chain::Equivalent;
 use crate::error::{Error, Result};
 use crate::joint::Joint;
@@ -280,6 +281,23 @@ impl Plan {
         Ok(plan)
     }
 
+    /// The cheapest arithmetic whose results are within a tolerance relative to the largest of each
+    /// output over a turn.
+    ///
+    /// The angle by which a chain's equivalent joint is turned is known to a rounding of the
+    /// arithmetic, and a steep chain stretches it by the inverse of its cosine.
+    pub fn precision(&self, tolerance: f64) -> Precision {
+        let reach = self.reach();
+        let stretch = if reach > 1 { (0.25 / self.least_cosine(reach)).max(1.0) } else { 1.0 };
+        if tolerance >= Precision::SINGLE_ERROR * stretch {
+            Precision::Single
+        } else if tolerance >= Precision::DOUBLE_ERROR * stretch {
+            Precision::Double
+        } else {
+            Precision::InTwo
+        }
+    }
+
     /// Number of planes of the result.
     pub fn planes(&self) -> usize {
         self.planes
@@ -329,11 +347,15 @@ impl Plan {
         bent.unwrap_or(self.joint_count)
     }
 
-    /// The inverse tangent that serves a shaft of every driveline: the equivalent joint is at most
-    /// as bent as the aligned chain, for which the cosines multiply.
+    /// A bound to the cosine of the bend equivalent to the joints before a shaft: that of the aligned
+    /// chain, for which the cosines multiply.
+    fn least_cosine(&self, shaft: usize) -> f64 {
+        self.largest_bends[..shaft].iter().map(|&bend| Joint::new(bend).cos).product()
+    }
+
+    /// The inverse tangent that serves a shaft of every driveline.
     pub(crate) fn range(&self, shaft: usize) -> AtanRange {
-        let cosines = self.largest_bends[..shaft].iter().map(|&bend| Joint::new(bend).cos);
-        let cos: f64 = cosines.product();
+        let cos = self.least_cosine(shaft);
         // A bound to the tangent, with room for rounding.
         AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
     }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::pair::Pair;
 use crate::real::Word;
 use crate::reduce::{self, HALF_PI, ROUNDING};
-use crate::trig::Angle;
+use crate::trig::{self, Angle};
 
 /// Drive angles at equal steps, exact: sample `i` is at `start + i · step` itself and not at a
 /// double beside it.
@@ -169,6 +169,10 @@ impl<T: Angle> Group<T> {
     /// cosine of the sum stays away from zero.
     const WIDEST: f64 = 0.39;
 
+    /// Samples that are nearer to a quarter turn than this part of their middle have a sum that
+    /// cancels more than its error terms make good.
+    const CANCELLED: f64 = 1.0 / 1024.0;
+
     /// The fewest samples that repay a group, and the fewest that repay its table.
     const FEWEST: usize = 32;
     const REPAID: usize = 4096;
@@ -208,7 +212,7 @@ impl<T: Angle> Group<T> {
         let length = self.length();
         let reduction = sweep.reduction();
         let count = sine.len();
-        let mut middles = [([T::Word::default(); 2], 0_u64); MOST];
+        let mut middles = [([T::Word::default(); 2], 0_u64, 0.0); MOST];
         let mut at = 0;
         while at < count {
             // The middles of the next groups side by side, then group by group.
@@ -218,9 +222,10 @@ impl<T: Angle> Group<T> {
                 let sample = ((group + i) * length + length / 2) as f64;
                 let (remainder, quadrant) = reduction.of(sample);
                 let (numerator, denominator) = Pair::tangent(remainder);
-                *middle = (words::<T>(numerator / denominator), quadrant);
+                let tangent = words::<T>(numerator / denominator);
+                *middle = (tangent, quadrant, remainder.high / sweep.step.high);
             }
-            for (i, &(middle, quadrant)) in middles[..groups].iter().enumerate() {
+            for (i, &(middle, quadrant, steps)) in middles[..groups].iter().enumerate() {
                 let begin = (group + i) * length;
                 let from = (first + at) - begin;
                 let size = (length - from).min(count - at);
@@ -243,6 +248,16 @@ impl<T: Angle> Group<T> {
                         s.set(j, y);
                         c.set(j, x);
                     }
+                }
+                // Beside a quarter turn hardly anything is left of the sum but its rounding.
+                let crossing = (length / 2) as f64 - steps - from as f64;
+                let beside = 1.0 + Self::CANCELLED * steps.abs();
+                let near = (crossing - beside).max(0.0) as usize..size;
+                for j in near.take_while(|&j| j as f64 <= crossing + beside) {
+                    let (r, quadrant) = reduction.of((begin + from + j) as f64);
+                    let (y, x) = trig::sensed_pin((T::from_pair(r), quadrant));
+                    s.set(j, y);
+                    c.set(j, x);
                 }
                 at += size;
             }

@@ -5,7 +5,8 @@ use cardan::{
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use numpy::{
-    Element, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+    Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArray1,
+    PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -73,7 +74,8 @@ pub(crate) struct Plan {
 
 #[pymethods]
 impl Plan {
-    /// `load` is `None`, `"drive"` or `"output"`: where the load's torque is given.
+    /// `load` is `None`, `"drive"` or `"output"`: where the load's torque is given. Without a
+    /// tolerance the arithmetic is that of the results, `single` or double.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call, named by the caller")]
     fn new(
@@ -83,7 +85,8 @@ impl Plan {
         joint_items: Vec<usize>,
         load: Option<&str>,
         inertias: Vec<usize>,
-        precision: &str,
+        tolerance: Option<f64>,
+        single: bool,
         reduction: Option<&str>,
     ) -> PyResult<Self> {
         let outputs = outputs.iter().map(|name| quantity(name)).collect::<PyResult<Vec<_>>>()?;
@@ -96,7 +99,11 @@ impl Plan {
             inertias: &inertias,
         };
         let plan = CorePlan::new(&request).map_err(|error| value_error(&error))?;
-        let precision = self::precision(precision)?;
+        let precision = match tolerance {
+            Some(tolerance) => plan.precision(tolerance),
+            None if single => Precision::Single,
+            None => Precision::Double,
+        };
         let reduction = reduction.map(self::reduction).transpose()?;
         let constants = if lines.get().is_one() {
             let fold = |arrays: Drivelines<'_>| {
@@ -113,27 +120,37 @@ impl Plan {
     fn explain(&self, py: Python<'_>, sweep: bool, single: bool) -> PyResult<String> {
         let (precision, reduction) = (self.precision, self.reduction);
         let call = Call { precision, reduction, sweep, single };
-        self.lines.get().with(py, |lines| Ok(self.steps.explain(&lines, call)))
+        self.lines
+            .get()
+            .with(py, |lines| self.steps.explain(&lines, call).map_err(|error| value_error(&error)))
     }
 
-    /// Fills the planes in `out` for one driveline without a load, if both arrays are such as
-    /// `run` takes; otherwise returns false.
+    /// Fills the planes in the arrays of `out`, one after another, for one driveline without a load,
+    /// if all arrays are such as `run` takes; otherwise returns false.
     fn fill(
         &self,
         py: Python<'_>,
         angle: PyReadonlyArrayDyn<'_, f64>,
-        mut out: PyReadwriteArrayDyn<'_, f64>,
+        out: Vec<Bound<'_, PyArrayDyn<f64>>>,
         workers: Option<usize>,
     ) -> PyResult<bool> {
-        if !(angle.is_c_contiguous() && out.is_c_contiguous()) {
-            return Ok(false);
-        }
-        let (Ok(angle), Ok(out)) = (angle.as_slice(), out.as_slice_mut()) else {
+        let Ok(angle) = angle.as_slice() else { return Ok(false) };
+        let total = angle.len();
+        let Ok(mut out) =
+            out.iter().map(PyArrayMethods::try_readwrite).collect::<Result<Vec<_>, _>>()
+        else {
             return Ok(false);
         };
-        let total = angle.len();
-        if total == 0 {
-            return Ok(true);
+        let mut planes: Vec<&mut [f64]> = vec![];
+        for array in &mut out {
+            let c_order = array.is_c_contiguous();
+            let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else {
+                return Ok(false);
+            };
+            planes.extend(words.chunks_exact_mut(total.max(1)));
+        }
+        if total == 0 || planes.len() != self.steps.planes() {
+            return Ok(total == 0);
         }
         self.lines.get().with(py, |lines| {
             let samples = Samples {
@@ -143,7 +160,6 @@ impl Plan {
                 angle: Angles::Array(Source { data: angle, strides: &[1] }),
                 load: None,
             };
-            let mut planes: Vec<&mut [f64]> = out.chunks_mut(total).collect();
             let execution = Execution { level: None, workers };
             let mut run = || {
                 let (constants, planes) = (self.constants.as_ref(), Planes::Double(&mut planes));
@@ -244,15 +260,6 @@ fn end(name: &str) -> PyResult<End> {
         "drive" => Ok(End::Drive),
         "output" => Ok(End::Output),
         other => Err(PyValueError::new_err(format!("load is {other:?}"))),
-    }
-}
-
-fn precision(name: &str) -> PyResult<Precision> {
-    match name {
-        "single" => Ok(Precision::Single),
-        "double" => Ok(Precision::Double),
-        "two" => Ok(Precision::InTwo),
-        other => Err(PyValueError::new_err(format!("precision is {other:?}"))),
     }
 }
 
