@@ -1,0 +1,137 @@
+"""The comparison as a picture: error against time, every method a point with its name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import report
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from compare import Row
+
+JOB = "motion"
+MM = 1.0 / 25.4
+WIDTH, PANEL = 92.0, 88.0
+BLUE = "#0072B2"
+RULES = {
+    "font.size": 6.5,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "svg.hashsalt": "cardan",
+}
+
+Box = tuple[float, float, float, float]  # left, bottom, right, top
+
+
+def draw(rows: Sequence[Row], path: Path) -> None:
+    """Draw one job twice: in the cache on one thread, from memory on all."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    own = [row for row in rows if row.job.name == JOB and not row.wrong]
+    if not own:
+        return
+    columns = report.columns(own)
+    panels = list(dict.fromkeys((columns[0], columns[-1])))
+    with mpl.rc_context(RULES):
+        height = PANEL * len(panels)
+        figure = Figure(figsize=(WIDTH * MM, height * MM))
+        axes = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
+        figure.subplots_adjust(left=11 / WIDTH, right=1 - 2 / WIDTH, hspace=0.2)
+        figure.subplots_adjust(top=1 - 6 / height, bottom=10 / height)
+        for ax, (num, threads) in zip(axes, panels, strict=True):
+            panel(ax, [row for row in own if (row.num, row.threads) == (num, threads)])
+            title = f"{own[0].job.title}: {report.size(num)} angles"
+            ax.set_title(f"{title}, {threads} of {os.cpu_count()} cores", loc="left", fontsize=6.5)
+        axes[-1].set_xlabel("largest error, relative to the output's largest magnitude")
+        figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else {}, dpi=300)
+
+
+def panel(ax: Axes, rows: Sequence[Row]) -> None:
+    """Draw the points of one case; this package's are filled squares."""
+    from matplotlib.ticker import FixedLocator, NullLocator
+
+    times = [row.best for row in rows]
+    ax.set(xscale="log", yscale="log", xlim=(4e-17, 1e-5), ylabel="ns per angle")
+    ax.set_ylim(min(times) / 1.4, max(times) * 1.4)
+    ax.yaxis.set_major_locator(FixedLocator([m * 10.0**e for e in range(-2, 4) for m in (1, 2, 5)]))
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+    ax.grid(color="0.9", linewidth=0.5)
+    ax.set_axisbelow(True)
+    for row in rows:
+        ours = row.method.peer == "cardan"
+        ax.plot(
+            row.verdict.relative,
+            row.best,
+            "s" if ours else "o",
+            markersize=4.0 if ours else 3.4,
+            markerfacecolor=BLUE if ours else "white",
+            markeredgecolor=BLUE if ours else "0.25",
+            markeredgewidth=0.8,
+        )
+    name(ax, rows)
+
+
+def name(ax: Axes, rows: Sequence[Row]) -> None:
+    """Write each name beside its point, in the nearest place where it covers nothing."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    assert isinstance(ax.figure, Figure)
+    renderer = FigureCanvasAgg(ax.figure).get_renderer()
+    point = ax.figure.dpi / 72.0
+    frame = ax.get_window_extent(renderer)
+    at = {id(row): ax.transData.transform((row.verdict.relative, row.best)) for row in rows}
+    taken: list[Box] = [
+        (x - 3 * point, y - 3 * point, x + 3 * point, y + 3 * point) for x, y in at.values()
+    ]
+    for row in sorted(rows, key=lambda row: (row.method.peer != "cardan", row.best)):
+        ours = row.method.peer == "cardan"
+        x, y = at[id(row)]
+        text = ax.annotate(
+            report.label(row.method),
+            (row.verdict.relative, row.best),
+            xytext=(0, 0),
+            textcoords="offset points",
+            va="center",
+            color=BLUE if ours else "0.1",
+            fontweight="bold" if ours else "normal",
+        )
+        # Glyphs are spaced a little wider in a file than on the canvas that measures them.
+        width, tall = text.get_window_extent(renderer).width * 1.04, 7.0 * point
+        for dx, dy in places(width / point):
+            left, low = x + dx * point, y + dy * point - tall / 2
+            box = (left, low, left + width, low + tall)
+            within = frame.x0 < left and box[2] < ax.figure.bbox.x1
+            within = within and frame.y0 < low and box[3] < frame.y1
+            if within and not any(overlap(box, other) for other in taken):
+                break
+        text.set_position((dx, dy))
+        taken.append(box)
+        if abs(dy) > 3:
+            near = box[0] - point if dx > 0 else box[2] + point
+            inverse = ax.transData.inverted()
+            ends = inverse.transform([(x, y), (near, low + tall / 2)])
+            ax.plot(*ends.T, color="0.5", linewidth=0.4, zorder=1.5)
+
+
+def places(width: float) -> Iterator[tuple[float, float]]:
+    """Offsets of a text's left end from its point, in points, nearest first."""
+    for dy in range(80):
+        away = 4.5 if dy <= 3 else 11.0
+        for sign in (1, -1):
+            yield away, sign * dy
+            yield -width - away, sign * dy
+
+
+def overlap(a: Box, b: Box) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
