@@ -62,7 +62,7 @@ def main() -> int:
         report.write(Path(__file__).parent, rows, about)
     wrong = [row for row in rows if row.wrong]
     for row in wrong:
-        print(f"wrong: {row.method.name}, {row.job.name}, {row.num} angles: {row.verdict}")
+        print(f"wrong: {report.label(row.method)}, {row.job.name}, {row.num} angles: {row.verdict}")
     return 1 if wrong else 0
 
 
@@ -109,7 +109,7 @@ def _case(job: Job, num: int, threads: int, found: list[Method], rounds: int) ->
         best, median = (1e9 / num * t for t in (min(taken), statistics.median(taken)))
         rows.append(Row(job, num, threads, method, best, median, verdict))
         error = f"error {verdict.relative:.1e}, {verdict.ulp:.3g} ulp"
-        print(f"  {method.name:24} {best:8.2f} {median:8.2f} ns  {error}", flush=True)
+        print(f"  {report.label(method):24} {best:8.2f} {median:8.2f} ns  {error}", flush=True)
     return rows
 
 

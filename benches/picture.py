@@ -7,6 +7,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 import report
 
 if TYPE_CHECKING:
@@ -45,13 +47,15 @@ def draw(rows: Sequence[Row], path: Path) -> None:
         height = PANEL * len(panels)
         figure = Figure(figsize=(WIDTH * MM, height * MM))
         axes = figure.subplots(len(panels), 1, squeeze=False)[:, 0]
-        figure.subplots_adjust(left=11 / WIDTH, right=1 - 2 / WIDTH, hspace=0.2)
-        figure.subplots_adjust(top=1 - 6 / height, bottom=10 / height)
+        figure.subplots_adjust(left=11 / WIDTH, right=1 - 4 / WIDTH, hspace=0.2)
+        figure.subplots_adjust(top=1 - 6 / height, bottom=13 / height)
         for ax, (num, threads) in zip(axes, panels, strict=True):
             panel(ax, [row for row in own if (row.num, row.threads) == (num, threads)])
-            title = f"{own[0].job.title}: {report.size(num)} angles"
-            ax.set_title(f"{title}, {threads} of {os.cpu_count()} cores", loc="left", fontsize=6.5)
-        axes[-1].set_xlabel("largest error, relative to the output's largest magnitude")
+            title = f"{report.size(num)} angles, {threads} of {os.cpu_count()} cores"
+            ax.set_title(title, loc="left", fontsize=6.5)
+        axes[-1].set_xlabel(
+            f"largest error of {own[0].job.title},\nrelative to the largest magnitude"
+        )
         figure.savefig(path, metadata={"Date": None} if path.suffix == ".svg" else {}, dpi=300)
 
 
@@ -60,7 +64,7 @@ def panel(ax: Axes, rows: Sequence[Row]) -> None:
     from matplotlib.ticker import FixedLocator, NullLocator
 
     times = [row.best for row in rows]
-    ax.set(xscale="log", yscale="log", xlim=(4e-17, 1e-5), ylabel="ns per angle")
+    ax.set(xscale="log", yscale="log", xlim=(8e-19, 1e-5), ylabel="ns per angle")
     ax.set_ylim(min(times) / 1.4, max(times) * 1.4)
     ax.yaxis.set_major_locator(FixedLocator([m * 10.0**e for e in range(-2, 4) for m in (1, 2, 5)]))
     ax.yaxis.set_minor_locator(NullLocator())
@@ -91,9 +95,11 @@ def name(ax: Axes, rows: Sequence[Row]) -> None:
     point = ax.figure.dpi / 72.0
     frame = ax.get_window_extent(renderer)
     at = {id(row): ax.transData.transform((row.verdict.relative, row.best)) for row in rows}
-    taken: list[Box] = [
-        (x - 3 * point, y - 3 * point, x + 3 * point, y + 3 * point) for x, y in at.values()
-    ]
+    room = 2.5 * point
+    dots: dict[int, Box] = {
+        key: (x - room, y - room, x + room, y + room) for key, (x, y) in at.items()
+    }
+    taken = list(dots.values())
     for row in sorted(rows, key=lambda row: (row.method.peer != "cardan", row.best)):
         ours = row.method.peer == "cardan"
         x, y = at[id(row)]
@@ -108,19 +114,29 @@ def name(ax: Axes, rows: Sequence[Row]) -> None:
         )
         # Glyphs are spaced a little wider in a file than on the canvas that measures them.
         width, tall = text.get_window_extent(renderer).width * 1.04, 7.0 * point
+        own = dots[id(row)]
+        best = np.inf
         for dx, dy in places(width / point):
             left, low = x + dx * point, y + dy * point - tall / 2
             box = (left, low, left + width, low + tall)
             within = frame.x0 < left and box[2] < ax.figure.bbox.x1
             within = within and frame.y0 < low and box[3] < frame.y1
-            if within and not any(overlap(box, other) for other in taken):
-                break
-        text.set_position((dx, dy))
-        taken.append(box)
-        if abs(dy) > 3:
-            near = box[0] - point if dx > 0 else box[2] + point
-            inverse = ax.transData.inverted()
-            ends = inverse.transform([(x, y), (near, low + tall / 2)])
+            if not within or any(overlap(box, other) for other in taken):
+                continue
+            end = (left - point if dx > 0 else left + width + point, low + tall / 2)
+            line = np.linspace((x, y), end, 17) if abs(dy) > 3 else np.empty((0, 2))
+            specks = [(*p, *p) for p in line if not overlap((*p, *p), own)]
+            hits = sum(any(overlap(p, other) for p in specks) for other in taken)
+            if abs(dy) + 20 * hits < best:
+                best, chosen = abs(dy) + 20 * hits, ((dx, dy), [box, *specks], line)
+        if best == np.inf:
+            text.remove()
+            continue
+        place, covered, line = chosen
+        text.set_position(place)
+        taken += covered
+        if len(line):
+            ends = ax.transData.inverted().transform(line[[0, -1]])
             ax.plot(*ends.T, color="0.5", linewidth=0.4, zorder=1.5)
 
 

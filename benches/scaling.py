@@ -22,7 +22,6 @@ import cardan
 import report
 
 MOTION = ("angle", "speed_ratio", "acceleration_ratio")
-SECONDS = 0.5  # for the rounds of one figure
 
 
 def main() -> None:
@@ -54,10 +53,11 @@ def main() -> None:
 
 def _shortest(calls: Sequence[Callable[[], object]]) -> list[float]:
     """Shortest seconds of each of some calls, run in turn."""
+    seconds = 0.1 if "--quick" in sys.argv else 0.6
     for call in calls:
         call()
     best = [float("inf")] * len(calls)
-    end = time.perf_counter() + SECONDS * len(calls)
+    end = time.perf_counter() + seconds * len(calls)
     rounds = 0
     while rounds < 3 or time.perf_counter() < end:
         for i, call in enumerate(calls):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -13,7 +16,14 @@ from job import Call, Case, Method
 jax.config.update("jax_enable_x64", True)
 
 
+_pool: list[int] = []  # threads of JAX
+
+
 def methods() -> list[Method]:
+    # Wide enough for JAX to begin all its threads.
+    before = set(_threads())
+    jax.block_until_ready(jax.jit(jnp.tan)(jnp.ones(1_000_000)))
+    _pool.extend(set(_threads()) - before)
     return [Method("jax", "JAX", _prepare, note=f"JAX {jax.__version__}")]
 
 
@@ -42,15 +52,29 @@ def _chain(a: Any, t: Any, k: Any) -> tuple[Any, ...]:
 FORMULAS = {"angle": _angle, "motion": _motion, "moment": _moment, "chain": _chain}
 
 
+def _threads() -> list[int]:
+    tasks = Path("/proc/self/task")
+    return [int(task.name) for task in tasks.iterdir()] if tasks.exists() else []
+
+
+def _use(threads: int) -> None:
+    """Keep JAX's threads, whose number it fixes when it begins, to so many cores."""
+    if _pool:
+        cores = sorted(os.sched_getaffinity(0))[-threads:]
+        for thread in _pool:
+            with suppress(ProcessLookupError):
+                os.sched_setaffinity(thread, cores)
+
+
 def _prepare(case: Case) -> Call | None:
     job = case.job
     constants = job.chain if job.kernel == "chain" else job.one
     num, step = case.num, case.step
     given = jnp.asarray(case.angles)
-    options = {"xla_cpu_multi_thread_eigen": case.threads > 1}
+    _use(case.threads)
 
     def compiled(function: Any, *arguments: Any) -> Any:
-        return jax.jit(function).lower(*arguments).compile(compiler_options=options)
+        return jax.jit(function).lower(*arguments).compile()
 
     # Of a function with several results JAX computes what they share once for each: the tangent is
     # a function of its own.
