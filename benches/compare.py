@@ -101,7 +101,7 @@ def _case(job: Job, num: int, threads: int, found: list[Method], rounds: int) ->
         for (_, call, _), taken in zip(calls, times, strict=True):
             # The slowest have fewer rounds.
             if sum(taken) < LONGEST:
-                taken.append(_time(call, taken))
+                taken.append(_time(call, taken, threads))
     gc.enable()
     rows = []
     print(f"\n{job.title}; {num} angles, {threads} thread{'s' if threads > 1 else ''}")
@@ -113,11 +113,13 @@ def _case(job: Job, num: int, threads: int, found: list[Method], rounds: int) ->
     return rows
 
 
-def _time(call: Call, before: list[float]) -> float:
+def _time(call: Call, before: list[float], threads: int) -> float:
     """Seconds per call; several calls are one sample where one is too short to time."""
     count = max(1, round(SHORTEST_SAMPLE / min(before))) if before else 1
+    if threads > 1:
+        time.sleep(0.005)  # idle threads of the method before spin for a while
     if count > 1:
-        call()  # caches and sleeping threads belong to the method before
+        call()  # wakes threads, fills caches
     start = time.perf_counter()
     for _ in range(count):
         call()

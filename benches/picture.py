@@ -127,8 +127,8 @@ def name(ax: Axes, rows: Sequence[Row]) -> None:
             line = np.linspace((x, y), end, 17) if abs(dy) > 3 else np.empty((0, 2))
             specks = [(*p, *p) for p in line if not overlap((*p, *p), own)]
             hits = sum(any(overlap(p, other) for p in specks) for other in taken)
-            if abs(dy) + 20 * hits < best:
-                best, chosen = abs(dy) + 20 * hits, ((dx, dy), [box, *specks], line)
+            if abs(dy) + 60 * hits < best:
+                best, chosen = abs(dy) + 60 * hits, ((dx, dy), [box, *specks], line)
         if best == np.inf:
             text.remove()
             continue

@@ -70,9 +70,8 @@ def write(folder: Path, rows: Sequence[Row], about: str) -> None:
         "error is the largest over all outputs and a sample of angles, the 32 nearest to multiples",
         "of a quarter turn among them, against 60 digits: relative to the output's largest",
         "magnitude, and in ulp of the exact double (a vector's in ulp of its largest component).",
-        "Behind three joints ulp say little: an acceleration near its zero has lost its digits in",
-        "any doubles.",
-        "A sweep's angles are exact here and rounded to doubles in every peer.",
+        "Behind three joints ulp say little: near its zero an acceleration has few digits.",
+        "A sweep's angles are exact in cardan and rounded to doubles in every peer.",
         "",
         about,
         "",
@@ -129,7 +128,7 @@ def _wins(rows: Sequence[Row]) -> Iterable[str]:
     """Say which peers are faster than everything of this package that is as accurate."""
     yield "## Where a peer wins"
     yield ""
-    yield f"Faster than whatever of cardan has at most {SAME:g} times its error:"
+    yield f"Faster than every accuracy of cardan whose error is at most {SAME:g} times as large:"
     yield ""
     lost = []
     for job in JOBS:

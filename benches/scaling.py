@@ -36,8 +36,9 @@ def main() -> None:
     text = [
         "# Scaling",
         "",
-        "Written by `python benches/scaling.py`. Times are ns per result of one output or of the",
-        "three of motion (angle, speed ratio, acceleration ratio), the shortest of several rounds.",
+        "Written by `python benches/scaling.py`: cardan alone, default accuracy unless a table",
+        "says otherwise, the shortest of several rounds. Three outputs are angle, speed ratio and",
+        "acceleration ratio. Arrays are given with `out=` where no new one is mentioned.",
         "",
         "\n".join(report.machine()),
         "",
@@ -71,6 +72,11 @@ def _shortest(calls: Sequence[Callable[[], object]]) -> list[float]:
 def _table(heads: Sequence[str], lines: Iterable[Sequence[str]]) -> list[str]:
     rows = [heads, ["---"] * len(heads), *lines]
     return [*("| " + " | ".join(row) + " |" for row in rows), ""]
+
+
+def _digits(figure: float) -> str:
+    """Three digits, without an exponent."""
+    return f"{float(f'{figure:.3g}'):g}"
 
 
 def _line(n: int) -> cardan.Driveline:
@@ -116,7 +122,7 @@ def _angles(largest: int) -> list[str]:
                 partial(np.copyto, out["speed_ratio"], angle),
             ]
         )
-        lines.append([report.size(num), *(f"{1e9 * t / num:.3g}" for t in best)])
+        lines.append([report.size(num), *(_digits(1e9 * t / num) for t in best)])
     heads = ["angles", "one thread", "all threads", "all threads, new array", "one thread copying"]
     return ["## Angles (`speed_ratio` of one joint, ns per angle)", "", *_table(heads, lines)]
 
@@ -140,7 +146,7 @@ def _drivelines(largest: int) -> list[str]:
             ]
         )
         counts = (num, num, 720 * num, 2160 * num)
-        figures = (f"{1e9 * t / n:.3g}" for t, n in zip(best, counts, strict=True))
+        figures = (_digits(1e9 * t / n) for t, n in zip(best, counts, strict=True))
         lines.append([report.size(num), *figures])
     heads = [
         "drivelines of three joints",
@@ -166,7 +172,7 @@ def _threads(num: int) -> Iterable[str]:
         ]
     )
     counts = (num, num, batch.shape[0] * 720)
-    return (f"{1e9 * t / n:.3g}" for t, n in zip(best, counts, strict=True))
+    return (_digits(1e9 * t / n) for t, n in zip(best, counts, strict=True))
 
 
 def _pools(quick: bool) -> list[str]:
