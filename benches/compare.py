@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+import picture
 import report
 from job import JOBS, Call, Case, Job, Method, recorded_angles
 from judge import Judge, Verdict
@@ -59,7 +60,9 @@ def main() -> int:
                 rows += _case(job, num, threads, found, given.rounds)
     if not given.quick:
         about = report.about(found, missing, given.rounds, loads)
-        report.write(Path(__file__).parent, rows, about)
+        folder = Path(__file__).parent
+        report.write(folder / "compare.md", rows, about)
+        picture.draw(rows, folder / "compare.svg")
     wrong = [row for row in rows if row.wrong]
     for row in wrong:
         print(f"wrong: {report.label(row.method)}, {row.job.name}, {row.num} angles: {row.verdict}")

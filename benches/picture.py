@@ -115,7 +115,7 @@ def name(ax: Axes, rows: Sequence[Row]) -> None:
         # Glyphs are spaced a little wider in a file than on the canvas that measures them.
         width, tall = text.get_window_extent(renderer).width * 1.04, 7.0 * point
         own = dots[id(row)]
-        best = np.inf
+        best, chosen = np.inf, ((4.5, 0.0), [], np.empty((0, 2)))
         for dx, dy in places(width / point):
             left, low = x + dx * point, y + dy * point - tall / 2
             box = (left, low, left + width, low + tall)
@@ -129,9 +129,6 @@ def name(ax: Axes, rows: Sequence[Row]) -> None:
             hits = sum(any(overlap(p, other) for p in specks) for other in taken)
             if abs(dy) + 60 * hits < best:
                 best, chosen = abs(dy) + 60 * hits, ((dx, dy), [box, *specks], line)
-        if best == np.inf:
-            text.remove()
-            continue
         place, covered, line = chosen
         text.set_position(place)
         taken += covered

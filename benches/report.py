@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-import picture
 from job import JOBS, Method
 
 if TYPE_CHECKING:
@@ -60,8 +59,8 @@ def _commit() -> str:
     return (git("rev-parse", "--short", "HEAD") or "no commit") + (", changed" if changed else "")
 
 
-def write(folder: Path, rows: Sequence[Row], about: str) -> None:
-    """Write ``compare.md`` and ``compare.svg``."""
+def write(path: Path, rows: Sequence[Row], about: str) -> None:
+    """Write the tables, and before them where a peer wins."""
     text = [
         "# Comparison",
         "",
@@ -83,8 +82,7 @@ def write(folder: Path, rows: Sequence[Row], about: str) -> None:
         own = [row for row in rows if row.job is job]
         if own:
             text += [f"## {job.name}: {job.title}", "", *_table(own), ""]
-    (folder / "compare.md").write_text("\n".join(text), encoding="utf-8")
-    picture.draw(rows, folder / "compare.svg")
+    path.write_text("\n".join(text), encoding="utf-8")
 
 
 def columns(rows: Sequence[Row]) -> list[tuple[int, int]]:
