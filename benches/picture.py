@@ -53,6 +53,7 @@ def draw(rows: Sequence[Row], path: Path) -> None:
             panel(ax, [row for row in own if (row.num, row.threads) == (num, threads)])
             title = f"{report.size(num)} angles, {threads} of {os.cpu_count()} cores"
             ax.set_title(title, loc="left", fontsize=6.5)
+            ax.set_title("■ cardan   ○ others", loc="right", fontsize=6.5)
         axes[-1].set_xlabel(
             f"largest error of {own[0].job.title},\nrelative to the largest magnitude"
         )
@@ -64,7 +65,7 @@ def panel(ax: Axes, rows: Sequence[Row]) -> None:
     from matplotlib.ticker import FixedLocator, NullLocator
 
     times = [row.best for row in rows]
-    ax.set(xscale="log", yscale="log", xlim=(8e-19, 1e-5), ylabel="ns per angle")
+    ax.set(xscale="log", yscale="log", xlim=(5e-20, 1e-5), ylabel="ns per angle")
     ax.set_ylim(min(times) / 1.4, max(times) * 1.4)
     ax.yaxis.set_major_locator(FixedLocator([m * 10.0**e for e in range(-2, 4) for m in (1, 2, 5)]))
     ax.yaxis.set_minor_locator(NullLocator())
@@ -104,7 +105,7 @@ def name(ax: Axes, rows: Sequence[Row]) -> None:
         ours = row.method.peer == "cardan"
         x, y = at[id(row)]
         text = ax.annotate(
-            report.label(row.method),
+            row.method.name,
             (row.verdict.relative, row.best),
             xytext=(0, 0),
             textcoords="offset points",
