@@ -77,6 +77,49 @@ def test_plans_are_pickled_and_copied() -> None:
     assert "torque" in repr(plan)
 
 
+def test_a_pickled_plan_keeps_every_option() -> None:
+    options: dict[str, Any] = {"shafts": [1, 2], "joints": 1, "load": LOAD, "workers": 1}
+    names = ("angle", "torque", "moment")
+    for more in ({"reduce": "rms"}, {"dtype": np.float32}, {"tolerance": 0}):
+        plan = CHAIN.plan(names, **options, **more)
+        again = pickle.loads(pickle.dumps(plan))
+        assert again._workers == 1
+        assert repr(again) == repr(plan) == f"<Plan of angle, torque, moment for {CHAIN!r}>"
+        for name, want in plan(ANGLE).items():
+            got = again(ANGLE)[name]
+            assert got.dtype == want.dtype
+            assert np.array_equal(got, want), (name, more)
+
+
+def test_explain_begins_with_what_it_is_of() -> None:
+    def first(line: Driveline) -> str:
+        return line.plan(("angle", "speed_ratio")).explain().splitlines()[0]
+
+    assert first(STEEP) == "plan for angle, speed_ratio; 1 joint"
+    assert first(CHAIN) == "plan for angle, speed_ratio; 3 joints"
+    batch = Driveline.from_bends(np.full((2, 5, 2), 0.1))
+    assert first(batch) == "plan for angle, speed_ratio; 2 joints of 10 drivelines"
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        {"drive_torque": np.array([[1.0], [2], [3]])},
+        {"speed": np.array([[10.0], [20], [30]]), "inertias": [0.1, 0, 0.3, 0.2]},
+        {"acceleration": np.array([[5.0], [6], [7]]), "inertias": [0.1, 0, 0.3, 0.2]},
+        {"speed": 30.0, "inertias": np.arange(12.0).reshape(3, 1, 4)},
+    ],
+)
+def test_a_load_per_row_of_angles(loads: dict[str, Any]) -> None:
+    angles = ANGLE[:30].reshape(3, 10)
+    got = CHAIN.evaluate(angles, ("torque", "moment"), joints=2, load=Load(**loads))
+    for i, row in enumerate(angles):
+        own = {name: np.asarray(x)[i, 0] if np.ndim(x) > 1 else x for name, x in loads.items()}
+        want = CHAIN.evaluate(row, ("torque", "moment"), joints=2, load=Load(**own))
+        assert np.array_equal(got.torque[i], want.torque)
+        assert np.array_equal(got.moment[i], want.moment)
+
+
 def operations(plan: Plan) -> int:
     found = re.search(r"per sample: (\d+) operations", plan.explain())
     assert found
@@ -209,6 +252,14 @@ def test_sweeps_as_values() -> None:
     assert pickle.loads(pickle.dumps(turns)) == turns
     assert len({sweep, Sweep(0.0, 1.0, 5), turns}) == 2
     assert repr(turns) == "Sweep.revolutions(2, 36)"
+    assert repr(sweep) == "Sweep(0.0, 1.0, 5)"
+    assert np.asarray(Sweep(0.25, 1.0, 1)).tolist() == [0.25]
+    assert np.asarray(Sweep.revolutions(1, 1)).tolist() == [0.0]
+    assert np.asarray(sweep, np.float32).dtype == np.float32
+    assert hash(sweep) == hash(Sweep(0.0, 1.0, 5)) != hash(turns)
+    assert sweep != "Sweep(0.0, 1.0, 5)"
+    with pytest.raises(ValueError, match=r"^a sweep holds no array; one must be made$"):
+        sweep.__array__(copy=False)
     assert len(turns) == turns.num == 72
     with pytest.raises(AttributeError, match="cannot change"):
         sweep.num = 3
@@ -222,6 +273,9 @@ def test_sweeps_as_values() -> None:
         (lambda: Sweep(0, math.nan, 3), ValueError, "stop is NaN rad"),
         (lambda: Sweep(-2e12, 0, 3), ValueError, "within 1e12 rad"),
         (lambda: Sweep("a", 0, 3), TypeError, "start is 'a'; it must be a number"),  # type: ignore[arg-type]
+        (lambda: Sweep(0, "b", 3), TypeError, "stop is 'b'; it must be a number"),  # type: ignore[arg-type]
+        (lambda: Sweep.revolutions(1, 0), ValueError, "samples is 0; it must be at least 1"),
+        (lambda: Sweep.revolutions(math.inf, 7), ValueError, "a whole number of at least 1"),
         (lambda: Sweep.revolutions(0.3, 7), ValueError, "a whole number of at least 1"),
         (lambda: Sweep.revolutions(1, 1 << 60), ValueError, "at most 1125899906842624 samples"),
     ],
