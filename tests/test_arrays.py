@@ -211,7 +211,7 @@ def test_bad_requests(options: dict[str, Any], error: type[Exception], message: 
     assert message in str(caught.value)
 
 
-TILTED = [[0.0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0, 0.1]]
+TILTED = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0, 0.1]])
 
 
 @pytest.mark.parametrize(

@@ -257,6 +257,26 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "[driveline] slopes_vertical_deg[1] is 90; it must lie between -90 and 90",
     ),
     (
+        DRIVELINE + "slopes_vertical_deg = [0, 0]\nslopes_horizontal_deg = [-90, 0]",
+        3,
+        "[driveline] slopes_horizontal_deg[0] is -90; it must lie between -90 and 90",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 'a']\nslopes_horizontal_deg = [0, 0]",
+        2,
+        "[driveline] slopes_vertical_deg[1] is 'a'; it must be a number",
+    ),
+    (
+        DRIVELINE + "points_m = [[0, 0, 0], 1]",
+        2,
+        "[driveline] points_m[1] is 1; it must be a list of three numbers",
+    ),
+    (
+        DRIVELINE + "points_m = 1",
+        2,
+        "[driveline] points_m is 1; it must be a list of vectors [x, y, z]",
+    ),
+    (
         DRIVELINE + "slopes_vertical_deg = [50, -50]\nslopes_horizontal_deg = [0, 0]",
         2,
         "[driveline] slopes_vertical_deg and slopes_horizontal_deg give bends[0] = "
@@ -344,6 +364,29 @@ ERRORS: list[tuple[str, int | None, str]] = [
         section("output") + "quantities = []",
         4,
         "[output] quantities is []; name at least one, or leave it out",
+    ),
+    *(
+        (section("output") + f"tolerance = {given}", 4, f"[output] tolerance is {wrong}")
+        for given, wrong in (
+            ("1.0", "1.0; it must lie in [0, 1)"),
+            ("-1e-9", "-1e-09; it must lie in [0, 1)"),
+            ("'fine'", "'fine'; it must be a number"),
+        )
+    ),
+    (
+        section("output") + "joints = [true]",
+        4,
+        "[output] joints[0] is true; it must be a whole number, counted from 0",
+    ),
+    (
+        section("output") + "joints = 0",
+        4,
+        "[output] joints is 0; it must be a list of whole numbers",
+    ),
+    (
+        section("output") + "dtype = 'float'",
+        4,
+        "[output] dtype is 'float'; did you mean 'float64'?",
     ),
     (
         section("output") + "quantities = ['angle', 'angle']",
@@ -483,6 +526,14 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         (
             JOINT + "[angles]\nfile = 'run.xls'\nangle_column_deg = 'turn'",
             "line 4: [angles] file is 'run.xls'; it must end in .csv or .npz or .parquet",
+        ),
+        (
+            JOINT + '[angles]\nfile = "run\\u0000.csv"\nangle_column_deg = "turn"',
+            r"line 4: [angles] file is 'run\x00.csv'; it must be the name of a file",
+        ),
+        (
+            JOINT + "[angles]\nfile = 3\nangle_column_deg = 'turn'",
+            "line 4: [angles] file is 3; it must be text in quotes",
         ),
         (
             JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'trun'",

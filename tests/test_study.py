@@ -208,11 +208,13 @@ def test_spreads() -> None:
     [
         (
             "points_m = [[0, 0, 0], [1, 0, 0], [2, 0.3, 0], [3, 0.3, 0.4]]",
-            Driveline.from_points([[0, 0, 0], [1, 0, 0], [2, 0.3, 0], [3, 0.3, 0.4]]),
+            Driveline.from_points(np.array([[0, 0, 0], [1, 0, 0], [2, 0.3, 0], [3, 0.3, 0.4]])),
         ),
         (
             "directions = [[1, 0, 0], [1, 0.2, 0], [1, 0, 0.1]]\nphases_deg = [20]",
-            Driveline.from_directions([[1, 0, 0], [1, 0.2, 0], [1, 0, 0.1]], math.radians(20)),
+            Driveline.from_directions(
+                np.array([[1, 0, 0], [1, 0.2, 0], [1, 0, 0.1]]), math.radians(20)
+            ),
         ),
         ("bends_deg = [10, 20]", Driveline.from_bends([10, 20], degrees=True)),
     ],
@@ -472,6 +474,15 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         (
             TWO + "[output]\njoints = [-1]",
             "line 5: [output] joints[0] is -1; it must be a whole number, counted from 0",
+        ),
+        (
+            TWO + "[study]\nbends_deg.0 = [1, 'a']",
+            "line 5: [study] bends_deg.0[1] is 'a'; it must be a number",
+        ),
+        (
+            "[driveline]\npoints_m = [[0, 0, 0], [1, 0, 0], [2, 0.1, 0]]\n"
+            "[study]\npoints_m.1.y = []",
+            "line 4: [study] points_m.1.y is []; a study needs at least one value",
         ),
         (TWO + "[output]\njoints = []", "line 5: [output] joints is []; name at least one"),
         (TWO + "[output]\nworkers = 0", "line 5: [output] workers is 0; it must be a whole number"),
