@@ -79,12 +79,8 @@ class Drawing:
         their input-side pins along the normals, which need not close the loops.
         """
         u, m = self.axes, self.normals
-        driving = [np.cross(m[0], u[0])]
-        driving += [
-            turned(m[j], u[j + 1], phase)
-            for j, phase in zip(range(len(m)), self.phases, strict=False)
-        ]
-        return driving, m
+        passed_on = [turned(m[j], u[j + 1], phase) for j, phase in enumerate(self.phases)]
+        return [np.cross(m[0], u[0]), *passed_on], m
 
 
 @dataclass(frozen=True)
@@ -253,9 +249,8 @@ class Rig:
 
     def balance(self, q: Doubles, load: Running) -> Balance:
         """Return speeds, accelerations and wrenches at one position, for a drive that is given."""
-        size, crossing = len(q), np.zeros(len(q))
-        at = self.engine.state(q, crossing)
-        rows = self.closure(at, crossing).jacobian
+        size, still = len(q), np.zeros(len(q))
+        rows = self.closure(self.engine.state(q, still), still).jacobian
         v = np.concatenate([[1.0], np.linalg.solve(rows[:, 1:], -rows[:, 0])]) * load.speed
         at = self.engine.state(q, v)
         closure = self.closure(at, v)
@@ -339,6 +334,11 @@ def found(rig: Rig, load: Running) -> Found:
             [[of(b, s) @ u for b in unloaded] for s, u in zip(shafts, axes, strict=True)]
         )
 
+    def bending(axes: list[Doubles]) -> Doubles:
+        parts = [across(m, u) for m, u in zip(moment, axes, strict=True)]
+        length: Doubles = np.linalg.norm(parts, axis=-1)
+        return length
+
     # A shaft that hangs in a cross has no coordinate of its own: its turn is that of its pin.
     pins = [rig.driving[0], *rig.driven]
     turns = []
@@ -363,15 +363,8 @@ def found(rig: Rig, load: Running) -> Found:
             "torque": np.array(torque),
             "moment": moment,
             "support_moment": np.array(support),
-            "bending_driving": np.array(
-                [np.linalg.norm(across(m, u), axis=-1) for m, u in zip(moment, axes, strict=False)]
-            ),
-            "bending_driven": np.array(
-                [
-                    np.linalg.norm(across(m, u), axis=-1)
-                    for m, u in zip(moment, axes[1:], strict=True)
-                ]
-            ),
+            "bending_driving": bending(axes[:-1]),
+            "bending_driven": bending(axes[1:]),
             "force": forces,
             "tilt_driving": np.array([first for first, _ in tilts]).T,
             "tilt_driven": np.array([second for _, second in tilts]).T,
