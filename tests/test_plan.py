@@ -255,7 +255,7 @@ def test_sweeps_as_values() -> None:
     assert repr(sweep) == "Sweep(0.0, 1.0, 5)"
     assert np.asarray(Sweep(0.25, 1.0, 1)).tolist() == [0.25]
     assert np.asarray(Sweep.revolutions(1, 1)).tolist() == [0.0]
-    assert np.asarray(sweep, np.float32).dtype == np.float32
+    assert sweep.__array__(np.float32).dtype == np.float32
     assert hash(sweep) == hash(Sweep(0.0, 1.0, 5)) != hash(turns)
     assert sweep != "Sweep(0.0, 1.0, 5)"
     with pytest.raises(ValueError, match=r"^a sweep holds no array; one must be made$"):
@@ -322,6 +322,32 @@ def test_reductions_of_vectors() -> None:
     assert got["mean"].shape == (3, 3)
     assert np.allclose(got["peak"], np.linalg.norm(samples, axis=-1).max(axis=1), rtol=1e-15)
     assert got["peak"].shape == (3,)
+
+
+def test_rows_of_one_driveline_are_reduced_each() -> None:
+    angles = ANGLE.reshape(2, 3, -1)
+    for load in (None, LOAD):
+        names = MOTION if load is None else (*MOTION, "torque", "moment")
+        got = CHAIN.evaluate(angles, names, joints=1, load=load, reduce="max")
+        for place in np.ndindex(2, 3):
+            want = CHAIN.evaluate(angles[place], names, joints=1, load=load, reduce="max")
+            for name in names:
+                assert np.array_equal(got[name][place], want[name]), name
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_reductions_of_any_type_fill_out(dtype: Any) -> None:  # noqa: ANN401
+    plan = CHAIN.plan(("angle", "moment"), joints=1, load=LOAD, dtype=dtype, reduce="max")
+    want = plan(ANGLE)
+    out = {"moment": np.empty(3, dtype), "angle": np.empty((), dtype)}
+    got = plan(ANGLE, out=out)
+    for name, array in out.items():
+        assert want[name].dtype == dtype
+        assert got[name] is array
+        assert np.array_equal(array, want[name])
+    double = CHAIN.evaluate(ANGLE, ("angle", "moment"), joints=1, load=LOAD, reduce="max")
+    assert np.allclose(want.moment, double.moment, rtol=2e-6)
+    assert np.allclose(want.angle, double.angle, rtol=2e-6)
 
 
 def test_reductions_row_by_row_whatever_the_threads() -> None:
@@ -397,6 +423,14 @@ def test_single_results_of_double_arithmetic() -> None:
     got = CHAIN.evaluate(ANGLE, MOTION, dtype=np.float32, tolerance=0)
     for name in MOTION:
         assert np.array_equal(got[name], want[name].astype(np.float32))
+
+
+def test_the_cheapest_kernel_that_keeps_the_tolerance() -> None:
+    def price(tolerance: float | None) -> int:
+        return operations(CHAIN.plan("speed_ratio", tolerance=tolerance))
+
+    assert price(1.0) == price(1e-6) < price(0.999e-6) == price(4e-15) == price(None)
+    assert price(None) < price(3.99e-15) == price(0)
 
 
 def test_loads_follow_the_tolerance() -> None:

@@ -92,6 +92,10 @@ def test_parquet(tmp_path: Path) -> None:
             f"no column 'angle'; the columns are {'x' * 278}, bend",
         ),
         (
+            f"{'x' * 279},bend\n",
+            f"no column 'angle'; the columns are {'x' * 279}, ...",
+        ),
+        (
             f"angle,bend\n{'x' * 100},0\n",
             f"line 2, column 'angle' is '{'x' * 37}...'; it must be a number",
         ),

@@ -307,6 +307,12 @@ ERRORS: list[tuple[str, int | None, str]] = [
         4,
         "[load] inertias_kgm2[1] is -1.0; an inertia must not be negative",
     ),
+    (section("sweep") + "turns = 'a'", 4, "[sweep] turns is 'a'; it must be a number"),
+    (
+        DRIVELINE + "bends_deg = [1e41]",
+        2,
+        "[driveline] bends_deg[0] is 1e+41; it must lie within ±1e+40",
+    ),
     (section("sweep") + "turns = 0", 4, "[sweep] turns is 0; it must be positive"),
     (
         section("sweep") + "samples_per_turn = 1.5",
