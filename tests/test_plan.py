@@ -108,13 +108,14 @@ def test_explain_begins_with_what_it_is_of() -> None:
         {"speed": np.array([[10.0], [20], [30]]), "inertias": [0.1, 0, 0.3, 0.2]},
         {"acceleration": np.array([[5.0], [6], [7]]), "inertias": [0.1, 0, 0.3, 0.2]},
         {"speed": 30.0, "inertias": np.arange(12.0).reshape(3, 1, 4)},
+        {"speed": 30.0, "inertias": np.arange(40.0).reshape(10, 4)},
     ],
 )
 def test_a_load_per_row_of_angles(loads: dict[str, Any]) -> None:
     angles = ANGLE[:30].reshape(3, 10)
     got = CHAIN.evaluate(angles, ("torque", "moment"), joints=2, load=Load(**loads))
     for i, row in enumerate(angles):
-        own = {name: np.asarray(x)[i, 0] if np.ndim(x) > 1 else x for name, x in loads.items()}
+        own = {name: x[i, 0] if np.shape(x)[:2] == (3, 1) else x for name, x in loads.items()}
         want = CHAIN.evaluate(row, ("torque", "moment"), joints=2, load=Load(**own))
         assert np.array_equal(got.torque[i], want.torque)
         assert np.array_equal(got.moment[i], want.moment)
@@ -431,6 +432,8 @@ def test_the_cheapest_kernel_that_keeps_the_tolerance() -> None:
 
     assert price(1.0) == price(1e-6) < price(0.999e-6) == price(4e-15) == price(None)
     assert price(None) < price(3.99e-15) == price(0)
+    with pytest.raises(TypeError, match=r"^tolerance is 'fine'; it must be a number$"):
+        price("fine")  # type: ignore[arg-type]
 
 
 def test_loads_follow_the_tolerance() -> None:

@@ -307,6 +307,22 @@ ERRORS: list[tuple[str, int | None, str]] = [
         4,
         "[load] inertias_kgm2[1] is -1.0; an inertia must not be negative",
     ),
+    (
+        DRIVELINE + f"bends_deg = '{'x' * 58}'",
+        2,
+        f"[driveline] bends_deg is '{'x' * 58}'; it must be a list of numbers",
+    ),
+    (
+        DRIVELINE + f"bends_deg = '{'x' * 59}'",
+        2,
+        f"[driveline] bends_deg is '{'x' * 56}...; it must be a list of numbers",
+    ),
+    (
+        section("output") + "quantities = [3]",
+        4,
+        "[output] quantities[0] is 3; it must be text in quotes",
+    ),
+    (section("output") + "reduce = 3", 4, "[output] reduce is 3; it must be a list of names"),
     (section("sweep") + "turns = 'a'", 4, "[sweep] turns is 'a'; it must be a number"),
     (
         DRIVELINE + "bends_deg = [1e41]",
