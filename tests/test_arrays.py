@@ -293,6 +293,8 @@ def test_bad_loads(make: Any, error: type[Exception], message: str) -> None:  # 
     [
         (Load(inertias=[1, 2]), "inertias has shape (2,); 4 shafts need (..., 4)"),
         (Load(drive_torque=np.zeros(7)), "drive_torque has shape (7,), which does not broadcast"),
+        (Load(output_torque=np.zeros(7)), "output_torque has shape (7,), which does not broadcast"),
+        (Load(acceleration=np.zeros(7)), "acceleration has shape (7,), which does not broadcast"),
         (Load(speed=np.zeros((2, 60))), "speed has shape (2, 60), which does not broadcast"),
         (Load(inertias=np.ones((7, 4))), "inertias has shape (7,), which does not broadcast"),
     ],

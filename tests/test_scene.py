@@ -322,6 +322,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         4,
         "[output] quantities[0] is 3; it must be text in quotes",
     ),
+    (section("output") + "curves = 3", 4, "[output] curves is 3; it must be text in quotes"),
     (section("output") + "reduce = 3", 4, "[output] reduce is 3; it must be a list of names"),
     (section("sweep") + "turns = 'a'", 4, "[sweep] turns is 'a'; it must be a number"),
     (
@@ -426,6 +427,13 @@ def test_messages(text: str, line: int | None, message: str) -> None:
         Scene.parse(text, "shaft.toml")
     place = f"shaft.toml, line {line}" if line else "shaft.toml"
     assert str(caught.value) == f"{place}: {message}"
+
+
+def test_tolerances_of_a_scene() -> None:
+    for tolerance in (0, 0.5, 1e-9):
+        scene = Scene.parse(f"{section('output')}tolerance = {tolerance}", "shaft.toml")
+        want = scene.line.plan(scene.quantities, tolerance=tolerance)
+        assert scene.plan().explain() == want.explain()
 
 
 def test_integers_that_python_will_not_read() -> None:
