@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import OUTPUTS, Driveline, Load, Result
+from cardan import OUTPUTS, BallJoint, Driveline, Load, Result, approximations, workshop
 
 ONE = Driveline.from_bends([0.5])
 THREE = Driveline.from_bends([0.5, 0.4, 0.3], [0.1, 0.2], [0.3, 0.9])
@@ -211,6 +211,65 @@ def test_bad_requests(options: dict[str, Any], error: type[Exception], message: 
     assert message in str(caught.value)
 
 
+TILTED = np.array([[0.0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0, 0.1]])
+
+
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [
+        ("angle", lambda x: THREE.evaluate(x)),
+        ("angle", lambda x: workshop.turn(x)),
+        ("speed", lambda x: THREE.check(x)),
+        ("orders", lambda x: THREE.harmonics(x)),
+        ("phases", lambda x: THREE.with_phases(x)),
+        ("bends", lambda x: Driveline.from_bends(x)),
+        ("twists", lambda x: Driveline.from_bends([0.1, 0.1], x)),
+        ("phases", lambda x: Driveline.from_bends([0.1, 0.1], 0, x)),
+        ("points", lambda x: Driveline.from_points(x)),
+        ("phases", lambda x: Driveline.from_points(TILTED, x)),
+        ("directions", lambda x: Driveline.from_directions(x)),
+        ("phases", lambda x: Driveline.from_directions(np.diff(TILTED, axis=0), x)),
+        ("vertical", lambda x: Driveline.from_slopes(x, [0, 0.1])),
+        ("horizontal", lambda x: Driveline.from_slopes([0, 0.1], x)),
+        ("phases", lambda x: Driveline.from_slopes([0, 0.1, 0], [0, 0, 0.1], x)),
+        ("vertical", lambda x: Driveline.from_projected_bends(x, [0, 0.1])),
+        ("horizontal", lambda x: Driveline.from_projected_bends([0, 0.1], x)),
+        ("phases", lambda x: Driveline.from_projected_bends([0.1, 0.1], [0, 0.1], x)),
+        ("drive_torque", lambda x: Load(drive_torque=x)),
+        ("output_torque", lambda x: Load(output_torque=x)),
+        ("speed", lambda x: Load(speed=x)),
+        ("acceleration", lambda x: Load(acceleration=x)),
+        ("inertias", lambda x: Load(inertias=x)),
+        ("angle", lambda x: approximations.thoma_small_angle(x, 0.1, inertia=1, speed=1)),
+        ("bend", lambda x: approximations.thoma_small_angle(0, x, inertia=1, speed=1)),
+        ("inertia", lambda x: approximations.thoma_small_angle(0, 0.1, inertia=x, speed=1)),
+        ("speed", lambda x: approximations.thoma_small_angle(0, 0.1, inertia=1, speed=x)),
+        ("angle", lambda x: approximations.thoma_moment_ratios(x, 0.1)),
+        ("bend", lambda x: approximations.thoma_moment_ratios(0, x)),
+        ("bends", lambda x: approximations.catalogue_bend(x, [1, 1])),
+        ("fork_signs", lambda x: approximations.catalogue_bend([0.1, 0.1], x)),
+        ("speed", lambda x: approximations.torsional_excitation([0.1], [1], x)),
+        ("radius", lambda x: BallJoint(x)),
+        ("half_angle", lambda x: BallJoint(1, x)),
+        ("clearance", lambda x: BallJoint(1).with_clearance(x, compliance=1)),
+        ("compliance", lambda x: BallJoint(1).with_clearance(0, compliance=x)),
+        ("load", lambda x: BallJoint(1).peak_pressure(x)),
+        ("theta", lambda x: BallJoint(1).pressure(x, 1)),
+        ("load", lambda x: BallJoint(1).pressure(0, x)),
+        ("directions", lambda x: BallJoint(1).pressure_at(x, [0, 0, 1])),
+        ("load_vector", lambda x: BallJoint(1).pressure_at([0, 0, 1], x)),
+        ("compliance", lambda x: BallJoint(1).approach(1, x)),
+        ("friction", lambda x: BallJoint(1).friction_moment(1, x)),
+        ("friction", lambda x: BallJoint(1).tilting_friction_moment(1, x)),
+        ("load", lambda x: BallJoint.sized_for(x, 1)),
+        ("allowable_pressure", lambda x: BallJoint.sized_for(1, x)),
+    ],
+)
+def test_every_argument_is_called_by_its_name(name: str, make: Any) -> None:  # noqa: ANN401
+    with pytest.raises(TypeError, match=rf"^{name} (has|have|is) "):
+        make([1j, 2j])
+
+
 # --- loads -----------------------------------------------------------------------------------
 
 
@@ -234,6 +293,8 @@ def test_bad_loads(make: Any, error: type[Exception], message: str) -> None:  # 
     [
         (Load(inertias=[1, 2]), "inertias has shape (2,); 4 shafts need (..., 4)"),
         (Load(drive_torque=np.zeros(7)), "drive_torque has shape (7,), which does not broadcast"),
+        (Load(output_torque=np.zeros(7)), "output_torque has shape (7,), which does not broadcast"),
+        (Load(acceleration=np.zeros(7)), "acceleration has shape (7,), which does not broadcast"),
         (Load(speed=np.zeros((2, 60))), "speed has shape (2, 60), which does not broadcast"),
         (Load(inertias=np.ones((7, 4))), "inertias has shape (7,), which does not broadcast"),
     ],
@@ -242,6 +303,13 @@ def test_loads_that_do_not_fit(load: Load, message: str) -> None:
     with pytest.raises(ValueError) as caught:  # noqa: PT011
         THREE.evaluate(GRID, "torque", load=load)
     assert message in str(caught.value)
+
+
+def test_a_drive_at_rest_moves_no_inertia() -> None:
+    # Speed and acceleration are zero unless given.
+    at_rest = THREE.evaluate(GRID, "torque", load=Load(drive_torque=2.0, inertias=[1.0, 1, 1, 1]))
+    without = THREE.evaluate(GRID, "torque", load=Load(drive_torque=2.0))
+    assert np.array_equal(at_rest.torque, without.torque)
 
 
 def test_a_load_keeps_its_own_arrays() -> None:

@@ -549,6 +549,7 @@ def test_joints_never_change() -> None:
         assert copied.peak_pressure(1e4).tolist() == joint.peak_pressure(1e4).tolist()
         assert not copied.radius.flags.writeable
     assert pickle.loads(pickle.dumps(other)).compliance is None
+    assert pickle.loads(pickle.dumps(BallJoint(0.1, 1.25))).half_angle == 1.25
     assert len({joint, other, joint}) == 2
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, workshop
+from cardan.check import Finding
 
 RPM = 2 * math.pi / 60
 
@@ -22,6 +23,32 @@ def test_a_compensated_shaft_passes_at_moderate_speed() -> None:
 def test_without_a_speed_there_is_no_excitation() -> None:
     found = Driveline.from_bends([5, 5], degrees=True).check()
     assert [f.name for f in found.findings] == ["equivalent bend", "non-uniformity"]
+
+
+def test_a_joint_has_no_shafts_between() -> None:
+    found = Driveline.from_bends([5], degrees=True).check(100 * RPM)
+    assert [f.name for f in found.findings][2:] == ["torsional excitation of the last shaft"]
+
+
+def test_findings_in_words() -> None:
+    def words(value: float | list[float], unit: str = "1") -> str:
+        return str(Finding("shake", np.array(value), 2.0, 5.0, unit))
+
+    assert words(1.5) == "shake 1.5 keeps the limit of 2"
+    assert words(2.0, "deg") == "shake 2 deg keeps the limit of 2 deg"
+    assert words(5.0, "deg") == "shake 5 deg is above the limit of 2 deg but below 5 deg"
+    assert words(5.1) == "shake 5.1 is above the limit of 5"
+    assert words([1.0, 3.0]) == (
+        "shake up to 3 is above the limit of 2 but below 5; 1 of 2 keep the limit"
+    )
+    assert words([]) == "shake up to 0 keeps the limit of 2; 0 of 0 keep the limit"
+
+
+def test_the_whole_check_in_words() -> None:
+    words = str(Driveline.from_bends([4, 1], degrees=True).check(300 * RPM)).splitlines()
+    assert words[0] == "The driveline does not pass."
+    assert words[2].endswith("is above the limit of 0.0027")
+    assert all(line.endswith("rad/s²") for line in words[3:])
 
 
 def test_the_two_forms_of_the_catalogue_tolerance_agree() -> None:

@@ -249,6 +249,40 @@ def test_with_phases() -> None:
     assert line.with_phases(90, degrees=True).phases == pytest.approx([math.pi / 2] * 2)
 
 
+def test_with_phases_of_a_batch() -> None:
+    line = Driveline.from_bends([[0.1, 0.2, 0.3], [0.3, 0.1, 0.2]], [[1, 2], [3, 4]])
+    for phases in (np.full((4, 1, 2), 0.5), np.linspace(0, 1, 4).reshape(2, 2)):
+        set_anew = line.with_phases(phases)
+        assert set_anew.shape == np.broadcast_shapes((2,), phases.shape[:-1])
+        for place in np.ndindex(set_anew.shape):
+            got, own = set_anew[place], line[place[-1]]
+            own_phases = np.broadcast_to(phases, (*set_anew.shape, 2))[place]
+            for name in ("bends", "twists", "directions", "normals"):
+                assert getattr(got, name).tolist() == getattr(own, name).tolist()
+            assert got.phases.tolist() == own_phases.tolist()
+    with pytest.raises(
+        ValueError, match=r"^shapes do not broadcast: driveline \(2,\), phases \(3,"
+    ):
+        line.with_phases(np.zeros((3, 2)))
+
+
+def test_slopes_and_projected_bends_to_the_right_angle() -> None:
+    near = Driveline.from_slopes([0.0, 1.57], [0.0, 0.0])
+    assert near.bends == pytest.approx([1.57], rel=1e-14)
+    steep = Driveline.from_projected_bends([40, 45], [0, 0], reference="input", degrees=True)
+    assert np.degrees(steep.bends) == pytest.approx([40, 45], rel=1e-14)
+
+
+def test_orders_of_harmonics() -> None:
+    line = Driveline.from_bends([0.4])
+    for orders in ([1, 2, 4], np.array([1, 2, 4], np.uint8)):
+        found = line.harmonics(orders)
+        assert found.orders.dtype == np.int64
+        assert found.orders.tolist() == [1, 2, 4]
+        k = math.tan(0.2) ** 2
+        assert found.speed_ratio == pytest.approx([0, 2 * k, 2 * k**2], rel=1e-14)
+
+
 def test_drivelines_do_not_change() -> None:
     phases = np.array([0.5])
     line = Driveline.from_bends([0.1, 0.2], phases=phases)
@@ -308,7 +342,11 @@ def test_drivelines_do_not_change() -> None:
             ValueError,
             "points give bends[0] = 2.03",
         ),
-        (lambda: Driveline.from_points([[0, 0, 0], [1, 0, 0]]), ValueError, "points has shape"),
+        (
+            lambda: Driveline.from_points([[0, 0, 0], [1, 0, 0]]),
+            ValueError,
+            "(2, 3); it must be (..., 3 or more, 3)",
+        ),
         (
             lambda: Driveline.from_directions([[1, 0, 0], [0, 0, 0]]),
             ValueError,
@@ -320,7 +358,26 @@ def test_drivelines_do_not_change() -> None:
             ValueError,
             "vertical[1] is 95.0; a slope must lie between -90 deg and 90 deg",
         ),
-        (lambda: Driveline.from_slopes([0, 1], [0]), ValueError, "vertical has 2 shafts"),
+        (
+            lambda: Driveline.from_slopes([0, 1.5708], [0, 0]),
+            ValueError,
+            "vertical[1] is 1.5708; a slope must lie between -pi/2 rad and pi/2 rad",
+        ),
+        (
+            lambda: Driveline.from_slopes([0, 0], [90, 0], degrees=True),
+            ValueError,
+            "horizontal[0] is 90.0; a slope must lie between -90 deg and 90 deg",
+        ),
+        (
+            lambda: Driveline.from_slopes([0, 1], [0]),
+            ValueError,
+            "vertical has 2 shafts and horizontal 1; they must be the same",
+        ),
+        (
+            lambda: Driveline.from_slopes(np.zeros((2, 3)), np.zeros((4, 3))),
+            ValueError,
+            "shapes do not broadcast: vertical (2, 3), horizontal (4, 3)",
+        ),
         (
             lambda: Driveline.from_projected_bends([0, 0, 0], [0, 0, 0]),
             ValueError,
@@ -340,6 +397,16 @@ def test_drivelines_do_not_change() -> None:
             lambda: Driveline.from_projected_bends([0, 0], [0, 0], reference="middle"),  # type: ignore[arg-type]
             ValueError,
             "reference is 'middle'; it must be one of 'common', 'input', 'output'",
+        ),
+        (
+            lambda: Driveline.from_bends([0.1]).harmonics([1, 0]),
+            ValueError,
+            "orders[1] is 0; an order is at least 1",
+        ),
+        (
+            lambda: Driveline.from_bends([0.1]).harmonics(2.0),
+            TypeError,
+            "orders has dtype float64; an order is an integer",
         ),
         (lambda: Driveline.from_bends([0.1]).equivalent(2), IndexError, "shaft is 2; there are 2"),
         (lambda: Driveline.from_bends([0.1]).equivalent(0.5), TypeError, "shaft is 0.5"),  # type: ignore[arg-type]

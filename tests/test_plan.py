@@ -77,6 +77,50 @@ def test_plans_are_pickled_and_copied() -> None:
     assert "torque" in repr(plan)
 
 
+def test_a_pickled_plan_keeps_every_option() -> None:
+    options: dict[str, Any] = {"shafts": [1, 2], "joints": 1, "load": LOAD, "workers": 1}
+    names = ("angle", "torque", "moment")
+    for more in ({"reduce": "rms"}, {"dtype": np.float32}, {"tolerance": 0}):
+        plan = CHAIN.plan(names, **options, **more)
+        again = pickle.loads(pickle.dumps(plan))
+        assert again._workers == 1
+        assert repr(again) == repr(plan) == f"<Plan of angle, torque, moment for {CHAIN!r}>"
+        for name, want in plan(ANGLE).items():
+            got = again(ANGLE)[name]
+            assert got.dtype == want.dtype
+            assert np.array_equal(got, want), (name, more)
+
+
+def test_explain_begins_with_what_it_is_of() -> None:
+    def first(line: Driveline) -> str:
+        return line.plan(("angle", "speed_ratio")).explain().splitlines()[0]
+
+    assert first(STEEP) == "plan for angle, speed_ratio; 1 joint"
+    assert first(CHAIN) == "plan for angle, speed_ratio; 3 joints"
+    batch = Driveline.from_bends(np.full((2, 5, 2), 0.1))
+    assert first(batch) == "plan for angle, speed_ratio; 2 joints of 10 drivelines"
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        {"drive_torque": np.array([[1.0], [2], [3]])},
+        {"speed": np.array([[10.0], [20], [30]]), "inertias": [0.1, 0, 0.3, 0.2]},
+        {"acceleration": np.array([[5.0], [6], [7]]), "inertias": [0.1, 0, 0.3, 0.2]},
+        {"speed": 30.0, "inertias": np.arange(12.0).reshape(3, 1, 4)},
+        {"speed": 30.0, "inertias": np.arange(40.0).reshape(10, 4)},
+    ],
+)
+def test_a_load_per_row_of_angles(loads: dict[str, Any]) -> None:
+    angles = ANGLE[:30].reshape(3, 10)
+    got = CHAIN.evaluate(angles, ("torque", "moment"), joints=2, load=Load(**loads))
+    for i, row in enumerate(angles):
+        own = {name: x[i, 0] if np.shape(x)[:2] == (3, 1) else x for name, x in loads.items()}
+        want = CHAIN.evaluate(row, ("torque", "moment"), joints=2, load=Load(**own))
+        assert np.array_equal(got.torque[i], want.torque)
+        assert np.array_equal(got.moment[i], want.moment)
+
+
 def operations(plan: Plan) -> int:
     found = re.search(r"per sample: (\d+) operations", plan.explain())
     assert found
@@ -209,6 +253,14 @@ def test_sweeps_as_values() -> None:
     assert pickle.loads(pickle.dumps(turns)) == turns
     assert len({sweep, Sweep(0.0, 1.0, 5), turns}) == 2
     assert repr(turns) == "Sweep.revolutions(2, 36)"
+    assert repr(sweep) == "Sweep(0.0, 1.0, 5)"
+    assert np.asarray(Sweep(0.25, 1.0, 1)).tolist() == [0.25]
+    assert np.asarray(Sweep.revolutions(1, 1)).tolist() == [0.0]
+    assert sweep.__array__(np.float32).dtype == np.float32
+    assert hash(sweep) == hash(Sweep(0.0, 1.0, 5)) != hash(turns)
+    assert sweep != "Sweep(0.0, 1.0, 5)"
+    with pytest.raises(ValueError, match=r"^a sweep holds no array; one must be made$"):
+        sweep.__array__(copy=False)
     assert len(turns) == turns.num == 72
     with pytest.raises(AttributeError, match="cannot change"):
         sweep.num = 3
@@ -222,6 +274,9 @@ def test_sweeps_as_values() -> None:
         (lambda: Sweep(0, math.nan, 3), ValueError, "stop is NaN rad"),
         (lambda: Sweep(-2e12, 0, 3), ValueError, "within 1e12 rad"),
         (lambda: Sweep("a", 0, 3), TypeError, "start is 'a'; it must be a number"),  # type: ignore[arg-type]
+        (lambda: Sweep(0, "b", 3), TypeError, "stop is 'b'; it must be a number"),  # type: ignore[arg-type]
+        (lambda: Sweep.revolutions(1, 0), ValueError, "samples is 0; it must be at least 1"),
+        (lambda: Sweep.revolutions(math.inf, 7), ValueError, "a whole number of at least 1"),
         (lambda: Sweep.revolutions(0.3, 7), ValueError, "a whole number of at least 1"),
         (lambda: Sweep.revolutions(1, 1 << 60), ValueError, "at most 1125899906842624 samples"),
     ],
@@ -268,6 +323,32 @@ def test_reductions_of_vectors() -> None:
     assert got["mean"].shape == (3, 3)
     assert np.allclose(got["peak"], np.linalg.norm(samples, axis=-1).max(axis=1), rtol=1e-15)
     assert got["peak"].shape == (3,)
+
+
+def test_rows_of_one_driveline_are_reduced_each() -> None:
+    angles = ANGLE.reshape(2, 3, -1)
+    for load in (None, LOAD):
+        names = MOTION if load is None else (*MOTION, "torque", "moment")
+        got = CHAIN.evaluate(angles, names, joints=1, load=load, reduce="max")
+        for place in np.ndindex(2, 3):
+            want = CHAIN.evaluate(angles[place], names, joints=1, load=load, reduce="max")
+            for name in names:
+                assert np.array_equal(got[name][place], want[name]), name
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_reductions_of_any_type_fill_out(dtype: Any) -> None:  # noqa: ANN401
+    plan = CHAIN.plan(("angle", "moment"), joints=1, load=LOAD, dtype=dtype, reduce="max")
+    want = plan(ANGLE)
+    out = {"moment": np.empty(3, dtype), "angle": np.empty((), dtype)}
+    got = plan(ANGLE, out=out)
+    for name, array in out.items():
+        assert want[name].dtype == dtype
+        assert got[name] is array
+        assert np.array_equal(array, want[name])
+    double = CHAIN.evaluate(ANGLE, ("angle", "moment"), joints=1, load=LOAD, reduce="max")
+    assert np.allclose(want.moment, double.moment, rtol=2e-6)
+    assert np.allclose(want.angle, double.angle, rtol=2e-6)
 
 
 def test_reductions_row_by_row_whatever_the_threads() -> None:
@@ -343,6 +424,16 @@ def test_single_results_of_double_arithmetic() -> None:
     got = CHAIN.evaluate(ANGLE, MOTION, dtype=np.float32, tolerance=0)
     for name in MOTION:
         assert np.array_equal(got[name], want[name].astype(np.float32))
+
+
+def test_the_cheapest_kernel_that_keeps_the_tolerance() -> None:
+    def price(tolerance: float | None) -> int:
+        return operations(CHAIN.plan("speed_ratio", tolerance=tolerance))
+
+    assert price(1.0) == price(1e-6) < price(0.999e-6) == price(4e-15) == price(None)
+    assert price(None) < price(3.99e-15) == price(0)
+    with pytest.raises(TypeError, match=r"^tolerance is 'fine'; it must be a number$"):
+        price("fine")  # type: ignore[arg-type]
 
 
 def test_loads_follow_the_tolerance() -> None:

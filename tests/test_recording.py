@@ -20,6 +20,7 @@ def test_csv(tmp_path: Path) -> None:
         "\ufeffangle;bend\r\n0;5\r\n\r\n0.5;6.25\r\n-1e-3;7",
         'name\tbend\t"angle"\nx\t5\t0\ny\t6.25\t0.5\nz\t7\t-0.001\n',
         "angle, bend\n 0, 5\n 0.5, 6.25\n-1e-3, 7\n",
+        'angle, "bend"\n0, 5\n0.5, "6.25"\n-1e-3, 7\n',
     ):
         path.write_text(text, encoding="utf-8", newline="")
         angle, bend = read_columns(path, ["angle", "bend"])
@@ -66,6 +67,33 @@ def test_parquet(tmp_path: Path) -> None:
         (
             "angle;bend\n1,5;2\n",
             "line 2, column 'angle' is '1,5'; it must be a number, with a decimal point",
+        ),
+        (
+            "angle;bend\n2;+1,5 \n",
+            "line 2, column 'bend' is '+1,5 '; it must be a number, with a decimal point",
+        ),
+        ("angle;bend\n1,5,2;2\n", "line 2, column 'angle' is '1,5,2'; it must be a number"),
+        ("angle;bend\nX1,5;2\n", "line 2, column 'angle' is 'X1,5'; it must be a number"),
+        ("angle;bend\n1,x;2\n", "line 2, column 'angle' is '1,x'; it must be a number"),
+        (
+            f"angle,bend\n{'x' * 40},0\n",
+            f"line 2, column 'angle' is '{'x' * 40}'; it must be a number",
+        ),
+        (
+            f"angle,bend\n{'x' * 41},0\n",
+            f"line 2, column 'angle' is '{'x' * 37}...'; it must be a number",
+        ),
+        (
+            f"{'x' * 284},bend\n",
+            f"no column 'angle'; the columns are {'x' * 281}...",
+        ),
+        (
+            f"{'x' * 278},bend\n",
+            f"no column 'angle'; the columns are {'x' * 278}, bend",
+        ),
+        (
+            f"{'x' * 279},bend\n",
+            f"no column 'angle'; the columns are {'x' * 279}, ...",
         ),
         (
             f"angle,bend\n{'x' * 100},0\n",

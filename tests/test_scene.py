@@ -257,6 +257,26 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "[driveline] slopes_vertical_deg[1] is 90; it must lie between -90 and 90",
     ),
     (
+        DRIVELINE + "slopes_vertical_deg = [0, 0]\nslopes_horizontal_deg = [-90, 0]",
+        3,
+        "[driveline] slopes_horizontal_deg[0] is -90; it must lie between -90 and 90",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 'a']\nslopes_horizontal_deg = [0, 0]",
+        2,
+        "[driveline] slopes_vertical_deg[1] is 'a'; it must be a number",
+    ),
+    (
+        DRIVELINE + "points_m = [[0, 0, 0], 1]",
+        2,
+        "[driveline] points_m[1] is 1; it must be a list of three numbers",
+    ),
+    (
+        DRIVELINE + "points_m = 1",
+        2,
+        "[driveline] points_m is 1; it must be a list of vectors [x, y, z]",
+    ),
+    (
         DRIVELINE + "slopes_vertical_deg = [50, -50]\nslopes_horizontal_deg = [0, 0]",
         2,
         "[driveline] slopes_vertical_deg and slopes_horizontal_deg give bends[0] = "
@@ -286,6 +306,29 @@ ERRORS: list[tuple[str, int | None, str]] = [
         section("load") + "inertias_kgm2 = [0, -1]",
         4,
         "[load] inertias_kgm2[1] is -1.0; an inertia must not be negative",
+    ),
+    (
+        DRIVELINE + f"bends_deg = '{'x' * 58}'",
+        2,
+        f"[driveline] bends_deg is '{'x' * 58}'; it must be a list of numbers",
+    ),
+    (
+        DRIVELINE + f"bends_deg = '{'x' * 59}'",
+        2,
+        f"[driveline] bends_deg is '{'x' * 56}...; it must be a list of numbers",
+    ),
+    (
+        section("output") + "quantities = [3]",
+        4,
+        "[output] quantities[0] is 3; it must be text in quotes",
+    ),
+    (section("output") + "curves = 3", 4, "[output] curves is 3; it must be text in quotes"),
+    (section("output") + "reduce = 3", 4, "[output] reduce is 3; it must be a list of names"),
+    (section("sweep") + "turns = 'a'", 4, "[sweep] turns is 'a'; it must be a number"),
+    (
+        DRIVELINE + "bends_deg = [1e41]",
+        2,
+        "[driveline] bends_deg[0] is 1e+41; it must lie within ±1e+40",
     ),
     (section("sweep") + "turns = 0", 4, "[sweep] turns is 0; it must be positive"),
     (
@@ -345,6 +388,29 @@ ERRORS: list[tuple[str, int | None, str]] = [
         4,
         "[output] quantities is []; name at least one, or leave it out",
     ),
+    *(
+        (section("output") + f"tolerance = {given}", 4, f"[output] tolerance is {wrong}")
+        for given, wrong in (
+            ("1.0", "1.0; it must lie in [0, 1)"),
+            ("-1e-9", "-1e-09; it must lie in [0, 1)"),
+            ("'fine'", "'fine'; it must be a number"),
+        )
+    ),
+    (
+        section("output") + "joints = [true]",
+        4,
+        "[output] joints[0] is true; it must be a whole number, counted from 0",
+    ),
+    (
+        section("output") + "joints = 0",
+        4,
+        "[output] joints is 0; it must be a list of whole numbers",
+    ),
+    (
+        section("output") + "dtype = 'float'",
+        4,
+        "[output] dtype is 'float'; did you mean 'float64'?",
+    ),
     (
         section("output") + "quantities = ['angle', 'angle']",
         4,
@@ -361,6 +427,13 @@ def test_messages(text: str, line: int | None, message: str) -> None:
         Scene.parse(text, "shaft.toml")
     place = f"shaft.toml, line {line}" if line else "shaft.toml"
     assert str(caught.value) == f"{place}: {message}"
+
+
+def test_tolerances_of_a_scene() -> None:
+    for tolerance in (0, 0.5, 1e-9):
+        scene = Scene.parse(f"{section('output')}tolerance = {tolerance}", "shaft.toml")
+        want = scene.line.plan(scene.quantities, tolerance=tolerance)
+        assert scene.plan().explain() == want.explain()
 
 
 def test_integers_that_python_will_not_read() -> None:
@@ -483,6 +556,14 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         (
             JOINT + "[angles]\nfile = 'run.xls'\nangle_column_deg = 'turn'",
             "line 4: [angles] file is 'run.xls'; it must end in .csv or .npz or .parquet",
+        ),
+        (
+            JOINT + '[angles]\nfile = "run\\u0000.csv"\nangle_column_deg = "turn"',
+            r"line 4: [angles] file is 'run\x00.csv'; it must be the name of a file",
+        ),
+        (
+            JOINT + "[angles]\nfile = 3\nangle_column_deg = 'turn'",
+            "line 4: [angles] file is 3; it must be text in quotes",
         ),
         (
             JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'trun'",

@@ -193,6 +193,63 @@ def test_what_is_reduced_by_default() -> None:
     assert Scene.parse(TWO).run().study is None
 
 
+def test_spreads() -> None:
+    for want in ([5.0], [5.0, 9.0], [5.0, 7.0, 9.0]):
+        spread = f"{{from = 5, to = {want[-1]}, steps = {len(want)}}}"
+        result = run(f"{TWO}[study]\nbends_deg.1 = {spread}\n")
+        assert result.axes[0].values.tolist() == want
+        for bend, figure in zip(want, result.values["equivalent_bend"], strict=True):
+            line = Driveline.from_bends([10, bend], phases=[30], degrees=True)
+            assert figure == line.equivalent().bend
+
+
+@pytest.mark.parametrize(
+    ("driveline", "line"),
+    [
+        (
+            "points_m = [[0, 0, 0], [1, 0, 0], [2, 0.3, 0], [3, 0.3, 0.4]]",
+            Driveline.from_points(np.array([[0, 0, 0], [1, 0, 0], [2, 0.3, 0], [3, 0.3, 0.4]])),
+        ),
+        (
+            "directions = [[1, 0, 0], [1, 0.2, 0], [1, 0, 0.1]]\nphases_deg = [20]",
+            Driveline.from_directions(
+                np.array([[1, 0, 0], [1, 0.2, 0], [1, 0, 0.1]]), math.radians(20)
+            ),
+        ),
+        ("bends_deg = [10, 20]", Driveline.from_bends([10, 20], degrees=True)),
+    ],
+)
+def test_figures_of_one_driveline(driveline: str, line: Driveline) -> None:
+    result = run(
+        f"[driveline]\n{driveline}\n[load]\noutput_torque_Nm = 3\n{SWEEP}"
+        '[output]\nquantities = ["angle_error", "moment"]\nreduce = ["peak", "mean"]\n'
+    )
+    assert (result.axes, result.shape, result.coordinates()) == ((), (), {})
+    curves = line.evaluate(TURN, ("angle_error", "moment"), load=Load(output_torque=3))
+    assert result.values["angle_error_peak"] == np.max(np.abs(curves.angle_error))
+    for j in range(2):
+        want = np.max(np.linalg.norm(curves.moment[j], axis=-1))
+        assert result.values[f"moment_{j}_peak"] == pytest.approx(want, rel=1e-15)
+    assert {column.name: column.unit for column in result.columns} == {
+        "equivalent_bend": "rad",
+        "non_uniformity": "1",
+        "max_angle_error": "rad",
+        "angle_error_peak": "rad",
+        "angle_error_mean": "rad",
+        **{f"moment_{j}_peak": "N m" for j in range(2)},
+        **{f"moment_{j}_{axis}_mean": "N m" for j in range(2) for axis in "xyz"},
+    }
+
+
+def test_rows_up_to_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = TWO + "[study]\nbends_deg.0 = [1, 2, 3]\nphases_deg = [0, 5]\n"
+    monkeypatch.setattr(study, "MOST_ROWS", 6)
+    assert run(text).rows == 6
+    monkeypatch.setattr(study, "MOST_ROWS", 5)
+    with pytest.raises(ValueError, match=r"bends_deg\.0 makes the study 3 x 2 = 6 rows"):
+        Scene.parse(text)
+
+
 def test_means_count_no_angle_twice() -> None:
     """The mean of an angle error over whole turns is exactly zero, over other sweeps it is not."""
     text = (
@@ -418,6 +475,15 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
             TWO + "[output]\njoints = [-1]",
             "line 5: [output] joints[0] is -1; it must be a whole number, counted from 0",
         ),
+        (
+            TWO + "[study]\nbends_deg.0 = [1, 'a']",
+            "line 5: [study] bends_deg.0[1] is 'a'; it must be a number",
+        ),
+        (
+            "[driveline]\npoints_m = [[0, 0, 0], [1, 0, 0], [2, 0.1, 0]]\n"
+            "[study]\npoints_m.1.y = []",
+            "line 4: [study] points_m.1.y is []; a study needs at least one value",
+        ),
         (TWO + "[output]\njoints = []", "line 5: [output] joints is []; name at least one"),
         (TWO + "[output]\nworkers = 0", "line 5: [output] workers is 0; it must be a whole number"),
     ],
@@ -426,6 +492,18 @@ def test_messages(text: str, message: str) -> None:
     with pytest.raises(ValueError, match=r"^scene, line ") as caught:
         Scene.parse(text)
     assert str(caught.value).startswith(f"scene, {message}")
+
+
+def test_the_end_of_any_axis_is_tried_before_the_run() -> None:
+    points = "[driveline]\npoints_m = [[0, 0, 0], [0, 1, 0], [0, 2, 0.1], [0, 3, 0]]\n[study]\n"
+    for wrong in range(3):
+        axes = ["points_m.0.x", "points_m.1.x", "points_m.2.x"]
+        values = [[0.0, 0.1, 0.2] for _ in axes]
+        values[wrong][wrong] = 9.0
+        text = "".join(f"{axis} = {given}\n" for axis, given in zip(axes, values, strict=True))
+        with pytest.raises(ValueError, match="points_m give bends") as caught:
+            Scene.parse(points + text)
+        assert f"{axes[wrong]} = 9" in str(caught.value)
 
 
 def test_a_point_inside_the_grid_that_makes_no_driveline(monkeypatch: pytest.MonkeyPatch) -> None:
