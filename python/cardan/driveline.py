@@ -13,6 +13,7 @@ from cardan import _core, approximations, threads
 from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
 from cardan.check import Check, check
 from cardan.equivalent import EquivalentJoint, Harmonics
+from cardan.lazy import lazily
 from cardan.load import Load
 from cardan.plan import Items, Plan, Reduction, item_index
 from cardan.result import Result
@@ -47,6 +48,7 @@ class Driveline:
         raise TypeError("use Driveline.from_bends, from_points, from_directions or from_slopes")
 
     @classmethod
+    @lazily(ends=0, bends=1, twists=1, phases=1)
     def from_bends(
         cls,
         bends: ArrayLike,
@@ -93,6 +95,7 @@ class Driveline:
         return cls._laid_out(n, shape, _core.from_bends(n, list(shape), *flat), flat[2])
 
     @classmethod
+    @lazily(ends=1, directions=2, phases=1)
     def from_directions(
         cls, directions: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
     ) -> Self:
@@ -116,6 +119,7 @@ class Driveline:
         return cls._along(_core.from_directions, array, n, _per_shaft("phases", phases, n, degrees))
 
     @classmethod
+    @lazily(ends=2, points=2, phases=1)
     def from_points(
         cls, points: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
     ) -> Self:
@@ -137,6 +141,7 @@ class Driveline:
         return cls._along(_core.from_points, array, n, _per_shaft("phases", phases, n, degrees))
 
     @classmethod
+    @lazily(ends=1, vertical=1, horizontal=1, phases=1)
     def from_slopes(
         cls,
         vertical: ArrayLike,
@@ -166,6 +171,7 @@ class Driveline:
         return cls.from_directions(directions, phases, degrees=degrees)
 
     @classmethod
+    @lazily(ends=0, vertical=1, horizontal=1, phases=1)
     def from_projected_bends(
         cls,
         vertical: ArrayLike,
