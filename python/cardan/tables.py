@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import chain
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -61,7 +62,8 @@ def stream(
 ) -> tuple[Path, int]:
     """Write the curves of a scene with recorded angles, whose files may be of any length.
 
-    The file has the rows and columns that ``cardan run`` writes, to the same bits.
+    The file has the rows and columns that ``cardan run`` writes, to the same bits; only a bend that
+    is alone in its chunk may have an inverse tangent of its own, and another last digit.
 
     Args:
         scene: a scene file with ``[angles]`` from a Parquet file and ``curves`` into one.
@@ -107,9 +109,12 @@ def _write(
     pyarrow, parquet = module("pyarrow", "table"), module("pyarrow.parquet", "table")
     done = 0
     writer = None
+    pieces = iter(pieces)
+    # Before the file is begun, for errors within are taken for its own.
+    first = next(pieces)
     with whole_file(target) as file:
         try:
-            for piece, total in pieces:
+            for piece, total in chain([first], pieces):
                 if isinstance(piece, Result):
                     table = piece.to_arrow()
                 else:
