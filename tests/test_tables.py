@@ -113,6 +113,7 @@ from cardan import Driveline, tables
 
 rows = 4_000_000
 plan = Driveline.from_bends([0.2]).plan("speed_ratio")
+plan([0.0]).to_arrow()  # imports what it needs
 tracemalloc.start()
 tables.through(sys.argv[1], sys.argv[2], ["angle"], plan, rows=50_000)
 column = 8 * rows
