@@ -203,6 +203,9 @@ def same(one: object, other: object) -> None:
     elif dataclasses.is_dataclass(one):
         for field in dataclasses.fields(one):
             same(getattr(one, field.name), getattr(other, field.name))
+        if isinstance(one, Load):
+            assert isinstance(other, Load)
+            same(*(LINE.evaluate(GRID, "torque", load=load).torque for load in (one, other)))
     elif isinstance(one, Mapping):
         assert isinstance(other, Mapping)
         assert list(one) == list(other)
@@ -219,10 +222,17 @@ def same(one: object, other: object) -> None:
         assert one == other
 
 
+def through_a_message(thing: object) -> object:
+    """Pickle with the arrays' memory apart, to be found anywhere in a message."""
+    apart: list[pickle.PickleBuffer] = []
+    pickled = pickle.dumps(thing, 5, buffer_callback=apart.append)
+    return pickle.loads(pickled, buffers=[memoryview(b"." + part.raw())[1:] for part in apart])
+
+
 @pytest.mark.parametrize("thing", OBJECTS, ids=lambda thing: type(thing).__name__)
 @pytest.mark.parametrize(
     "again",
-    [copy.copy, copy.deepcopy]
+    [copy.copy, copy.deepcopy, through_a_message]
     + [
         lambda thing, protocol=protocol: pickle.loads(pickle.dumps(thing, protocol))
         for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1)

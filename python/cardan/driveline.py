@@ -259,7 +259,7 @@ class Driveline:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the five arrays."""
         arrays = (self._bends, self._twists, self._phases, self._directions, self._normals)
-        return (Driveline._of, arrays)
+        return (_unpickled, arrays)
 
     def __copy__(self) -> Self:
         """Return the driveline itself: it never changes."""
@@ -558,6 +558,11 @@ class Driveline:
             taken(self._directions),
             taken(self._normals),
         )
+
+
+def _unpickled(*arrays: FloatArray) -> Driveline:
+    # What came in a message lies anywhere in it.
+    return Driveline._of(*(np.require(array, requirements=["C", "A"]) for array in arrays))
 
 
 def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
