@@ -161,7 +161,7 @@ def test_angles_along_themselves() -> None:
             xarray.DataArray(ANGLE, attrs={"units": "degrees"}),
             {},
             ValueError,
-            "angle has units 'degrees'; it must be in rad",
+            "angle has units 'degrees'; make it rad and say so in attrs['units']",
         ),
         (
             xarray.DataArray(ANGLE, dims="angle"),
@@ -257,6 +257,18 @@ def test_the_curves_of_a_scene_have_labels() -> None:
     scene = Scene.parse("[driveline]\nbends_deg = [8]\n[sweep]\nsamples_per_turn = 4")
     dataset = scene.run().values.to_xarray()
     assert np.array_equal(dataset.drive_angle, scene.drive_angle)
+
+
+def test_a_study_is_a_grid_with_labels() -> None:
+    text = "[driveline]\nbends_deg = [8, 9]\n[study]\nbends_deg.1 = [0, 5, 8]\nphases_deg = [0, 90]"
+    study = Scene.parse(text).run().study
+    assert study
+    dataset = study.to_xarray()
+    assert dataset.equivalent_bend.dims == ("bends_deg.1", "phases_deg")
+    assert dataset.equivalent_bend.attrs == {"units": "rad"}
+    place = {"bends_deg.1": 8.0, "phases_deg": 90.0}
+    want = Driveline.from_bends([8, 8], phases=90, degrees=True).equivalent().bend
+    assert float(dataset.equivalent_bend.sel(place)) == want
 
 
 def test_a_result_put_together_has_none() -> None:

@@ -50,7 +50,7 @@ def evaluate(
         raise TypeError("out does not go with an angle that is a DataArray; give its values")
     units = angle.attrs.get("units", "rad")
     if units not in _RADIANS:
-        raise ValueError(f"angle has units {units!r}; it must be in rad")
+        raise ValueError(f"angle has units {units!r}; make it rad and say so in attrs['units']")
     return _dataset(plan(angle.data), angle)
 
 

@@ -6,12 +6,12 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, module
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
@@ -20,6 +20,9 @@ from cardan.reductions import CLOSED_FORMS, reduced
 from cardan.scene_format import FORMAT, Form
 from cardan.scene_parts import make_driveline, make_load
 from cardan.scene_values import VECTORS, Spread, shown
+
+if TYPE_CHECKING:
+    import xarray
 
 MOST_ROWS = 10_000_000
 """Rows that a study takes at most."""
@@ -93,6 +96,21 @@ class StudyResult:
         """Return the values of every axis over the grid, by key; views, nothing is copied."""
         grids = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij", copy=False)
         return {axis.key: grid for axis, grid in zip(self.axes, grids, strict=True)}
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the figures as variables over the keys that are varied, with their units.
+
+        Raises:
+            ImportError: xarray is missing.
+        """
+        library = module("xarray", "xarray")
+        keys = tuple(axis.key for axis in self.axes)
+        figures = {
+            column.name: (keys, self.values[column.name], {"units": column.unit})
+            for column in self.columns
+        }
+        made: xarray.Dataset = library.Dataset(figures, {a.key: a.values for a in self.axes})
+        return made
 
 
 @dataclass(frozen=True, eq=False)
