@@ -69,12 +69,10 @@ Examples:
   cardan run shaft.toml
   cardan run shaft.toml --radians --into .
   cardan run shaft.toml --json
-  cardan run study.toml --local 8
-  cardan run study.toml --scheduler tcp://10.0.0.5:8786
 
-With --local or --scheduler a dask cluster does the study, and its table, which must end in
-.parquet, becomes a folder of files. The same command goes on where a run was stopped: no file that
-is there is computed again.
+With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study, and its table,
+which must end in .parquet, becomes a folder of files. The same command goes on where a run was
+stopped: no file that is there is computed again.
 
 SCENE is a TOML file of these sections and keys:
 
@@ -84,12 +82,14 @@ Files appear whole or not at all.
 """
 
 _STREAM = """\
-Evaluate recorded angles of any number: from one Parquet file into another, by chunks in little
-memory. The scene has a section [angles] with a .parquet file and curves that end in .parquet.
+Evaluate recorded angles of any number, by chunks in little memory.
+
+The scene has a section [angles] with a .parquet file, and curves that end in .parquet; these are
+all that is written.
 
 \b
 Example:
-  cardan stream recorded.toml
+  cardan stream long.toml
 """
 
 _EXPLAIN = """\
