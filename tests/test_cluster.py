@@ -209,8 +209,7 @@ def test_a_point_that_makes_no_driveline_is_named(
 ) -> None:
     # The ends of the axes are right, so that it is found on the way.
     text = "[driveline]\nslopes_vertical_deg = [0, 0]\nslopes_horizontal_deg = [0, 0]\n[study]\n"
-    for shaft in (0, 1):
-        text += f"slopes_vertical_deg.{shaft} = [0, -60, 60]\n"
+    text += "slopes_vertical_deg.0 = [0, -60, 60]\nslopes_vertical_deg.1 = [0, 60]\n"
     scene.write_text(f"{text}[output]\ntable = 'study.parquet'")
     study = Scene.load(scene).study
     assert study

@@ -67,8 +67,9 @@ def connect(scheduler: str | None = None, processes: int | None = None) -> Itera
     distributed = module("distributed", "dask")
     with contextlib.ExitStack() as stack:
         if scheduler is None:
+            # Any port for its status pages, so that several runs do not want the same.
             cluster = distributed.LocalCluster(
-                n_workers=processes, threads_per_worker=1, dashboard_address=None
+                n_workers=processes, threads_per_worker=1, dashboard_address="127.0.0.1:0"
             )
             scheduler = stack.enter_context(cluster)
         try:
