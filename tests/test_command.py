@@ -15,11 +15,13 @@ import textwrap
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
 import cardan
 from cardan.command import commands
+from cardan.curves import write_columns
 from cardan.scene import Scene
 from cardan.scene_format import FORMAT
 from cardan.starters import STARTERS
@@ -130,6 +132,17 @@ def examples_of(*arguments: str) -> list[str]:
 NAMES = list(commands().commands)
 
 
+LONG = """\
+[angles]
+file = "angles.parquet"
+angle_column_deg = "angle_deg"
+[driveline]
+bends_deg = [8.5]
+[output]
+curves = "curves.parquet"
+"""
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_examples_of_the_help_work(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -139,6 +152,9 @@ def test_examples_of_the_help_work(
     assert run(*first.split()).exit_code == 0
     examples = examples_of(name)
     assert examples
+    if name == "stream":
+        write_columns("angles.parquet", {"angle_deg": np.array([0.0, 0.5, 1.0])})
+        Path("long.toml").write_text(LONG)
     assert all(example.split()[0] == name for example in examples)
     for example in [*others, *examples]:
         result = run(*example.split())

@@ -29,7 +29,7 @@ def test_the_python_snippets_print_what_stands_below_them() -> None:
                 exec(code, names)
             assert printed.getvalue() == shown
             compared += 1
-    assert compared == 4
+    assert compared == 5
 
 
 def test_the_first_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

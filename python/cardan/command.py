@@ -7,14 +7,17 @@ import json
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from cardan import __version__, starters
+from cardan import __version__, cluster, starters, tables
 from cardan.answers import check_scene, yoke_settings, yoke_text
 from cardan.curves import check_writable, whole_file, write_curves, write_study
 from cardan.plots import SUFFIXES, write_picture
@@ -60,11 +63,26 @@ Examples:
   cardan run shaft.toml --radians --into .
   cardan run shaft.toml --json
 
+With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study, and its table,
+which must end in .parquet, becomes a folder of files. The same command goes on where a run was
+stopped: no file that is there is computed again.
+
 SCENE is a TOML file of these sections and keys:
 
 \b
 {_KEYS}
 Files appear whole or not at all.
+"""
+
+_STREAM = """\
+Evaluate recorded angles of any number, by chunks in little memory.
+
+The scene has a section [angles] with a .parquet file, and curves that end in .parquet; these are
+all that is written.
+
+\b
+Example:
+  cardan stream long.toml
 """
 
 _EXPLAIN = """\
@@ -175,6 +193,13 @@ def commands() -> click.Group:
 
     scene_argument = click.argument("scene", type=click.Path(path_type=Path))
     as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
+    into_option = click.option(
+        "--into",
+        type=click.Path(exists=True, file_okay=False, path_type=Path),
+        default=".",
+        metavar="DIR",
+        help="Folder for the files to write; by default the current one.",
+    )
     units = click.option(
         "--radians/--degrees", help="Angles printed and written; by default in degrees."
     )
@@ -199,42 +224,63 @@ def commands() -> click.Group:
 
     @cardan.command(help=_RUN, short_help="Evaluate a scene.")
     @scene_argument
+    @into_option
     @click.option(
-        "--into",
-        type=click.Path(exists=True, file_okay=False, path_type=Path),
-        default=".",
-        metavar="DIR",
-        help="Folder for the files to write; by default the current one.",
+        "--local", type=click.IntRange(1), metavar="N", help="Do the study in N processes."
+    )
+    @click.option(
+        "--scheduler", metavar="ADDRESS", help="Do the study on the cluster of this dask scheduler."
     )
     @units
     @as_json
-    def run(scene: Path, into: Path, radians: bool, as_json: bool) -> None:
-        loaded = Scene.load(scene)
+    def run(
+        scene: Path,
+        into: Path,
+        local: int | None,
+        scheduler: str | None,
+        radians: bool,
+        as_json: bool,
+    ) -> None:
+        whole = loaded = Scene.load(scene)
+        on_cluster = bool(local or scheduler)
+        if on_cluster:
+            _check_for_cluster(whole, local, scheduler)
+            loaded = replace(whole, study=None, table_file=None)
         for name in (loaded.curves_file, loaded.table_file, loaded.picture_file):
             if name:
                 _check_output(loaded, into / name)
         with _progress_bar() as progress:
             result = loaded.run(progress)
+        files = _write(result, into, radians)
+        if on_cluster:
+            files = chain(files, _write_on_cluster(whole, into, radians, local, scheduler))
         if as_json:
-            files = [
-                {"file": str(path)} | ({"rows": rows} if rows else {})
-                for path, rows in _write(result, into, radians)
-            ]
             data: dict[str, Any] = {"title": loaded.title}
             data["summary"] = summary_data(summary(result), radians=radians)
             if result.study:
                 data["study"] = study_data(result.study, radians=radians)
-            click.echo(_json({**data, "files": files}))
+            click.echo(_json({**data, "files": list(files)}))
             return
         if loaded.title:
             click.echo(f"{loaded.title}\n")
         click.echo(summary_text(summary(result), radians=radians))
         if result.study:
             click.echo(f"\n{study_text(result.study, radians=radians)}")
-        for number, (path, rows) in enumerate(_write(result, into, radians)):
+        for number, entry in enumerate(files):
             if number == 0:
                 click.echo()
-            click.echo(f"wrote {path} ({rows} rows)" if rows else f"wrote {path}")
+            click.echo(_wrote(**entry))
+
+    @cardan.command(help=_STREAM, short_help="Evaluate recorded angles of any number.")
+    @scene_argument
+    @into_option
+    @units
+    def stream(scene: Path, into: Path, radians: bool) -> None:
+        begun = time.perf_counter()
+        with _progress_bar("rows") as progress:
+            path, rows = tables.stream(scene, into, radians=radians, progress=progress)
+        rate = rows / (time.perf_counter() - begun) / 1e6
+        click.echo(f"wrote {path} ({rows} rows, {rate:.3g} million a second)")
 
     @cardan.command(help=_EXPLAIN, short_help="Say how a scene is evaluated.")
     @scene_argument
@@ -326,19 +372,51 @@ def main() -> None:
     group(prog_name="cardan")
 
 
-def _write(result: SceneResult, into: Path, radians: bool) -> Iterator[tuple[Path, int | None]]:
+def _write(result: SceneResult, into: Path, radians: bool) -> Iterator[dict[str, Any]]:
     """Write the files of a scene one by one; yield path and number of rows of each."""
     scene = result.scene
     if scene.curves_file:
         path = into / scene.curves_file
-        yield path, write_curves(result, path, radians=radians)
+        yield {"file": str(path), "rows": write_curves(result, path, radians=radians)}
     if scene.table_file and result.study:
         path = into / scene.table_file
-        yield path, write_study(result.study, path, radians=radians)
+        yield {"file": str(path), "rows": write_study(result.study, path, radians=radians)}
     if scene.picture_file:
         path = into / scene.picture_file
         write_picture(result, path)
-        yield path, None
+        yield {"file": str(path)}
+
+
+def _wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
+    if not rows:
+        return f"wrote {file}"
+    there = f", {found} of them found there" if found else ""
+    return f"wrote {file} ({rows} rows{f' in {parts} files{there}' if parts else ''})"
+
+
+def _check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:
+    if local and scheduler:
+        raise ValueError("--local and --scheduler are both given; give one of them")
+    if not scene.study or not str(scene.table_file).endswith(".parquet"):
+        option = "--local" if local else "--scheduler"
+        raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")
+
+
+def _write_on_cluster(
+    scene: Scene, into: Path, radians: bool, local: int | None, scheduler: str | None
+) -> Iterator[dict[str, Any]]:
+    """Write the table of a scene as a folder; yield path, rows and files."""
+    assert scene.study
+    assert scene.table_file
+    path = into / scene.table_file
+    with cluster.connect(scheduler, local) as client, _progress_bar() as progress:
+        try:
+            done = cluster.write_study(
+                scene.study, path, client, radians=radians, progress=progress
+            )
+        except ValueError as error:
+            raise ValueError(f"{scene.name}: [study] {error}") from None
+    yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}
 
 
 def _check_output(scene: Scene, path: Path) -> None:
@@ -353,7 +431,7 @@ def _json(data: Any) -> str:  # noqa: ANN401 - any plain data
 
 
 @contextmanager
-def _progress_bar() -> Iterator[Progress | None]:
+def _progress_bar(label: str = "study") -> Iterator[Progress | None]:
     """A bar on a terminal for what takes more than one block."""
     import click
 
@@ -366,7 +444,7 @@ def _progress_bar() -> Iterator[Progress | None]:
 
         def progress(done: int, rows: int) -> None:
             if not bars and done < rows:
-                bar = click.progressbar(length=rows, label="study", file=sys.stderr)
+                bar = click.progressbar(length=rows, label=label, file=sys.stderr)
                 bars.append(stack.enter_context(bar))
             for bar in bars:
                 bar.update(done - bar.pos)

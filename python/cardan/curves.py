@@ -17,7 +17,7 @@ from cardan.arrays import FloatArray
 
 if TYPE_CHECKING:
     from cardan.scene import SceneResult
-    from cardan.study import StudyResult
+    from cardan.study import StudyPart, StudyResult
 
 
 def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArray]:
@@ -47,7 +47,9 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
     return table
 
 
-def study_columns(result: StudyResult, *, radians: bool = False) -> dict[str, FloatArray]:
+def study_columns(
+    result: StudyResult | StudyPart, *, radians: bool = False
+) -> dict[str, FloatArray]:
     """Return a study as columns: the keys varied, as the file has them, then the figures.
 
     The arrays have the shape of the grid, and its rows are their elements in order. Figures are in
@@ -79,8 +81,8 @@ def write_curves(result: SceneResult, path: str | PathLike[str], *, radians: boo
         ValueError: an unknown suffix.
     """
     if Path(path).suffix == ".npz":
-        return _write(path, {"drive_angle": result.drive_angle, **result.values})
-    return _write(path, columns(result, radians=radians))
+        return write_columns(path, {"drive_angle": result.drive_angle, **result.values})
+    return write_columns(path, columns(result, radians=radians))
 
 
 def write_study(result: StudyResult, path: str | PathLike[str], *, radians: bool = False) -> int:
@@ -95,13 +97,20 @@ def write_study(result: StudyResult, path: str | PathLike[str], *, radians: bool
         ValueError: an unknown suffix.
     """
     if Path(path).suffix == ".npz":
-        _write(path, {**{axis.key: axis.values for axis in result.axes}, **result.values})
+        write_columns(path, {**{axis.key: axis.values for axis in result.axes}, **result.values})
     else:
-        _write(path, study_columns(result, radians=radians))
+        write_columns(path, study_columns(result, radians=radians))
     return result.rows
 
 
-def _write(path: str | PathLike[str], table: Mapping[str, FloatArray]) -> int:
+def write_columns(path: str | PathLike[str], table: Mapping[str, FloatArray]) -> int:
+    """Write arrays of equal size in the format of the path's suffix; return the number of rows.
+
+    Raises:
+        ImportError: Parquet without pyarrow.
+        OSError: the file cannot be written; nothing of it is left behind then.
+        ValueError: an unknown suffix.
+    """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")

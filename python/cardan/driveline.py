@@ -13,6 +13,7 @@ from cardan import _core, approximations, threads
 from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
 from cardan.check import Check, check
 from cardan.equivalent import EquivalentJoint, Harmonics
+from cardan.lazy import lazily
 from cardan.load import Load
 from cardan.plan import Items, Plan, Reduction, item_index
 from cardan.result import Result
@@ -23,8 +24,9 @@ class Driveline:
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or
-    ``from_projected_bends``; leading dimensions are the batch. Drivelines are immutable: their
-    arrays are read-only, and ``with_phases`` makes a new one.
+    ``from_projected_bends``; leading dimensions are the batch. Of dask arrays these make a
+    ``cardan.lazy.LazyDriveline``, to be evaluated in pieces and anywhere. Drivelines are immutable:
+    their arrays are read-only, and ``with_phases`` makes a new one.
 
     Geometry: ``u_i`` is the unit vector along shaft ``i`` in the direction of power flow, the bend
     of joint ``j`` the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j
@@ -47,6 +49,7 @@ class Driveline:
         raise TypeError("use Driveline.from_bends, from_points, from_directions or from_slopes")
 
     @classmethod
+    @lazily(ends=0, bends=1, twists=1, phases=1)
     def from_bends(
         cls,
         bends: ArrayLike,
@@ -93,6 +96,7 @@ class Driveline:
         return cls._laid_out(n, shape, _core.from_bends(n, list(shape), *flat), flat[2])
 
     @classmethod
+    @lazily(ends=1, directions=2, phases=1)
     def from_directions(
         cls, directions: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
     ) -> Self:
@@ -116,6 +120,7 @@ class Driveline:
         return cls._along(_core.from_directions, array, n, _per_shaft("phases", phases, n, degrees))
 
     @classmethod
+    @lazily(ends=2, points=2, phases=1)
     def from_points(
         cls, points: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
     ) -> Self:
@@ -137,6 +142,7 @@ class Driveline:
         return cls._along(_core.from_points, array, n, _per_shaft("phases", phases, n, degrees))
 
     @classmethod
+    @lazily(ends=1, vertical=1, horizontal=1, phases=1)
     def from_slopes(
         cls,
         vertical: ArrayLike,
@@ -166,6 +172,7 @@ class Driveline:
         return cls.from_directions(directions, phases, degrees=degrees)
 
     @classmethod
+    @lazily(ends=0, vertical=1, horizontal=1, phases=1)
     def from_projected_bends(
         cls,
         vertical: ArrayLike,
@@ -253,7 +260,7 @@ class Driveline:
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the five arrays."""
         arrays = (self._bends, self._twists, self._phases, self._directions, self._normals)
-        return (Driveline._of, arrays)
+        return (_unpickled, arrays)
 
     def __copy__(self) -> Self:
         """Return the driveline itself: it never changes."""
@@ -457,7 +464,9 @@ class Driveline:
 
         Args:
             angle: drive angle in rad, any shape, or a ``Sweep``; broadcasts against the batch. NaN
-                and infinite angles give NaN at their own samples.
+                and infinite angles give NaN at their own samples. With an array of dask the arrays
+                of the result are dask's, a task of one thread for each chunk; with a DataArray of
+                xarray an ``xarray.Dataset`` is returned, which keeps its coordinates.
             outputs: names from ``cardan.OUTPUTS``.
             shafts: shafts for the outputs per shaft: an index, a slice or a list; by default the
                 last one.
@@ -467,21 +476,25 @@ class Driveline:
                 the samples, which is dropped; no sample is stored. The peak is the largest
                 magnitude, of a vector its largest length without an axis of components; the others
                 take vectors by component. NaN among the samples gives NaN.
-            out: arrays to fill, by output name, of the right shape and dtype. One may be the array
-                of angles itself. Filling arrays that are there saves the system's work of providing
-                new memory, which for some 10⁵ angles is more than the evaluation.
-            dtype: ``float64``, the default, or ``float32``: results, and unless ``tolerance`` says
-                otherwise the arithmetic after an exact reduction of the angles.
+            out: arrays to fill, by output name, of the right shape and dtype; they are the arrays
+                of the result then. One may be the array of angles itself. Filling arrays that are
+                there saves the system's work of providing new memory, which for some 10⁵ angles is
+                more than the evaluation.
+            dtype: ``float64``, the default whatever the dtype of the angles, or ``float32``:
+                results, and unless ``tolerance`` says otherwise the arithmetic after an exact
+                reduction of the angles.
             tolerance: permitted error, relative to each output's largest magnitude over a turn; the
                 cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
                 moments and torques), 1e-6 and more for single precision; the default is the fast
                 double (README, Accuracy and speed).
             workers: at most so many threads, ``-1`` for all cores; by default all where the work
-                repays them. The results do not depend on it.
+                repays them. The environment variable ``RAYON_NUM_THREADS`` says how many that are;
+                a forked process uses one. The results do not depend on it.
 
         Raises:
             IndexError: a shaft or joint that does not exist.
-            TypeError: angles that are not real numbers, indices that are not integers.
+            TypeError: angles that are not plain real numbers, as masked ones or ones with a unit,
+                indices that are not integers.
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
@@ -552,6 +565,11 @@ class Driveline:
             taken(self._directions),
             taken(self._normals),
         )
+
+
+def _unpickled(*arrays: FloatArray) -> Driveline:
+    # What came in a message lies anywhere in it.
+    return Driveline._of(*(np.require(array, requirements=["C", "A"]) for array in arrays))
 
 
 def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -60,6 +60,12 @@ class Load:
         }
         for name, value in values.items():
             kept = value.copy() if isinstance(value, np.ndarray) else value
+            object.__setattr__(self, name, kept)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Unpickle, with arrays of its own: what came in a message lies anywhere in it."""
+        for name, value in state.items():
+            kept = np.array(value) if isinstance(value, np.ndarray) else value
             object.__setattr__(self, name, kept)
 
 

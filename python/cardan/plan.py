@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, outputs, threads
-from cardan.arrays import FloatArray, real
+from cardan.arrays import FloatArray, library, real
 from cardan.load import Load
 from cardan.result import Result
 from cardan.sweep import Sweep
@@ -49,6 +49,7 @@ class Plan:
         "_core",
         "_dtype",
         "_inertias",
+        "_labels",
         "_level",
         "_line_shape",
         "_load",
@@ -106,6 +107,12 @@ class Plan:
             "joint": joints is not None and _is_index(joints),
         }
         count = {"shaft": len(shaft_items), "joint": len(joint_items)}
+        self._labels = (
+            shaft_items[0] if single["shaft"] else shaft_items,
+            joint_items[0] if single["joint"] else joint_items,
+            line.shape,
+            reduce,
+        )
         self._places: dict[str, _Place] = {}
         first = 0
         for name in names:
@@ -141,6 +148,9 @@ class Plan:
         if isinstance(angle, Sweep):
             angles, own = None, angle.shape
         else:
+            if type(angle) is not np.ndarray and (whose := library(angle)):
+                there: Result = _elsewhere(whose, self, angle, out)
+                return there
             angles = real("angle", angle)
             own = angles.shape
         shape = own if self._steady else self._sample_shape(own)
@@ -148,6 +158,9 @@ class Plan:
         if self._reduce:
             rows = self._rows(shape)
         given = {} if out is None else self._checked_out(out, rows)
+        if angles is not None and any(np.may_share_memory(angles, a) for a in given.values()):
+            angles = angles.copy()
+        shown = angle if angles is None else angles
         block: NDArray[Any] | None = None
         if self._reduce:
             block = np.empty((self._planes, *rows))
@@ -180,25 +193,24 @@ class Plan:
             self._level,
         )
         if block is None:
-            return Result(self._filled(given, flats, rows))
+            return Result(self._filled(given, flats, rows), self._labels, shown)
         if block.dtype != self._dtype:
             block = block.astype(self._dtype)
         arrays = {name: _view(block, place) for name, place in self._places.items()}
         for name, target in given.items():
             target[...] = arrays[name]
             arrays[name] = target
-        return Result(arrays)
+        return Result(arrays, self._labels, shown)
 
-    def _at_once(
-        self, angle: FloatArray, out: Mapping[str, NDArray[Any]] | None
-    ) -> Result | None:
+    def _at_once(self, angle: FloatArray, out: Mapping[str, NDArray[Any]] | None) -> Result | None:
         """Evaluate the short way of small calls, if the arrays are plain ones."""
         workers = threads.at_most(self._workers)
         if out is None:
             planes = np.empty((self._planes, *angle.shape))
             if not self._core.fill(angle, [planes], workers):
                 return None
-            return Result({name: planes[place.first] for name, place in self._places.items()})
+            arrays = {name: planes[place.first] for name, place in self._places.items()}
+            return Result(arrays, self._labels, angle)
         if out.keys() != self._places.keys():
             return None
         arrays = {name: out[name] for name in self._places}
@@ -208,7 +220,7 @@ class Plan:
                 return None
         if not self._core.fill(angle, list(arrays.values()), workers):
             return None
-        return Result(arrays)
+        return Result(arrays, self._labels, angle)
 
     def explain(self) -> str:
         """Return the steps taken, the steps skipped and why, operations and bytes per sample.
@@ -330,6 +342,19 @@ class Plan:
             spread("acceleration", load.acceleration),
             [(shaft, *spread("inertias", column)) for shaft, column in self._inertias.items()],
         )
+
+
+def _elsewhere(
+    whose: str,
+    plan: Plan,
+    angle: Any,  # noqa: ANN401 - an array of that library
+    out: Mapping[str, NDArray[Any]] | None,
+) -> Any:  # noqa: ANN401 - a result or a Dataset
+    """Evaluate at the angles of another library's array."""
+    # Here, because these two are built upon plans.
+    from cardan import labelled, lazy
+
+    return (labelled if whose == "xarray" else lazy).evaluate(plan, angle, out)
 
 
 def _again(*arguments: Any) -> Plan:  # noqa: ANN401 - the arguments of a plan

@@ -7,14 +7,19 @@ import os
 import zipfile
 import zlib
 from array import array
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, module
 from cardan.outputs import nearest
+
+MOST_ROWS = 100_000_000
+"""Rows of a Parquet file that are read at once at most."""
 
 
 def read_columns(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
@@ -36,27 +41,71 @@ def read_columns(path: str | PathLike[str], names: Sequence[str]) -> list[FloatA
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
-    try:
+    with _of_file(path):
         read = SUFFIXES[suffix](path, names)
         for name, column in zip(names, read, strict=True):
             if len(column) != len(read[0]):
                 raise ValueError(
                     f"column {name!r} has {len(column)} rows, {names[0]!r} has {len(read[0])}"
                 )
-            if not len(column):
-                raise ValueError(f"column {name!r} has no rows")
-            wrong = np.flatnonzero(~np.isfinite(column))
-            if wrong.size:
-                row = int(wrong[0])
-                raise ValueError(
-                    f"row {row}, counted from 0, column {name!r} is {column[row]}; "
-                    "it must be finite"
-                )
+        _check_finite(names, read, 0)
+    return read
+
+
+class Chunk(NamedTuple):
+    """Some rows of columns."""
+
+    first: int
+    columns: list[FloatArray]
+    total: int
+
+
+def read_chunks(path: str | PathLike[str], names: Sequence[str], rows: int) -> Iterator[Chunk]:
+    """Yield columns of a Parquet file in chunks of so many rows, each as ``read_columns`` does.
+
+    Memory is that of a chunk, however long the file and its row groups are.
+
+    Raises:
+        ImportError: pyarrow is missing.
+        OSError: the file cannot be read.
+        ValueError: as for ``read_columns``; a file of another format.
+    """
+    if Path(path).suffix != ".parquet":
+        raise ValueError(f"{os.fspath(path)} must end in .parquet to be read by chunks")
+    with _of_file(path), _parquet_file(path, names) as file:
+        total = file.metadata.num_rows
+        if not total:
+            _check_finite(names, [np.empty(0)], 0)
+        first = 0
+        for batch in file.iter_batches(rows, columns=list(names)):
+            read = _of_arrow(batch, names, first)
+            _check_finite(names, read, first)
+            yield Chunk(first, read, total)
+            first += batch.num_rows
+
+
+@contextmanager
+def _of_file(path: str | PathLike[str]) -> Iterator[None]:
+    """Put the file in front of what is wrong with it."""
+    try:
+        yield
     except UnicodeDecodeError as error:
         raise ValueError(f"{os.fspath(path)}: not UTF-8 text at byte {error.start}") from None
     except ValueError as error:
         raise ValueError(f"{os.fspath(path)}: {error}") from None
-    return read
+
+
+def _check_finite(names: Sequence[str], read: Sequence[FloatArray], first: int) -> None:
+    for name, column in zip(names, read, strict=False):
+        if not len(column):
+            raise ValueError(f"column {name!r} has no rows")
+        finite = np.isfinite(column)
+        if not finite.all():
+            row = int(np.argmin(finite))
+            raise ValueError(
+                f"row {first + row}, counted from 0, column {name!r} is {column[row]}; "
+                "it must be finite"
+            )
 
 
 def _csv(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
@@ -113,30 +162,45 @@ def _short(text: str) -> str:
 
 
 def _parquet(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ModuleNotFoundError:
-        hint = "a .parquet file needs pyarrow: pip install 'cardan[table]'"
-        raise ModuleNotFoundError(hint) from None
+    with _parquet_file(path, names) as file:
+        if file.metadata.num_rows > MOST_ROWS:
+            raise ValueError(
+                f"{file.metadata.num_rows} rows are too many to be read at once, "
+                f"{MOST_ROWS} at most; cardan stream takes any number"
+            )
+        return _of_arrow(file.read(columns=list(names)), names, 0)
+
+
+@contextmanager
+def _parquet_file(path: str | PathLike[str], names: Sequence[str]) -> Iterator[Any]:
+    """An open Parquet file that has the columns, of numbers."""
+    pyarrow, parquet = module("pyarrow", "table"), module("pyarrow.parquet", "table")
     # Opened here, because pyarrow's own message for a missing file names no file.
     with open(path, "rb") as source:
         try:
-            file = parquet.ParquetFile(source)
+            # With a buffer a row group is read bit by bit.
+            file = parquet.ParquetFile(source, buffer_size=1 << 20, pre_buffer=False)
             schema = file.schema_arrow
             for name in names:
                 kind = schema.field(_place(name, schema.names)).type
                 if not (pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind)):
                     raise ValueError(f"column {name!r} holds {kind}; it must hold numbers")
-            table = file.read(columns=list(names))
+            yield file
         except (pyarrow.ArrowException, OSError) as error:
             reason = " ".join(str(error).split())
             raise ValueError(f"not a readable Parquet file: {_short(reason)}") from None
+
+
+def _of_arrow(
+    table: Any,  # noqa: ANN401 - a table or a batch of pyarrow
+    names: Sequence[str],
+    first: int,
+) -> list[FloatArray]:
     for name in names:
         if table[name].null_count:
-            row = table[name].is_null().index(True).as_py()
-            raise ValueError(f"row {row}, counted from 0, column {name!r} is empty")
-    return [table[name].to_numpy().astype(np.float64) for name in names]
+            row = int(np.argmin(np.asarray(table[name].is_valid())))
+            raise ValueError(f"row {first + row}, counted from 0, column {name!r} is empty")
+    return [np.asarray(table[name]).astype(np.float64, copy=False) for name in names]
 
 
 # A RuntimeError is a flag of the archive that asks for what it does not have, as a password.

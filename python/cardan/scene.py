@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
@@ -16,7 +16,7 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
-from cardan.recording import read_columns
+from cardan.recording import read_chunks, read_columns
 from cardan.result import Result
 from cardan.scene_document import Document
 from cardan.scene_format import FORMAT, FORMS, Form, describe
@@ -101,6 +101,43 @@ class Scene:
         return cls._of(Document(text, name), Path(folder))
 
     @classmethod
+    def parts(cls, path: str | PathLike[str], rows: int) -> Iterator[tuple[Self, int]]:
+        """Read a scene file whose recorded angles may be too many to be held.
+
+        Args:
+            path: the scene file.
+            rows: at most so many angles at a time.
+
+        Yields:
+            the scene with the next angles, and the number of all.
+
+        Raises:
+            ImportError: pyarrow is missing.
+            OSError: the file or its recording cannot be read.
+            ValueError: as for ``load``; no recording or curves in Parquet files; a key of which the
+                value needs all angles.
+        """
+        document, folder = Document(_text(path), fspath(path)), Path(path).parent
+        recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
+        with document.within(""):
+            if not recorded or "study" in document.sections:
+                raise ValueError("it must have a section [angles] and no [study] to be streamed")
+        with document.within("output"):
+            if not str(output.get("curves", "")).endswith(".parquet"):
+                raise ValueError("curves must name a .parquet file for a scene to be streamed")
+            for key in ("reduce", "closed_forms", "table", "picture"):
+                if key in output:
+                    raise ValueError(f"{key} does not go with streaming; it needs all angles")
+        chunks = read_chunks(folder / recorded["file"], _Angles.columns(recorded), rows)
+        while True:
+            with document.within("angles"):
+                chunk = next(chunks, None)
+                if chunk is None:
+                    return
+                angle = _Angles.of(recorded, folder, chunk.columns, chunk.first)
+            yield cls._of(document, folder, angle), chunk.total
+
+    @classmethod
     def validate(cls, path: str | PathLike[str]) -> list[str]:
         """Return what is wrong with a scene file, a line each; nothing if it is right.
 
@@ -125,7 +162,7 @@ class Scene:
         return scene_format.schema()
 
     @classmethod
-    def _of(cls, document: Document, folder: Path) -> Self:
+    def _of(cls, document: Document, folder: Path, angle: _Angles | None = None) -> Self:
         given = document.sections
         output, recorded = given.get("output", {}), given.get("angles", {})
         driveline, loaded = given.get("driveline", {}), given.get("load")
@@ -137,7 +174,8 @@ class Scene:
             if "sweep" in given and "angles" in given:
                 raise ValueError("sections [sweep] and [angles] are both given; give one of them")
         with document.within("angles"):
-            angle = _Angles.recorded(recorded, folder) if recorded else None
+            if recorded and angle is None:
+                angle = _Angles.recorded(recorded, folder)
         with document.within("sweep"):
             angle = angle or _Angles.swept(given.get("sweep", {}))
         with document.within("driveline"):
@@ -219,12 +257,16 @@ class Scene:
         Raises:
             ValueError: a point of the study that makes no driveline; the message names it.
         """
-        values = self.line.evaluate(self.drive_angle, self.quantities, **self._arguments())
+        values = self.evaluate()
         try:
             study = self.study.run(progress) if self.study else None
         except ValueError as error:
             raise ValueError(f"{self.name}: [study] {error}") from None
         return SceneResult(self, values, study)
+
+    def evaluate(self) -> Result:
+        """Return the quantities over the drive angles."""
+        return self.line.evaluate(self.drive_angle, self.quantities, **self._arguments())
 
     def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
         """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
@@ -313,17 +355,30 @@ class _Angles:
 
     @classmethod
     def recorded(cls, values: Mapping[str, Any], folder: Path) -> Self:
+        return cls.of(values, folder, read_columns(folder / values["file"], cls.columns(values)), 0)
+
+    @staticmethod
+    def columns(values: Mapping[str, Any]) -> list[str]:
         in_degrees = "angle_column_deg" in values
         angles = values["angle_column_deg" if in_degrees else "angle_column_rad"]
+        return [angles, *values.get("bend_columns_deg", [])]
+
+    @classmethod
+    def of(
+        cls, values: Mapping[str, Any], folder: Path, read: Sequence[FloatArray], first: int
+    ) -> Self:
+        """Take columns as they were read, from some row on."""
+        column, *bend_columns = read
         bends = values.get("bend_columns_deg", [])
-        column, *bend_columns = read_columns(folder / values["file"], [angles, *bends])
         for name, bend in zip(bends, bend_columns, strict=True):
             wrong = np.flatnonzero(~((bend >= 0.0) & (bend < 90.0)))
             if wrong.size:
+                row = first + wrong[0]
                 raise ValueError(
-                    f"{folder / values['file']}: row {wrong[0]}, counted from 0, column {name!r} "
+                    f"{folder / values['file']}: row {row}, counted from 0, column {name!r} "
                     f"is {bend[wrong[0]]}; a bend must lie in [0, 90) deg"
                 )
+        in_degrees = "angle_column_deg" in values
         radians = np.radians(column) if in_degrees else column
         degrees = column if in_degrees else np.degrees(column)
         return cls(degrees, radians, radians, np.stack(bend_columns, -1) if bends else None)

@@ -6,12 +6,12 @@ import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, module
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
@@ -20,6 +20,9 @@ from cardan.reductions import CLOSED_FORMS, reduced
 from cardan.scene_format import FORMAT, Form
 from cardan.scene_parts import make_driveline, make_load
 from cardan.scene_values import VECTORS, Spread, shown
+
+if TYPE_CHECKING:
+    import xarray
 
 MOST_ROWS = 10_000_000
 """Rows that a study takes at most."""
@@ -94,6 +97,45 @@ class StudyResult:
         grids = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij", copy=False)
         return {axis.key: grid for axis, grid in zip(self.axes, grids, strict=True)}
 
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the figures as variables over the keys that are varied, with their units.
+
+        Raises:
+            ImportError: xarray is missing.
+        """
+        library = module("xarray", "xarray")
+        keys = tuple(axis.key for axis in self.axes)
+        figures = {
+            column.name: (keys, self.values[column.name], {"units": column.unit})
+            for column in self.columns
+        }
+        made: xarray.Dataset = library.Dataset(figures, {a.key: a.values for a in self.axes})
+        return made
+
+
+@dataclass(frozen=True, eq=False)
+class StudyPart:
+    """Some rows of the table of a study.
+
+    Attributes:
+        axes: what is varied.
+        rows: which rows of the grid.
+        columns: what the figures are.
+        values: the figures in SI units by the name of their column, ``(rows,)``.
+    """
+
+    axes: tuple[Axis, ...]
+    rows: range
+    columns: tuple[Column, ...]
+    values: Mapping[str, FloatArray]
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the values of every axis at these rows, by key."""
+        return {
+            axis.key: axis.values[place]
+            for axis, place in zip(self.axes, _places(self.axes, self.rows), strict=True)
+        }
+
 
 @dataclass(frozen=True, eq=False)
 class Study:
@@ -141,19 +183,24 @@ class Study:
         Raises:
             ValueError: a point of the grid that makes no driveline; the message names it.
         """
-        rows = math.prod(self.shape)
+        part = self.part(range(math.prod(self.shape)), progress)
+        values = {name: figures.reshape(self.shape) for name, figures in part.values.items()}
+        return StudyResult(self.axes, part.columns, values)
+
+    def part(self, rows: range, progress: Progress | None = None) -> StudyPart:
+        """Evaluate some rows of the grid as ``run`` does all of them, to the same bits."""
         columns: dict[str, Column] = {}
         table: dict[str, FloatArray] = {}
-        for first, line, load in self.blocks():
+        for first, line, load in self.blocks(rows):
+            done = first - rows.start
             for column, figures in self._figures(line, load):
                 if column.name not in table:
                     columns[column.name] = column
-                    table[column.name] = np.empty(rows)
-                table[column.name][first : first + len(figures)] = figures
+                    table[column.name] = np.empty(len(rows))
+                table[column.name][done : done + len(figures)] = figures
             if progress:
-                progress(first + line.shape[0], rows)
-        values = {name: figures.reshape(self.shape) for name, figures in table.items()}
-        return StudyResult(self.axes, tuple(columns.values()), values)
+                progress(done + line.shape[0], len(rows))
+        return StudyPart(self.axes, rows, tuple(columns.values()), table)
 
     def check_ends(self) -> None:
         """Refuse a study with values out of range at either end of an axis.
@@ -171,21 +218,21 @@ class Study:
             yield int(np.argmax(axis.values)) * step
             yield int(np.argmin(axis.values)) * step
 
-    def blocks(self) -> Iterator[tuple[int, Driveline, Load | None]]:
-        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid."""
-        rows = math.prod(self.shape)
+    def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
+        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows."""
+        rows = range(math.prod(self.shape)) if rows is None else rows
         items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
         outputs = [OUTPUTS[name] for name in self.quantities]
         planes = sum(items[output.per] * (3 if output.vector else 1) for output in outputs)
         # The geometry of one joint takes some 30 doubles itself, several times over.
         geometry = 64 * len(self.driveline[self.form.keys[0]])
         block = max(1, _BLOCK // max(geometry, planes * np.size(self.angle)))
-        for first in range(0, rows, block):
-            yield first, *self._block(np.arange(first, min(first + block, rows)))
+        for first in rows[::block]:
+            yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
 
     def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
         """The drivelines and loads of some rows of the grid."""
-        places = np.unravel_index(rows, self.shape) if self.axes else ()
+        places = _places(self.axes, rows)
         driveline, load = dict(self.driveline), dict(self.load or {})
         try:
             for axis, place in zip(self.axes, places, strict=True):
@@ -343,6 +390,11 @@ def _listed(values: Spread | list[float]) -> FloatArray:
     # Dividing last keeps round values round.
     spread: FloatArray = start + (stop - start) * np.arange(steps) / max(steps - 1, 1)
     return spread
+
+
+def _places(axes: Sequence[Axis], rows: Any) -> tuple[Any, ...]:  # noqa: ANN401 - integers
+    """For each axis, which of its values belongs to each row of the grid."""
+    return np.unravel_index(rows, [len(axis.values) for axis in axes]) if axes else ()
 
 
 def _put(values: dict[str, Any], axis: Axis, column: FloatArray) -> None:

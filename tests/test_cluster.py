@@ -1,0 +1,264 @@
+"""Studies on a cluster: killed anywhere they go on, and end as in one process."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+pytest.importorskip("distributed")
+parquet = pytest.importorskip("pyarrow.parquet")
+
+from cardan import cluster, curves  # noqa: E402
+from cardan.command import commands  # noqa: E402
+from cardan.scene import Scene  # noqa: E402
+
+SCENE = """\
+[driveline]
+slopes_vertical_deg = [-3, -7, -4]
+slopes_horizontal_deg = [0, 1.5, 0]
+[load]
+speed_rpm = 1000
+output_torque_Nm = 50
+[sweep]
+samples_per_turn = 72
+[study]
+slopes_vertical_deg.1 = {from = -15, to = 2, steps = 61}
+slopes_vertical_deg.2 = [-2, -3, -4]
+[output]
+quantities = ["speed_ratio", "moment"]
+reduce = ["peak", "mean", "rms"]
+table = "study.parquet"
+"""
+ROWS = 61 * 3
+PART = 5
+PARTS = 37
+
+# A client with two worker processes that take their time and note what they have written.
+CLIENT = """\
+import os
+import sys
+import time
+
+import distributed
+
+from cardan import cluster
+from cardan.scene import Scene
+
+
+class Slow(distributed.WorkerPlugin):
+    def setup(self, worker):
+        write = cluster.write_columns
+
+        def slow(path, table):
+            time.sleep(0.1)
+            write(path, table)
+            with open(sys_argv[3], "a") as log:
+                log.write(f"{path.name}\\n")
+
+        cluster.write_columns = slow
+
+
+if __name__ == "__main__":
+    sys_argv = sys.argv
+    with cluster.connect(processes=2) as client:
+        client.register_plugin(Slow())
+        print(*client.run(os.getpid).values(), flush=True)
+        cluster.write_study(Scene.load(sys.argv[1]).study, sys.argv[2], client, part_rows=5)
+"""
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Any]:
+    with cluster.connect(processes=2) as connected:
+        yield connected
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    return path
+
+
+def wait_for(what: Callable[[], bool]) -> None:
+    end = time.monotonic() + 60
+    while not what():
+        assert time.monotonic() < end, "waited a minute"
+        time.sleep(0.01)
+
+
+def alive(process: int) -> bool:
+    try:
+        # A process that has ended but not been waited for is still there.
+        return Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def in_one_process(scene: Path) -> Any:  # noqa: ANN401 - a table
+    path = scene.with_name("one.parquet")
+    result = Scene.load(scene).run().study
+    assert result
+    curves.write_study(result, path)
+    return parquet.read_table(path)
+
+
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc here")
+def test_a_worker_and_then_the_run_are_killed_and_it_goes_on(
+    scene: Path,
+    tmp_path: Path,
+    client: Any,  # noqa: ANN401
+) -> None:
+    folder, log, script = tmp_path / "study.parquet", tmp_path / "log", tmp_path / "client.py"
+    script.write_text(CLIENT)
+
+    def there() -> dict[str, tuple[int, int]]:
+        found = {path.name: path.stat() for path in folder.glob("part-*.parquet")}
+        return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in found.items()}
+
+    with subprocess.Popen(
+        [sys.executable, str(script), str(scene), str(folder), str(log)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+    ) as run:
+        assert run.stdout
+        workers = [int(word) for word in run.stdout.readline().split()]
+        assert len(workers) == 2
+        wait_for(lambda: len(there()) >= 3)
+        os.kill(workers[0], signal.SIGKILL)
+        before = len(there())
+        # The other one alone would do: what the dead one was at must be done as well.
+        wait_for(lambda: len(there()) >= before + 6)
+        assert run.poll() is None
+        run.kill()
+    wait_for(lambda: not alive(workers[1]))
+    kept = there()
+    assert 9 <= len(kept) < PARTS
+    # Whole or not at all.
+    assert all(parquet.read_metadata(folder / name).num_rows for name in kept)
+
+    study = Scene.load(scene).study
+    assert study
+    steps: list[tuple[int, int]] = []
+    written = cluster.write_study(
+        study, folder, client, progress=lambda done, rows: steps.append((done, rows))
+    )
+    assert written == cluster.Written(folder, ROWS, PARTS, len(kept))
+    assert len(steps) == PARTS - len(kept)
+    assert steps[-1] == (ROWS, ROWS)
+    after = there()
+    assert len(after) == PARTS
+    assert {name: after[name] for name in kept} == kept
+    assert max(Counter(log.read_text().split()).values()) == 1
+    assert parquet.read_table(folder).equals(in_one_process(scene))
+    assert sorted(path.name for path in folder.iterdir()) == ["_study.json", *sorted(after)]
+
+
+def test_the_command_writes_a_folder_and_goes_on(
+    scene: Path,
+    tmp_path: Path,
+    client: Any,  # noqa: ANN401
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(cluster, "_SAMPLES", 72 * 9 * 50)
+    folder = tmp_path / "study.parquet"
+    arguments = ["run", str(scene), "--into", str(tmp_path), "--scheduler"]
+    arguments.append(client.scheduler.address)
+    first = CliRunner().invoke(commands(), arguments)
+    assert first.exit_code == 0, first.output
+    assert first.output.splitlines()[-1] == f"wrote {folder} (183 rows in 4 files)"
+    assert parquet.read_table(folder).equals(in_one_process(scene))
+    (folder / "part-000002.parquet").unlink()
+    again = CliRunner().invoke(commands(), [*arguments, "--json"])
+    assert json.loads(again.output)["files"] == [
+        {"file": str(folder), "rows": 183, "parts": 4, "found": 3}
+    ]
+    assert parquet.read_table(folder).equals(in_one_process(scene))
+
+    for line, other, differ in (
+        ("speed_rpm = 1000", "speed_rpm = 1001", "load"),
+        ("steps = 61", "steps = 62", "axes"),
+        ("samples_per_turn = 72", "samples_per_turn = 73", "drive angles"),
+        ('"rms"]', '"rms"]\ntolerance = 0', "options"),
+    ):
+        scene.write_text(SCENE.replace(line, other))
+        refused = CliRunner().invoke(commands(), arguments)
+        assert refused.exit_code == 2
+        assert f"{folder} holds another study, of other {differ}; remove it" in refused.output
+        assert refused.stderr.count("\n") == 1
+    scene.write_text(f"title = 'other words'\n{SCENE}workers = 1\n")
+    assert CliRunner().invoke(commands(), arguments).exit_code == 0
+
+
+def test_a_point_that_makes_no_driveline_is_named(
+    scene: Path,
+    tmp_path: Path,
+    client: Any,  # noqa: ANN401
+) -> None:
+    # The ends of the axes are right, so that it is found on the way.
+    text = "[driveline]\nslopes_vertical_deg = [0, 0]\nslopes_horizontal_deg = [0, 0]\n[study]\n"
+    text += "slopes_vertical_deg.0 = [0, -60, 60]\nslopes_vertical_deg.1 = [0, 60]\n"
+    scene.write_text(f"{text}[output]\ntable = 'study.parquet'")
+    study = Scene.load(scene).study
+    assert study
+    point = r"slopes_vertical_deg\.0 = -60, slopes_vertical_deg\.1 = 60"
+    with pytest.raises(ValueError, match=f"^at {point}: .* a bend must lie in"):
+        cluster.write_study(study, tmp_path / "study.parquet", client, part_rows=2)
+
+
+@pytest.mark.parametrize(
+    ("scene_text", "options", "message"),
+    [
+        (SCENE, ["--local", "2", "--scheduler", "x"], "are both given; give one of them"),
+        (SCENE.replace(".parquet", ".csv"), ["--local", "2"], "--local needs a scene with a study"),
+        ("[driveline]\nbends_deg = [3]\n", ["--scheduler", "x"], "--scheduler needs a scene with"),
+        (SCENE, ["--scheduler", "tcp://127.0.0.1:9"], "tcp://127.0.0.1:9: no dask scheduler"),
+        (SCENE, ["--scheduler", "nonsense"], "nonsense: no dask scheduler answers"),
+    ],
+)
+def test_what_cannot_be_done(
+    tmp_path: Path, scene_text: str, options: list[str], message: str
+) -> None:
+    import dask
+
+    path = tmp_path / "a.toml"
+    path.write_text(scene_text)
+    with dask.config.set({"distributed.comm.timeouts.connect": "300ms"}):
+        result = CliRunner().invoke(commands(), ["run", str(path), *options])
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_folders_of_others_are_left_alone(
+    scene: Path,
+    tmp_path: Path,
+    client: Any,  # noqa: ANN401
+) -> None:
+    study = Scene.load(scene).study
+    assert study
+    folder = tmp_path / "study.parquet"
+    folder.mkdir()
+    (folder / "data.parquet").write_bytes(b"theirs")
+    with pytest.raises(ValueError, match="holds other files; a study needs a folder of its own"):
+        cluster.write_study(study, folder, client)
+    (folder / "_study.json").write_text("{}")
+    with pytest.raises(ValueError, match="does not say which study the folder holds"):
+        cluster.write_study(study, folder, client)
+    assert sorted(os.listdir(folder)) == ["_study.json", "data.parquet"]
+    file = tmp_path / "file.parquet"
+    file.write_bytes(b"")
+    with pytest.raises(OSError, match=r"file\.parquet"):
+        cluster.write_study(study, file, client)
