@@ -1,4 +1,4 @@
-"""Draw the angles of the conventions: python docs/drawings/draw.py writes the drawings beside it."""
+"""Draw the angles of the conventions: running this writes the drawings beside it."""
 
 from __future__ import annotations
 
