@@ -18,7 +18,7 @@ ROOT = Path(__file__).parent.parent
 
 _FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.DOTALL)
 _INCLUDE = re.compile(r"^\{\{ (\S+) \}\}$", re.MULTILINE)
-_HEADING = re.compile(r"^(?=#+ )", re.MULTILINE)
+_LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
 
 
 def on_page_content(html: str, **_: Any) -> str:  # noqa: ANN401
@@ -33,7 +33,7 @@ def _formula(match: re.Match[str]) -> str:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
-    """Put in what ``{{ file }}`` names: a text of the project, or the keys of scene files.
+    """Put in what ``{{ … }}`` names: a text of the project, the outputs or the commands.
 
     What the benches have not written yet is left out.
     """
@@ -42,19 +42,52 @@ def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
 
 def included(name: str) -> str:
     """Return the text to put in for a name."""
+    own = {"scene-keys": scene_keys, "outputs": outputs, "commands": command_help}
+    if name in own:
+        return own[name]()
     path = ROOT / name
-    if name.startswith("benches/") and not path.exists():
+    if not path.exists():
         return ""
-    text = path.read_text(encoding="utf-8")
-    if path.suffix == ".json":
-        return scene_keys(json.loads(text))
-    # Its title goes, its sections become sections of the page.
-    text = re.sub(r"\A# .*\n", "", text)
-    return text if "\n## " in text else _HEADING.sub("#", text)
+    # Its title goes, its sections become sections of the page; pictures lie beside it, and what
+    # else it links to is not part of the site.
+    text = re.sub(r"\A# .*\n", "", path.read_text(encoding="utf-8"))
+    folder = path.parent.relative_to(ROOT).as_posix()
+    return _LINK.sub(lambda link: f"![{link[2]}]({folder}/{link[3]})" if link[1] else link[2], text)
 
 
-def scene_keys(schema: dict[str, Any]) -> str:
-    """Return a table of keys per section of the schema of scenes."""
+def outputs() -> str:
+    """Return a table of what can be evaluated."""
+    from cardan import OUTPUTS
+
+    rows = [
+        f"| `{name}` | {output.per} | {output.unit} | {output.meaning} |"
+        for name, output in OUTPUTS.items()
+    ]
+    return "\n".join(["| output | per | unit | meaning |", "|---|---|---|---|", *rows])
+
+
+def command_help() -> str:
+    """Return what every command says with ``--help``."""
+    import click
+
+    from cardan.command import commands
+
+    group = commands()
+    parts = []
+    with click.Context(group, info_name="cardan") as parent:
+        parts.append(f"```text\n{group.get_help(parent)}\n```")
+        for name in group.list_commands(parent):
+            command = group.get_command(parent, name)
+            assert command is not None
+            with click.Context(command, info_name=name, parent=parent) as context:
+                shown = command.get_help(context)
+            parts.append(f"## `cardan {name}`\n\n```text\n{shown}\n```")
+    return "\n\n".join(parts)
+
+
+def scene_keys() -> str:
+    """Return a table of keys per section of a scene, from the JSON Schema."""
+    schema = json.loads((ROOT / "docs" / "scene.schema.json").read_text(encoding="utf-8"))
     lines = ["| key | holds |", "|---|---|"]
     sections = []
     for name, value in schema["properties"].items():

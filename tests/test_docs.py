@@ -22,7 +22,10 @@ DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 
 # What a page needs beside the extras of the tests.
-NEEDS = {"howto/cluster.md": ("dask", "xarray", "cardan.lazy")}
+NEEDS = {
+    "howto/cluster.md": ("dask", "cardan.cluster"),
+    "howto/labelled.md": ("xarray", "pandas", "pyarrow", "cardan.labelled"),
+}
 
 
 @dataclass(frozen=True)
