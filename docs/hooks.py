@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parent.parent
 
 _FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.DOTALL)
+# A function, with its power, that is not followed by a bracket: there a thin space belongs.
+_NAME = "<mi>(?:arcsin|arctan|arg|cosh|cos|ln|sec|sinh|sin|tan)</mi>"
+_FUNCTION = re.compile(
+    rf"((?<!<msup>){_NAME}|<msup>{_NAME}.*?</msup>)(?!<mo[^>]*>&#x00028;|</mrow>)"
+)
 _INCLUDE = re.compile(r"^\{\{ (\S+) \}\}$", re.MULTILINE)
 _LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
 
@@ -29,7 +34,8 @@ def on_page_content(html: str, **_: Any) -> str:  # noqa: ANN401
 def _formula(match: re.Match[str]) -> str:
     display = "block" if match[1] == "div" else "inline"
     latex = html.unescape(match[2]).strip().removeprefix("\\(").removeprefix("\\[")
-    return str(convert(latex.removesuffix("\\)").removesuffix("\\]").strip(), display=display))
+    latex = latex.removesuffix("\\)").removesuffix("\\]").strip()
+    return _FUNCTION.sub(r'\1<mspace width="0.17em"/>', convert(latex, display=display))
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
