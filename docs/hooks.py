@@ -26,9 +26,9 @@ _INCLUDE = re.compile(r"^\{\{ (\S+) \}\}$", re.MULTILINE)
 _LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
 
 
-def on_page_content(html: str, **_: Any) -> str:  # noqa: ANN401
+def on_page_content(content: str, **_: Any) -> str:  # noqa: ANN401
     """Turn formulas into MathML, which browsers show without a script."""
-    return _FORMULA.sub(_formula, html)
+    return _FORMULA.sub(_formula, content)
 
 
 def _formula(match: re.Match[str]) -> str:
