@@ -22,7 +22,7 @@ _NAME = "<mi>(?:arcsin|arctan|arg|cosh|cos|ln|sec|sinh|sin|tan)</mi>"
 _FUNCTION = re.compile(
     rf"((?<!<msup>){_NAME}|<msup>{_NAME}.*?</msup>)(?!<mo[^>]*>&#x00028;|</mrow>)"
 )
-_INCLUDE = re.compile(r"^\{\{ (\S+) \}\}$", re.MULTILINE)
+_INCLUDE = re.compile(r"^\{\{ (.+?) \}\}$", re.MULTILINE)
 _LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
 
 
@@ -39,7 +39,7 @@ def _formula(match: re.Match[str]) -> str:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
-    """Put in what ``{{ … }}`` names: a text of the project, the outputs or the commands.
+    """Put in what ``{{ … }}`` names: a text of the project or a section of it, outputs, commands.
 
     What the benches have not written yet is left out.
     """
@@ -51,12 +51,16 @@ def included(name: str) -> str:
     own = {"scene-keys": scene_keys, "outputs": outputs, "commands": command_help}
     if name in own:
         return own[name]()
-    path = ROOT / name
+    file, _, heading = name.partition("#")
+    path = ROOT / file
     if not path.exists():
         return ""
+    text = path.read_text(encoding="utf-8")
+    if heading:
+        text = text.split(f"\n## {heading}\n")[1].split("\n## ")[0]
     # Its title goes, its sections become sections of the page; pictures lie beside it, and what
     # else it links to is not part of the site.
-    text = re.sub(r"\A# .*\n", "", path.read_text(encoding="utf-8"))
+    text = re.sub(r"\A# .*\n", "", text)
     folder = path.parent.relative_to(ROOT).as_posix()
     return _LINK.sub(lambda link: f"![{link[2]}]({folder}/{link[3]})" if link[1] else link[2], text)
 

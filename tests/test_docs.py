@@ -103,6 +103,21 @@ def test_the_drawings_are_those_of_the_script(tmp_path: Path) -> None:
         assert path.read_text("utf-8") == (DOCS / "drawings" / path.name).read_text("utf-8")
 
 
+@pytest.mark.parametrize("name", ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"])
+def test_links(name: str) -> None:
+    text = (ROOT / name).read_text("utf-8")
+    links = re.findall(r"\]\((?!https?:|#)([^)#]+)", text)
+    assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_contributing_names_what_ci_runs() -> None:
+    ci = "".join((ROOT / ".ci" / name).read_text("utf-8") for name in ("run", "packages"))
+    shown = "\n".join(block.text for block in blocks((ROOT / "CONTRIBUTING.md").read_text("utf-8")))
+    steps = {step.split("#")[0].strip() for step in re.split(r"&&|\n", shown)} - {""}
+    by_hand = {"maturin develop --release"}
+    assert {step for step in steps if step not in ci and "pip install" not in step} == by_hand
+
+
 def test_every_page_is_in_the_navigation() -> None:
     listed = re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text("utf-8"))
     assert sorted(listed) == sorted(page.relative_to(DOCS).as_posix() for page in PAGES)
