@@ -29,10 +29,13 @@ def test_script(script: Path, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert done.stdout == SHOWN.get(script.stem, done.stdout)
     assert done.stdout
-    for name in re.findall(r"(?:writes|savefig\(\") ?(\w+\.svg)", script.read_text("utf-8")):
-        assert "<svg" in (tmp_path / name).read_text(encoding="utf-8")
+    if script.stem == "grossmann":
+        assert "<svg" in (tmp_path / "grossmann.svg").read_text(encoding="utf-8")
+    if script.stem == "pictures":
+        drawn = {path.name for path in (tmp_path / "pictures").iterdir()}
+        assert drawn == {path.name for path in (ROOT / "docs" / "pictures").iterdir()}
 
 
 def test_the_documentation_shows_them() -> None:
-    # That of all pictures is shown by its pictures.
+    # What draws every picture is shown by its pictures.
     assert set(SHOWN) == {script.stem for script in SCRIPTS} - {"pictures"}
