@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
@@ -81,15 +82,13 @@ def test_snippets(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     names: dict[str, object] = {"__name__": "__main__"}
-    printed = ""
-    for block in blocks(page.read_text(encoding="utf-8")):
-        if block.language == "text":
-            assert printed.rstrip("\n") == block.text.rstrip("\n")
-            printed = ""
-        else:
-            assert not printed or block.language != "python", f"not shown: {printed}"
-            printed = run_block(block, names)
-    assert not printed or block.language == "sh", f"not shown: {printed}"
+    shown = [*blocks(page.read_text(encoding="utf-8")), Block("", "", "")]
+    for block, following in pairwise(shown):
+        printed = run_block(block, names)
+        if block.language != "text" and following.language == "text":
+            assert printed.rstrip("\n") == following.text.rstrip("\n")
+        elif block.language == "python":
+            assert not printed, "it prints something that is not shown"
 
 
 def test_there_is_something_to_run() -> None:
