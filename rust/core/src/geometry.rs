@@ -80,6 +80,14 @@ impl Geometry {
 
     /// From `n + 2` points: the ends of the driveline and the joint centres between them.
     ///
+    /// ```
+    /// use cardan::{Geometry, Vector};
+    /// let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0], [3.0, 1.0]];
+    /// let line = Geometry::from_points(&points.map(|[x, y]| Vector::new(x, y, 0.0)), &[0.0])?;
+    /// assert!(line.bends.iter().all(|bend| (bend.to_degrees() - 45.0).abs() < 1e-12));
+    /// # Ok::<(), cardan::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// Two successive points that are equal or not finite; otherwise as `from_directions`.
     pub fn from_points(points: &[Vector], phases: &[f64]) -> Result<Self> {

@@ -47,6 +47,12 @@ impl Sweep {
 
     /// `count` angles from 0 on, `per_turn` to a turn.
     ///
+    /// ```
+    /// let sweep = cardan::Sweep::of_turns(1440, 720)?;
+    /// assert_eq!(sweep.at(180), std::f64::consts::FRAC_PI_2);
+    /// # Ok::<(), cardan::Error>(())
+    /// ```
+    ///
     /// # Errors
     /// No angles or none to a turn, or more than [`Sweep::LONGEST`].
     pub fn of_turns(count: usize, per_turn: usize) -> Result<Self> {

@@ -13,7 +13,9 @@ mod plan;
 use pyo3::prelude::*;
 
 /// Native kernels of cardan. Private: use `cardan.Driveline`.
-#[pymodule]
+///
+/// Holds no state that threads could share unseen, so free-threaded Python keeps its lock off.
+#[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
     use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};

@@ -1,0 +1,22 @@
+"""Docstrings as Markdown: examples, tables, literal blocks and roles of plain text."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import griffe
+
+# An example up to the next empty line, a table from its first rule to its last.
+_VERBATIM = re.compile(r"^>>> .*?(?=\n\n|\Z)|^=+  =.*^=+  =[= ]*$", re.DOTALL | re.MULTILINE)
+
+
+class Docstrings(griffe.Extension):
+    """Mends what Markdown would take for quotations and paragraphs."""
+
+    def on_object(self, *, obj: griffe.Object, **_: Any) -> None:  # noqa: ANN401
+        """Fence examples and tables, let literal blocks begin with one colon, drop roles."""
+        if obj.docstring:
+            text = _VERBATIM.sub(r"```text\n\g<0>\n```", obj.docstring.value)
+            text = re.sub(r"::$", ":", text, flags=re.MULTILINE)
+            obj.docstring.value = text.replace(":func:`", "`")

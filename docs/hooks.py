@@ -1,0 +1,124 @@
+"""Build hooks of the documentation: formulas, what other parts of the project write, scene keys."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from latex2mathml.converter import convert
+
+if TYPE_CHECKING:
+    from mkdocs.config.defaults import MkDocsConfig
+    from mkdocs.structure.files import Files
+
+ROOT = Path(__file__).parent.parent
+
+_FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.DOTALL)
+# A function, with its power, that is not followed by a bracket: there a thin space belongs.
+_NAME = "<mi>(?:arcsin|arctan|arg|cosh|cos|ln|sec|sinh|sin|tan)</mi>"
+_FUNCTION = re.compile(
+    rf"((?<!<msup>){_NAME}|<msup>{_NAME}.*?</msup>)(?!<mo[^>]*>&#x00028;|</mrow>)"
+)
+_INCLUDE = re.compile(r"^\{\{ (.+?) \}\}$", re.MULTILINE)
+_LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
+
+
+def on_page_content(content: str, **_: Any) -> str:  # noqa: ANN401
+    """Turn formulas into MathML, which browsers show without a script."""
+    return _FORMULA.sub(_formula, content)
+
+
+def _formula(match: re.Match[str]) -> str:
+    display = "block" if match[1] == "div" else "inline"
+    latex = html.unescape(match[2]).strip().removeprefix("\\(").removeprefix("\\[")
+    latex = latex.removesuffix("\\)").removesuffix("\\]").strip()
+    return _FUNCTION.sub(r'\1<mspace width="0.17em"/>', convert(latex, display=display))
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
+    """Put in what ``{{ … }}`` names: a text of the project or a section of it, outputs, commands.
+
+    What the benches have not written yet is left out.
+    """
+    return _INCLUDE.sub(lambda match: included(match[1]), markdown)
+
+
+def included(name: str) -> str:
+    """Return the text to put in for a name."""
+    own = {"scene-keys": scene_keys, "outputs": outputs, "commands": command_help}
+    if name in own:
+        return own[name]()
+    file, _, heading = name.partition("#")
+    path = ROOT / file
+    if file.startswith("benches/") and not path.exists():
+        return ""
+    text = path.read_text(encoding="utf-8")
+    if heading:
+        text = text.split(f"\n## {heading}\n")[1].split("\n## ")[0]
+    # Its title goes, its sections become sections of the page; pictures lie beside it, and what
+    # else it links to is not part of the site.
+    text = re.sub(r"\A# .*\n", "", text)
+    folder = path.parent.relative_to(ROOT).as_posix()
+    return _LINK.sub(lambda link: f"![{link[2]}]({folder}/{link[3]})" if link[1] else link[2], text)
+
+
+def outputs() -> str:
+    """Return a table of what can be evaluated."""
+    from cardan import OUTPUTS
+
+    rows = [
+        f"| `{name}` | {output.per} | {output.unit} | {output.meaning} |"
+        for name, output in OUTPUTS.items()
+    ]
+    return "\n".join(["| output | per | unit | meaning |", "|---|---|---|---|", *rows])
+
+
+def command_help() -> str:
+    """Return what every command says with ``--help``."""
+    import click
+
+    from cardan.command import commands
+
+    group = commands()
+    parts = []
+    with click.Context(group, info_name="cardan") as parent:
+        parts.append(f"```text\n{group.get_help(parent)}\n```")
+        for name in group.list_commands(parent):
+            command = group.get_command(parent, name)
+            assert command is not None
+            with click.Context(command, info_name=name, parent=parent) as context:
+                shown = command.get_help(context)
+            parts.append(f"## `cardan {name}`\n\n```text\n{shown}\n```")
+    return "\n\n".join(parts)
+
+
+def scene_keys() -> str:
+    """Return a table of keys per section of a scene, from the JSON Schema."""
+    schema = json.loads((ROOT / "docs" / "scene.schema.json").read_text(encoding="utf-8"))
+    lines = ["| key | holds |", "|---|---|"]
+    sections = []
+    for name, value in schema["properties"].items():
+        if "properties" not in value:
+            lines.append(_row(name, value))
+            continue
+        sections += [f"\n## `[{name}]`\n", f"{value['description'].capitalize()}.\n"]
+        sections += ["| key | holds |", "|---|---|"]
+        sections += [_row(key, entry) for key, entry in value["properties"].items()]
+    return "\n".join(lines + sections)
+
+
+def _row(key: str, value: dict[str, Any]) -> str:
+    return f"| `{key}` | {value.get('description', '').replace('|', '/')} |"
+
+
+def on_files(files: Files, *, config: MkDocsConfig) -> Files:
+    """Add the pictures of the benches to the site."""
+    from mkdocs.structure.files import File
+
+    for picture in sorted((ROOT / "benches").glob("*.svg")):
+        uri = f"benches/{picture.name}"
+        files.append(File.generated(config, uri, abs_src_path=str(picture)))
+    return files
