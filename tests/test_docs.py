@@ -22,12 +22,6 @@ ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 
-# What a page needs beside the extras of the tests.
-NEEDS = {
-    "howto/cluster.md": ("dask", "cardan.cluster"),
-    "howto/labelled.md": ("xarray", "pandas", "pyarrow", "cardan.labelled"),
-}
-
 
 @dataclass(frozen=True)
 class Block:
@@ -77,8 +71,6 @@ def _command(line: str) -> str:
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
 def test_snippets(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in NEEDS.get(page.relative_to(DOCS).as_posix(), ()):
-        pytest.importorskip(name)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     names: dict[str, object] = {"__name__": "__main__"}
