@@ -9,21 +9,25 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib
+import matplotlib.style
 from matplotlib import pyplot
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import cardan
 from cardan import plots
 
 matplotlib.use("agg")
-matplotlib.rcParams.update(plots.STYLE)
+matplotlib.style.use(dict(plots.STYLE))
 
 folder = Path(sys.argv[1] if len(sys.argv) > 1 else "pictures")
 folder.mkdir(parents=True, exist_ok=True)
 
 
-def save(name: str, figure: Figure) -> None:
-    """Write a figure and forget it."""
+def save(name: str, drawn: Axes | Figure) -> None:
+    """Write a figure, or the one of these axes, and forget it."""
+    figure = drawn.get_figure(root=True) if isinstance(drawn, Axes) else drawn
+    assert figure is not None
     plots.save(figure, folder / f"{name}.svg")
     pyplot.close(figure)
     print(f"wrote {name}.svg")
@@ -36,27 +40,29 @@ def panels(count: int) -> tuple[Any, Any]:
 
 
 # The catalogues' figures of a single joint (Bilder 10 to 13).
-save("driven_angle", plots.plot_driven_angle().figure)
-save("angle_error", plots.plot_angle_error([10, 20, 30]).figure)
-save("largest_angle_error", plots.plot_largest_angle_error().figure)
-save("non_uniformity", plots.plot_non_uniformity().figure)
+save("driven_angle", plots.plot_driven_angle())
+save("angle_error", plots.plot_angle_error([10, 20, 30]))
+save("largest_angle_error", plots.plot_largest_angle_error())
+save("non_uniformity", plots.plot_non_uniformity())
 
 # Their worked example of a shaft bent in space (Bild 18), and the same shaft drawn.
 shaft = cardan.Driveline.from_projected_bends([15, -11.5], [7, 12], degrees=True)
-save("bend_vectors", plots.plot_bend_vectors(shaft).figure)
+save("bend_vectors", plots.plot_bend_vectors(shaft))
 shaft = shaft.with_phases(shaft.optimal_phases())
-save("spatial_shaft", plots.plot_driveline(shaft).figure)
+save("spatial_shaft", plots.plot_driveline(shaft))
 
 # Grossmann's Abb. 3 and 4, and the path of the moment vector.
-save("torque_ratio", plots.plot_torque_ratio(50).figure)
-save("bending_moments", plots.plot_bending_moments(50).figure)
+save("torque_ratio", plots.plot_torque_ratio(50))
+save("bending_moments", plots.plot_bending_moments(50))
 joint = cardan.Driveline.from_bends([50], degrees=True)
-save("hodograph", plots.plot_hodograph(joint).figure)
+save("hodograph", plots.plot_hodograph(joint))
 
 # Thoma's moments of a flywheel, exact and for small bends.
 figure, axes = panels(3)
-for ax, component in zip(axes, ("torque", "moment_x", "moment_z"), strict=True):
-    plots.plot_small_angle(component, 30, ax=ax)
+plots.plot_small_angle("torque", 30, ax=axes[0])
+plots.plot_small_angle("moment_x", 30, ax=axes[1])
+plots.plot_small_angle("moment_z", 30, ax=axes[2])
+for ax in axes:
     ax.label_outer()
 save("small_angle", figure)
 
@@ -67,12 +73,12 @@ for ax, output in zip(axes, ("angle_error", "speed_ratio", "acceleration_ratio")
     plots.plot_curves(joints, output, ax=ax)
     ax.label_outer()
 save("motion", figure)
-save("harmonics", plots.plot_harmonics(joints).figure)
+save("harmonics", plots.plot_harmonics(joints))
 
 # A truck's string of three joints from the points of a drawing, and its loads.
 points = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
 truck = cardan.Driveline.from_points(points)
-save("driveline", plots.plot_driveline(truck, points=points).figure)
+save("driveline", plots.plot_driveline(truck, points=points))
 load = cardan.Load(output_torque=4000.0)
 figure, axes = panels(3)
 plots.plot_curves(truck, "torque", load=load, shaft=0, ax=axes[0])
@@ -90,4 +96,6 @@ scene = cardan.Scene.parse("""
     bends_deg.1 = {from = 7, to = 13, steps = 121}
     phases_deg.0 = {from = -10, to = 10, steps = 81}
 """)
-save("equivalent_bend", plots.plot_study(scene.run().study).figure)
+study = scene.run().study
+assert study is not None
+save("equivalent_bend", plots.plot_study(study))

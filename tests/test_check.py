@@ -136,3 +136,22 @@ def test_turns_of_arrays() -> None:
     assert found.sense.tolist()[0] == ["clockwise", "counter-clockwise"]
     assert found.angle.shape == (2, 2)
     assert str(found).splitlines()[2] == "in one plane"
+
+
+def test_a_line_of_speeds_is_checked_together_with_a_single_driveline() -> None:
+    found = Driveline.from_bends([5, 5], degrees=True).check([100.0, 1e4])
+    assert found.passes.tolist() == [True, False]
+    assert "does not pass" in str(found)
+
+
+def test_what_is_not_a_number_is_above_no_limit() -> None:
+    found = Driveline.from_bends([5, 5], degrees=True).check(np.nan)
+    assert not found.passes
+    assert "above" not in str(found)
+    assert "is not a number" in str(found)
+
+
+def test_turns_that_are_not_finite_have_no_sense() -> None:
+    turn = workshop.turn([np.nan, np.inf, 0.0])
+    assert turn.sense.tolist() == ["unknown", "unknown", "none"]
+    assert str(turn).splitlines() == ["not a number", "not a number", "in one plane"]

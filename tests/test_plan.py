@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Plan, Sweep
-from cardan.plan import REDUCTIONS
+from cardan.plan import REDUCTIONS, Reduction
 from oracle import mp
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
@@ -461,3 +461,140 @@ def test_a_batch_is_indexed() -> None:
         batch[4]
     with pytest.raises(TypeError, match="no batch to index"):
         batch[0, 0][0]
+
+
+# --- extremes of sweeps ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("reduce", ["min", "max", "peak"])
+@pytest.mark.parametrize("tolerance", [None, 0.0, 1e-6])
+@pytest.mark.parametrize(
+    "sweep",
+    [
+        Sweep(0.0, 1.0, 3000),
+        Sweep(2.9, -9.3, 4321),
+        Sweep(-700.0, 5.0, 100_003),
+        Sweep.revolutions(1, 7200),
+        Sweep.revolutions(2.5, 2000),
+        Sweep(0.0, 400.0, 1500),
+    ],
+)
+def test_extremes_of_sweeps_are_those_of_all_samples(
+    sweep: Sweep, tolerance: float | None, reduce: Reduction
+) -> None:
+    names = ("angle_error", "speed_ratio", "acceleration_ratio")
+    for line in (
+        Driveline.from_bends([[[0.5]], [[0.0]], [[1.5]], [[1e-3]]]),
+        Driveline.from_bends([[0.3, 0.0, 0.4], [0.7, 0.9, 1.1]], [0.2, 1.0], [0.4, -2.0])[:, None],
+    ):
+        settings: dict[str, Any] = {"shafts": [1, -1], "tolerance": tolerance}
+        samples = line.plan(names, **settings)(np.asarray(sweep))
+        found = line.plan(names, reduce=reduce, **settings)(sweep)
+        for name in names:
+            size = np.abs(samples[name]) if reduce == "peak" else samples[name]
+            wanted = size.min(axis=-1) if reduce == "min" else size.max(axis=-1)
+            # The array holds rounded angles; single precision has its own rounding.
+            scale = np.abs(samples[name]).max(axis=-1)
+            bound = 2e-6 if tolerance == 1e-6 else 1e-11
+            np.testing.assert_allclose(found[name], wanted, rtol=0, atol=bound * scale.max())
+
+
+def test_extremes_of_sweeps_are_samples() -> None:
+    line = Driveline.from_bends([0.5])
+    sweep = Sweep.revolutions(1, 1000)
+    samples = line.evaluate(sweep, "angle_error").angle_error
+    assert line.evaluate(sweep, "angle_error", reduce="max").angle_error == samples.max()
+    # The closed form lies between two samples.
+    assert samples.max() < line.equivalent().max_angle_error
+
+
+# --- what a search has found -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("tolerance", [None, 0.0])
+def test_sweeps_keep_their_digits_beside_quarter_turns(tolerance: float | None) -> None:
+    line = Driveline.from_bends([0.5])
+    for sweep in (Sweep(5.259807074643486, -9.7, 8192), Sweep(0.1, 3000.0, 1_500_000)):
+        got = line.plan("angle_error", tolerance=tolerance)(sweep).angle_error
+        angles = np.asarray(sweep)
+        beside = np.argsort(np.abs(np.sin(2.0 * angles)))[:20]
+        first, last = mp.mpf(float(sweep._given[0])), mp.mpf(float(sweep._given[1]))
+        for i in beside:
+            angle = first + (last - first) * int(i) / (sweep.num - 1)
+            k = mp.tan(mp.mpf(0.5) / 2) ** 2
+            exact = mp.atan2(k * mp.sin(2 * angle), 1 - k * mp.cos(2 * angle))
+            ulp = np.spacing(abs(float(exact)))
+            assert abs(mp.mpf(float(got[i])) - exact) <= (1 if tolerance == 0 else 6) * ulp
+
+
+def test_steep_chains_keep_their_tolerance() -> None:
+    angle = np.linspace(0.0, 2 * np.pi, 20_001)
+    for degrees in (60.0, 84.27, 89.0, 89.99):
+        line = Driveline.from_bends([0.0, math.radians(degrees)], 0.3, 0.7)
+        exact = line.evaluate(angle, "acceleration_ratio", tolerance=0).acceleration_ratio
+        for tolerance in (1e-6, 1e-9, 1e-14):
+            got = line.evaluate(angle, "acceleration_ratio", tolerance=tolerance)
+            error = np.abs(got.acceleration_ratio - exact).max() / np.abs(exact).max()
+            assert error <= tolerance
+
+
+def test_bending_beside_its_zero_keeps_its_digits() -> None:
+    line = Driveline.from_bends([1.57])
+    got = line.evaluate(6.1e-190, "bending_driving", load=Load(drive_torque=1.0), joints=0)
+    assert got.bending_driving == pytest.approx(math.tan(1.57) * 6.1e-190, rel=1e-14)
+
+
+def test_compensated_chains_have_no_negative_bend() -> None:
+    directions = [[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 0]]
+    points = [[0, 0, 0], [600, 0, 0], [1900, -140, 60], [3100, -180, 0], [3500, -180, -40]]
+    string = Driveline.from_points(points)
+    string = string.with_phases(string.optimal_phases())
+    for line in (Driveline.from_directions(directions), string):
+        found = line.equivalent()
+        assert 0.0 <= found.k < 1e-15
+        assert found.bend >= 0.0
+        assert found.max_angle_error >= 0.0
+        assert found.non_uniformity >= 0.0
+
+
+def test_a_batch_of_none_has_nothing_to_explain() -> None:
+    with pytest.raises(ValueError, match="nothing to explain"):
+        Driveline.from_bends(np.zeros((0, 2))).plan("speed_ratio").explain()
+
+
+def test_vectors_fill_arrays_that_lie_plane_by_plane() -> None:
+    line, load = Driveline.from_bends([0.3, 0.4], 0.1, 0.2), Load(drive_torque=10.0)
+    angle = np.linspace(0.0, 7.0, 1001)
+    plan = line.plan("moment", load=load)
+    planes = np.zeros((2, 3, 1001))
+    out = np.moveaxis(planes, 1, -1)
+    result = plan(angle, out={"moment": out})
+    assert result.moment is out
+    np.testing.assert_array_equal(out, plan(angle).moment)
+
+
+@pytest.mark.parametrize("length", [1, 8, 3000])
+def test_arrays_given_are_filled_as_they_are(length: int) -> None:
+    plan = Driveline.from_bends([0.3]).plan(("angle", "speed_ratio"))
+    angle = np.linspace(0.0, 7.0, length)
+    wanted = plan(angle)
+    out = {"speed_ratio": np.zeros(length), "angle": np.zeros(length)}
+    result = plan(angle, out=out)
+    for name, array in out.items():
+        assert result[name] is array
+        np.testing.assert_array_equal(array, wanted[name])
+    # In place, strided and read backwards.
+    shared = angle.copy()
+    strided = np.zeros(2 * length)[::2]
+    plan(shared[::-1], out={"angle": shared, "speed_ratio": strided})
+    np.testing.assert_array_equal(shared, wanted.angle[::-1])
+    np.testing.assert_array_equal(strided, wanted.speed_ratio[::-1])
+
+
+def test_sweeps_refuse_what_is_no_number() -> None:
+    with pytest.raises(TypeError, match="start is '0'; it must be a number"):
+        Sweep("0", 1.0, 3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="turns is 1j"):
+        Sweep.revolutions(1j, 3)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="turns"):
+        Sweep.revolutions(1e300, 3)

@@ -62,8 +62,10 @@ class Finding:
         elif worst <= self.maximum:
             verdict = f"is above the limit of {self.limit:g}{unit}"
             verdict += f" but below {self.maximum:g}{unit}"
-        else:
+        elif worst > self.maximum:
             verdict = f"is above the limit of {self.maximum:g}{unit}"
+        else:
+            verdict = "is not a number"
         if np.ndim(self.value) == 0:
             return f"{self.name} {worst:.4g}{unit} {verdict}"
         kept = f"{np.count_nonzero(self.passes)} of {np.size(self.value)} keep the limit"
@@ -82,8 +84,9 @@ class Check:
 
     @property
     def passes(self) -> NDArray[np.bool_]:
-        """Whether every limit is kept, batch-shaped."""
-        return np.asarray(np.all([finding.passes for finding in self.findings], axis=0))
+        """Whether every limit is kept, in the shape of batch and speed."""
+        passes = np.broadcast_arrays(*(finding.passes for finding in self.findings))
+        return np.asarray(np.all(passes, axis=0))
 
     def __str__(self) -> str:
         """Say it in words, the verdict first."""

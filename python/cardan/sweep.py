@@ -49,11 +49,11 @@ class Sweep:
             samples: samples per turn.
 
         Raises:
-            TypeError: a number of samples that is not an integer.
-            ValueError: no samples, or a part of one.
+            TypeError: a number of samples that is not an integer, turns that are not a number.
+            ValueError: no samples, a part of one, or more than 2**50.
         """
         per_turn = _whole("samples", samples)
-        count = float(turns) * per_turn
+        count = min(_end("turns", turns) * per_turn, 2.0 * NativeSweep.LONGEST)
         if not count.is_integer() or count < 1.0:
             raise ValueError(
                 f"turns is {turns} of {per_turn} samples each; together that must be a whole "
@@ -121,6 +121,8 @@ def _whole(name: str, value: SupportsIndex) -> int:
 
 def _end(name: str, value: float) -> float:
     try:
-        return float(value)
+        if not isinstance(value, str | bytes):
+            return float(value)
     except (TypeError, ValueError):
-        raise TypeError(f"{name} is {value!r}; it must be a number") from None
+        pass
+    raise TypeError(f"{name} is {value!r}; it must be a number")

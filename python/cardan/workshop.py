@@ -13,6 +13,9 @@ VIEW = "looking along the travel"
 """From where a sense of rotation is seen: with the power flow, from the drive to the output."""
 
 
+_IN_PLACE = {"none": "in one plane", "unknown": "not a number"}
+
+
 @dataclass(frozen=True, eq=False)
 class Turn:
     """A turn of one yoke against another, as set on a bench.
@@ -22,7 +25,7 @@ class Turn:
     Attributes:
         angle: size of the turn in rad, within [0, pi/2].
         sense: ``"clockwise"`` or ``"counter-clockwise"``, looking along the travel; ``"none"``
-            for no turn at all.
+            for no turn at all, ``"unknown"`` for one that is not finite.
     """
 
     angle: FloatArray
@@ -32,8 +35,7 @@ class Turn:
         """Say it in words, one line per turn."""
         pairs = zip(np.degrees(self.angle).flat, self.sense.flat, strict=True)
         return "\n".join(
-            "in one plane" if sense == "none" else f"{angle:.2f}° {sense}, {VIEW}"
-            for angle, sense in pairs
+            _IN_PLACE.get(str(sense), f"{angle:.2f}° {sense}, {VIEW}") for angle, sense in pairs
         )
 
 
@@ -47,7 +49,10 @@ def turn(angle: ArrayLike) -> Turn:
     Raises:
         TypeError: values that are not real numbers.
     """
-    wrapped = real("angle", angle)
-    wrapped = wrapped - np.pi * np.round(wrapped / np.pi)
+    turned = real("angle", angle)
+    finite = np.isfinite(turned)
+    turned = np.where(finite, turned, np.nan)
+    wrapped = turned - np.pi * np.round(turned / np.pi)
     senses = np.array(["counter-clockwise", "none", "clockwise"])
-    return Turn(np.abs(wrapped), senses[np.sign(np.nan_to_num(wrapped)).astype(int) + 1])
+    sense = senses[np.sign(np.nan_to_num(wrapped)).astype(int) + 1]
+    return Turn(np.abs(wrapped), np.where(finite, sense, "unknown"))
