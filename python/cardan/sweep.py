@@ -53,14 +53,15 @@ class Sweep:
             ValueError: no samples, a part of one, or more than 2**50.
         """
         per_turn = _whole("samples", samples)
-        count = min(_end("turns", turns) * per_turn, 2.0 * NativeSweep.LONGEST)
+        count = _end("turns", turns) * per_turn
         if not count.is_integer() or count < 1.0:
             raise ValueError(
                 f"turns is {turns} of {per_turn} samples each; together that must be a whole "
                 "number of at least 1"
             )
+        number = _whole("turns times samples", int(count))
         self = object.__new__(cls)
-        self._of(NativeSweep(None, int(count), per_turn), int(count), (turns, per_turn))
+        self._of(NativeSweep(None, number, per_turn), number, (turns, per_turn))
         return self
 
     def _of(self, core: NativeSweep, count: int, given: tuple[float, ...]) -> None:

@@ -60,12 +60,12 @@ impl Plan {
     fn steps(&self, lines: &Drivelines<'_>, call: Call) -> Vec<String> {
         let mut steps = vec![];
         let from = if call.sweep { "sample number" } else { "angle" };
-        let ranges: Vec<AtanRange> =
-            self.moving().map(|step| Self::range_of_first(lines, step.shaft)).collect();
-        if ranges.iter().any(|range| range.is_moderate()) {
+        let by_twice = |range: AtanRange| call.precision == Precision::InTwo && range.is_moderate();
+        let ranges = || self.moving().map(|step| Self::range_of_first(lines, step.shaft));
+        if ranges().any(by_twice) {
             steps.push(format!("{from} to sine and cosine of twice the angle"));
         }
-        if self.needs_poses() || ranges.iter().any(|range| !range.is_moderate()) {
+        if self.needs_poses() || !ranges().all(by_twice) {
             let sense = if self.needs_sense() { "" } else { ", up to their sign" };
             steps.push(format!("{from} to sine and cosine times a common factor{sense}"));
         }
@@ -78,7 +78,7 @@ impl Plan {
                 continue;
             }
             let range = Self::range_of_first(lines, shaft);
-            if shaft > 1 && !range.is_moderate() {
+            if shaft > 1 && !by_twice(range) {
                 steps
                     .push(format!("shaft {shaft}: sine and cosine turned to its equivalent joint"));
             }

@@ -134,7 +134,8 @@ impl Plan {
         out: Vec<Bound<'_, PyArrayDyn<f64>>>,
         workers: Option<usize>,
     ) -> PyResult<bool> {
-        let Ok(angle) = angle.as_slice() else { return Ok(false) };
+        let c_order = angle.is_c_contiguous();
+        let Some(angle) = angle.as_slice().ok().filter(|_| c_order) else { return Ok(false) };
         let total = angle.len();
         let Ok(mut out) =
             out.iter().map(PyArrayMethods::try_readwrite).collect::<Result<Vec<_>, _>>()
