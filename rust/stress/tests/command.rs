@@ -1,0 +1,63 @@
+//! The command: its short form passes, and one result that is wrong by one ulp makes it fail.
+
+use std::process::{Command, Output};
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cardan-stress")).args(arguments).output().unwrap()
+}
+
+#[test]
+fn the_short_form_passes() {
+    let output = run(&[]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.contains("results of single joints judged"), "{text}");
+}
+
+#[test]
+fn one_wrong_ulp_is_found() {
+    for output in [
+        "angle",
+        "angle_error",
+        "speed_ratio",
+        "acceleration_ratio",
+        "tilt_driving",
+        "tilt_driven",
+    ] {
+        broken_by(output, 1);
+    }
+    for output in [
+        "torque of the driven shaft",
+        "torque of the driving shaft",
+        "torque of a flywheel",
+        "bending_driving",
+        "bending_driven",
+    ] {
+        broken_by(output, 2);
+    }
+    // In ulp of their largest component.
+    for output in ["moment", "support of the driving shaft", "support of the driven shaft"] {
+        broken_by(output, 4);
+    }
+}
+
+fn broken_by(output: &str, ulps: u32) {
+    let broken = run(&["--samples", "20000", "--break", &format!("{output}={ulps}")]);
+    let text = String::from_utf8(broken.stdout).unwrap();
+    assert_eq!(broken.status.code(), Some(1), "{output}: {text}");
+    assert!(text.contains(&format!("tolerance=0 {output}: ")), "{output}: {text}");
+}
+
+#[test]
+fn what_is_wrong_is_said_in_a_line() {
+    for (arguments, message) in [
+        (&["--samples", "many"][..], "\"many\" is not a number\n"),
+        (&["--break", "speed=1"], "there is no output \"speed\"\n"),
+        (&["--samples"], "--samples needs a value; see --help\n"),
+        (&["--loud", "1"], "there is no option --loud; see --help\n"),
+    ] {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(String::from_utf8(output.stderr).unwrap(), message);
+    }
+}
