@@ -1,8 +1,8 @@
-"""Judge the oracle of the stress command: ``cardan-stress oracle 3000 | python tests/check_oracle.py``.
+"""Judge the oracle of the stress command: ``cardan-stress oracle 3000 | python`` this file.
 
 What it prints is compared with mpmath from the vector picture: pins that stay at right angles, the
 moment normal to both, joint after joint along a chain. Exits with 1 if anything is more than 2**-92
-off, of the number itself or, in a chain, of what rounding an angle to 2**-104 would change it by.
+off, of the number itself or, in a chain, of what another angle would change it by.
 """
 
 from __future__ import annotations
@@ -94,7 +94,6 @@ def chain(
 ) -> dict[str, Number]:
     """Motion behind the last joint, joint after joint."""
     turn, ratio, acceleration = angle, mp.mpf(1), mp.mpf(0)
-    mean = mp.mpc(1)
     errors, start = mp.mpf(0), mp.mpf(0)
     a, b = mp.mpc(1), mp.mpc(0)
     for j, bend in enumerate(bends):
@@ -140,8 +139,8 @@ def judged(lines: Iterable[str]) -> Iterator[tuple[str, Number]]:
             mp.dps = 120 + abs(int(mp.log10(abs(angle) + 1e-300))) + 2 * int(-mp.log10(bend))
             want, where, steepness = joint(bend, angle), "", mp.mpf(0)
         elif first == "chain":
-            groups = (numbers(part.split()) for part in line[6:].split("/"))
-            want, where = chain(*groups, angle), "chain: "
+            bends, twists, phases = (numbers(part.split()) for part in line[6:].split("/"))
+            want, where = chain(bends, twists, phases, angle), "chain: "
             steepness = want["steepness"] * 2
         else:
             name, _, words = line.partition(": ")

@@ -1,7 +1,7 @@
-"""The worst samples of the stress command, held against mpmath; its limits are those of the contract.
+"""The worst samples of the stress command against mpmath; its limits are those of the contract.
 
-``cardan-stress --worst`` writes them (rust/stress): per output and tier the sample among 10**8 random
-and adversarial ones at which the result was farthest off, with the exact bits of its inputs.
+``cardan-stress --worst`` writes them (rust/stress): per output and tier the sample among 10**8,
+random and adversarial, at which the result was farthest off, with the exact bits of its inputs.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import test_accuracy
 from cardan import Driveline, Load
 from oracle import DATA, Exact, ExactJoint, Number, Turn, mp, read
 
-CASES = read("worst_cases.json")
+CASES = read("worst_cases.json")["cases"]
 LIMITS = tomllib.loads((DATA / "limits.toml").read_text(encoding="utf-8"))
 
 

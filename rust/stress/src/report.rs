@@ -241,7 +241,7 @@ impl Report<'_> {
                 ));
             }
         }
-        format!("[\n{}\n]\n", cases.join(",\n"))
+        format!("{{\"cases\": [\n{}\n]}}\n", cases.join(",\n"))
     }
 }
 

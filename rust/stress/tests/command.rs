@@ -16,14 +16,9 @@ fn the_short_form_passes() {
 
 #[test]
 fn one_wrong_ulp_is_found() {
-    for output in [
-        "angle",
-        "angle_error",
-        "speed_ratio",
-        "acceleration_ratio",
-        "tilt_driving",
-        "tilt_driven",
-    ] {
+    for output in
+        ["angle", "angle_error", "speed_ratio", "acceleration_ratio", "tilt_driving", "tilt_driven"]
+    {
         broken_by(output, 1);
     }
     for output in [
