@@ -20,12 +20,8 @@ LIMITS = tomllib.loads((DATA / "limits.toml").read_text(encoding="utf-8"))
 
 
 def test_the_limits_are_those_of_the_contract() -> None:
-    for section, table in (
-        ("faithful", test_accuracy.FAITHFUL_LIMITS),
-        ("default", test_accuracy.SEARCHED_LIMITS),
-    ):
-        for name, limit in table.items():
-            assert LIMITS[section][name] == limit, (section, name)
+    for name, limit in test_accuracy.FAITHFUL_LIMITS.items():
+        assert LIMITS["faithful"][name] == limit, name
     assert LIMITS["single"]["every output"] == test_accuracy.SINGLE_LIMIT
 
 
