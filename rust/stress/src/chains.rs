@@ -10,7 +10,7 @@
 //! `A` with the lengths of the pins left in, so that `1/|A|` is what steep joints stretch a rounding
 //! by, and `|∂f/∂q|` at most `1/(1 − k)`, `4/(1 − k)²` and `32/(1 − k)³` for angle, speed ratio and
 //! acceleration ratio. The angle is known to `e = 2⁻⁵²`, with `tolerance=0` to 2⁻⁶⁰, in single
-//! precision to 2⁻²⁴.
+//! precision to 2⁻²³.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -170,7 +170,7 @@ fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
         let turned = match tier {
             Tier::Faithful => 2_f64.powi(-60),
             Tier::Default => 2_f64.powi(-52),
-            Tier::Loose | Tier::Float32 => 2_f64.powi(-24),
+            Tier::Loose | Tier::Float32 => 2_f64.powi(-23),
         };
         for (q, plane) in planes.iter().enumerate() {
             for ((&angle, (motion, rates)), &got) in angles.iter().zip(&exact).zip(plane) {
@@ -179,7 +179,7 @@ fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
                 let ulp = if q == 0 { want.ulp().max(motion.error.ulp()) } else { want.ulp() };
                 let unit = if tier.is_single() {
                     let rounding = turned * rates[q] + folds[q];
-                    largest[q].max(if q == 0 { angle.abs() } else { 0.0 }) + rounding * 1e6
+                    largest[q].max(if q == 0 { angle.abs() } else { 0.0 }) + rounding * 1e6 + 1e-30
                 } else {
                     ulp + turned * rates[q] + folds[q]
                 };

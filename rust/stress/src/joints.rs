@@ -64,6 +64,8 @@ impl Block {
     }
 
     fn put(&mut self, joint: &Joint, at: &Turn, sample: Sample) {
+        use Quantity as Q;
+
         let motion = joint.motion(at);
         let torque = sample.torque;
         let times = |v: [Wide; 3]| v.map(|x| x * torque);
@@ -76,7 +78,6 @@ impl Block {
         let bending = if cos * cos > 0.5 { sin } else { 0.5 / cos };
         let angle = motion.angle.high.abs().max(std::f64::consts::TAU);
         let bending_largest = size * bending;
-        use Quantity as Q;
         for (quantity, numbers, largest) in [
             (Q::Angle, &[motion.angle][..], angle),
             (Q::AngleError, &[motion.error], joint.k.high.min(1.0).asin()),
@@ -156,6 +157,7 @@ struct Job {
     planes: &'static [Option<(Quantity, usize)>],
 }
 
+#[allow(clippy::unnecessary_wraps, reason = "beside planes that are not judged")]
 const fn plane(quantity: Quantity) -> Option<(Quantity, usize)> {
     Some((quantity, 0))
 }

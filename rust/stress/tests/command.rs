@@ -24,7 +24,9 @@ fn a_few_wrong_ulps_are_found() {
         // In ulp of their largest component.
         (6, &["moment", "support of the driving shaft", "support of the driven shaft"]),
     ] {
-        outputs.iter().for_each(|output| broken_by(output, ulps));
+        for output in outputs {
+            broken_by(output, ulps);
+        }
     }
 }
 
