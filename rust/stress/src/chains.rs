@@ -1,0 +1,202 @@
+//! Chains: many joints, near-straight, compensated, steep.
+//!
+//! A chain turns its equivalent joint by an angle of its own, so near a zero an error cannot be held
+//! against the result alone. The unit is what one joint may be off if its drive angle and its `B/A`
+//! are only known as well as they are carried:
+//!
+//! `ulp(f) + e |∂f/∂α| + n 2⁻⁶⁰ K/|A| |∂f/∂q|`,
+//!
+//! `n` joints, `K` the sum of their `tan²(β/2)`, at most 1, whose sines and cosines are within 2⁻⁶²,
+//! `A` with the lengths of the pins left in, so that `1/|A|` is what steep joints stretch a rounding
+//! by, and `|∂f/∂q|` at most `1/(1 − k)`, `4/(1 − k)²` and `32/(1 − k)³` for angle, speed ratio and
+//! acceleration ratio. The angle is known to `e = 2⁻⁵²`, with `tolerance=0` to 2⁻⁶⁰, in single
+//! precision to 2⁻²³.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use cardan::{
+    Angles, Drivelines, Execution, Output, Plan, Planes, Precision, Request, Samples, Source,
+};
+
+use crate::exact::{Chain, Turn};
+use crate::judge::{Quantity, Tier};
+use crate::samples::{Kind, Random};
+
+/// Angles for each chain.
+const ANGLES: usize = 50;
+
+const MOTION: [(Quantity, Output); 4] = [
+    (Quantity::Angle, Output::Angle),
+    (Quantity::AngleError, Output::AngleError),
+    (Quantity::SpeedRatio, Output::SpeedRatio),
+    (Quantity::AccelerationRatio, Output::AccelerationRatio),
+];
+
+/// A driveline's bends, twists and phases.
+struct Line {
+    bends: Vec<f64>,
+    twists: Vec<f64>,
+    phases: Vec<f64>,
+}
+
+/// A kind of chain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shape {
+    NearStraight,
+    Compensated,
+    Steep,
+    Mixed,
+}
+
+impl Shape {
+    pub(crate) const ALL: [Self; 4] =
+        [Self::NearStraight, Self::Compensated, Self::Steep, Self::Mixed];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::NearStraight => "64 joints, bends of 1e-12 to 0.01",
+            Self::Compensated => "compensated pairs, in and out of line, 2 to 64 joints",
+            Self::Steep => "2 to 4 joints, bends to 1e-9 from 90°",
+            Self::Mixed => "2 to 64 joints: straight, near-straight and up to 69°",
+        }
+    }
+
+    fn line(self, random: &mut Random) -> Line {
+        let n = match self {
+            Self::NearStraight => 64,
+            Self::Compensated => 2 * (1 + random.below(32)),
+            Self::Steep => 2 + random.below(3),
+            Self::Mixed => 2 + random.below(63),
+        };
+        let mut bends: Vec<f64> = (0..n)
+            .map(|_| match self {
+                Self::NearStraight => random.power(-12.0, -2.0),
+                Self::Compensated => random.between(0.0, 0.8),
+                Self::Steep => FRAC_PI_2 - random.power(-9.0, 0.0),
+                // A few joints are bent at all, so that the whole is not beyond every number.
+                Self::Mixed => match random.below(2 * n) {
+                    0..6 => random.between(0.0, 1.2),
+                    6..20 => random.power(-12.0, -2.0),
+                    _ => 0.0,
+                },
+            })
+            .collect();
+        let mut angles = || (1..n).map(|_| random.between(-PI, PI)).collect::<Vec<f64>>();
+        let (twists, mut phases) = (angles(), angles());
+        if self == Self::Compensated {
+            for pair in 0..n / 2 {
+                bends[2 * pair + 1] = bends[2 * pair];
+                let half = if random.below(2) == 0 { 0.0 } else { PI };
+                phases[2 * pair] = twists[2 * pair] - half;
+            }
+        }
+        Line { bends, twists, phases }
+    }
+}
+
+/// The worst errors of a kind of chain, tier by tier, in units and (single) parts of the largest.
+#[derive(Clone, Debug)]
+pub(crate) struct Chains {
+    pub(crate) shape: Shape,
+    pub(crate) judged: u64,
+    pub(crate) off: [[f64; 4]; 4],
+    pub(crate) place: [[String; 4]; 4],
+}
+
+/// At least so many samples of each kind.
+pub(crate) fn run(seed: u64, samples: u64) -> Vec<Chains> {
+    let mut random = Random::new(seed ^ 0xc4a1);
+    Shape::ALL
+        .into_iter()
+        .map(|shape| {
+            let mut found =
+                Chains { shape, judged: 0, off: [[0.0; 4]; 4], place: Default::default() };
+            while found.judged < samples {
+                let line = shape.line(&mut random);
+                judge(&line, &mut random, &mut found);
+            }
+            found
+        })
+        .collect()
+}
+
+fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
+    let n = line.bends.len();
+    let (directions, normals) = (vec![0.0; 3 * (n + 1)], vec![0.0; 3 * n]);
+    let lines = Drivelines {
+        bends: &line.bends,
+        twists: &line.twists,
+        phases: &line.phases,
+        directions: &directions,
+        normals: &normals,
+    };
+    let plan = Plan::new(&Request {
+        largest_bends: &line.bends,
+        outputs: &MOTION.map(|(_, output)| output),
+        shafts: &[n],
+        joints: &[],
+        load: None,
+        inertias: &[],
+    })
+    .expect("the request is sound");
+    let angle = Angles::Array(Source { data: angles, strides: &[1] });
+    let samples = Samples { shape: &[angles.len()], lines, line_strides: &[0], angle, load: None };
+    let precision = match tier {
+        Tier::Faithful => Precision::InTwo,
+        Tier::Default => Precision::Double,
+        Tier::Loose | Tier::Float32 => Precision::Single,
+    };
+    let mut planes = vec![vec![f64::NAN; angles.len()]; 4];
+    let mut views: Vec<_> = planes.iter_mut().map(Vec::as_mut_slice).collect();
+    plan.run(&samples, None, precision, Planes::Double(&mut views), Execution::default())
+        .expect("the arrays fit");
+    planes
+}
+
+fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
+    let chain = Chain::of(&line.bends, &line.twists, &line.phases);
+    let n = line.bends.len() as f64;
+    let angles: Vec<f64> = (0..ANGLES).map(|_| Kind::Random.angle(random, 0.0, &[])).collect();
+    let (gap, k) = (chain.gap(), chain.k);
+    let fold = n * 2_f64.powi(-60) * chain.total.min(1.0) / chain.length();
+    let folds = [fold / gap, fold / gap, 4.0 * fold / gap.powi(2), 32.0 * fold / gap.powi(3)];
+    let largest = [2.0 * PI, k.min(1.0).asin(), (1.0 + k) / gap, 8.0 * k / gap.powi(2)];
+    let exact: Vec<_> = angles.iter().map(|&x| chain.motion(&Turn::by(&[x]))).collect();
+    for tier in Tier::ALL {
+        if tier == Tier::Float32 {
+            continue;
+        }
+        let planes = evaluate(line, &angles, tier);
+        let turned = match tier {
+            Tier::Faithful => 2_f64.powi(-60),
+            Tier::Default => 2_f64.powi(-52),
+            Tier::Loose | Tier::Float32 => 2_f64.powi(-23),
+        };
+        for (q, plane) in planes.iter().enumerate() {
+            for ((&angle, (motion, rates)), &got) in angles.iter().zip(&exact).zip(plane) {
+                let want = [motion.angle, motion.error, motion.ratio, motion.acceleration][q];
+                // The angle may be small where the drive and the error cancel.
+                let ulp = if q == 0 { want.ulp().max(motion.error.ulp()) } else { want.ulp() };
+                let unit = if tier.is_single() {
+                    let rounding = turned * rates[q] + folds[q];
+                    largest[q].max(if q == 0 { angle.abs() } else { 0.0 }) + rounding * 1e6 + 1e-30
+                } else {
+                    ulp + turned * rates[q] + folds[q]
+                };
+                let off = want.distance(got) / unit;
+                let (tier, off) = (tier as usize, if off.is_nan() { f64::INFINITY } else { off });
+                if off > found.off[tier][q] {
+                    found.off[tier][q] = off;
+                    let Line { bends, twists, phases } = line;
+                    found.place[tier][q] = format!(
+                        "{} at bends {bends:?}, twists {twists:?}, phases {phases:?}, angle {angle:?}: \
+                         {got:e} instead of {:e}",
+                        MOTION[q].0.name(),
+                        want.high
+                    );
+                }
+            }
+        }
+    }
+    found.judged += ANGLES as u64;
+}

@@ -1,0 +1,186 @@
+//! The oracle: what the outputs are for the exact values of the doubles given.
+//!
+//! A joint is the Poisson kernel of `k = tan²(β/2)`, not the tangents and quotients by which the
+//! library computes; a chain is the map `w → A w + B w̄` with the lengths left in.
+
+use crate::angle::{HALF_PI, atan2, sin_cos, sin_cos_in};
+use crate::wide::{Complex, Wide};
+
+/// Sine and cosine of a drive angle, and the angle itself.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turn {
+    pub(crate) angle: Wide,
+    pub(crate) s: Wide,
+    pub(crate) c: Wide,
+}
+
+impl Turn {
+    /// Of a sum of doubles, the first the largest.
+    pub(crate) fn by(parts: &[f64]) -> Self {
+        let (s, c) = sin_cos(parts);
+        let angle = parts.iter().fold(Wide::ZERO, |sum, &x| sum + Wide::from(x));
+        Self { angle, s, c }
+    }
+
+    /// Step `i` of a turn of so many, exactly.
+    pub(crate) fn part(i: usize, per_turn: usize) -> Self {
+        let part = |n: f64| *HALF_PI * n / Wide::from(per_turn as f64);
+        let quarters = 4 * i as i64;
+        let count = (2 * quarters + per_turn as i64).div_euclid(2 * per_turn as i64);
+        let rest = quarters - count * per_turn as i64;
+        let (s, c) = sin_cos_in(part(rest as f64), count as u64);
+        Self { angle: part(quarters as f64), s, c }
+    }
+}
+
+/// Motion of a shaft.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Motion {
+    pub(crate) angle: Wide,
+    pub(crate) error: Wide,
+    pub(crate) ratio: Wide,
+    pub(crate) acceleration: Wide,
+}
+
+/// One joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Joint {
+    pub(crate) sin: Wide,
+    pub(crate) cos: Wide,
+    pub(crate) tan: Wide,
+    pub(crate) k: Wide,
+    /// `1 − k`.
+    gap: Wide,
+    /// `1 − k²`.
+    complement: Wide,
+}
+
+impl Joint {
+    pub(crate) fn bent(bend: f64) -> Self {
+        let (sin, cos) = sin_cos(&[bend]);
+        let (half_sin, half_cos) = sin_cos(&[0.5 * bend]);
+        let k = (half_sin / half_cos).square();
+        // cos β = cos²(β/2) − sin²(β/2).
+        let gap = cos / half_cos.square();
+        Self { sin, cos, tan: sin / cos, k, gap, complement: gap * (Wide::ONE + k) }
+    }
+
+    /// `angle error = arg(1 − k e^{−2iα})`, `speed ratio = (1 − k²)/(1 − 2k cos 2α + k²)`, and its
+    /// derivative.
+    pub(crate) fn motion(&self, at: &Turn) -> Motion {
+        let s2 = at.s.square();
+        let k_sin = (at.s * at.c).scaled(2.0) * self.k;
+        let k_s2 = s2 * self.k;
+        let across = self.gap.square() + k_s2.scaled(4.0);
+        let error = atan2(k_sin, self.gap + k_s2.scaled(2.0));
+        let ratio = self.complement / across;
+        let acceleration = -(k_sin.scaled(4.0) * ratio / across);
+        Motion { angle: at.angle + error, error, ratio, acceleration }
+    }
+
+    /// The largest acceleration ratio, where `cos 2α = (−p + √(p² + 8))/2`, `p = (1 + k²)/(2k)`.
+    pub(crate) fn steepest(&self) -> f64 {
+        let (k, gap2) = (self.k.high, self.gap.high.powi(2));
+        let (p, p_less_one) = ((1.0 + k * k) / (2.0 * k), gap2 / (2.0 * k));
+        let root = (p * p + 8.0).sqrt();
+        let cosine = 4.0 / (p + root);
+        let versine = p_less_one * (1.0 + (p + 1.0) / (root + 3.0)) / (p + root);
+        let across = gap2 + 2.0 * k * versine;
+        let sine = (versine * (1.0 + cosine)).sqrt();
+        4.0 * k * self.complement.high * sine / (across * across)
+    }
+
+    /// The moment on the driven shaft per unit of torque in the driving one, shaft 0 along x, the
+    /// bend-plane normal along z: normal to both pins.
+    pub(crate) fn moment(&self, at: &Turn) -> [Wide; 3] {
+        [Wide::ONE, self.tan * at.s.square(), -(self.tan * at.s * at.c)]
+    }
+
+    /// What the bearings must give both shafts, per unit of torque.
+    pub(crate) fn supports(&self, at: &Turn) -> [[Wide; 3]; 2] {
+        let [_, y, z] = self.moment(at);
+        let in_plane = self.sin * at.c.square();
+        [[Wide::ZERO, y, z], [-(in_plane * self.sin), in_plane * self.cos, -z]]
+    }
+
+    /// Bending moments of both shafts, per unit of torque: the lengths of the supports.
+    pub(crate) fn bending(&self, at: &Turn) -> [Wide; 2] {
+        let across = (self.sin * at.c).square() + (self.tan * at.s).square();
+        [self.tan * at.s.abs(), at.c.abs() * across.sqrt()]
+    }
+
+    /// Tilts of the cross against both shafts: `tan ψ₁ = tan β sin α`, `sin ψ₂ = sin β cos α`.
+    pub(crate) fn tilts(&self, at: &Turn) -> [Wide; 2] {
+        let sine = self.sin * at.c;
+        let cosine = (at.s.square() + (self.cos * at.c).square()).sqrt();
+        [atan2(self.sin * at.s, self.cos), atan2(sine, cosine)]
+    }
+}
+
+/// A chain of joints.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Chain {
+    a: Complex,
+    b: Complex,
+    /// `|A|² − |B|²`, the product of the cosines.
+    determinant: Wide,
+    /// `|B/A|`.
+    pub(crate) k: f64,
+    /// The sum of the joints' `k`.
+    pub(crate) total: f64,
+}
+
+impl Chain {
+    pub(crate) fn of(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        let mut a = Complex { re: Wide::ONE, im: Wide::ZERO };
+        let mut b = Complex { re: Wide::ZERO, im: Wide::ZERO };
+        let (mut determinant, mut total) = (Wide::ONE, 0.0);
+        for (j, &bend) in bends.iter().enumerate() {
+            if j > 0 {
+                // A quarter turn more than the phase less the twist.
+                let (s, c) = sin_cos(&[phases[j - 1], -twists[j - 1]]);
+                let turn = Complex { re: -s, im: c };
+                (a, b) = (a * turn, b * turn);
+            }
+            // (cos α, sin α) → (cos β cos α, sin α), half the sum and half the difference.
+            let joint = Joint::bent(bend);
+            let (s, c) = sin_cos(&[0.5 * bend]);
+            let (keep, turn_back) = (c.square(), s.square());
+            (a, b) = (
+                a.times(keep) - b.conj().times(turn_back),
+                b.times(keep) - a.conj().times(turn_back),
+            );
+            determinant = determinant * joint.cos;
+            total += joint.k.high;
+        }
+        let k = (b.norm_squared() / a.norm_squared()).sqrt().high;
+        Self { a, b, determinant, k, total }
+    }
+
+    /// `|A|`.
+    pub(crate) fn length(&self) -> f64 {
+        self.a.norm_squared().high.sqrt()
+    }
+
+    /// `1 − k`, which the determinant knows without cancellation.
+    pub(crate) fn gap(&self) -> f64 {
+        (self.determinant / self.a.norm_squared()).high / (1.0 + self.k)
+    }
+
+    /// Motion of the last shaft, and how fast each quantity changes with the drive angle (the
+    /// angle's part is that of its error).
+    pub(crate) fn motion(&self, at: &Turn) -> (Motion, [f64; 4]) {
+        let w = Complex { re: at.c, im: at.s };
+        let (aw, bw) = (self.a * w, self.b * w.conj());
+        let square = (aw + bw).norm_squared();
+        let side = aw.conj() * bw;
+        let error = atan2(side.im, aw.norm_squared() + side.re);
+        let ratio = self.determinant / square;
+        // |v|² = |A|² + |B|² + 2 Re(A w conj(B w̄)).
+        let acceleration = -(ratio / square * side.im).scaled(4.0);
+        let (r, a) = (ratio.high, acceleration.high);
+        let steep = 2.0 * a * a / r + 8.0 * r * side.re.high / square.high;
+        let motion = Motion { angle: at.angle + error, error, ratio, acceleration };
+        (motion, [(r - 1.0).abs(), (r - 1.0).abs(), a.abs(), steep.abs()])
+    }
+}

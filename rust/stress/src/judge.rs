@@ -1,0 +1,283 @@
+//! How far results are from the exact ones, and how far they may be.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use crate::samples::{Kind, Sample};
+
+/// What is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Quantity {
+    Angle,
+    AngleError,
+    SpeedRatio,
+    AccelerationRatio,
+    TorqueDriven,
+    TorqueDriving,
+    TorqueFlywheel,
+    Moment,
+    SupportDriving,
+    SupportDriven,
+    BendingDriving,
+    BendingDriven,
+    TiltDriving,
+    TiltDriven,
+}
+
+impl Quantity {
+    pub(crate) const ALL: [Self; 14] = [
+        Self::Angle,
+        Self::AngleError,
+        Self::SpeedRatio,
+        Self::AccelerationRatio,
+        Self::TorqueDriven,
+        Self::TorqueDriving,
+        Self::TorqueFlywheel,
+        Self::Moment,
+        Self::SupportDriving,
+        Self::SupportDriven,
+        Self::BendingDriving,
+        Self::BendingDriven,
+        Self::TiltDriving,
+        Self::TiltDriven,
+    ];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Angle => "angle",
+            Self::AngleError => "angle_error",
+            Self::SpeedRatio => "speed_ratio",
+            Self::AccelerationRatio => "acceleration_ratio",
+            Self::TorqueDriven => "torque of the driven shaft",
+            Self::TorqueDriving => "torque of the driving shaft",
+            Self::TorqueFlywheel => "torque of a flywheel",
+            Self::Moment => "moment",
+            Self::SupportDriving => "support of the driving shaft",
+            Self::SupportDriven => "support of the driven shaft",
+            Self::BendingDriving => "bending_driving",
+            Self::BendingDriven => "bending_driven",
+            Self::TiltDriving => "tilt_driving",
+            Self::TiltDriven => "tilt_driven",
+        }
+    }
+}
+
+/// The accuracy asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Tier {
+    Faithful,
+    Default,
+    Loose,
+    Float32,
+}
+
+impl Tier {
+    pub(crate) const ALL: [Self; 4] = [Self::Faithful, Self::Default, Self::Loose, Self::Float32];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Faithful => "tolerance=0",
+            Self::Default => "default",
+            Self::Loose => "tolerance=1e-6",
+            Self::Float32 => "float32",
+        }
+    }
+
+    /// Whether errors are parts of the largest over a turn instead of ulp.
+    pub(crate) fn is_single(self) -> bool {
+        matches!(self, Self::Loose | Self::Float32)
+    }
+
+    /// The largest error that is accepted.
+    pub(crate) fn limit(self, quantity: Quantity) -> f64 {
+        let (section, key) = match self {
+            Self::Faithful => ("faithful", quantity.name()),
+            Self::Default => ("default", quantity.name()),
+            Self::Loose | Self::Float32 => ("single", "every output"),
+        };
+        LIMITS[&(section, key)]
+    }
+}
+
+type Limits = BTreeMap<(&'static str, &'static str), f64>;
+
+/// The table that the Python tests share.
+static LIMITS: LazyLock<Limits> = LazyLock::new(|| {
+    let text = include_str!("../../../tests/data/limits.toml");
+    let mut section = "";
+    let mut limits = Limits::new();
+    for line in text.lines() {
+        if let Some(name) = line.strip_prefix('[') {
+            section = name.trim_end_matches(']');
+        } else if let Some((key, value)) = line.split_once('=')
+            && !line.starts_with('#')
+        {
+            let limit = value.trim().parse().expect("a limit is a number");
+            limits.insert((section, key.trim().trim_matches('"')), limit);
+        }
+    }
+    limits
+});
+
+/// Ends of the ranges of bends that the table shows apart, in rad; the last ones from 90°.
+const BENDS: [(f64, &str); 14] = [
+    (1e-10, "below 1e-10"),
+    (1e-6, "1e-10 to 1e-6"),
+    (1e-4, "1e-6 to 1e-4"),
+    (1e-3, "1e-4 to 1e-3"),
+    (1e-2, "1e-3 to 1e-2"),
+    (1e-1, "1e-2 to 0.1"),
+    (0.5, "0.1 to 0.5"),
+    (1.0, "0.5 to 1"),
+    (RIGHT - 1e-1, "1 to π/2 − 0.1"),
+    (RIGHT - 1e-2, "π/2 − 0.1 to − 1e-2"),
+    (RIGHT - 1e-4, "π/2 − 1e-2 to − 1e-4"),
+    (RIGHT - 1e-8, "π/2 − 1e-4 to − 1e-8"),
+    (RIGHT - 1e-12, "π/2 − 1e-8 to − 1e-12"),
+    (RIGHT, "π/2 − 1e-12 to the last"),
+];
+const RIGHT: f64 = std::f64::consts::FRAC_PI_2;
+
+/// The same of angles, in rad.
+const ANGLES: [(f64, &str); 16] = [
+    (1e-100, "below 1e-100"),
+    (1e-10, "1e-100 to 1e-10"),
+    (1e-6, "1e-10 to 1e-6"),
+    (1e-4, "1e-6 to 1e-4"),
+    (1e-3, "1e-4 to 1e-3"),
+    (1e-2, "1e-3 to 1e-2"),
+    (1e-1, "1e-2 to 0.1"),
+    (1e0, "0.1 to 1"),
+    (1e1, "1 to 10"),
+    (1e2, "10 to 100"),
+    (1e3, "100 to 1e3"),
+    (1e6, "1e3 to 1e6"),
+    (1e12, "1e6 to 1e12"),
+    (1e20, "1e12 to 1e20"),
+    (1e100, "1e20 to 1e100"),
+    (f64::INFINITY, "from 1e100"),
+];
+
+/// By what the table shows errors apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum By {
+    Kind,
+    Bend,
+    Angle,
+}
+
+impl By {
+    pub(crate) fn rows(self) -> Vec<&'static str> {
+        let names = |ranges: &[(f64, &'static str)]| ranges.iter().map(|&(_, name)| name).collect();
+        match self {
+            Self::Kind => Kind::ALL.iter().map(|kind| kind.name()).collect(),
+            Self::Bend => names(&BENDS),
+            Self::Angle => names(&ANGLES),
+        }
+    }
+}
+
+/// The rows that samples belong to.
+pub(crate) fn rows_of(sample: &Sample, kind: Kind) -> [usize; 3] {
+    let row = |ranges: &[(f64, &str)], x: f64| ranges.partition_point(|&(end, _)| end <= x);
+    [
+        kind as usize,
+        row(&BENDS, sample.bend),
+        row(&ANGLES, sample.angle.abs()).min(ANGLES.len() - 1),
+    ]
+}
+
+/// The worst error of one quantity, and where.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Worst {
+    pub(crate) off: f64,
+    pub(crate) sample: Sample,
+    pub(crate) got: f64,
+    pub(crate) want: f64,
+}
+
+/// Errors of one quantity in one tier.
+#[derive(Clone, Debug)]
+pub(crate) struct Errors {
+    pub(crate) judged: u64,
+    pub(crate) worst: Worst,
+    /// The worst of those that a driveline and an angle give again: not of sweeps.
+    pub(crate) again: Worst,
+    pub(crate) by: [Vec<f64>; 3],
+}
+
+impl Errors {
+    fn new() -> Self {
+        let by = [By::Kind, By::Bend, By::Angle].map(|by| vec![0.0; by.rows().len()]);
+        Self { judged: 0, worst: Worst::default(), again: Worst::default(), by }
+    }
+
+    #[inline]
+    pub(crate) fn take(&mut self, found: Worst, kind: Kind, rows: [usize; 3]) {
+        self.judged += 1;
+        // A result that is not a number is as wrong as can be.
+        let found =
+            Worst { off: if found.off.is_nan() { f64::INFINITY } else { found.off }, ..found };
+        for (column, row) in self.by.iter_mut().zip(rows) {
+            column[row] = column[row].max(found.off);
+        }
+        if found.off > self.worst.off {
+            self.worst = found;
+        }
+        if found.off > self.again.off && kind != Kind::Sweep {
+            self.again = found;
+        }
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.judged += other.judged;
+        for (mine, found) in [(&mut self.worst, other.worst), (&mut self.again, other.again)] {
+            if found.off > mine.off {
+                *mine = found;
+            }
+        }
+        for (column, other) in self.by.iter_mut().zip(&other.by) {
+            for (off, &other) in column.iter_mut().zip(other) {
+                *off = off.max(other);
+            }
+        }
+    }
+}
+
+/// Errors of all quantities in all tiers.
+#[derive(Clone, Debug)]
+pub(crate) struct Ledger(pub(crate) Vec<Vec<Errors>>);
+
+impl Ledger {
+    pub(crate) fn new() -> Self {
+        Self(vec![vec![Errors::new(); Quantity::ALL.len()]; Tier::ALL.len()])
+    }
+
+    pub(crate) fn of(&self, tier: Tier, quantity: Quantity) -> &Errors {
+        &self.0[tier as usize][quantity as usize]
+    }
+
+    pub(crate) fn of_mut(&mut self, tier: Tier, quantity: Quantity) -> &mut Errors {
+        &mut self.0[tier as usize][quantity as usize]
+    }
+
+    pub(crate) fn join(&mut self, other: &Self) {
+        for (mine, other) in self.0.iter_mut().flatten().zip(other.0.iter().flatten()) {
+            mine.join(other);
+        }
+    }
+
+    /// The samples around which to search.
+    pub(crate) fn worst(&self) -> Vec<Sample> {
+        let errors = self.0[..2].iter().flatten();
+        errors.filter(|e| e.again.off > 0.0).map(|e| e.again.sample).collect()
+    }
+
+    /// What is beyond its limit.
+    pub(crate) fn failures(&self) -> Vec<(Tier, Quantity, Worst)> {
+        let all = Tier::ALL.iter().flat_map(|&t| Quantity::ALL.iter().map(move |&q| (t, q)));
+        all.map(|(t, q)| (t, q, self.of(t, q).worst))
+            .filter(|&(t, q, worst)| worst.off > t.limit(q))
+            .collect()
+    }
+}

@@ -1,0 +1,124 @@
+//! Numerical stress: the core's results against an oracle of its own.
+//!
+//! `cardan-stress --help` says how to use it. The exit status is 1 if any error is beyond its limit.
+
+mod angle;
+mod chains;
+mod exact;
+mod joints;
+mod judge;
+mod points;
+mod report;
+mod samples;
+mod wide;
+
+use std::fs;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use crate::joints::{BLOCK, Break};
+use crate::judge::{Ledger, Quantity};
+
+const HELP: &str = "\
+Holds the results of the core against an oracle of its own, in ulp of the exact result.
+
+cardan-stress [OPTIONS]      samples of single joints, chains and points
+cardan-stress oracle COUNT   what the oracle says, for tests/check_oracle.py to judge
+
+--samples COUNT       samples of single joints, each for every output and tier [200000]
+--threads COUNT       threads [1]
+--seed NUMBER         another run [1]
+--break OUTPUT=ULPS   make one result in a block wrong, to see that it is found
+--table FILE          write the table of errors, as Markdown
+--worst FILE          write the worst samples, as JSON
+";
+
+struct Options {
+    samples: u64,
+    threads: u64,
+    seed: u64,
+    broken: Option<Break>,
+    table: Option<String>,
+    worst: Option<String>,
+}
+
+fn number(text: &str) -> Result<u64, String> {
+    // Such as 1e8.
+    let number: f64 = text.parse().map_err(|_| format!("{text:?} is not a number"))?;
+    let whole = (1.0..1e15).contains(&number) && number.fract() == 0.0;
+    if whole { Ok(number as u64) } else { Err(format!("{text:?} is not a count")) }
+}
+
+fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Options, String> {
+    let mut options =
+        Options { samples: 200_000, threads: 1, seed: 1, broken: None, table: None, worst: None };
+    while let Some(key) = arguments.next() {
+        let value = arguments.next().ok_or(format!("{key} needs a value; see --help"))?;
+        match &*key {
+            "--samples" => options.samples = number(&value)?,
+            "--threads" => options.threads = number(&value)?,
+            "--seed" => options.seed = number(&value)?,
+            "--table" => options.table = Some(value),
+            "--worst" => options.worst = Some(value),
+            "--break" => {
+                let (name, ulps) = value.split_once('=').ok_or("--break needs OUTPUT=ULPS")?;
+                let named = Quantity::ALL.into_iter().find(|q| q.name() == name);
+                let quantity = named.ok_or(format!("there is no output {name:?}"))?;
+                options.broken = Some(Break { quantity, ulps: number(ulps)? as i64 });
+            }
+            _ => return Err(format!("there is no option {key}; see --help")),
+        }
+    }
+    Ok(options)
+}
+
+fn stress(options: &Options) -> Result<bool, String> {
+    let began = Instant::now();
+    let blocks = options.samples.div_ceil(BLOCK as u64);
+    let mut ledger = Ledger::new();
+    std::thread::scope(|scope| {
+        let share = |thread| (thread..blocks).step_by(options.threads as usize);
+        let run =
+            |thread| scope.spawn(move || joints::run(options.seed, share(thread), options.broken));
+        let threads: Vec<_> = (0..options.threads).map(run).collect();
+        for thread in threads {
+            ledger.join(&thread.join().expect("a thread ends"));
+        }
+    });
+    let seconds = began.elapsed().as_secs_f64();
+    let chains = chains::run(options.seed, (options.samples / 20).max(5000));
+    let points = points::run(options.seed, (options.samples / 20).max(5000));
+    let report = report::Report { ledger: &ledger, chains: &chains, points: &points, seconds };
+    print!("{}", report.summary());
+    let write = |file: &Option<String>, text: &dyn Fn() -> String| match file {
+        Some(file) => fs::write(file, text()).map_err(|error| format!("{file}: {error}")),
+        None => Ok(()),
+    };
+    write(&options.table, &|| report.table(options.threads))?;
+    write(&options.worst, &|| report.worst())?;
+    Ok(report.passes())
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let result = match words[..] {
+        ["--help"] => {
+            print!("{HELP}");
+            Ok(true)
+        }
+        ["oracle", count] => number(count).map(|count| {
+            report::oracle(count);
+            true
+        }),
+        _ => parse(arguments.into_iter()).and_then(|options| stress(&options)),
+    };
+    match result {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(message) => {
+            eprintln!("{message}");
+            ExitCode::from(2)
+        }
+    }
+}

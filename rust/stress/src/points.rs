@@ -1,0 +1,161 @@
+//! Geometry from nearly equal points and nearly straight lines of points.
+//!
+//! A span between two points is a rounded difference: its direction is known to `e`, the rounding
+//! that really occurred over its length. A bend is then known to `ulp + e + e'` of its two spans, a
+//! twist to `2⁻⁵²` and the same over the sines of the bends on both sides.
+
+use cardan::{Geometry, Vector};
+
+use crate::angle::atan2;
+use crate::samples::Random;
+use crate::wide::{Wide, two_sum};
+
+/// The largest errors, in these units. Cross product, length, product and inverse tangent round to
+/// 3, 2.5, 3.5 and 2 times 2⁻⁵³ at most, which is 6 ulp at the most.
+pub(crate) const LIMITS: [f64; 2] = [6.0, 6.0];
+
+/// A kind of points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Shape {
+    NearlyEqual,
+    NearlyStraight,
+    Anywhere,
+}
+
+impl Shape {
+    const ALL: [Self; 3] = [Self::NearlyEqual, Self::NearlyStraight, Self::Anywhere];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::NearlyEqual => "points some ulp apart, far from the origin",
+            Self::NearlyStraight => "points along a line, aside by 1e-15 to 0.01",
+            Self::Anywhere => "points 1e-6 to 1e6 apart",
+        }
+    }
+
+    fn points(self, random: &mut Random) -> Vec<Vector> {
+        let count = 4 + random.below(5);
+        let mut vector = |size: f64| {
+            let mut part = || random.between(-size, size);
+            Vector::new(part(), part(), part())
+        };
+        let (start, along) = (vector(10.0), vector(1.0));
+        match self {
+            Self::NearlyEqual => {
+                let mut walk = vec![start];
+                for i in 0..count - 1 {
+                    let last: Vector = walk[i];
+                    walk.push(last.map(|x| random.beside(x, 1000)));
+                }
+                walk
+            }
+            Self::NearlyStraight => {
+                let aside = random.power(-15.0, -2.0);
+                (0..count)
+                    .map(|i| {
+                        let mut part = || random.between(-aside, aside);
+                        start + along * i as f64 + Vector::new(part(), part(), part())
+                    })
+                    .collect()
+            }
+            Self::Anywhere => {
+                let mut walk = vec![start];
+                for i in 0..count - 1 {
+                    let size = random.power(-6.0, 6.0);
+                    let mut part = || random.between(-size, size);
+                    walk.push(walk[i] + Vector::new(part(), part(), part()));
+                }
+                walk
+            }
+        }
+    }
+}
+
+/// The worst errors of bends and twists of a kind of points.
+#[derive(Clone, Debug)]
+pub(crate) struct Points {
+    pub(crate) shape: Shape,
+    pub(crate) judged: u64,
+    pub(crate) off: [f64; 2],
+    pub(crate) place: [String; 2],
+}
+
+/// At least so many bends of each kind.
+pub(crate) fn run(seed: u64, count: u64) -> Vec<Points> {
+    let mut random = Random::new(seed ^ 0x9017);
+    Shape::ALL
+        .into_iter()
+        .map(|shape| {
+            let mut found = Points { shape, judged: 0, off: [0.0; 2], place: Default::default() };
+            while found.judged < count {
+                judge(&shape.points(&mut random), &mut found);
+            }
+            found
+        })
+        .collect()
+}
+
+type Span = [Wide; 3];
+
+fn cross(a: Span, b: Span) -> Span {
+    let part = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
+    [part(1, 2), part(2, 0), part(0, 1)]
+}
+
+fn dot(a: Span, b: Span) -> Wide {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn judge(points: &[Vector], found: &mut Points) {
+    // Equal points and right angles are refused.
+    let phases = vec![0.0; points.len() - 3];
+    let Ok(line) = Geometry::from_points(points, &phases) else { return };
+    let mut spans: Vec<Span> = vec![];
+    let mut rounding = vec![];
+    for pair in points.windows(2) {
+        let span = [0, 1, 2].map(|i| two_sum(pair[1][i], -pair[0][i]));
+        let lost = span.iter().map(|x| x.low.powi(2)).sum::<f64>().sqrt();
+        rounding.push(lost / dot(span, span).high.sqrt());
+        // Like numbers, so that no square leaves the range.
+        spans.push(span);
+    }
+    let crosses: Vec<Span> = spans.windows(2).map(|pair| cross(pair[0], pair[1])).collect();
+    let mut sines = vec![];
+    for (j, cross) in crosses.iter().enumerate() {
+        let (y, x) = (dot(*cross, *cross).sqrt(), dot(spans[j], spans[j + 1]));
+        let want = atan2(y, x);
+        sines.push(want.high.sin());
+        let known = rounding[j] + rounding[j + 1];
+        // What is straight within rounding counts as straight.
+        if want.high < 1.5e-15 + known {
+            continue;
+        }
+        found.judged += 1;
+        let off = want.distance(line.bends[j]) / (want.ulp() + known);
+        note(found, 0, off, || format!("bends[{j}] of {points:?}: {:e}", line.bends[j]));
+    }
+    if sines.iter().any(|&sine| sine < 1e-14) {
+        return;
+    }
+    for j in 1..crosses.len() {
+        let length = dot(spans[j], spans[j]).sqrt();
+        let want = atan2(length * dot(spans[j - 1], crosses[j]), dot(crosses[j - 1], crosses[j]));
+        let known = [(j - 1, j - 1), (j, j - 1), (j, j), (j + 1, j)]
+            .map(|(span, joint)| rounding[span] / sines[joint]);
+        let unit = f64::EPSILON + known.iter().sum::<f64>();
+        let turn = 2.0 * std::f64::consts::PI;
+        let off = want.distance(line.twists[j - 1]);
+        let off = off.min((turn - off).abs()) / unit;
+        note(found, 1, off, || {
+            format!("twists[{}] of {points:?}: {:e}", j - 1, line.twists[j - 1])
+        });
+    }
+}
+
+fn note(found: &mut Points, which: usize, off: f64, place: impl Fn() -> String) {
+    let off = if off.is_nan() { f64::INFINITY } else { off };
+    if off > found.off[which] {
+        found.off[which] = off;
+        found.place[which] = place();
+    }
+}

@@ -1,0 +1,301 @@
+//! What a run found, in words.
+
+use std::fmt::Write;
+
+use crate::angle::sin_cos;
+use crate::chains::Chains;
+use crate::exact::{Chain, Joint, Turn};
+use crate::judge::{By, Ledger, Quantity, Tier, Worst};
+use crate::points::{self, Points};
+use crate::samples::{Kind, Random};
+use crate::wide::Wide;
+
+pub(crate) struct Report<'a> {
+    pub(crate) ledger: &'a Ledger,
+    pub(crate) chains: &'a [Chains],
+    pub(crate) points: &'a [Points],
+    pub(crate) seconds: f64,
+}
+
+/// A double in the digits that it has.
+fn hex(x: f64) -> String {
+    let bits = x.to_bits();
+    let (exponent, digits) = ((bits >> 52 & 0x7ff) as i64, bits & ((1 << 52) - 1));
+    let sign = if x < 0.0 { "-" } else { "" };
+    let (lead, power) = if exponent == 0 { (0, -1022) } else { (1, exponent - 1023) };
+    format!("{sign}0x{lead}.{digits:013x}p{power:+}")
+}
+
+fn shown(tier: Tier, off: f64) -> String {
+    if off == 0.0 {
+        "–".into()
+    } else if tier.is_single() {
+        format!("{off:.1e}")
+    } else {
+        format!("{off:.2}")
+    }
+}
+
+/// A count, in groups of digits.
+fn grouped(count: u64) -> String {
+    let digits = count.to_string();
+    let start = digits.len() % 3;
+    let mut groups: Vec<&str> = vec![];
+    if start > 0 {
+        groups.push(&digits[..start]);
+    }
+    groups.extend((start..digits.len()).step_by(3).map(|i| &digits[i..i + 3]));
+    groups.join(" ")
+}
+
+fn row(first: &str, cells: impl IntoIterator<Item = String>) -> String {
+    let cells: Vec<String> = cells.into_iter().collect();
+    format!("| {first} | {} |\n", cells.join(" | "))
+}
+
+fn head(first: &str, names: impl IntoIterator<Item = String>) -> String {
+    let names: Vec<String> = names.into_iter().collect();
+    format!("{}|---|{}\n", row(first, names.clone()), "---|".repeat(names.len()))
+}
+
+impl Report<'_> {
+    fn judged(&self) -> u64 {
+        self.ledger.0.iter().flatten().map(|errors| errors.judged).sum()
+    }
+
+    /// What is beyond its limit, a line each.
+    fn failures(&self) -> Vec<String> {
+        let mut lines = vec![];
+        for (tier, quantity, Worst { off, sample, got, want }) in self.ledger.failures() {
+            lines.push(format!(
+                "{} {}: {off:.3e} is more than {} at bend {} = {:?}, angle {} = {:?}, torque {:?}: \
+                 {got:e} instead of {want:e}",
+                tier.name(),
+                quantity.name(),
+                tier.limit(quantity),
+                hex(sample.bend),
+                sample.bend,
+                hex(sample.angle),
+                sample.angle,
+                sample.torque,
+            ));
+        }
+        for chains in self.chains {
+            for tier in Tier::ALL {
+                for (q, quantity) in Quantity::ALL[..4].iter().enumerate() {
+                    let off = chains.off[tier as usize][q];
+                    if off > tier.limit(*quantity) {
+                        let place = &chains.place[tier as usize][q];
+                        lines.push(format!("{} {off:.3e} units: {place}", tier.name()));
+                    }
+                }
+            }
+        }
+        for points in self.points {
+            for (which, limit) in points::LIMITS.into_iter().enumerate() {
+                if points.off[which] > limit {
+                    lines.push(format!("{:.3} units: {}", points.off[which], points.place[which]));
+                }
+            }
+        }
+        lines
+    }
+
+    pub(crate) fn passes(&self) -> bool {
+        self.failures().is_empty()
+    }
+
+    /// A page for the terminal.
+    pub(crate) fn summary(&self) -> String {
+        let judged = self.judged();
+        let rate = judged as f64 / self.seconds;
+        let mut text = format!(
+            "{} results of single joints judged in {:.1} s, {rate:.2e} per second\n\n{:30}",
+            grouped(judged),
+            self.seconds,
+            "worst error"
+        );
+        for tier in Tier::ALL {
+            write!(text, "{:>16}", tier.name()).expect("text grows");
+        }
+        text.push('\n');
+        for quantity in Quantity::ALL {
+            write!(text, "{:30}", quantity.name()).expect("text grows");
+            for tier in Tier::ALL {
+                let off = shown(tier, self.ledger.of(tier, quantity).worst.off);
+                write!(text, "{off:>16}").expect("text grows");
+            }
+            text.push('\n');
+        }
+        text.push_str("\nchains, in the units of the documentation\n");
+        for chains in self.chains {
+            writeln!(text, "{} ({} samples)", chains.shape.name(), chains.judged)
+                .expect("text grows");
+            for tier in &Tier::ALL[..3] {
+                let off = chains.off[*tier as usize].map(|off| shown(*tier, off));
+                writeln!(text, "{:>30} {}", tier.name(), off.join("  ")).expect("text grows");
+            }
+        }
+        text.push_str("\npoints: bends and twists, in the units of the documentation\n");
+        for points in self.points {
+            let [bends, twists] = points.off;
+            writeln!(text, "{:50} {bends:.2} {twists:.2}", points.shape.name())
+                .expect("text grows");
+        }
+        for failure in self.failures() {
+            writeln!(text, "\n{failure}").expect("text grows");
+        }
+        text
+    }
+
+    fn by(&self, by: By, tier: Tier) -> String {
+        let short = |q: &Quantity| q.name().replace("of the ", "").replace("of a ", "");
+        let mut text = head("", Quantity::ALL.iter().map(short));
+        for (i, name) in by.rows().iter().enumerate() {
+            let cells =
+                Quantity::ALL.map(|q| shown(tier, self.ledger.of(tier, q).by[by as usize][i]));
+            text.push_str(&row(name, cells));
+        }
+        text
+    }
+
+    /// The page of the documentation.
+    pub(crate) fn table(&self, threads: u64) -> String {
+        let mut text = String::from(include_str!("../head.md"));
+        let least = self.ledger.0.iter().flat_map(|tier| tier.iter().map(|e| e.judged)).min();
+        write!(
+            text,
+            "\n{} results were judged, at least {} of each output in each tier, {:.1e} per second \
+             on {threads} thread{}.\n\n",
+            grouped(self.judged()),
+            grouped(least.unwrap_or(0)),
+            self.judged() as f64 / self.seconds,
+            if threads == 1 { "" } else { "s" }
+        )
+        .expect("text grows");
+        let names = Tier::ALL.iter().flat_map(|tier| match tier {
+            Tier::Loose | Tier::Float32 => vec![tier.name().into()],
+            _ => vec![tier.name().to_string(), "limit".into()],
+        });
+        text.push_str(&head("one joint", names));
+        for quantity in Quantity::ALL {
+            let cells = Tier::ALL.iter().flat_map(|&tier| {
+                let off = shown(tier, self.ledger.of(tier, quantity).worst.off);
+                match tier {
+                    Tier::Loose | Tier::Float32 => vec![off],
+                    _ => vec![off, tier.limit(quantity).to_string()],
+                }
+            });
+            text.push_str(&row(quantity.name(), cells));
+        }
+        text.push_str("\nThe limit of the single tiers is 1e-6 of the largest over a turn.\n");
+        text.push_str("\n## Chains\n\n");
+        text.push_str(include_str!("../chains.md"));
+        text.push('\n');
+        let motion = Quantity::ALL[..4].iter().map(|q| q.name().to_string());
+        text.push_str(&head("chains", ["tier".to_string()].into_iter().chain(motion)));
+        for chains in self.chains {
+            for tier in &Tier::ALL[..3] {
+                let off = chains.off[*tier as usize].map(|off| shown(*tier, off));
+                let cells = [tier.name().to_string()].into_iter().chain(off);
+                text.push_str(&row(chains.shape.name(), cells));
+            }
+        }
+        text.push_str("\n## Points\n\n");
+        text.push_str(include_str!("../points.md"));
+        text.push('\n');
+        text.push_str(&head("points", ["bends", "twists"].map(String::from)));
+        for points in self.points {
+            let off = points.off.map(|off| format!("{off:.2}"));
+            text.push_str(&row(points.shape.name(), off));
+        }
+        let limits = points::LIMITS.map(|limit| format!("{limit}"));
+        text.push_str(&row("limit", limits));
+        for tier in [Tier::Default, Tier::Faithful] {
+            for (by, what) in [
+                (By::Kind, "kind of sample"),
+                (By::Bend, "bend in rad"),
+                (By::Angle, "drive angle in rad"),
+            ] {
+                write!(text, "\n## One joint, {}, by {what}\n\n", tier.name()).expect("text grows");
+                text.push_str(&self.by(by, tier));
+            }
+        }
+        text
+    }
+
+    /// The worst samples with the digits that they have.
+    pub(crate) fn worst(&self) -> String {
+        let mut cases = vec![];
+        for tier in [Tier::Faithful, Tier::Default] {
+            for quantity in Quantity::ALL {
+                let Worst { off, sample, .. } = self.ledger.of(tier, quantity).again;
+                cases.push(format!(
+                    "  {{\"tier\": {:?}, \"output\": {:?}, \"bend\": {:?}, \"angle\": {:?}, \
+                     \"torque\": {:?}, \"ulp\": {off:.3}}}",
+                    tier.name(),
+                    quantity.name(),
+                    hex(sample.bend),
+                    hex(sample.angle),
+                    hex(sample.torque)
+                ));
+            }
+        }
+        format!("{{\"cases\": [\n{}\n]}}\n", cases.join(",\n"))
+    }
+}
+
+/// Prints what the oracle says: names, doubles in hexadecimal, results as two of them.
+pub(crate) fn oracle(count: u64) {
+    let mut random = Random::new(7);
+    let words = |x: Wide| format!("{} {}", hex(x.high), hex(x.low));
+    for number in 0..count {
+        let kinds = &Kind::ALL[..6];
+        let kind = kinds[number as usize % kinds.len()];
+        let bend = kind.bend(&mut random, &[]);
+        let angle = kind.angle(&mut random, bend, &[]);
+        let at = Turn::by(&[angle]);
+        let (joint, (s, c)) = (Joint::bent(bend), sin_cos(&[bend]));
+        let motion = joint.motion(&at);
+        println!("bend {} angle {}", hex(bend), hex(angle));
+        for (name, x) in [
+            ("sine", at.s),
+            ("cosine", at.c),
+            ("sine of the bend", s),
+            ("cosine of the bend", c),
+            ("angle", motion.angle),
+            ("angle_error", motion.error),
+            ("speed_ratio", motion.ratio),
+            ("acceleration_ratio", motion.acceleration),
+            ("moment y", joint.moment(&at)[1]),
+            ("moment z", joint.moment(&at)[2]),
+            ("support x", joint.supports(&at)[1][0]),
+            ("support y", joint.supports(&at)[1][1]),
+            ("support z", joint.supports(&at)[1][2]),
+            ("bending_driving", joint.bending(&at)[0]),
+            ("bending_driven", joint.bending(&at)[1]),
+            ("tilt_driving", joint.tilts(&at)[0]),
+            ("tilt_driven", joint.tilts(&at)[1]),
+        ] {
+            println!("{name}: {}", words(x));
+        }
+        if number % 4 == 0 {
+            let n = 2 + random.below(4);
+            let mut angles =
+                |most: f64| (0..n).map(|_| random.between(0.0, most)).collect::<Vec<_>>();
+            let (bends, twists, phases) = (angles(1.3), angles(6.0), angles(6.0));
+            let (twists, phases) = (&twists[1..], &phases[1..]);
+            let (motion, _) = Chain::of(&bends, twists, phases).motion(&at);
+            let list = |all: &[f64]| all.iter().map(|&x| hex(x)).collect::<Vec<_>>().join(" ");
+            println!("chain {} / {} / {}", list(&bends), list(twists), list(phases));
+            for (name, x) in [
+                ("angle", motion.angle),
+                ("angle_error", motion.error),
+                ("speed_ratio", motion.ratio),
+                ("acceleration_ratio", motion.acceleration),
+            ] {
+                println!("{name}: {}", words(x));
+            }
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! The command: its short form passes, and one result that is a few ulp off makes it fail.
+
+use std::process::{Command, Output};
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cardan-stress")).args(arguments).output().unwrap()
+}
+
+#[test]
+fn the_short_form_passes() {
+    let output = run(&[]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert!(text.contains("results of single joints judged"), "{text}");
+}
+
+#[test]
+fn a_few_wrong_ulps_are_found() {
+    for (ulps, outputs) in [
+        (2, &["angle", "angle_error", "speed_ratio", "acceleration_ratio"][..]),
+        (2, &["tilt_driving", "tilt_driven"]),
+        (3, &["torque of the driven shaft", "torque of the driving shaft", "torque of a flywheel"]),
+        (3, &["bending_driving", "bending_driven"]),
+        // In ulp of their largest component.
+        (6, &["moment", "support of the driving shaft", "support of the driven shaft"]),
+    ] {
+        for output in outputs {
+            broken_by(output, ulps);
+        }
+    }
+}
+
+fn broken_by(output: &str, ulps: u32) {
+    let broken = run(&["--samples", "20000", "--break", &format!("{output}={ulps}")]);
+    let text = String::from_utf8(broken.stdout).unwrap();
+    assert_eq!(broken.status.code(), Some(1), "{output}: {text}");
+    assert!(text.contains(&format!("tolerance=0 {output}: ")), "{output}: {text}");
+}
+
+#[test]
+fn what_is_wrong_is_said_in_a_line() {
+    for (arguments, message) in [
+        (&["--samples", "many"][..], "\"many\" is not a number\n"),
+        (&["--break", "speed=1"], "there is no output \"speed\"\n"),
+        (&["--samples"], "--samples needs a value; see --help\n"),
+        (&["--loud", "1"], "there is no option --loud; see --help\n"),
+    ] {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(2));
+        assert_eq!(String::from_utf8(output.stderr).unwrap(), message);
+    }
+}

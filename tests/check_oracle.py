@@ -1,0 +1,167 @@
+"""Judge the oracle of the stress command: ``cardan-stress oracle 3000 | python`` this file.
+
+What it prints is compared with mpmath from the vector picture: pins that stay at right angles, the
+moment normal to both, joint after joint along a chain. Exits with 1 if anything is more than 2**-92
+off, of the number itself or, in a chain, of what another angle would change it by.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Iterator
+from typing import Any, TypeAlias
+
+import mpmath
+
+mp = mpmath.mp.clone()
+mp.dps = 120
+LIMIT = mp.mpf(2) ** -92
+# mpmath carries no types; these are its numbers.
+Number: TypeAlias = Any
+Vector: TypeAlias = tuple[Number, Number, Number]
+
+
+def dot(a: Vector, b: Vector) -> Number:
+    return sum(x * y for x, y in zip(a, b, strict=True))
+
+
+def cross(a: Vector, b: Vector) -> Vector:
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def add(a: Vector, b: Vector, factor: Number = 1) -> Vector:
+    x, y, z = (p + factor * q for p, q in zip(a, b, strict=True))
+    return x, y, z
+
+
+def times(a: Vector, factor: Number) -> Vector:
+    return a[0] * factor, a[1] * factor, a[2] * factor
+
+
+def unit(a: Vector) -> Vector:
+    return times(a, 1 / mp.sqrt(dot(a, a)))
+
+
+def error(bend: Number, angle: Number) -> Number:
+    """Angle error of one joint: the driven angle, less the drive's, without its branch."""
+    s, c = mp.sin(angle), mp.cos(angle)
+    cosine = mp.cos(bend)
+    return mp.atan2(s * c * (1 - cosine), c * c * cosine + s * s)
+
+
+def rates(bend: Number, angle: Number) -> tuple[Number, Number]:
+    """First and second derivative of ``atan(tan(angle)/cos(bend))``."""
+    s, c, cosine = mp.sin(angle), mp.cos(angle), mp.cos(bend)
+    across = (c * cosine) ** 2 + s * s
+    return cosine / across, -2 * cosine * mp.sin(bend) ** 2 * s * c / across**2
+
+
+def joint(bend: Number, angle: Number) -> dict[str, Number]:
+    """Everything that one joint does."""
+    u, v = (mp.mpf(1), mp.mpf(0), mp.mpf(0)), (mp.cos(bend), mp.sin(bend), mp.mpf(0))
+    driving = (mp.mpf(0), mp.cos(angle), mp.sin(angle))
+    driven = unit(cross(v, driving))
+    normal = cross(driving, driven)
+    moment = times(normal, 1 / dot(normal, u))
+    support = add(times(moment, -1), v, dot(moment, v))
+    into = add(moment, u, -dot(moment, u))
+    ratio, acceleration = rates(bend, angle)
+    turned = error(bend, angle)
+    return {
+        "sine": mp.sin(angle),
+        "cosine": mp.cos(angle),
+        "sine of the bend": mp.sin(bend),
+        "cosine of the bend": mp.cos(bend),
+        "angle": angle + turned,
+        "angle_error": turned,
+        "speed_ratio": ratio,
+        "acceleration_ratio": acceleration,
+        "moment y": moment[1],
+        "moment z": moment[2],
+        "support x": support[0],
+        "support y": support[1],
+        "support z": support[2],
+        "bending_driving": mp.sqrt(dot(into, into)),
+        "bending_driven": mp.sqrt(dot(support, support)),
+        # Of the driven pin out of the plane across the driving shaft, and the other way round.
+        "tilt_driving": mp.asin(dot(driven, u)),
+        "tilt_driven": mp.asin(dot(driving, v)),
+    }
+
+
+def chain(
+    bends: list[Number], twists: list[Number], phases: list[Number], angle: Number
+) -> dict[str, Number]:
+    """Motion behind the last joint, joint after joint."""
+    turn, ratio, acceleration = angle, mp.mpf(1), mp.mpf(0)
+    errors, start = mp.mpf(0), mp.mpf(0)
+    a, b = mp.mpc(1), mp.mpc(0)
+    for j, bend in enumerate(bends):
+        if j > 0:
+            step = phases[j - 1] - twists[j - 1] + mp.pi / 2
+            turn += step
+            start += step
+            a, b = a * mp.expj(step), b * mp.expj(step)
+        r, f = rates(bend, turn)
+        acceleration = f * ratio**2 + r * acceleration
+        ratio *= r
+        turned = error(bend, turn)
+        turn += turned
+        errors += turned
+        k = mp.tan(bend / 2) ** 2
+        a, b = a - k * mp.conj(b), b - k * mp.conj(a)
+    # The mean of the summed errors is that of the chain's own angle.
+    mean = mp.arg(a * mp.expj(-start))
+    errors -= mean
+    errors -= 2 * mp.pi * mp.nint(errors / (2 * mp.pi))
+    return {
+        "angle": angle + errors,
+        "angle_error": errors,
+        "speed_ratio": ratio,
+        "acceleration_ratio": acceleration,
+        "steepness": abs(ratio) ** 2 * 4 + abs(acceleration) + 1,
+    }
+
+
+def numbers(words: Iterable[str]) -> list[Number]:
+    return [mp.mpf(float.fromhex(word)) for word in words]
+
+
+def judged(lines: Iterable[str]) -> Iterator[tuple[str, Number]]:
+    """Yield each name with its error."""
+    want: dict[str, Number] = {}
+    angle, where, steepness = mp.mpf(0), "", mp.mpf(0)
+    for line in lines:
+        first, *rest = line.split()
+        if first == "bend":
+            bend, angle = numbers([rest[0], rest[2]])
+            # Digits for the cancellation that small and steep bends and large angles bring.
+            mp.dps = 120 + abs(int(mp.log10(abs(angle) + 1e-300))) + 2 * int(-mp.log10(bend))
+            want, where, steepness = joint(bend, angle), "", mp.mpf(0)
+        elif first == "chain":
+            bends, twists, phases = (numbers(part.split()) for part in line[6:].split("/"))
+            want, where = chain(bends, twists, phases, angle), "chain: "
+            steepness = want["steepness"] * 2
+        else:
+            name, _, words = line.partition(": ")
+            got = sum(numbers(words.split()))
+            exact = want[name]
+            # Numbers below 1e-290 have no second word with all digits.
+            if abs(exact) > 1e-290:
+                yield where + name, abs(got - exact) / (abs(exact) + steepness * 2**-12)
+
+
+def main() -> int:
+    worst: dict[str, Number] = {}
+    count = 0
+    for name, off in judged(sys.stdin):
+        count += 1
+        worst[name] = max(worst.get(name, mp.mpf(0)), off)
+    for name, off in worst.items():
+        print(f"{name:30} 2**{float(mp.log(off, 2)) if off else -999:.1f}")
+    print(f"{count} numbers")
+    return 0 if count and max(worst.values()) < LIMIT else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

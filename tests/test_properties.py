@@ -1,0 +1,294 @@
+"""What must hold for every driveline to 64 joints, straight, near-straight or near 90 degrees.
+
+``test_laws.py`` has the laws of short and moderate ones. Here the bounds are conditions: a change
+of every bend and of every angle along the driveline by ``e`` changes what the last shaft does by at
+most ``e`` times a gain, which is summed up joint by joint from the speed ratios.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import hypothesis.strategies as st
+import numpy as np
+from hypothesis import given, settings
+
+from cardan import Driveline, Load, Sweep
+from oracle import EPS, Doubles
+
+ANGLE = np.concatenate([np.linspace(-3.0, 9.0, 61), np.pi / 2 + 10.0 ** np.arange(-9.0, 0)])
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+
+few = settings(max_examples=40)
+
+
+@st.composite
+def lines(draw: st.DrawFn, most: int = 64) -> Driveline:
+    """Random drivelines of which few joints are bent much, so that no speed leaves all bounds."""
+    n = draw(st.integers(1, most))
+    straight = st.one_of(st.just(0.0), st.just(0.0), st.floats(-12, -2).map(lambda x: 10.0**x))
+    bends = np.array(draw(st.lists(straight, min_size=n, max_size=n)))
+    steep = st.floats(-4, -1).map(lambda x: math.pi / 2 - 10.0**x)
+    moderate = st.floats(0.01, 1.2)
+    for bend in draw(st.lists(st.one_of(moderate, moderate, steep), min_size=1, max_size=3)):
+        bends[draw(st.integers(0, n - 1))] = bend
+    turns = np.array(draw(st.lists(st.floats(-4, 4), min_size=2 * n, max_size=2 * n)))
+    twists, phases = turns[: n - 1], turns[n : 2 * n - 1]
+    if n > 1 and draw(st.booleans()):
+        # Two joints that compensate each other.
+        at = draw(st.integers(0, n - 2))
+        bends[at + 1] = bends[at]
+        phases[at] = twists[at] + draw(st.sampled_from([0.0, math.pi]))
+    return Driveline.from_bends(bends, twists, phases)
+
+
+def gains(line: Driveline, angle: Doubles) -> tuple[Doubles, Doubles]:
+    """Return by what changes of all bends and angles change the last angle and its relative speed.
+
+    With a joint's own driving angle ``a`` and ratio ``q = cos b/(cos^2 b cos^2 a + sin^2 a)``: the
+    driven angle changes by ``q`` times the change of ``a`` and by at most ``tan b/2`` times that of
+    the bend, ``log q`` by at most ``sin b tan b`` and ``tan b`` times these.
+    """
+    ratio = line.evaluate(angle, "speed_ratio", shafts=slice(None)).speed_ratio
+    turned, hastened = np.ones_like(angle), np.zeros_like(angle)
+    for j, bend in enumerate(line.bends.tolist()):
+        tangent = math.tan(bend)
+        hastened = hastened + math.sin(bend) * tangent * turned + tangent
+        turned = turned * ratio[j + 1] / ratio[j] + tangent / 2 + 1
+    return turned, hastened
+
+
+def expect_same_motion(
+    line: Driveline, other: Driveline, change: float, shift: float = 0.0
+) -> None:
+    """Compare last shafts whose bends and angles are ``change`` apart, drive angles ``shift``."""
+    got, want = (x.evaluate(ANGLE, ("angle_error", "speed_ratio")) for x in (other, line))
+    turned, hastened = gains(line, ANGLE)
+    ratio = want.speed_ratio
+    steepness = np.abs(line.evaluate(ANGLE, "acceleration_ratio").acceleration_ratio)
+    # An error is known to some ulp, its drive angle to one of a unit turn.
+    known = change + 2 * EPS
+    close = known * turned + shift * np.abs(ratio - 1) + 8 * EPS * np.abs(want.angle_error)
+    assert np.all(np.abs(got.angle_error - want.angle_error) <= 2 * close)
+    close = known * hastened * ratio + (shift + 2 * EPS) * steepness + 16 * EPS * ratio
+    assert np.all(np.abs(got.speed_ratio - ratio) <= 2 * close)
+
+
+@few
+@given(lines(), st.integers(0, 2**32 - 1))
+def test_rigid_motion_and_scale(line: Driveline, seed: int) -> None:
+    # A plane that is hardly one would be another after rounding.
+    bends = np.array(line.bends)
+    bends[0] = max(bends[0], 0.01)
+    line = Driveline.from_bends(bends, line.twists, line.phases)
+    random = np.random.default_rng(seed)
+    rotation, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    rotation *= np.linalg.det(rotation)
+    spans = line.directions * random.uniform(0.5, 2, (line.n_joints + 1, 1))
+    points = np.vstack([np.zeros(3), np.cumsum(spans, axis=0)])
+    scale = float(10 ** random.uniform(-6, 6))
+    moved = scale * points @ rotation.T + scale * random.uniform(-9, 9, 3)
+    # Points are known to some ulp of the farthest, directions to that over the shortest span.
+    change = 8 * EPS * float(np.abs(points).max() + 10) / 0.5
+    first, second = (Driveline.from_points(p, line.phases) for p in (points, moved))
+    # The drive angle counts from the plane of the first two shafts.
+    plane = float(first.bends[0])
+    expect_same_motion(first, second, 2 * change, 2 * change / math.sin(plane))
+
+
+@few
+@given(lines(), st.integers(0, 62), st.floats(-4, 4), st.floats(-4, 4))
+def test_a_straight_joint_within_a_shaft(
+    line: Driveline, at: int, twist: float, phase: float
+) -> None:
+    if line.n_joints < 2:
+        return
+    at = 1 + at % (line.n_joints - 1)
+    # p = delta - tau + 90 degrees of the two halves must add up to that of the whole.
+    bends = np.insert(line.bends, at, 0.0)
+    twists, phases = np.insert(line.twists, at - 1, twist), np.insert(line.phases, at - 1, phase)
+    twists[at] = line.twists[at - 1] - twist
+    phases[at] = line.phases[at - 1] - phase - math.pi / 2
+    # Two differences of up to 8 and one of up to 10 are rounded.
+    expect_same_motion(line, Driveline.from_bends(bends, twists, phases), 3 * 8 * EPS)
+
+
+@few
+@given(lines(), st.integers(0, 62))
+def test_half_a_turn_of_a_yoke(line: Driveline, shaft: int) -> None:
+    if line.n_joints < 2:
+        return
+    phases = np.array(line.phases)
+    phases[shaft % phases.size] += math.pi
+    # A sum of up to 8 is rounded, and so is pi.
+    expect_same_motion(line, line.with_phases(phases), 5 * EPS)
+
+
+@few
+@given(lines())
+def test_reversal_keeps_the_equivalent_bend(line: Driveline) -> None:
+    got, want = (float(x.equivalent().k) for x in (line.reversed(), line))
+    assert min(got, want) >= 0.0
+    # Each joint and shaft is folded with sines and cosines within 2**-62; steep joints stretch
+    # that by 1/|A|, A with the lengths of the pins left in.
+    determinant = float(np.prod(np.cos(line.bends)))
+    length = math.sqrt(determinant / (1 - want**2)) if want < 1 else math.sqrt(determinant)
+    fold = line.n_joints * 2.0**-60 * min(1.0, float((np.tan(line.bends / 2) ** 2).sum()))
+    assert abs(got - want) <= 4 * np.spacing(want) + fold / length
+
+
+@few
+@given(lines(), st.booleans(), st.integers(0, 2**32 - 1))
+def test_power_and_moments_balance_at_every_joint(line: Driveline, drive: bool, seed: int) -> None:
+    random = np.random.default_rng(seed)
+    inertias = random.uniform(0, 1, line.n_joints + 1)
+    torque, speed, acceleration = random.uniform(-5, 5, 3)
+    load = Load(
+        **{"drive_torque" if drive else "output_torque": torque},
+        speed=speed,
+        acceleration=acceleration,
+        inertias=inertias,
+    )
+    names = ("speed_ratio", "acceleration_ratio", "torque", "moment", "support_moment")
+    got = line.evaluate(ANGLE, names, shafts=slice(None), load=load)
+    ratio, moment, entering = got.speed_ratio, got.moment, got.torque
+    taken = inertias[:, np.newaxis] * (speed**2 * got.acceleration_ratio + acceleration * ratio)
+    leaving = entering - taken
+    # Power is a running sum, rounded at every shaft.
+    sizes = np.abs(taken * ratio).sum(axis=0) + abs(torque) * np.max(ratio, axis=0)
+    power = 16 * (line.n_joints + 1) * EPS * sizes
+    size = np.linalg.norm(moment, axis=-1)
+    zero = np.zeros_like(moment[0])
+    for j, bend in enumerate(line.bends.tolist()):
+        u, v = line.directions[j], line.directions[j + 1]
+        tangent = math.tan(bend)
+        passed = leaving[j] * ratio[j] - entering[j + 1] * ratio[j + 1]
+        assert np.all(np.abs(passed) <= power)
+        # The moment's parts along both shafts are their torsions. Its own driving angle is known to
+        # a few EPS times what the chain before it has turned the drive, its directions to a few.
+        own = 8 * EPS * size[j] * (1 + tangent)
+        assert np.all(np.abs(moment[j] @ u - leaving[j]) <= own + power / ratio[j])
+        steep = 8 * EPS * np.abs(leaving[j]) * math.sin(bend) * tangent * (1 + ratio[j])
+        off = np.abs(moment[j] @ v - entering[j + 1])
+        assert np.all(off <= own + steep + power / ratio[j + 1])
+    for i, u in enumerate(line.directions):
+        before = moment[i - 1] if i > 0 else zero
+        behind = moment[i] if i < line.n_joints else zero
+        net = before - behind
+        across = net - (net @ u)[:, np.newaxis] * u
+        # As above, with the moments of the joints on both sides.
+        known = np.zeros_like(ANGLE)
+        for j in {i - 1, i} & set(range(line.n_joints)):
+            tangent = math.tan(float(line.bends[j]))
+            known += 16 * EPS * (size[j] * (1 + tangent) + np.abs(leaving[j]) * tangent * ratio[j])
+            known += power / ratio[j]
+        assert np.all(np.linalg.norm(got.support_moment[i] + across, axis=-1) <= known)
+
+
+def load_of(line: Driveline) -> Load:
+    return Load(drive_torque=7.0, speed=3.0, inertias=np.linspace(0.1, 0.4, line.n_joints + 1))
+
+
+@few
+@given(lines(), st.sampled_from([None, 0, 1e-6]))
+def test_every_path_gives_the_same_bits(line: Driveline, tolerance: float | None) -> None:
+    names = (*MOTION, "torque", "support_moment", "moment", "tilt_driven")
+    joints = [0, line.n_joints - 1] if line.n_joints > 1 else [0]
+    options: dict[str, Any] = {
+        "shafts": [0, line.n_joints],
+        "joints": joints,
+        "load": load_of(line),
+        "tolerance": tolerance,
+    }
+    want = line.evaluate(ANGLE, names, **options)
+    plan = line.plan(names, **options)
+    paths = [
+        plan(ANGLE),
+        plan(ANGLE, out={name: np.empty_like(want[name]) for name in names}),
+        line.evaluate(ANGLE[::-1].copy()[::-1], names, **options),
+        line.evaluate(ANGLE, names, workers=2, **options),
+    ]
+    for got in paths:
+        for name in names:
+            assert np.array_equal(got[name], want[name]), name
+    for name in names:
+        alone = line.evaluate(ANGLE, name, **options)[name]
+        assert np.array_equal(alone, want[name]), name
+    # In a batch, and once per sample.
+    pair = Driveline.from_bends(
+        np.stack([np.zeros(line.n_joints), line.bends]), line.twists, line.phases
+    )
+    each = Driveline.from_bends(np.tile(line.bends, (ANGLE.size, 1)), line.twists, line.phases)
+    rows = pair[:, None].evaluate(ANGLE, MOTION, tolerance=tolerance)
+    samples = each.evaluate(ANGLE, MOTION, tolerance=tolerance)
+    for name in MOTION:
+        assert np.array_equal(rows[name][1], want[name][1]), name
+    # Per sample the inverse tangent is that of any chain of such bends: both keep their limit.
+    error = np.abs(want.angle_error[1])
+    limit = {None: 2 * 6, 0: 2, 1e-6: 2 * 6}[tolerance]
+    spacing = np.spacing(error if tolerance != 1e-6 else error.astype(np.float32))
+    for name in MOTION:
+        size = limit * spacing if name.startswith("angle") else 0.0
+        ulp = np.abs(np.spacing(want[name][1])) if name == "angle" else 0.0
+        if tolerance == 1e-6 and name == "angle":
+            ulp = np.spacing(np.abs(want.angle[1]).astype(np.float32))
+        assert np.all(np.abs(samples[name] - want[name][1]) <= size + ulp), name
+
+
+@few
+@given(lines(), st.floats(-10, 10), st.floats(-10, 10), st.integers(1, 5000))
+def test_sweeps_and_reductions(line: Driveline, start: float, stop: float, num: int) -> None:
+    sweep = Sweep(start, stop, num)
+    angle = np.asarray(sweep)
+    got, want = (line.evaluate(x, MOTION) for x in (sweep, angle))
+    # The array's angles are rounded.
+    turned, hastened = gains(line, angle)
+    known = EPS * (4 + np.abs(angle))
+    rates = {
+        "angle": turned,
+        "angle_error": turned,
+        "speed_ratio": want.speed_ratio * (16 + hastened),
+    }
+    for name, rate in rates.items():
+        assert np.all(np.abs(got[name] - want[name]) <= 4 * known * rate), name
+    for how, plain in (("min", np.min), ("max", np.max), ("mean", np.mean)):
+        reduced = line.evaluate(sweep, MOTION, reduce=how)  # type: ignore[arg-type]
+        for name in MOTION:
+            wanted = plain(got[name])
+            # Sums of at most 5000 numbers, in any order, by pairs or by lanes.
+            size = 1e3 * EPS * np.mean(np.abs(got[name])) if how == "mean" else 0.0
+            assert abs(reduced[name] - wanted) <= size, (name, how)
+
+
+@few
+@given(lines())
+def test_less_accuracy_keeps_its_bounds(line: Driveline) -> None:
+    want = line.evaluate(ANGLE, MOTION, tolerance=0)
+    joint = line.equivalent()
+    k, ratio = float(joint.k), float(joint.max_speed_ratio)
+    # 1/(1 - k), and how fast each output changes with the drive angle.
+    stretch = (ratio + 1) / 2
+    largest = {
+        "angle": (10.0, 2 * k * stretch),
+        "angle_error": (float(joint.max_angle_error), 2 * k * stretch),
+        "speed_ratio": (ratio, float(joint.max_acceleration_ratio)),
+        "acceleration_ratio": (float(joint.max_acceleration_ratio), 16 * k * stretch**3),
+    }
+    # Folded with sines and cosines within 2**-62.
+    total = float((np.tan(line.bends / 2) ** 2).sum())
+    fold = line.n_joints * 2.0**-60 * min(1.0, total) * 4 * stretch**3
+    for options, limit in (
+        ({"tolerance": 1e-6}, 1e-6),
+        ({"dtype": np.float32}, 1e-6),
+        ({"tolerance": 1e-6, "dtype": np.float32}, 1e-6),
+        ({"tolerance": 1e-14}, 1e-14),
+        ({}, 1e-14),
+    ):
+        got = line.evaluate(ANGLE, MOTION, **options)
+        # The equivalent joint's turn is an angle of this precision.
+        turn = 2 * (2.0**-24 if limit == 1e-6 else EPS)
+        for name, (size, rate) in largest.items():
+            off = np.max(np.abs(got[name] - want[name]))
+            # Single precision has no numbers below 1e-38.
+            assert off <= limit * size + turn * rate + fold + 1e-37, (name, options)

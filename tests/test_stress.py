@@ -1,0 +1,99 @@
+"""The worst samples of the stress command against mpmath; its limits are those of the contract.
+
+``cardan-stress --worst`` writes them (rust/stress): per output and tier the sample among 10**8,
+random and adversarial, at which the result was farthest off, with the exact bits of its inputs.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from typing import Any
+
+import pytest
+
+import test_accuracy
+from cardan import Driveline, Load
+from oracle import DATA, Exact, ExactJoint, Number, Turn, mp, read
+
+CASES = read("worst_cases.json")["cases"]
+LIMITS = tomllib.loads((DATA / "limits.toml").read_text(encoding="utf-8"))
+
+
+def test_the_limits_are_those_of_the_contract() -> None:
+    for name, limit in test_accuracy.FAITHFUL_LIMITS.items():
+        assert LIMITS["faithful"][name] == limit, name
+    assert LIMITS["single"]["every output"] == test_accuracy.SINGLE_LIMIT
+
+
+def exact(name: str, joint: ExactJoint, at: Turn, torque: Number) -> list[Number]:
+    """Return the components of an output for a torque or, with a flywheel, an inertia."""
+    _, y, z = joint.moment(at)
+    in_plane = joint.sine * at.cosine**2
+    driven = [-in_plane * joint.sine, in_plane * joint.cosine, -z]
+    match name:
+        case "angle":
+            return [at.angle + joint.angle_error(at)]
+        case "angle_error" | "speed_ratio" | "acceleration_ratio":
+            return [getattr(joint, name)(at)]
+        case "torque of the driven shaft":
+            return [torque / joint.speed_ratio(at)]
+        case "torque of the driving shaft":
+            return [torque * joint.speed_ratio(at)]
+        case "torque of a flywheel":
+            return [torque * joint.acceleration_ratio(at)]
+        case "moment":
+            return [torque, torque * y, torque * z]
+        case "support of the driving shaft":
+            return [mp.mpf(0), torque * y, torque * z]
+        case "support of the driven shaft":
+            return [torque * x for x in driven]
+        case "bending_driving":
+            return [abs(torque) * mp.hypot(y, z)]
+        case "bending_driven":
+            return [abs(torque) * mp.sqrt(sum(x * x for x in driven))]
+        case "tilt_driving":
+            return [mp.atan2(joint.sine * at.sine, joint.cosine)]
+        case "tilt_driven":
+            return [mp.asin(joint.sine * at.cosine)]
+    raise AssertionError(name)
+
+
+ENDS: dict[str, tuple[str, int, dict[str, Any]]] = {
+    "torque of the driving shaft": ("torque", 0, {}),
+    "torque of the driven shaft": ("torque", 1, {}),
+    "support of the driving shaft": ("support_moment", 0, {}),
+    "support of the driven shaft": ("support_moment", 1, {}),
+}
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case['tier']} {case['output']}")
+def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
+    bend, angle, torque = (float.fromhex(case[key]) for key in ("bend", "angle", "torque"))
+    name = case["output"]
+    output, shaft, _ = ENDS.get(name, (name, 1, {}))
+    if name == "torque of a flywheel":
+        # An inertia is not negative; the error does not depend on the sign.
+        output, torque = "torque", abs(torque)
+        load = Load(speed=1.0, inertias=[0.0, torque])
+    elif name == "torque of the driving shaft":
+        load = Load(output_torque=torque)
+    else:
+        load = Load(drive_torque=torque)
+    faithful = case["tier"] == "tolerance=0"
+    limit = LIMITS["faithful" if faithful else "default"][name]
+    joint, at = ExactJoint.bent(bend), Turn.by(angle)
+    want = Exact.of(exact(name, joint, at, mp.mpf(torque)))
+    unit = want.ulp[abs(want.high).argmax()]
+    # Alone and together with what shares its loop.
+    for names in (output, ("angle", "speed_ratio", "acceleration_ratio", output)):
+        outputs = tuple(dict.fromkeys([names] if isinstance(names, str) else names))
+        got = Driveline.from_bends([bend]).evaluate(
+            [angle],
+            outputs,
+            shafts=shaft,
+            joints=0,
+            load=load,
+            tolerance=0 if faithful else None,
+        )[output]
+        off = want.distance(got.reshape(-1)).max() / unit
+        assert off <= limit, f"{off:.3f} ulp"
