@@ -1,6 +1,7 @@
 //! Running a plan: blocks for the threads, rows of one driveline, chunks for the cache.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -39,11 +40,14 @@ pub enum Precision {
 
 /// How a run is spread over the machine. Results do not depend on it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Execution {
+pub struct Execution<'a> {
     /// The instruction set; the best of the machine if `None`.
     pub level: Option<Level>,
     /// At most so many threads; if `None`, all of rayon's where the work repays them.
     pub workers: Option<usize>,
+    /// Once this is set, every thread leaves out the chunks that it has not begun: the run ends
+    /// within some 10 µs, its results are partial.
+    pub stop: Option<&'a AtomicBool>,
 }
 
 /// The planes of a result, each as long as there are samples.
@@ -93,11 +97,10 @@ impl Plan {
         constants: Option<&Constants>,
         precision: Precision,
         planes: Planes<'_, '_>,
-        execution: Execution,
+        execution: Execution<'_>,
     ) -> Result<()> {
         let table = Table::new(self, samples)?;
-        let level = execution.level.unwrap_or_else(Level::new);
-        let run = Run { plan: self, table: &table, level, constants };
+        let run = Run::new(self, &table, constants, execution);
         let workers = execution.workers;
         match (precision, planes) {
             (Precision::Single, Planes::Single(planes)) => run.fill::<f32, f32>(planes, workers),
@@ -121,11 +124,10 @@ impl Plan {
         precision: Precision,
         reduction: Reduction,
         planes: &mut [&mut [f64]],
-        execution: Execution,
+        execution: Execution<'_>,
     ) -> Result<()> {
         let table = Table::by_rows(self, samples)?;
-        let level = execution.level.unwrap_or_else(Level::new);
-        let run = Run { plan: self, table: &table, level, constants };
+        let run = Run::new(self, &table, constants, execution);
         match precision {
             Precision::Single => run.reduce::<f32>(reduction, planes, execution.workers),
             Precision::Double => run.reduce::<f64>(reduction, planes, execution.workers),
@@ -220,7 +222,7 @@ impl Plan {
         let Ok(table) = Table::new(self, &samples) else { return Operations(0) };
         let mut plane = vec![[0.0]; self.planes];
         let mut planes: Vec<&mut [f64]> = plane.iter_mut().map(|word| &mut word[..]).collect();
-        let mut block = Block::<Counted<TYPE>>::new(self, &table, None, None, &(0..1), false);
+        let mut block = Block::<Counted<TYPE>>::new(self, &table, None, None, None, &(0..1), false);
         Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
     }
 }
@@ -231,9 +233,20 @@ struct Run<'a, 's> {
     table: &'a Table<'s>,
     level: Level,
     constants: Option<&'a Constants>,
+    stop: Option<&'a AtomicBool>,
 }
 
-impl Run<'_, '_> {
+impl<'a, 's> Run<'a, 's> {
+    fn new(
+        plan: &'a Plan,
+        table: &'a Table<'s>,
+        constants: Option<&'a Constants>,
+        execution: Execution<'a>,
+    ) -> Self {
+        let level = execution.level.unwrap_or_else(Level::new);
+        Self { plan, table, level, constants, stop: execution.stop }
+    }
+
     /// Fills the planes, in blocks if threads repay it.
     fn fill<T: Deliver<W>, W: Word>(
         &self,
@@ -282,6 +295,9 @@ impl Run<'_, '_> {
             let problem = format!("has {found} planes; it needs {wanted} of {rows} rows");
             return Err(Error::new("planes", &[], problem));
         }
+        if groups.is_empty() || rows * length == 0 {
+            return Ok(());
+        }
         let parts = length.div_ceil(BLOCK);
         let rows_per_block = (BLOCK / length).max(1);
         let results = groups.len();
@@ -329,12 +345,16 @@ impl Run<'_, '_> {
         samples: Range<usize>,
         mut target: Target<'_, '_, W>,
     ) {
+        if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            return;
+        }
         let kept = self.constants.and_then(T::kept);
         let spare = match &mut target {
             Target::Planes(planes) => T::direct(planes).is_none(),
             Target::Reduced(..) => true,
         };
-        let mut block = Block::<T>::new(self.plan, self.table, kept, group, &samples, spare);
+        let (plan, table, stop) = (self.plan, self.table, self.stop);
+        let mut block = Block::<T>::new(plan, table, kept, group, stop, &samples, spare);
         dispatch!(self.level, _simd => block.run(samples, &mut target));
     }
 }
@@ -343,6 +363,8 @@ impl Run<'_, '_> {
 fn block_size(total: usize, workers: Option<usize>) -> usize {
     match workers {
         _ if total < THREADED => total,
+        // Without a look at the pool, which may not be there.
+        Some(1) => total,
         Some(workers) if workers < rayon::current_num_threads() => {
             total.div_ceil(workers.max(1)).next_multiple_of(BLOCK)
         }

@@ -1,6 +1,7 @@
 //! A block of samples, run by one thread: rows of one driveline, cut into chunks.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::{Constants, Kept};
 use crate::chunk::{self, Scratch, Seen};
@@ -84,6 +85,8 @@ pub(crate) struct Block<'a, 's, T: Number> {
     kept: Option<&'a Folded<T>>,
     /// How to find the pins of a long sweep.
     group: Option<&'a Group<T>>,
+    /// Whether to leave out the rest.
+    stop: Option<&'a AtomicBool>,
     /// The drivelines of these rows, or of the samples of one chunk.
     folded: Folded<T>,
     rows: Range<usize>,
@@ -121,6 +124,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         table: &'a Table<'s>,
         kept: Option<&'a Folded<T>>,
         group: Option<&'a Group<T>>,
+        stop: Option<&'a AtomicBool>,
         samples: &Range<usize>,
         spare: bool,
     ) -> Self {
@@ -138,6 +142,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             table,
             kept,
             group,
+            stop,
             folded: Folded::new(plan, lines),
             rows: 0..0,
             scratch: Scratch::new(plan, table, longest),
@@ -156,7 +161,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         let row_length = self.table.row_length();
         let last_row = (samples.end - 1) / row_length;
         let mut at = samples.start;
-        while at < samples.end {
+        while at < samples.end && !self.stopped() {
             let (row, first) = (at / row_length, at % row_length);
             let end = row_length.min(first + samples.end - at);
             let unit = row - samples.start / row_length;
@@ -165,6 +170,11 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             self.row(&part, unit, target);
             at += end - first;
         }
+    }
+
+    #[inline(always)]
+    fn stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
@@ -206,7 +216,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             self.scratch.keep_errors(stop - start);
         }
         let mut at = start;
-        while at < stop {
+        while at < stop && !self.stopped() {
             let next = stop.min((at / Self::CHUNK + 1) * Self::CHUNK);
             self.chunk(part, at..next, unit, target);
             at = next;
@@ -334,6 +344,9 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let row = &mut plane[part.place..part.place + length];
                 let (first, rest) = row.split_at_mut(period);
                 for again in rest.chunks_mut(period) {
+                    if self.stopped() {
+                        return;
+                    }
                     again.copy_from_slice(&first[..again.len()]);
                 }
             }
@@ -342,7 +355,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         let (origin, _) = self.scratch.cursors[ANGLE];
         for (slot, &plane) in angles.iter().enumerate() {
             let mut at = period;
-            while at < length {
+            while at < length && !self.stopped() {
                 let in_period = at % period;
                 let size = (period - in_period).min(length - at).min(Self::CHUNK);
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);

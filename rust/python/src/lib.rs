@@ -9,6 +9,7 @@ mod convert;
 mod driveline;
 mod lines;
 mod plan;
+mod watch;
 
 use pyo3::prelude::*;
 
