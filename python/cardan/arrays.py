@@ -14,8 +14,11 @@ def real(name: str, value: ArrayLike) -> FloatArray:
     """Return the argument as a contiguous array of doubles, without a copy where it is one.
 
     Raises:
-        TypeError: complex numbers, objects, text or anything else that is not a real number.
+        TypeError: complex numbers, objects, text or anything else that is not a real number; a
+            masked array, of which the mask would be lost.
     """
+    if isinstance(value, np.ma.MaskedArray):
+        raise TypeError(f"{name} is a masked array; give NaN for what is missing: .filled(nan)")
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} has dtype {array.dtype}; it must hold real numbers")

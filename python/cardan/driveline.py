@@ -469,7 +469,9 @@ class Driveline:
                 take vectors by component. NaN among the samples gives NaN.
             out: arrays to fill, by output name, of the right shape and dtype. One may be the array
                 of angles itself. Filling arrays that are there saves the system's work of providing
-                new memory, which for some 10⁵ angles is more than the evaluation.
+                new memory, which for some 10⁵ angles is more than the evaluation. Ctrl-C stops an
+                evaluation within a fraction of a second and leaves them filled in part. While a
+                call fills an array, other threads cannot use it in theirs.
             dtype: ``float64``, the default, or ``float32``: results, and unless ``tolerance`` says
                 otherwise the arithmetic after an exact reduction of the angles.
             tolerance: permitted error, relative to each output's largest magnitude over a turn; the
@@ -481,6 +483,8 @@ class Driveline:
 
         Raises:
             IndexError: a shaft or joint that does not exist.
+            MemoryError: results, or what is needed on the way to them, beyond the memory there is.
+            RuntimeError: an ``out`` that another thread is filling.
             TypeError: angles that are not real numbers, indices that are not integers.
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.

@@ -240,10 +240,12 @@ class Plan:
         self, out: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
     ) -> dict[str, NDArray[Any]]:
         checked: dict[str, NDArray[Any]] = {}
+        if not isinstance(out, Mapping):
+            raise TypeError(f"out is {type(out).__name__}; it must map names of outputs to arrays")
         for name, array in out.items():
             if name not in self._places:
                 raise ValueError(f"out[{name!r}] is not among the outputs asked for")
-            if not isinstance(array, np.ndarray):
+            if not isinstance(array, np.ndarray) or isinstance(array, np.ma.MaskedArray):
                 raise TypeError(f"out[{name!r}] is {type(array).__name__}; it must be an array")
             if array.dtype != self._dtype:
                 raise ValueError(
@@ -271,7 +273,8 @@ class Plan:
             if target is None or not direct:
                 planes = (place.items or 1) * (3 if place.vector else 1)
                 target = np.empty((planes, *rows), self._dtype)
-            flats.append(target.reshape(-1))
+            # Subclasses may have ideas of their own about shapes.
+            flats.append(np.asarray(target).reshape(-1))
         return flats
 
     def _filled(
@@ -393,7 +396,7 @@ def _precision(tolerance: float | None, dtype: np.dtype[Any]) -> str:
         return "single" if dtype == _SINGLE else "double"
     try:
         permitted = float(tolerance)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"tolerance is {tolerance!r}; it must be a number") from None
     if not permitted >= 0.0:
         raise ValueError(f"tolerance is {permitted}; it must not be negative")

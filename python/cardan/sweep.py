@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from typing import Any, Self, SupportsIndex
 
@@ -60,7 +61,8 @@ class Sweep:
                 "number of at least 1"
             )
         self = object.__new__(cls)
-        self._of(NativeSweep(None, int(count), per_turn), int(count), (turns, per_turn))
+        samples = _whole("turns times samples", int(count))
+        self._of(NativeSweep(None, samples, per_turn), samples, (turns, per_turn))
         return self
 
     def _of(self, core: NativeSweep, count: int, given: tuple[float, ...]) -> None:
@@ -122,5 +124,7 @@ def _whole(name: str, value: SupportsIndex) -> int:
 def _end(name: str, value: float) -> float:
     try:
         return float(value)
+    except OverflowError:
+        return math.inf
     except (TypeError, ValueError):
         raise TypeError(f"{name} is {value!r}; it must be a number") from None

@@ -45,8 +45,8 @@ pub struct Execution<'a> {
     pub level: Option<Level>,
     /// At most so many threads; if `None`, all of rayon's where the work repays them.
     pub workers: Option<usize>,
-    /// Once this is set, every thread leaves out the chunks that it has not begun: the run ends
-    /// within some 10 µs, its results are partial.
+    /// Once this is set, every thread leaves out the chunks that it has not begun, and the results
+    /// are partial.
     pub stop: Option<&'a AtomicBool>,
 }
 

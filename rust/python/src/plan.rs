@@ -7,9 +7,10 @@ use cardan::{
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use numpy::{
-    Element, PyReadonlyArrayDyn, PyReadwriteArray1, PyReadwriteArrayDyn, PyUntypedArrayMethods,
+    BorrowError, Element, PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArray1,
+    PyReadwriteArrayDyn, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 
@@ -37,8 +38,8 @@ type LoadArrays<'py> =
 /// Arrays to fill, each holding planes one after another.
 #[derive(FromPyObject)]
 enum Out<'py> {
-    Double(Vec<PyReadwriteArray1<'py, f64>>),
-    Single(Vec<PyReadwriteArray1<'py, f32>>),
+    Double(Vec<Bound<'py, PyArray1<f64>>>),
+    Single(Vec<Bound<'py, PyArray1<f32>>>),
 }
 
 /// Drive angles at equal steps.
@@ -205,11 +206,13 @@ impl Plan {
             let samples =
                 Samples { shape: &shape, lines, line_strides: &line_strides, angle, load };
             match out {
-                Out::Double(mut out) => {
+                Out::Double(out) => {
+                    let mut out = borrow_out(&out)?;
                     let planes = &mut planes_of(&mut out, total)?;
                     self.execute(py, &samples, Planes::Double(planes), level, workers)
                 }
-                Out::Single(mut out) => {
+                Out::Single(out) => {
+                    let mut out = borrow_out(&out)?;
                     let planes = &mut planes_of(&mut out, total)?;
                     self.execute(py, &samples, Planes::Single(planes), level, workers)
                 }
@@ -230,7 +233,7 @@ impl Plan {
     ) -> PyResult<()> {
         let total = count(samples.shape)?;
         let workers = if total < POOLED { workers } else { threads(workers) };
-        room(self.scratch(samples, total))?;
+        room(self.scratch(samples, total, workers))?;
         let (plan, precision, constants) = (&self.steps, self.precision, self.constants.as_ref());
         let mut run = |stop: Option<&AtomicBool>| {
             let execution = Execution { level, workers, stop };
@@ -259,7 +262,7 @@ impl Plan {
 
     /// At most so many bytes are taken by a run, beside its results: by each thread for the folded
     /// drivelines and a chunk of each result, and by what the blocks give to be reduced.
-    fn scratch(&self, samples: &Samples<'_>, total: usize) -> usize {
+    fn scratch(&self, samples: &Samples<'_>, total: usize, workers: Option<usize>) -> usize {
         const CHUNK: usize = 1024;
         const BLOCK: usize = 16 * CHUNK;
         let joints = self.lines.get().joints();
@@ -268,7 +271,11 @@ impl Plan {
             Some(0) => 64,
             _ => CHUNK,
         };
-        let threads = if total < POOLED { 1 } else { rayon::current_num_threads() };
+        let threads = match workers {
+            Some(1) => 1,
+            _ if total < POOLED => 1,
+            _ => rayon::current_num_threads(),
+        };
         let of_joint = 512 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
         let planes = self.steps.planes();
         let of_thread = (joints + 1).saturating_mul(of_joint).saturating_add(16 * CHUNK * planes);
@@ -281,6 +288,21 @@ impl Plan {
         let of_parts = parts.saturating_mul(24 * planes);
         of_thread.saturating_mul(threads).saturating_add(of_parts)
     }
+}
+
+/// The arrays to fill, of which no other call may read or write any meanwhile.
+fn borrow_out<'py, W: Element>(
+    arrays: &[Bound<'py, PyArray1<W>>],
+) -> PyResult<Vec<PyReadwriteArray1<'py, W>>> {
+    let borrow = |array: &Bound<'py, PyArray1<W>>| {
+        array.try_readwrite().map_err(|error| match error {
+            BorrowError::AlreadyBorrowed => {
+                PyRuntimeError::new_err("out is in use by another call")
+            }
+            error => PyValueError::new_err(format!("out: {error}")),
+        })
+    };
+    arrays.iter().map(borrow).collect()
 }
 
 /// The planes that lie in flat arrays one after another.
