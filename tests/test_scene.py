@@ -964,3 +964,10 @@ def test_table_as_text() -> None:
         "",
         'After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.',
     ]
+
+
+def test_names_may_be_empty() -> None:
+    with pytest.raises(ValueError, match=r"^scene: unknown section ''"):
+        Scene.parse('[driveline]\nbends_deg = [8.5]\n[""]\n')
+    with pytest.raises(ValueError, match=r"^scene, line 1: \[driveline\] unknown key ''"):
+        Scene.parse('[driveline]\nbends_deg = [8.5]\n"" = 3\n')

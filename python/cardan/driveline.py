@@ -479,7 +479,10 @@ class Driveline:
             out: arrays to fill, by output name, of the right shape and dtype; they are the arrays
                 of the result then. One may be the array of angles itself. Filling arrays that are
                 there saves the system's work of providing new memory, which for some 10⁵ angles is
-                more than the evaluation.
+                more than the evaluation. Vectors need no copy where they lie plane by plane, as in
+                ``numpy.moveaxis(numpy.empty((3, n)), 0, -1)``. Ctrl-C stops an evaluation within
+                a fraction of a second and leaves them filled in part. While a call fills an array,
+                other threads cannot use it in theirs.
             dtype: ``float64``, the default whatever the dtype of the angles, or ``float32``:
                 results, and unless ``tolerance`` says otherwise the arithmetic after an exact
                 reduction of the angles.
@@ -493,6 +496,8 @@ class Driveline:
 
         Raises:
             IndexError: a shaft or joint that does not exist.
+            MemoryError: results, or what is needed on the way to them, beyond the memory there is.
+            RuntimeError: an ``out`` that another thread is filling.
             TypeError: angles that are not plain real numbers, as masked ones or ones with a unit,
                 indices that are not integers.
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not

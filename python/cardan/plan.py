@@ -268,10 +268,12 @@ class Plan:
         self, out: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
     ) -> dict[str, NDArray[Any]]:
         checked: dict[str, NDArray[Any]] = {}
+        if not isinstance(out, Mapping):
+            raise TypeError(f"out is {type(out).__name__}; it must map names of outputs to arrays")
         for name, array in out.items():
             if name not in self._places:
                 raise ValueError(f"out[{name!r}] is not among the outputs asked for")
-            if not isinstance(array, np.ndarray):
+            if not isinstance(array, np.ndarray) or isinstance(array, np.ma.MaskedArray):
                 raise TypeError(f"out[{name!r}] is {type(array).__name__}; it must be an array")
             if array.dtype != self._dtype:
                 raise ValueError(
@@ -300,7 +302,8 @@ class Plan:
             if target is None or not target.flags.carray:
                 planes = (place.items or 1) * (3 if place.vector else 1)
                 target = np.empty((planes, *rows), self._dtype)
-            flats.append(target.reshape(-1))
+            # Subclasses may have ideas of their own about shapes.
+            flats.append(np.asarray(target).reshape(-1))
         return flats
 
     def _filled(
@@ -435,7 +438,7 @@ def _permitted(tolerance: float | None) -> float | None:
         return None
     try:
         permitted = float(tolerance)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise TypeError(f"tolerance is {tolerance!r}; it must be a number") from None
     if not permitted >= 0.0:
         raise ValueError(f"tolerance is {permitted}; it must not be negative")

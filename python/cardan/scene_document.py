@@ -98,7 +98,7 @@ class Document:
         if '"""' in self._text or "'''" in self._text:
             return None
         start = re.match(r"unknown (?:key|section) '([^']*)'|([\w.-]+)", message)
-        key = (start[1] or start[2]) if start else ""
+        key = (start[1] or start[2] or "") if start else ""
         target = f"{section}.{key}" if section else key
         lines = _keys_by_line(self._text)
         ways: tuple[Callable[[str], bool], ...] = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from typing import Any, Self, SupportsIndex
 
@@ -124,6 +125,8 @@ def _end(name: str, value: float) -> float:
     try:
         if not isinstance(value, str | bytes):
             return float(value)
+    except OverflowError:
+        return math.inf
     except (TypeError, ValueError):
         pass
     raise TypeError(f"{name} is {value!r}; it must be a number")

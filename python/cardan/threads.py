@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import operator
 import os
+import sys
 from typing import SupportsIndex
 
 # The thread pool does not survive a fork: its threads stay behind in the parent, and waiting for
@@ -35,4 +36,4 @@ def at_most(workers: SupportsIndex | None) -> int | None:
         raise ValueError(f"workers is {count}; it must be positive, or -1 for all cores")
     if _forked:
         return 1
-    return None if count == -1 else count
+    return None if count == -1 else min(count, sys.maxsize)

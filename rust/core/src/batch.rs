@@ -1,11 +1,12 @@
 //! Running a plan: blocks for the threads, rows of one driveline, chunks for the cache.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::Level;
 use rayon::prelude::*;
 
-use crate::block::{Block, CHUNK, Deliver, Target};
+use crate::block::{Block, CHUNK, Deliver, Shared, Target};
 use crate::count::{self, Counted};
 use crate::error::{Error, Result};
 use crate::fold::Folded;
@@ -46,11 +47,14 @@ impl Precision {
 
 /// How a run is spread over the machine. Results do not depend on it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Execution {
+pub struct Execution<'a> {
     /// The instruction set; the best of the machine if `None`.
     pub level: Option<Level>,
     /// At most so many threads; if `None`, all of rayon's where the work repays them.
     pub workers: Option<usize>,
+    /// Once this is set, every thread leaves out the chunks that it has not begun, and the results
+    /// are partial.
+    pub stop: Option<&'a AtomicBool>,
 }
 
 /// The planes of a result, each as long as there are samples.
@@ -100,11 +104,10 @@ impl Plan {
         constants: Option<&Constants>,
         precision: Precision,
         planes: Planes<'_, '_>,
-        execution: Execution,
+        execution: Execution<'_>,
     ) -> Result<()> {
         let table = Table::new(self, samples)?;
-        let level = execution.level.unwrap_or_else(Level::new);
-        let run = Run { plan: self, table: &table, level, constants };
+        let run = Run::new(self, &table, constants, execution);
         let workers = execution.workers;
         match (precision, planes) {
             (Precision::Single, Planes::Single(planes)) => run.fill::<f32, f32>(planes, workers),
@@ -128,11 +131,10 @@ impl Plan {
         precision: Precision,
         reduction: Reduction,
         planes: &mut [&mut [f64]],
-        execution: Execution,
+        execution: Execution<'_>,
     ) -> Result<()> {
         let table = Table::by_rows(self, samples)?;
-        let level = execution.level.unwrap_or_else(Level::new);
-        let run = Run { plan: self, table: &table, level, constants };
+        let run = Run::new(self, &table, constants, execution);
         match precision {
             Precision::Single => run.reduce::<f32>(reduction, planes, execution.workers),
             Precision::Double => run.reduce::<f64>(reduction, planes, execution.workers),
@@ -227,8 +229,10 @@ impl Plan {
         let Ok(table) = Table::new(self, &samples) else { return Operations(0) };
         let mut plane = vec![[0.0]; self.planes];
         let mut planes: Vec<&mut [f64]> = plane.iter_mut().map(|word| &mut word[..]).collect();
-        let mut block =
-            Block::<Counted<TYPE>>::new(self, &table, Level::new(), None, None, &(0..1), false);
+        let level = Level::new();
+        let shared =
+            Shared { plan: self, table: &table, level, kept: None, group: None, stop: None };
+        let mut block = Block::<Counted<TYPE>>::new(&shared, &(0..1), false);
         Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
     }
 }
@@ -239,9 +243,20 @@ struct Run<'a, 's> {
     table: &'a Table<'s>,
     level: Level,
     constants: Option<&'a Constants>,
+    stop: Option<&'a AtomicBool>,
 }
 
-impl Run<'_, '_> {
+impl<'a, 's> Run<'a, 's> {
+    fn new(
+        plan: &'a Plan,
+        table: &'a Table<'s>,
+        constants: Option<&'a Constants>,
+        execution: Execution<'a>,
+    ) -> Self {
+        let level = execution.level.unwrap_or_else(Level::new);
+        Self { plan, table, level, constants, stop: execution.stop }
+    }
+
     /// Fills the planes, in blocks if threads repay it.
     fn fill<T: Deliver<W>, W: Word>(
         &self,
@@ -290,6 +305,9 @@ impl Run<'_, '_> {
             let problem = format!("has {found} planes; it needs {wanted} of {rows} rows");
             return Err(Error::new("planes", &[], problem));
         }
+        if groups.is_empty() || rows * length == 0 {
+            return Ok(());
+        }
         let parts = length.div_ceil(BLOCK);
         let rows_per_block = (BLOCK / length).max(1);
         let results = groups.len();
@@ -337,13 +355,17 @@ impl Run<'_, '_> {
         samples: Range<usize>,
         mut target: Target<'_, '_, W>,
     ) {
+        if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+            return;
+        }
         let kept = self.constants.and_then(T::kept);
         let spare = match &mut target {
             Target::Planes(planes) => T::direct(planes).is_none(),
             Target::Reduced(..) => true,
         };
-        let mut block =
-            Block::<T>::new(self.plan, self.table, self.level, kept, group, &samples, spare);
+        let (plan, table, level, stop) = (self.plan, self.table, self.level, self.stop);
+        let shared = Shared { plan, table, level, kept, group, stop };
+        let mut block = Block::<T>::new(&shared, &samples, spare);
         block.run(samples, &mut target);
     }
 }
@@ -352,6 +374,8 @@ impl Run<'_, '_> {
 fn block_size(total: usize, workers: Option<usize>) -> usize {
     match workers {
         _ if total < THREADED => total,
+        // Without a look at the pool, which may not be there.
+        Some(1) => total,
         Some(workers) if workers < rayon::current_num_threads() => {
             total.div_ceil(workers.max(1)).next_multiple_of(BLOCK)
         }

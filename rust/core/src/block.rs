@@ -1,6 +1,7 @@
 //! A block of samples, run by one thread: rows of one driveline, cut into chunks.
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::{Constants, Kept};
 use crate::chunk::{self, Scratch};
@@ -78,15 +79,27 @@ pub(crate) enum Target<'a, 'b, W> {
     Reduced(Reduction, &'a [usize], &'a mut [Pair]),
 }
 
+/// What the blocks of a run share.
+pub(crate) struct Shared<'a, 's, T: Number> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) table: &'a Table<'s>,
+    pub(crate) level: Level,
+    /// The only driveline, folded before.
+    pub(crate) kept: Option<&'a Folded<T>>,
+    /// How to find the pins of a long sweep.
+    pub(crate) group: Option<&'a Group<T>>,
+    /// Whether to leave out the rest.
+    pub(crate) stop: Option<&'a AtomicBool>,
+}
+
 /// A block and what it needs at hand.
 pub(crate) struct Block<'a, 's, T: Number> {
     plan: &'a Plan,
     table: &'a Table<'s>,
     level: Level,
-    /// How to find the pins of a long sweep.
-    group: Option<&'a Group<T>>,
-    /// The only driveline, folded before.
     kept: Option<&'a Folded<T>>,
+    group: Option<&'a Group<T>>,
+    stop: Option<&'a AtomicBool>,
     /// The drivelines of these rows, or of the samples of one chunk.
     folded: Folded<T>,
     rows: Range<usize>,
@@ -121,15 +134,8 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         group.filter(|_| plan.needs_poses() || plan.moving().next().is_some())
     }
 
-    pub(crate) fn new(
-        plan: &'a Plan,
-        table: &'a Table<'s>,
-        level: Level,
-        kept: Option<&'a Folded<T>>,
-        group: Option<&'a Group<T>>,
-        samples: &Range<usize>,
-        spare: bool,
-    ) -> Self {
+    pub(crate) fn new(shared: &Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
+        let Shared { plan, table, level, kept, group, stop } = *shared;
         let row_length = table.row_length();
         let longest = Self::CHUNK.min(row_length);
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
@@ -143,8 +149,9 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             plan,
             table,
             level,
-            group,
             kept,
+            group,
+            stop,
             folded: Folded::new(plan, lines, table.geometries() == Geometries::BySample),
             rows: 0..0,
             scratch: Scratch::new(plan, table, longest),
@@ -163,7 +170,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         let row_length = self.table.row_length();
         let last_row = (samples.end - 1) / row_length;
         let mut at = samples.start;
-        while at < samples.end {
+        while at < samples.end && !self.stopped() {
             let (row, first) = (at / row_length, at % row_length);
             let end = row_length.min(first + samples.end - at);
             let unit = row - samples.start / row_length;
@@ -172,6 +179,11 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             self.row(&part, unit, target);
             at += end - first;
         }
+    }
+
+    #[inline(always)]
+    fn stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
@@ -219,7 +231,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             return;
         }
         let mut at = start;
-        while at < stop {
+        while at < stop && !self.stopped() {
             let next = stop.min((at / Self::CHUNK + 1) * Self::CHUNK);
             self.chunk(part, at..next, None, unit, target);
             at = next;
@@ -386,6 +398,9 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let row = &mut plane[part.place..part.place + length];
                 let (first, rest) = row.split_at_mut(period);
                 for again in rest.chunks_mut(period) {
+                    if self.stopped() {
+                        return;
+                    }
                     again.copy_from_slice(&first[..again.len()]);
                 }
             }
@@ -394,7 +409,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         let (origin, _) = self.scratch.cursors[ANGLE];
         for (slot, &plane) in angles.iter().enumerate() {
             let mut at = period;
-            while at < length {
+            while at < length && !self.stopped() {
                 let in_period = at % period;
                 let size = (period - in_period).min(length - at).min(Self::CHUNK);
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);

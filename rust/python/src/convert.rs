@@ -2,7 +2,7 @@
 
 use cardan::{Error, Vector};
 use numpy::{Element, PyReadonlyArray1, PyReadwriteArray1};
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 
 /// A flat array of doubles to read.
@@ -28,6 +28,21 @@ fn not_contiguous(name: &str) -> PyErr {
 /// A core error as `ValueError`.
 pub(crate) fn value_error(error: &Error) -> PyErr {
     PyValueError::new_err(error.to_string())
+}
+
+/// The number of elements of a shape.
+pub(crate) fn count(shape: &[usize]) -> PyResult<usize> {
+    let product = shape.iter().try_fold(1_usize, |count, &length| count.checked_mul(length));
+    product.ok_or_else(|| PyMemoryError::new_err(format!("{shape:?} is more than can be counted")))
+}
+
+/// Refuses a flat array that does not hold `each` values for each of so many drivelines.
+pub(crate) fn check_length(name: &str, found: usize, lines: usize, each: usize) -> PyResult<()> {
+    if lines.checked_mul(each) == Some(found) {
+        return Ok(());
+    }
+    let problem = format!("{name} has {found} values; {lines} drivelines need {each} each");
+    Err(PyValueError::new_err(problem))
 }
 
 /// The index of one driveline in a batch of the given shape.

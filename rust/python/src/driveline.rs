@@ -1,12 +1,16 @@
 //! Geometry of batches of drivelines, and their equivalent joints.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use cardan::phasing::optimal_phases_of_batch;
 use cardan::{Equivalent, Error, Geometry, Vector};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
-use crate::convert::{Input, slice, unravel, value_error, vectors};
+use crate::convert::{Input, check_length, count, slice, unravel, value_error, vectors};
+use crate::watch::{reserve, room, threads, watched};
 
 /// Bends, twists, directions and normals, each flat.
 type Flat<'py> = (
@@ -16,25 +20,56 @@ type Flat<'py> = (
     Bound<'py, PyArray1<f64>>,
 );
 
+/// Drivelines between two looks whether to go on, each up to some milliseconds.
+const PIECE: usize = 64;
+
+/// Drivelines from which going through them takes so long that it is watched, and from which the
+/// search for phases does.
+const WATCHED: usize = 1 << 14;
+const SOUGHT: usize = 1 << 10;
+
+/// Goes through so many drivelines one after another, with the interpreter released.
+fn through(
+    py: Python<'_>,
+    lines: usize,
+    each: &mut (dyn FnMut(usize) -> cardan::Result<()> + Send),
+) -> PyResult<()> {
+    if lines < WATCHED {
+        let result = py.detach(|| (0..lines).try_for_each(each));
+        return result.map_err(|error| value_error(&error));
+    }
+    watched(py, Some(1), &mut |stop| {
+        let go_on = |line: &usize| !line.is_multiple_of(PIECE) || !stop.load(Ordering::Relaxed);
+        (0..lines).take_while(go_on).try_for_each(&mut *each)
+    })
+}
+
 /// Lays out each driveline of a batch and collects the flat arrays.
 fn lay_out<'py>(
     py: Python<'py>,
+    joints: usize,
     shape: &[usize],
     each: impl Fn(usize) -> cardan::Result<Geometry> + Sync,
 ) -> PyResult<Flat<'py>> {
-    let count = shape.iter().product();
-    let laid_out = py.detach(|| {
-        let mut flat = [const { Vec::<f64>::new() }; 4];
-        for line in 0..count {
-            let geometry = each(line).map_err(|error| placed(error, line, shape))?;
-            flat[0].extend(&geometry.bends);
-            flat[1].extend(&geometry.twists);
-            flat[2].extend(geometry.directions.iter().flat_map(|v| v.iter()));
-            flat[3].extend(geometry.normals.iter().flat_map(|v| v.iter()));
-        }
-        Ok(flat)
-    });
-    let [bends, twists, directions, normals] = laid_out.map_err(|e: Error| value_error(&e))?;
+    let lines = count(shape)?;
+    // One driveline at work.
+    room(joints.saturating_mul(512))?;
+    let shafts = joints.saturating_add(1);
+    let (of_shafts, of_joints) = (shafts.saturating_mul(3), joints.saturating_mul(3));
+    let sizes = [joints, joints.saturating_sub(1), of_shafts, of_joints];
+    let mut flat = [const { Vec::<f64>::new() }; 4];
+    for (array, size) in flat.iter_mut().zip(sizes) {
+        reserve(array, lines.saturating_mul(size))?;
+    }
+    let [mut bends, mut twists, mut directions, mut normals] = flat;
+    through(py, lines, &mut |line| {
+        let geometry = each(line).map_err(|error| placed(error, line, shape))?;
+        bends.extend(&geometry.bends);
+        twists.extend(&geometry.twists);
+        directions.extend(geometry.directions.iter().flat_map(|v| v.iter()));
+        normals.extend(geometry.normals.iter().flat_map(|v| v.iter()));
+        Ok(())
+    })?;
     Ok((
         bends.into_pyarray(py),
         twists.into_pyarray(py),
@@ -50,7 +85,8 @@ fn placed(error: Error, line: usize, shape: &[usize]) -> Error {
 
 /// The part of a flat array that belongs to one driveline.
 fn part(flat: &[f64], line: usize, each: usize) -> &[f64] {
-    flat.get(line * each..(line + 1) * each).unwrap_or(&[])
+    let first = line.saturating_mul(each);
+    flat.get(first..first.saturating_add(each)).unwrap_or(&[])
 }
 
 /// Drivelines from bends `(…, n)`, twists and phases `(…, n − 1)` in radians.
@@ -67,7 +103,7 @@ pub(crate) fn from_bends<'py>(
     let twists = slice("twists", &twists)?;
     let phases = slice("phases", &phases)?;
     let between = joints.saturating_sub(1);
-    lay_out(py, &shape, |line| {
+    lay_out(py, joints, &shape, |line| {
         Geometry::from_bends(
             part(bends, line, joints),
             part(twists, line, between),
@@ -85,7 +121,7 @@ pub(crate) fn from_directions<'py>(
     directions: Input<'py>,
     phases: Input<'py>,
 ) -> PyResult<Flat<'py>> {
-    from_vectors(py, joints, &shape, &directions, &phases, joints + 1, Geometry::from_directions)
+    from_vectors(py, joints, &shape, &directions, &phases, 1, Geometry::from_directions)
 }
 
 /// Drivelines from points `(…, n + 2, 3)` and phases `(…, n − 1)`.
@@ -97,7 +133,7 @@ pub(crate) fn from_points<'py>(
     points: Input<'py>,
     phases: Input<'py>,
 ) -> PyResult<Flat<'py>> {
-    from_vectors(py, joints, &shape, &points, &phases, joints + 2, Geometry::from_points)
+    from_vectors(py, joints, &shape, &points, &phases, 2, Geometry::from_points)
 }
 
 fn from_vectors<'py>(
@@ -106,14 +142,15 @@ fn from_vectors<'py>(
     shape: &[usize],
     flat: &Input<'py>,
     phases: &Input<'py>,
-    each: usize,
+    more: usize,
     make: fn(&[Vector], &[f64]) -> cardan::Result<Geometry>,
 ) -> PyResult<Flat<'py>> {
     let flat = slice("vectors", flat)?;
     let phases = slice("phases", phases)?;
-    lay_out(py, shape, |line| {
+    let each = joints.saturating_add(more).saturating_mul(3);
+    lay_out(py, joints, shape, |line| {
         let between = part(phases, line, joints.saturating_sub(1));
-        make(&vectors(part(flat, line, 3 * each)), between)
+        make(&vectors(part(flat, line, each)), between)
     })
 }
 
@@ -134,33 +171,37 @@ pub(crate) fn equivalent<'py>(
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
     let phases = slice("phases", &phases)?;
-    let columns = py.detach(|| {
-        let count = bends.len() / joints;
-        let mut columns: [Vec<f64>; 8] = std::array::from_fn(|_| Vec::with_capacity(count));
-        for line in 0..count {
-            let between = shaft.saturating_sub(1);
-            let equivalent = Equivalent::of_chain(
-                &part(bends, line, joints)[..shaft],
-                &part(twists, line, joints - 1)[..between],
-                &part(phases, line, joints - 1)[..between],
-            );
-            let joint = equivalent.joint;
-            let values = [
-                joint.bend(),
-                equivalent.angle_offset(),
-                joint.k,
-                joint.non_uniformity(),
-                joint.max_angle_error(),
-                joint.cos,
-                joint.max_speed_ratio(),
-                joint.max_acceleration_ratio(),
-            ];
-            for (column, value) in columns.iter_mut().zip(values) {
-                column.push(value);
-            }
+    let lines = bends.len() / joints;
+    check_length("bends", bends.len(), lines, joints)?;
+    check_length("twists", twists.len(), lines, joints - 1)?;
+    check_length("phases", phases.len(), lines, joints - 1)?;
+    let mut columns = [const { Vec::<f64>::new() }; 8];
+    for column in &mut columns {
+        reserve(column, lines)?;
+    }
+    let between = shaft.saturating_sub(1);
+    through(py, lines, &mut |line| {
+        let equivalent = Equivalent::of_chain(
+            &part(bends, line, joints)[..shaft],
+            &part(twists, line, joints - 1)[..between],
+            &part(phases, line, joints - 1)[..between],
+        );
+        let joint = equivalent.joint;
+        let values = [
+            joint.bend(),
+            equivalent.angle_offset(),
+            joint.k,
+            joint.non_uniformity(),
+            joint.max_angle_error(),
+            joint.cos,
+            joint.max_speed_ratio(),
+            joint.max_acceleration_ratio(),
+        ];
+        for (column, value) in columns.iter_mut().zip(values) {
+            column.push(value);
         }
-        columns
-    });
+        Ok(())
+    })?;
     Ok(columns.map(|column| column.into_pyarray(py)))
 }
 
@@ -177,7 +218,41 @@ pub(crate) fn optimal_phases<'py>(
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
-    let mut best = slice("phases", &phases)?.to_vec();
-    py.detach(|| optimal_phases_of_batch(joints, bends, twists, &mut best, workers));
+    let phases = slice("phases", &phases)?;
+    let Some(lines) = bends.len().checked_div(joints) else {
+        return Err(PyValueError::new_err("joints is 0; a driveline has at least one"));
+    };
+    check_length("bends", bends.len(), lines, joints)?;
+    check_length("twists", twists.len(), lines, joints - 1)?;
+    check_length("phases", phases.len(), lines, joints - 1)?;
+    let mut best = vec![];
+    reserve(&mut best, phases.len())?;
+    best.extend_from_slice(phases);
+    let between = joints - 1;
+    if between == 0 {
+        return Ok(best.into_pyarray(py));
+    }
+    let workers = if lines < SOUGHT { Some(1) } else { threads(workers) };
+    let mut run = |stop: &AtomicBool| {
+        let piece = |(i, best): (usize, &mut [f64])| {
+            if !stop.load(Ordering::Relaxed) {
+                let (bends, twists) =
+                    (&bends[i * PIECE * joints..], &twists[i * PIECE * between..]);
+                optimal_phases_of_batch(joints, bends, twists, best, Some(1));
+            }
+        };
+        if workers == Some(1) {
+            best.chunks_mut(PIECE * between).enumerate().for_each(piece);
+        } else {
+            best.par_chunks_mut(PIECE * between).enumerate().for_each(piece);
+        }
+        Ok(())
+    };
+    if lines < SOUGHT {
+        let result = py.detach(|| run(&AtomicBool::new(false)));
+        result.map_err(|error| value_error(&error))?;
+    } else {
+        watched(py, workers, &mut run)?;
+    }
     Ok(best.into_pyarray(py))
 }

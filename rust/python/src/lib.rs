@@ -3,12 +3,14 @@
 //! Arrays arrive flat, contiguous and of the right type: `python/cardan` broadcasts and allocates,
 //! this module checks that the lengths fit and fills.
 
+#![deny(unsafe_code)]
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
 
 mod convert;
 mod driveline;
 mod lines;
 mod plan;
+mod watch;
 
 use pyo3::prelude::*;
 

@@ -2,9 +2,11 @@
 
 use cardan::Drivelines;
 use numpy::{PyArray1, PyArrayMethods};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::convert::slice;
+use crate::convert::{check_length, slice};
+use crate::watch::room;
 
 /// Bends, twists, phases, directions and normals.
 enum Arrays {
@@ -26,13 +28,23 @@ impl Lines {
     /// Drivelines of so many joints from flat arrays, of which a batch keeps a reference.
     #[new]
     fn new(py: Python<'_>, joints: usize, arrays: [Bound<'_, PyArray1<f64>>; 5]) -> PyResult<Self> {
+        if joints == 0 {
+            return Err(PyValueError::new_err("joints is 0; a driveline has at least one"));
+        }
+        // Copies, and the largest bends.
+        room(joints.saturating_mul(96))?;
         let batch =
             Self { arrays: Arrays::Batch(arrays.map(Bound::unbind)), largest_bends: vec![] };
         let (one, largest_bends) = batch.with(py, |lines| {
+            let count = lines.bends.len() / joints;
+            check_length("bends", lines.bends.len(), count, joints)?;
+            check_length("twists", lines.twists.len(), count, joints - 1)?;
+            check_length("phases", lines.phases.len(), count, joints - 1)?;
+            check_length("directions", lines.directions.len(), count, 3 * joints + 3)?;
+            check_length("normals", lines.normals.len(), count, 3 * joints)?;
             let own = [lines.bends, lines.twists, lines.phases, lines.directions, lines.normals];
             let one = lines.bends.len() == joints;
-            let bends = if joints == 0 { vec![] } else { lines.largest_bends(joints) };
-            Ok((one.then(|| own.map(<[f64]>::to_vec)), bends))
+            Ok((one.then(|| own.map(<[f64]>::to_vec)), lines.largest_bends(joints)))
         })?;
         let arrays = one.map_or(batch.arrays, Arrays::One);
         Ok(Self { arrays, largest_bends })
@@ -46,6 +58,11 @@ impl Lines {
 
     pub(crate) fn is_one(&self) -> bool {
         matches!(self.arrays, Arrays::One(_))
+    }
+
+    /// Number of joints of each driveline.
+    pub(crate) fn joints(&self) -> usize {
+        self.largest_bends.len()
     }
 
     /// Runs `body` with the arrays.

@@ -1,22 +1,32 @@
 //! Plans: what to compute, prepared once for its drivelines; and running them over samples.
 
+use std::sync::atomic::AtomicBool;
+
 use cardan::{
     Angles, Call, Constants, Drivelines, End, Execution, Level, Load, Output as Quantity,
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use numpy::{
-    Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArray1,
-    PyUntypedArrayMethods,
+    BorrowError, Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
+    PyReadwriteArray1, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 
-use crate::convert::{Input, slice, slice_mut, value_error};
+use crate::convert::{Input, count, slice, slice_mut, value_error};
 use crate::lines::Lines;
+use crate::watch::{room, threads, watched};
 
 /// Samples that are done before it is worth giving the interpreter away.
 const BRIEF: usize = 1000;
+
+/// Samples from which the core may use its threads, or fewer.
+const POOLED: usize = 1 << 16;
+
+/// Numbers, of results and of the folding, that take some milliseconds, on the slowest instruction
+/// set less than half a second: shorter runs need no watch.
+const WATCHED: usize = 1 << 21;
 
 /// A flat array and its strides over the samples.
 type Broadcast<'py> = (Input<'py>, Vec<usize>);
@@ -28,8 +38,8 @@ type LoadArrays<'py> =
 /// Arrays to fill, each holding planes one after another.
 #[derive(FromPyObject)]
 enum Out<'py> {
-    Double(Vec<PyReadwriteArray1<'py, f64>>),
-    Single(Vec<PyReadwriteArray1<'py, f32>>),
+    Double(Vec<Bound<'py, PyArray1<f64>>>),
+    Single(Vec<Bound<'py, PyArray1<f32>>>),
 }
 
 /// Drive angles at equal steps.
@@ -89,6 +99,8 @@ impl Plan {
         single: bool,
         reduction: Option<&str>,
     ) -> PyResult<Self> {
+        let items = shaft_items.len().saturating_add(joint_items.len());
+        room(lines.get().joints().saturating_add(items).saturating_mul(1024))?;
         let outputs = outputs.iter().map(|name| quantity(name)).collect::<PyResult<Vec<_>>>()?;
         let request = Request {
             largest_bends: lines.get().largest_bends(),
@@ -161,13 +173,7 @@ impl Plan {
                 angle: Angles::Array(Source { data: angle, strides: &[1] }),
                 load: None,
             };
-            let execution = Execution { level: None, workers };
-            let mut run = || {
-                let (constants, planes) = (self.constants.as_ref(), Planes::Double(&mut planes));
-                self.steps.run(&samples, constants, self.precision, planes, execution)
-            };
-            let result = if total < BRIEF { run() } else { py.detach(run) };
-            result.map_err(|error| value_error(&error))
+            self.execute(py, &samples, Planes::Double(&mut planes), None, workers)
         })?;
         Ok(true)
     }
@@ -189,14 +195,16 @@ impl Plan {
         workers: Option<usize>,
         level: Option<&str>,
     ) -> PyResult<()> {
-        let execution = Execution { level: level.map(named_level).transpose()?, workers };
-        let total = match self.reduction {
-            Some(_) => shape[..shape.len() - 1].iter().product::<usize>().max(1),
-            None => shape.iter().product::<usize>().max(1),
-        };
+        let level = level.map(named_level).transpose()?;
         if shape.contains(&0) {
             return Ok(());
         }
+        let kept = match (self.reduction, shape.split_last()) {
+            (Some(_), Some((_, rows))) => rows,
+            (Some(_), None) => return Err(PyValueError::new_err("shape has no axis to reduce")),
+            (None, _) => &shape,
+        };
+        let total = count(kept)?;
         let load = load.as_ref().map(borrow_load).transpose()?;
         let angle = match (&sweep, &angle) {
             (Some(sweep), _) => Angles::Sweep(sweep.get().0),
@@ -206,23 +214,104 @@ impl Plan {
         self.lines.get().with(py, |lines| {
             let samples =
                 Samples { shape: &shape, lines, line_strides: &line_strides, angle, load };
-            let (plan, precision) = (&self.steps, self.precision);
-            let constants = self.constants.as_ref();
-            let run = |planes: Planes<'_, '_>| {
-                let result = py.detach(|| match (self.reduction, planes) {
-                    (Some(reduction), Planes::Double(planes)) => {
-                        plan.reduce(&samples, constants, precision, reduction, planes, execution)
-                    }
-                    (_, planes) => plan.run(&samples, constants, precision, planes, execution),
-                });
-                result.map_err(|error| value_error(&error))
-            };
             match out {
-                Out::Double(mut out) => run(Planes::Double(&mut planes_of(&mut out, total)?)),
-                Out::Single(mut out) => run(Planes::Single(&mut planes_of(&mut out, total)?)),
+                Out::Double(out) => {
+                    let mut out = borrow_out(&out)?;
+                    let planes = &mut planes_of(&mut out, total)?;
+                    self.execute(py, &samples, Planes::Double(planes), level, workers)
+                }
+                Out::Single(out) => {
+                    let mut out = borrow_out(&out)?;
+                    let planes = &mut planes_of(&mut out, total)?;
+                    self.execute(py, &samples, Planes::Single(planes), level, workers)
+                }
             }
         })
     }
+}
+
+impl Plan {
+    /// Runs or reduces: at once if it is brief, watched if it is long.
+    fn execute(
+        &self,
+        py: Python<'_>,
+        samples: &Samples<'_>,
+        mut planes: Planes<'_, '_>,
+        level: Option<Level>,
+        workers: Option<usize>,
+    ) -> PyResult<()> {
+        let total = count(samples.shape)?;
+        let workers = if total < POOLED { workers } else { threads(workers) };
+        room(self.scratch(samples, total, workers))?;
+        let (plan, precision, constants) = (&self.steps, self.precision, self.constants.as_ref());
+        let mut run = |stop: Option<&AtomicBool>| {
+            let execution = Execution { level, workers, stop };
+            match (self.reduction, &mut planes) {
+                (Some(reduction), Planes::Double(planes)) => {
+                    plan.reduce(samples, constants, precision, reduction, planes, execution)
+                }
+                (_, Planes::Double(planes)) => {
+                    plan.run(samples, constants, precision, Planes::Double(planes), execution)
+                }
+                (_, Planes::Single(planes)) => {
+                    plan.run(samples, constants, precision, Planes::Single(planes), execution)
+                }
+            }
+        };
+        let joints = if constants.is_some() { 0 } else { self.lines.get().joints() };
+        let result = if total.saturating_mul(plan.planes() + joints) >= WATCHED {
+            return watched(py, workers, &mut |stop| run(Some(stop)));
+        } else if total < BRIEF {
+            run(None)
+        } else {
+            py.detach(|| run(None))
+        };
+        result.map_err(|error| value_error(&error))
+    }
+
+    /// At most so many bytes are taken by a run, beside its results: by each thread for the folded
+    /// drivelines and a chunk of each result, and by what the blocks give to be reduced.
+    fn scratch(&self, samples: &Samples<'_>, total: usize, workers: Option<usize>) -> usize {
+        const CHUNK: usize = 1024;
+        const BLOCK: usize = 16 * CHUNK;
+        let joints = self.lines.get().joints();
+        let lanes = match samples.line_strides.last() {
+            _ if self.constants.is_some() => 1,
+            Some(0) => 64,
+            _ => CHUNK,
+        };
+        let threads = match workers {
+            Some(1) => 1,
+            _ if total < POOLED => 1,
+            _ => rayon::current_num_threads(),
+        };
+        let of_joint = 512 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
+        let planes = self.steps.planes();
+        let of_thread = (joints + 1).saturating_mul(of_joint).saturating_add(16 * CHUNK * planes);
+        let parts = match (self.reduction, samples.shape.split_last()) {
+            (Some(_), Some((&length, _))) => {
+                (total / length).saturating_mul(length.div_ceil(BLOCK))
+            }
+            _ => total.div_ceil(BLOCK),
+        };
+        let of_parts = parts.saturating_mul(24 * planes);
+        of_thread.saturating_mul(threads).saturating_add(of_parts)
+    }
+}
+
+/// The arrays to fill, of which no other call may read or write any meanwhile.
+fn borrow_out<'py, W: Element>(
+    arrays: &[Bound<'py, PyArray1<W>>],
+) -> PyResult<Vec<PyReadwriteArray1<'py, W>>> {
+    let borrow = |array: &Bound<'py, PyArray1<W>>| {
+        array.try_readwrite().map_err(|error| match error {
+            BorrowError::AlreadyBorrowed => {
+                PyRuntimeError::new_err("out is in use by another call")
+            }
+            error => PyValueError::new_err(format!("out: {error}")),
+        })
+    };
+    arrays.iter().map(borrow).collect()
 }
 
 /// The planes that lie in flat arrays one after another.

@@ -1,0 +1,148 @@
+"""Load: mixed calls from several threads in one process, for as long as wanted.
+
+    python tests/load.py --minutes 60
+
+Every call's bits are compared with those of the first call of its kind. The process's memory is
+read every few seconds; after a first third for caches and pools to fill, it must not grow. The
+exit status is 1 if a bit differs, a call fails or memory grows by more than 3 %.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import resource
+import sys
+import threading
+import time
+from collections import Counter
+from collections.abc import Callable
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from cardan import Driveline, Load, Scene, Sweep
+
+THREADS = 4
+GROWTH = 0.03
+"""What memory may grow by from the second third to the last: what is in use differs."""
+
+SCENE = """
+[driveline]
+bends_deg = [5, 4, 3]
+[load]
+output_torque_Nm = 100
+[output]
+quantities = ["angle_error", "torque", "support_moment"]
+"""
+
+
+def jobs() -> dict[str, Callable[[], Any]]:
+    """Return calls of every kind, each of some milliseconds at most."""
+    random = np.random.default_rng(1920)
+    angle = random.uniform(-9.0, 9.0, 150_000)
+    small = angle[:720]
+    chain = Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2])
+    batch = Driveline.from_bends(random.uniform(0.0, 0.5, (500, 1, 2)), 0.1, 0.2)
+    each = Driveline.from_bends(random.uniform(0.0, 0.5, (5000, 2)), 0.1, 0.2)
+    load = Load(drive_torque=7.0, speed=30.0, inertias=[0.1, 0.2, 0.3, 0.4])
+    plan = chain.plan(("angle", "moment"), load=load)
+    points = random.normal(size=(200, 4, 3)) * 0.1 + np.arange(4.0)[:, np.newaxis] * [1.0, 0, 0]
+    turns = Sweep.revolutions(20, 720)
+
+    def filled() -> Any:  # noqa: ANN401
+        out = np.empty((3, angle.size))[1]
+        return chain.evaluate(angle, "speed_ratio", out={"speed_ratio": out})
+
+    def refused() -> Any:  # noqa: ANN401
+        try:
+            chain.evaluate(angle, "speed_ratio", out={"speed_ratio": np.empty(3)})
+        except ValueError as error:
+            return {"message": np.array(str(error))}
+        raise AssertionError("it was not refused")
+
+    return {
+        "threaded": lambda: chain.evaluate(angle, ("angle", "acceleration_ratio")),
+        "one thread": lambda: chain.evaluate(angle[:40_000], workers=1),
+        "faithful": lambda: chain.evaluate(angle[:20_000], tolerance=0),
+        "single": lambda: chain.evaluate(angle, dtype=np.float32),
+        "plan": lambda: plan(small),
+        "vectors": lambda: plan(angle[:20_000]),
+        "batch": lambda: batch.evaluate(small, "angle_error"),
+        "per sample": lambda: each.evaluate(angle[:5000], ("angle", "speed_ratio")),
+        "reduced": lambda: batch.evaluate(turns, ("angle_error", "speed_ratio"), reduce="rms"),
+        "sweep": lambda: chain.evaluate(turns, ("angle", "tilt_driven")),
+        "filled": filled,
+        "refused": refused,
+        "made": lambda: {"bends": Driveline.from_points(points).bends},
+        "phases": lambda: {"phases": batch.optimal_phases()},
+        "equivalent": lambda: {"k": each.equivalent().k},
+        "scene": lambda: Scene.parse(SCENE).run().values,
+    }
+
+
+def digest(result: Any) -> bytes:  # noqa: ANN401
+    """Return a fingerprint of all bits of a result."""
+    sums = hashlib.blake2b()
+    for name in result:
+        sums.update(np.ascontiguousarray(result[name]).tobytes())
+    return sums.digest()
+
+
+def memory() -> int:
+    """Return the process's memory in bytes: now, where the system says it, else its largest."""
+    status = Path("/proc/self/statm")
+    if status.exists():
+        return int(status.read_text().split()[1]) * resource.getpagesize()
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def main() -> int:
+    """Run; print the record; return the exit status."""
+    parser = argparse.ArgumentParser(description="mixed calls from several threads")
+    parser.add_argument("--minutes", type=float, default=0.4)
+    parser.add_argument("--threads", type=int, default=THREADS)
+    options = parser.parse_args()
+    calls = jobs()
+    want = {name: digest(call()) for name, call in calls.items()}
+    end = time.monotonic() + 60.0 * options.minutes
+    counts: list[Counter[str]] = [Counter() for _ in range(options.threads)]
+    wrong: list[str] = []
+
+    def work(number: int) -> None:
+        random = np.random.default_rng(number)
+        names = list(calls)
+        while time.monotonic() < end and not wrong:
+            name = names[random.integers(len(names))]
+            try:
+                if digest(calls[name]()) != want[name]:
+                    wrong.append(f"{name}: other bits")
+            except Exception as error:
+                wrong.append(f"{name}: {error!r}")
+                raise
+            counts[number][name] += 1
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(options.threads)]
+    for thread in threads:
+        thread.start()
+    seen = []
+    while any(thread.is_alive() for thread in threads):
+        time.sleep(min(5.0, 60.0 * options.minutes / 60))
+        seen.append(memory())
+    total = sum(counts, Counter())
+    third = len(seen) // 3
+    before, after = median(seen[third : 2 * third]), median(seen[2 * third :])
+    grown = after / before - 1.0
+    print(f"{options.minutes:g} min, {options.threads} threads, {total.total()} calls")
+    print(", ".join(f"{name} {total[name]}" for name in calls))
+    print(f"memory: {before / 2**20:.1f} MiB in the second third, {after / 2**20:.1f} in the last")
+    if grown > GROWTH:
+        wrong.append(f"memory grew by {grown:.1%}")
+    print("\n".join(wrong) or "no other bits, no failure, no growth")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
