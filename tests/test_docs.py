@@ -105,7 +105,15 @@ def test_contributing_names_what_ci_runs() -> None:
     ci = "".join((ROOT / ".ci" / name).read_text("utf-8") for name in ("run", "packages"))
     shown = "\n".join(block.text for block in blocks((ROOT / "CONTRIBUTING.md").read_text("utf-8")))
     steps = {step.split("#")[0].strip() for step in re.split(r"&&|\n", shown)} - {""}
-    by_hand = {"maturin develop --release"}
+    by_hand = {
+        "maturin develop --release",
+        "pytest -m physics",
+        "fuzz/run geometry 3600",
+        "python fuzz/scene.py 3600",
+        "python tests/load.py --minutes 60",
+        "cargo deny --exclude-dev check",
+        "pip-audit",
+    }
     assert {step for step in steps if step not in ci and "pip install" not in step} == by_hand
 
 

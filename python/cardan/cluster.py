@@ -73,10 +73,14 @@ def connect(scheduler: str | None = None, processes: int | None = None) -> Itera
             )
             scheduler = stack.enter_context(cluster)
         try:
-            client = distributed.Client(scheduler)
+            client = distributed.Client(scheduler, set_as_default=False)
         except (OSError, ValueError) as error:
             raise OSError(errno.ECONNREFUSED, "no dask scheduler answers", scheduler) from error
-        yield stack.enter_context(client)
+        stack.enter_context(client)
+        # The default for this thread and as long as it lasts, however the cluster ends.
+        stack.enter_context(client.as_current())
+        stack.enter_context(module("dask", "dask").config.set(scheduler="dask.distributed"))
+        yield client
 
 
 def write_study(

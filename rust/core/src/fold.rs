@@ -251,20 +251,25 @@ impl Lane<Equivalent<Pair>> for Read<'_> {
     }
 }
 
-/// First joints, by their bends.
-struct First<'a>(&'a [f64]);
+/// First joints, by their bends; `MODERATE` ones have a shorter way.
+struct First<'a, const MODERATE: bool>(&'a [f64]);
 
-impl Lane<Ripple<Pair>> for First<'_> {
+impl<const MODERATE: bool> Lane<Ripple<Pair>> for First<'_, MODERATE> {
     #[inline(always)]
     fn at(&self, i: usize) -> Ripple<Pair> {
         Ripple::of_joint(self.0[i])
     }
 }
 
-impl Lane<Equivalent<Pair>> for First<'_> {
+impl<const MODERATE: bool> Lane<Equivalent<Pair>> for First<'_, MODERATE> {
     #[inline(always)]
     fn at(&self, i: usize) -> Equivalent<Pair> {
-        Equivalent::of_joint(Joint::with_error_terms(self.0[i]))
+        let bend = self.0[i];
+        Equivalent::of_joint(if MODERATE {
+            Joint::with_moderate_bend(bend)
+        } else {
+            Joint::with_error_terms(bend)
+        })
     }
 }
 
@@ -331,20 +336,20 @@ impl Turns {
 }
 
 impl<T: Angle> Folded<T> {
-    /// Room for a run of so many drivelines, of different rows or of different samples.
+    /// Room for a run of so many drivelines, of different rows or of different samples; none at all
+    /// for none.
     pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool) -> Self {
         let lanes = LANES.min(longest);
+        let (maps, turns) = (Maps::new(lanes), Turns(std::array::from_fn(|_| Column::new(lanes))));
+        if longest == 0 {
+            return Self { shafts: vec![], poses: vec![], maps, turns };
+        }
         let mut shafts = vec![None; plan.joint_count + 1];
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);
             shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample));
         }
-        Self {
-            shafts,
-            poses: vec![vec![]; plan.joint_count],
-            maps: Maps::new(lanes),
-            turns: Turns(std::array::from_fn(|_| Column::new(lanes))),
-        }
+        Self { shafts, poses: vec![vec![]; plan.joint_count], maps, turns }
     }
 
     /// Folds `count` drivelines, of which `line_of(i)` is the index, each once up to the last shaft
@@ -408,7 +413,11 @@ impl<T: Angle> Folded<T> {
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                shaft.set(start, length, &First(bends));
+                if shaft.bound.is_moderate() {
+                    shaft.set(start, length, &First::<true>(bends));
+                } else {
+                    shaft.set(start, length, &First::<false>(bends));
+                }
             }
             if plan.reach() == 1 {
                 return;

@@ -120,6 +120,9 @@ pub struct Plan {
     pub(crate) joint_count: usize,
     /// The largest bend of each joint; a joint with none is straight in every driveline.
     pub(crate) largest_bends: Vec<f64>,
+    /// A bound to the cosine of the bend equivalent to the joints before each shaft: that of the
+    /// aligned chain, for which the cosines multiply.
+    least_cosines: Vec<f64>,
     pub(crate) planes: usize,
     /// How many of the planes, in their order, make up each item of each output.
     pub(crate) components: Vec<usize>,
@@ -234,6 +237,7 @@ impl Plan {
         let mut plan = Self {
             joint_count: n,
             largest_bends: request.largest_bends.to_vec(),
+            least_cosines: least_cosines(request.largest_bends),
             planes: 0,
             components: vec![],
             shafts: vec![],
@@ -288,7 +292,7 @@ impl Plan {
     /// arithmetic, and a steep chain stretches it by the inverse of its cosine.
     pub fn precision(&self, tolerance: f64) -> Precision {
         let reach = self.reach();
-        let stretch = if reach > 1 { (0.25 / self.least_cosine(reach)).max(1.0) } else { 1.0 };
+        let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(1.0) } else { 1.0 };
         if tolerance >= Precision::SINGLE_ERROR * stretch {
             Precision::Single
         } else if tolerance >= Precision::DOUBLE_ERROR * stretch {
@@ -347,15 +351,9 @@ impl Plan {
         bent.unwrap_or(self.joint_count)
     }
 
-    /// A bound to the cosine of the bend equivalent to the joints before a shaft: that of the aligned
-    /// chain, for which the cosines multiply.
-    fn least_cosine(&self, shaft: usize) -> f64 {
-        self.largest_bends[..shaft].iter().map(|&bend| Joint::new(bend).cos).product()
-    }
-
     /// The inverse tangent that serves a shaft of every driveline.
     pub(crate) fn range(&self, shaft: usize) -> AtanRange {
-        let cos = self.least_cosine(shaft);
+        let cos = self.least_cosines[shaft];
         // A bound to the tangent, with room for rounding.
         AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
     }
@@ -444,6 +442,15 @@ impl Plan {
         }
         self.load = Some(LoadStep { end, stations });
     }
+}
+
+fn least_cosines(bends: &[f64]) -> Vec<f64> {
+    let mut cosine = 1.0;
+    let next = |&bend: &f64| {
+        cosine *= Joint::new(bend).cos;
+        cosine
+    };
+    std::iter::once(1.0).chain(bends.iter().map(next)).collect()
 }
 
 fn check_items(argument: &'static str, items: &[usize], count: usize) -> Result<()> {

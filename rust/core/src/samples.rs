@@ -172,6 +172,10 @@ impl<'a> Table<'a> {
                 ("acceleration", whole(&load.acceleration)),
             ]);
             for (shaft, source) in &load.inertias {
+                if *shaft > n {
+                    let problem = format!("are of shaft {shaft}; there are {}", n + 1);
+                    return Err(Error::new("inertias", &[], problem));
+                }
                 inertia[*shaft] = Some(sources.len());
                 sources.push(("inertias", whole(source)));
             }
@@ -248,6 +252,9 @@ fn check_reach(
 /// Merges neighbours of the first `mergeable` axes over which every source keeps its step, and drops
 /// those of length 1; at least one axis remains.
 fn merge_axes(shape: &[usize], mergeable: usize, strides: &mut [Vec<usize>]) -> Vec<usize> {
+    if shape.len() == 1 {
+        return shape.to_vec();
+    }
     let mut merged: Vec<usize> = vec![];
     let mut kept: Vec<Vec<usize>> = vec![vec![]; strides.len()];
     for (axis, &length) in shape.iter().enumerate() {
