@@ -86,8 +86,9 @@ class Plan:
         self._load = load
         self._inertias = _inertias(n, load)
         # Nothing but the angles changes from sample to sample.
-        self._steady = not line.shape and (load is None or _is_steady(load))
-        self._line_shape = line.shape
+        shape = line.shape
+        self._steady = not shape and (load is None or _is_steady(load))
+        self._line_shape = shape
         self._workers = workers
         self._level = level
         self._core = _core.Plan(
@@ -98,32 +99,28 @@ class Plan:
             load.end if load else None,
             list(self._inertias),
             _permitted(tolerance),
-            self._dtype == _SINGLE,
+            self._dtype is _SINGLE,
             reduce,
         )
         # The last shaft is asked for, not a list of one.
-        single = {
-            "shaft": shafts is None or _is_index(shafts),
-            "joint": joints is not None and _is_index(joints),
-        }
-        count = {"shaft": len(shaft_items), "joint": len(joint_items)}
-        self._labels = (
-            shaft_items[0] if single["shaft"] else shaft_items,
-            joint_items[0] if single["joint"] else joint_items,
-            line.shape,
-            reduce,
-        )
+        one_shaft = shafts is None or _is_index(shafts)
+        one_joint = joints is not None and _is_index(joints)
+        shafts_shown = shaft_items[0] if one_shaft else shaft_items
+        joints_shown = joint_items[0] if one_joint else joint_items
+        self._labels = (shafts_shown, joints_shown, shape, reduce)
         self._places: dict[str, _Place] = {}
-        first = 0
+        first, alone = 0, True
         for name in names:
             output = outputs.OUTPUTS[name]
+            per_shaft = output.per == "shaft"
             vector = output.vector and reduce != "peak"
-            items = None if single[output.per] else count[output.per]
+            count = len(shaft_items if per_shaft else joint_items)
+            items = None if (one_shaft if per_shaft else one_joint) else count
             self._places[name] = _Place(first, items, vector)
-            first += count[output.per] * (3 if vector else 1)
+            first += 3 * count if vector else count
+            alone = alone and items is None and not vector
         self._planes = first
-        plain = self._dtype == _DOUBLE and level is None and load is None and reduce is None
-        alone = all(items is None and not vector for _, items, vector in self._places.values())
+        plain = self._dtype is _DOUBLE and level is None and load is None and reduce is None
         self._plain = plain and alone and self._steady
         threads.at_most(workers)
 
@@ -209,7 +206,7 @@ class Plan:
             planes = np.empty((self._planes, *angle.shape))
             if not self._core.fill(angle, [planes], workers):
                 return None
-            arrays = {name: planes[place.first] for name, place in self._places.items()}
+            arrays = {name: planes[i] for i, name in enumerate(self._places)}
             return Result(arrays, self._labels, angle)
         if out.keys() != self._places.keys():
             return None
@@ -422,9 +419,10 @@ def _word(dtype: DTypeLike | None) -> np.dtype[Any]:
         word = np.dtype(dtype)
     except TypeError:
         word = np.dtype(object)
-    if word not in (_DOUBLE, _SINGLE):
-        raise ValueError(f"dtype is {dtype!r}; it must be float64 or float32")
-    return word
+    for known in (_DOUBLE, _SINGLE):
+        if word == known:
+            return known
+    raise ValueError(f"dtype is {dtype!r}; it must be float64 or float32")
 
 
 def _reduction(reduce: str | None) -> str | None:

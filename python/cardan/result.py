@@ -35,7 +35,7 @@ class Result(Mapping[str, NDArray[Any]]):
         angle: Any = None,  # noqa: ANN401 - an array of any library, or a sweep
     ) -> None:
         """Keep the arrays under their names."""
-        self._arrays = dict(arrays)
+        self._arrays = arrays
         self._labels = labels
         self._angle = angle
 

@@ -47,19 +47,20 @@ impl Crest {
     }
 }
 
-/// The samples of a sweep beside the extremes of the shafts, and both ends; `None` if they are no
-/// fewer than a quarter of all.
+/// The samples of a sweep beside the extremes of the shafts, and both ends; `None` if there are too
+/// many to repay it: each finds its own sine and cosine, which rows have in common otherwise.
 pub(crate) fn beside<'a>(
     sweep: &Sweep,
     samples: Range<usize>,
     shafts: impl Iterator<Item = (&'a ShaftStep, Crest)>,
 ) -> Option<Vec<f64>> {
     const EXTREMES: usize = 6;
+    const REPAID: usize = 64;
     let [first, last] = [samples.start, samples.end - 1].map(|i| sweep.angle(i as f64).value());
     let half_turns = ((last - first).abs() / PI) as usize + 2;
     let mut found = vec![samples.start as f64, (samples.end - 1) as f64];
     for (step, crest) in shafts {
-        if (half_turns * EXTREMES * 2 + found.len()) * 4 > samples.len() {
+        if (half_turns * EXTREMES * 2 + found.len()) * REPAID > samples.len() {
             return None;
         }
         for angle in crest.angles(step) {
