@@ -165,11 +165,14 @@ def test_power_and_moments_balance_at_every_joint(line: Driveline, drive: bool, 
         tangent = math.tan(bend)
         passed = leaving[j] * ratio[j] - entering[j + 1] * ratio[j + 1]
         assert np.all(np.abs(passed) <= power)
-        # The moment's parts along both shafts are their torsions. Its own driving angle is known to
-        # a few EPS times what the chain before it has turned the drive, its directions to a few.
+        # The moment's parts along both shafts are their torsions. Its directions are known to a few
+        # EPS, its own driving angle to a few EPS times size over length of the map from the drive
+        # to it: the size is at most the product of 1 + k of the joints before, the length the root
+        # of that of 1 - k^2 over the speed ratio, and (1 - k)/(1 + k) is the cosine of a bend.
         own = 8 * EPS * size[j] * (1 + tangent)
         assert np.all(np.abs(moment[j] @ u - leaving[j]) <= own + power / ratio[j])
-        steep = 8 * EPS * np.abs(leaving[j]) * math.sin(bend) * tangent * (1 + ratio[j])
+        known = np.sqrt(ratio[j] / float(np.prod(np.cos(line.bends[:j]))))
+        steep = 8 * EPS * np.abs(leaving[j]) * math.sin(bend) * tangent * (1 + known)
         off = np.abs(moment[j] @ v - entering[j + 1])
         assert np.all(off <= own + steep + power / ratio[j + 1])
     for i, u in enumerate(line.directions):
