@@ -14,7 +14,7 @@ use crate::pair::Pair;
 use crate::plan::Plan;
 use crate::real::Word;
 use crate::reduction::Reduction;
-use crate::samples::{ANGLE, Geometries, Table};
+use crate::samples::{ANGLE, Geometries, TORQUE, Table};
 use crate::sweep::Group;
 
 /// Samples per chunk: sines and cosines of so many doubles stay in the first-level cache.
@@ -348,7 +348,12 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         );
         if let Some(load) = &plan.load {
             let columns = table.columns.iter().zip(&scratch.cursors).skip(1);
-            for ((column, &(origin, step)), buffer) in columns.zip(&mut scratch.gathered[1..]) {
+            // Speed and acceleration matter to inertias alone.
+            let idle = load.stations.iter().all(|station| !station.absorbs);
+            let needed = if idle { TORQUE } else { table.columns.len() };
+            for ((column, &(origin, step)), buffer) in
+                columns.take(needed).zip(&mut scratch.gathered[1..])
+            {
                 gather(column.data, origin + samples.start * step, step, &mut buffer[..size]);
             }
             compiled_for!(

@@ -4,21 +4,41 @@ use std::ops::Range;
 
 use crate::real::Real;
 
+/// Bytes of a cache line: vectors that cross one take twice as long to load and to store.
+const LINE: usize = 64;
+
+/// Lines between high and low words, so that they do not lie whole pages apart: a load that follows a
+/// store to the same place of another page waits for it.
+const APART: usize = 20;
+
 /// A column of its own.
 #[derive(Clone, Debug)]
 pub(crate) struct Column<T: Real> {
-    high: Vec<T::Word>,
-    low: Vec<T::Word>,
+    /// High words from the first cache line on, then low words from another.
+    words: Vec<T::Word>,
+    first: usize,
+    length: usize,
 }
 
 impl<T: Real> Column<T> {
     pub(crate) fn new(length: usize) -> Self {
-        let words = |length| vec![T::Word::default(); length];
-        Self { high: words(length), low: words(low::<T>(0..length).len()) }
+        if length == 0 {
+            return Self { words: vec![], first: 0, length };
+        }
+        let line = LINE / size_of::<T::Word>();
+        let words = vec![T::Word::default(); Self::low_after(length) + length + line];
+        let first = words.as_ptr().align_offset(LINE).min(line);
+        Self { words, first, length }
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.high.is_empty()
+        self.length == 0
+    }
+
+    /// How far behind the first high word the first low word lies.
+    fn low_after(length: usize) -> usize {
+        let line = LINE / size_of::<T::Word>();
+        if T::LOW && length > 0 { length.next_multiple_of(line) + APART * line } else { 0 }
     }
 
     /// The first numbers, to read.
@@ -36,23 +56,27 @@ impl<T: Real> Column<T> {
     /// Numbers from `start` on, or the first ones of a column that is too short to hold them.
     #[inline(always)]
     pub(crate) fn window_mut(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
-        let start = if start + length <= self.high.len() { start } else { 0 };
-        let length = length.min(self.high.len());
+        let start = if start + length <= self.length { start } else { 0 };
+        let length = length.min(self.length);
         self.part_mut(start, length)
     }
 
     /// Numbers from `start` on, to read.
     #[inline(always)]
     pub(crate) fn part(&self, start: usize, length: usize) -> View<'_, T> {
-        let low = low::<T>(start..start + length);
-        View { high: &self.high[start..start + length], low: &self.low[low] }
+        let first = self.first + start;
+        let from = first + Self::low_after(self.length);
+        let low = low::<T>(from..from + length);
+        View { high: &self.words[first..first + length], low: &self.words[low] }
     }
 
     /// Numbers from `start` on, to write.
     #[inline(always)]
     pub(crate) fn part_mut(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
-        let low = low::<T>(start..start + length);
-        ViewMut { high: &mut self.high[start..start + length], low: &mut self.low[low] }
+        let first = self.first + start;
+        let (high, rest) = self.words[first..].split_at_mut(length);
+        let from = Self::low_after(self.length).saturating_sub(length);
+        ViewMut { high, low: &mut rest[low::<T>(from..from + length)] }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Loops over slices, one per output.
 //!
 //! Each is a plain loop without branches over one sample after the other, which the compiler
-//! vectorises for whichever instruction set the caller was compiled for; all are inlined into
-//! [`crate::batch`]'s one dispatched function. The slices are a chunk of the angles, small enough
+//! vectorises for whichever instruction set the caller was compiled for; all are inlined into the
+//! functions that [`crate::block`] calls for the instruction set. The slices are a chunk of the angles, small enough
 //! for the first-level cache, so a loop per output costs no more than one loop for all and keeps
 //! each skippable.
 //!
