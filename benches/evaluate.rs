@@ -80,7 +80,22 @@ impl Case {
         black_box(&mut self.planes);
     }
 
-    /// Copies the angles into every plane: the same stores as the evaluation, on as many threads.
+    /// Fills every plane from the angles by vector stores, as the evaluation does, on as many threads.
+    fn fill(&mut self) {
+        const BLOCK: usize = 16 * 1024;
+        let factor = black_box(1.0);
+        let angle = &self.angle;
+        for plane in &mut self.planes {
+            plane.par_chunks_mut(BLOCK).zip(angle.par_chunks(BLOCK)).for_each(|(to, from)| {
+                for (to, from) in to.iter_mut().zip(from) {
+                    *to = factor * from;
+                }
+            });
+        }
+        black_box(&mut self.planes);
+    }
+
+    /// The same by the system's copy, whose stores need not read what they overwrite.
     fn copy(&mut self) {
         const BLOCK: usize = 16 * 1024;
         let angle = &self.angle;
@@ -167,27 +182,30 @@ fn interleaved(samples: usize, jobs: &mut [(&str, &mut dyn FnMut())]) -> Vec<f64
 /// Prints how the evaluation compares with plain copies of the same bytes, in one run.
 fn ratios() {
     let level = Level::new();
-    println!("\nangle+speed_ratio+acceleration_ratio against copies into the same three arrays");
+    println!("\nangle+speed_ratio+acceleration_ratio against filling the same three arrays");
     println!(
-        "{:>10} {:>8} {:>10} {:>8} {:>12}",
-        "angles", "threads", "evaluate", "copy", "copy/eval"
+        "{:>10} {:>8} {:>10} {:>8} {:>8} {:>10} {:>10}",
+        "angles", "threads", "evaluate", "fill", "copy", "fill/eval", "copy/eval"
     );
     for samples in [100_000, 1_000_000, 10_000_000] {
-        let (mut evaluated, mut copied) =
-            (Case::new(1, 30.0, &MOTION, samples), Case::new(1, 30.0, &MOTION, samples));
+        let case = || Case::new(1, 30.0, &MOTION, samples);
+        let (mut evaluated, mut filled, mut copied) = (case(), case(), case());
         let best = interleaved(
             samples,
             &mut [
                 ("evaluate", &mut || evaluated.run(level, None)),
+                ("fill", &mut || filled.fill()),
                 ("copy", &mut || copied.copy()),
             ],
         );
         println!(
-            "{samples:>10} {:>8} {:>7.3} ns {:>5.3} ns {:>12.2}",
+            "{samples:>10} {:>8} {:>7.3} ns {:>5.3} ns {:>5.3} ns {:>10.2} {:>10.2}",
             rayon::current_num_threads(),
             best[0],
             best[1],
-            best[1] / best[0]
+            best[2],
+            best[1] / best[0],
+            best[2] / best[0]
         );
     }
 }

@@ -142,7 +142,7 @@ impl<const TYPE: usize> Angle for Counted<TYPE> {
 
     fn sin_cos(remainder: Self) -> (Self, Self) {
         let (sine, cosine) = remainder.0.sin_cos();
-        (Self::after_operations(sine, [0, 0, 34]), Self(cosine))
+        (Self::after_operations(sine, [0, 0, 40]), Self(cosine))
     }
 
     fn turned_if(self, bit: u64) -> Self {

@@ -30,16 +30,6 @@ const COSINE: [f64; 5] = [
     -1.136_742_930_407_458_1e-11,
 ];
 
-/// `sin r = r + r z P(z)`, relative error 2⁻⁵⁷·⁹, for `|r| ≤ 0.7862`.
-const SINE_SHORT: [f64; 6] = [
-    -0.166_666_666_666_666_3,
-    0.008_333_333_333_322_004,
-    -0.000_198_412_698_294_934_9,
-    2.755_731_358_689_876e-6,
-    -2.505_074_219_158_179e-8,
-    1.589_589_781_063_074_5e-10,
-];
-
 const SIXTH: Pair = Pair::new(0.166_666_666_666_666_66, 9.251_858_538_542_97e-18);
 const TWENTY_FOURTH: Pair = Pair::new(0.041_666_666_666_666_664, 2.312_964_634_635_743e-18);
 
@@ -223,7 +213,7 @@ impl Angle for Pair {
 
     const DOUBLED: bool = true;
 
-    // Each polynomial is small beside the term before it.
+    // Within 2⁻⁵⁸: each polynomial is small beside the term before it.
     #[inline(always)]
     fn sin_cos(r: Self) -> (Self, Self) {
         let Self { high: z, low } = Self::product(r.high, r.high);
@@ -235,9 +225,9 @@ impl Angle for Pair {
         let low = (z * z).mul_add(rest, low);
         let cosine = Self::ordered_sum(half, (-0.5_f64).mul_add(z_low, low));
 
-        let sum = polynomial(z, &SINE_SHORT);
-        let part = Self::product(z, sum);
-        let part_low = z_low.mul_add(sum, part.low);
+        let sum = Self::ordered_sum(-SIXTH.high, z * polynomial(z, &SINE));
+        let part = Self::product(z, sum.high);
+        let part_low = z_low.mul_add(sum.high, z.mul_add(sum.low - SIXTH.low, part.low));
         let step = Self::product(r.high, part.high);
         let low = r.low.mul_add(half, r.high.mul_add(part_low, step.low));
         let Self { high, low: rounding } = Self::ordered_sum(r.high, step.high);
