@@ -9,7 +9,7 @@
 //! `n` joints, `K` the sum of their `tan²(β/2)`, at most 1, whose sines and cosines are within 2⁻⁶²,
 //! `A` with the lengths of the pins left in, so that `1/|A|` is what steep joints stretch a rounding
 //! by, and `|∂f/∂q|` at most `1/(1 − k)`, `4/(1 − k)²` and `32/(1 − k)³` for angle, speed ratio and
-//! acceleration ratio. The angle is known to `e = 2⁻⁵²`, with `tolerance=0` to 2⁻⁶⁰, in single
+//! acceleration ratio. The angle is known to `e = 2⁻⁵²`, with `tolerance=0` to 2⁻⁵⁸, in single
 //! precision to 2⁻²³.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -168,7 +168,7 @@ fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
         }
         let planes = evaluate(line, &angles, tier);
         let turned = match tier {
-            Tier::Faithful => 2_f64.powi(-60),
+            Tier::Faithful => 2_f64.powi(-58),
             Tier::Default => 2_f64.powi(-52),
             Tier::Loose | Tier::Float32 => 2_f64.powi(-23),
         };
