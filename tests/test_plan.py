@@ -597,3 +597,14 @@ def test_sweeps_refuse_what_is_no_number() -> None:
         Sweep.revolutions(1j, 3)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="turns"):
         Sweep.revolutions(1e300, 3)
+
+
+@pytest.mark.parametrize("tolerance", [None, 0.0])
+def test_a_far_angle_leaves_its_neighbours_alone(tolerance: float | None) -> None:
+    line = Driveline.from_bends([1.0088541896755423])
+    near = np.array([-800892.1051013289, -800892.0992634589, 0.7, -0.3, 3.0, 1e6])
+    alone = line.plan(MOTION, tolerance=tolerance)(near)
+    beside = line.plan(MOTION, tolerance=tolerance)(np.append(near, 1e300))
+    for name in MOTION:
+        ulp = np.spacing(np.abs(alone[name]))
+        assert np.all(np.abs(beside[name][:-1] - alone[name]) <= (0 if tolerance == 0 else 4) * ulp)

@@ -229,7 +229,7 @@ impl Angle for Pair {
         let part = Self::product(z, sum.high);
         let part_low = z_low.mul_add(sum.high, z.mul_add(sum.low - SIXTH.low, part.low));
         let step = Self::product(r.high, part.high);
-        let low = r.low.mul_add(half, r.high.mul_add(part_low, step.low));
+        let low = r.low.mul_add(part.high, r.low) + r.high.mul_add(part_low, step.low);
         let Self { high, low: rounding } = Self::ordered_sum(r.high, step.high);
         (Self { high, low: rounding + low }, cosine)
     }
