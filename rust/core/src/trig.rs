@@ -95,8 +95,8 @@ pub trait Angle: Real {
     /// Numerator and denominator of the rational tangent of a remainder.
     fn tangent(remainder: Self) -> (Self, Self);
 
-    /// Whether moderate bends go by sine and cosine of twice the angle, [`crate::ripple`]: they save
-    /// numbers with error terms a third of the operations, and cost others a tenth.
+    /// Whether moderate bends go by sine and cosine of twice the angle: they save numbers
+    /// with error terms a fifth of the time, and cost others an eighth.
     const DOUBLED: bool;
 
     /// Sine and cosine of a remainder.
