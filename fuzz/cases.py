@@ -24,7 +24,7 @@ def main(name: str, case: Callable[[bytes], None], longest: int) -> None:
             str(HERE / "corpus" / name),
             f"-max_total_time={seconds}",
             f"-max_len={longest}",
-            "-timeout=20",
+            "-timeout=100",
             "-rss_limit_mb=4096",
             "-print_final_stats=1",
             f"-artifact_prefix={found}-",

@@ -608,3 +608,9 @@ def test_a_far_angle_leaves_its_neighbours_alone(tolerance: float | None) -> Non
     for name in MOTION:
         ulp = np.spacing(np.abs(alone[name]))
         assert np.all(np.abs(beside[name][:-1] - alone[name]) <= (1 if tolerance == 0 else 4) * ulp)
+
+
+def test_a_straight_driveline_over_a_single_sample_is_reduced() -> None:
+    line = Driveline.from_bends([0.0])
+    found = line.evaluate(Sweep(1.0, 1.0, 1), "speed_ratio", reduce="max")
+    assert found.speed_ratio == 1.0

@@ -59,6 +59,9 @@ pub(crate) fn beside<'a>(
     let [first, last] = [samples.start, samples.end - 1].map(|i| sweep.angle(i as f64).value());
     let half_turns = ((last - first).abs() / PI) as usize + 2;
     let mut found = vec![samples.start as f64, (samples.end - 1) as f64];
+    if found.len() * REPAID > samples.len() {
+        return None;
+    }
     for (step, crest) in shafts {
         if (half_turns * EXTREMES * 2 + found.len()) * REPAID > samples.len() {
             return None;
