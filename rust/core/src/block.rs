@@ -317,7 +317,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let (line, step) = table.locate(&table.line, part.row);
                 let line_of = |i: usize| line + (samples.start + i) * step;
                 compiled_for!(level, self.folded.fold(plan, &table.lines, size, line_of));
-                (&self.folded, Seen::Each(size))
+                (&self.folded, Seen::Each)
             }
         };
         let place = picked.is_none().then_some((begin, step, size));
@@ -366,16 +366,12 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         }
         match target {
             Target::Planes(planes) => {
-                for (plane, words) in planes.iter_mut().zip(&self.spare) {
-                    let out = &mut plane[from..from + size];
-                    compiled_for!(level, convert(&words[..size], out));
-                }
-                if scratch.bare {
-                    for step in &plan.shafts {
-                        if let Some(plane) = step.angle {
-                            let out = &mut planes[plane][from..from + size];
-                            compiled_for!(level, add_drive(drive, &self.spare[plane], out));
-                        }
+                for (i, (plane, words)) in planes.iter_mut().zip(&self.spare).enumerate() {
+                    let (words, out) = (&words[..size], &mut plane[from..from + size]);
+                    if scratch.bare && plan.is_angle(i) {
+                        compiled_for!(level, add_drive(drive, words, out));
+                    } else {
+                        compiled_for!(level, convert(words, out));
                     }
                 }
             }
@@ -397,9 +393,8 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         T: Deliver<W>,
     {
         let length = part.samples.len();
-        let angles: Vec<usize> = self.plan.shafts.iter().filter_map(|step| step.angle).collect();
         for (i, plane) in planes.iter_mut().enumerate() {
-            if !angles.contains(&i) {
+            if !self.plan.is_angle(i) {
                 let row = &mut plane[part.place..part.place + length];
                 let (first, rest) = row.split_at_mut(period);
                 for again in rest.chunks_mut(period) {
@@ -412,7 +407,8 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         }
         let Some(sweep) = &self.table.sweep else { return };
         let (origin, _) = self.scratch.cursors[ANGLE];
-        for (slot, &plane) in angles.iter().enumerate() {
+        let angles = self.plan.shafts.iter().filter_map(|step| step.angle);
+        for (slot, plane) in angles.enumerate() {
             let mut at = period;
             while at < length && !self.stopped() {
                 let in_period = at % period;

@@ -1,7 +1,7 @@
 //! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
 
 use crate::atan::AtanRange;
-use crate::column::{Column, View, ViewMut};
+use crate::column::{Column, View, ViewMut, views, views_mut};
 use crate::fold::{Folded, Seen};
 use crate::kernel::{self, AfterArray, Drive, Line, Number, Pins, Sense, Swing, Twice};
 use crate::moment::Pose;
@@ -86,7 +86,7 @@ macro_rules! with_constants {
                 let $at = move |_: usize| shared;
                 $body
             }
-            Seen::Each(_) => {
+            Seen::Each => {
                 let $at = constants;
                 $body
             }
@@ -103,19 +103,20 @@ pub(crate) fn find_pins<T: Number>(
     scratch: &mut Scratch<T>,
     size: usize,
 ) {
-    let [sine, cosine] = scratch.pins.each_mut().map(|pins| pins.view_mut(size));
+    let [sine, cosine] = views_mut(&mut scratch.pins, 0, size);
+    let coarse = plan.moderate;
     match (drive, group) {
         (Drive::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
-        _ if plan.needs_sense() => kernel::pins::<Sense, T>(drive, sine, cosine),
-        _ => kernel::pins::<Line, T>(drive, sine, cosine),
+        _ if plan.needs_sense() => kernel::pins::<Sense, T>(drive, coarse, sine, cosine),
+        _ => kernel::pins::<Line, T>(drive, coarse, sine, cosine),
     }
 }
 
 /// Those of twice the drive angle.
 #[inline(always)]
 pub(crate) fn find_twice<T: Number>(drive: Drive<'_>, scratch: &mut Scratch<T>, size: usize) {
-    let [sine, cosine] = scratch.twice.each_mut().map(|twice| twice.view_mut(size));
-    kernel::pins::<Twice, T>(drive, sine, cosine);
+    let [sine, cosine] = views_mut(&mut scratch.twice, 0, size);
+    kernel::pins::<Twice, T>(drive, false, sine, cosine);
 }
 
 /// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
@@ -158,11 +159,11 @@ pub(crate) fn run_motion<T: Number>(
         };
         let range = shaft.range(seen);
         if !(T::DOUBLED && range.is_moderate()) {
-            let equivalents = shaft.equivalents(seen);
+            let equivalents = shaft.equivalents(seen, size);
             with_constants!(seen, |i| equivalents.get(i), at => {
                 let mut pins = pins;
                 if step.shaft > 1 {
-                    let [sine, cosine] = turned.each_mut().map(|turned| turned.view_mut(size));
+                    let [sine, cosine] = views_mut(turned, 0, size);
                     kernel::turn(|i| at(i).1, pins, sine, cosine);
                     pins = pins_of(turned, size);
                 }
@@ -171,7 +172,7 @@ pub(crate) fn run_motion<T: Number>(
             });
             continue;
         }
-        let ripples = shaft.ripples(seen);
+        let ripples = shaft.ripples(seen, size);
         if !T::DOUBLED {
             continue;
         }
@@ -189,6 +190,7 @@ pub(crate) fn run_motion<T: Number>(
         if !step.needs_tilt() {
             continue;
         }
+        let poses = &poses[..seen.count(size)];
         with_constants!(seen, |i: usize| poses[i], at => {
             if let Some(plane) = step.tilt_driving {
                 kernel::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
@@ -202,8 +204,23 @@ pub(crate) fn run_motion<T: Number>(
 
 #[inline(always)]
 fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> Pins<'_, T> {
-    let size = |column: &Column<T>| if column.is_empty() { 0 } else { size };
-    Pins { sine: sine.view(size(sine)), cosine: cosine.view(size(cosine)) }
+    let size = if sine.is_empty() { 0 } else { size };
+    Pins { sine: sine.view(size).cut(size), cosine: cosine.view(size).cut(size) }
+}
+
+/// Angles from their errors, or the errors alone where the drive's angle is to be added with more digits.
+#[inline(always)]
+fn deliver_angle<T: Number>(
+    drive: Drive<'_>,
+    errors: View<'_, T>,
+    bare: bool,
+    out: &mut [T::Word],
+) {
+    if bare {
+        kernel::copy(errors, out);
+    } else {
+        kernel::add_drive(drive, errors, out);
+    }
 }
 
 /// The angle of the shaft in this slot at a later period, from the errors of the first.
@@ -215,8 +232,7 @@ pub(crate) fn repeat_angle<T: Number>(
     drive: Drive<'_>,
     out: &mut [T::Word],
 ) {
-    let errors = scratch.errors[slot].part(first, out.len());
-    kernel::add_drive::<T>(drive, |i| errors.get(i), out);
+    kernel::add_drive::<T>(drive, scratch.errors[slot].part(first, out.len()), out);
 }
 
 /// The error alone.
@@ -286,9 +302,8 @@ fn run_shaft<T: Number, S: Swing<T>>(
             _ if step.angle.is_none() => {
                 kernel::motion::<T, S>(range, at, pins, &mut **rotation, rates);
             }
-            _ if bare => {
-                kernel::motion::<T, S>(range, at, pins, errors.again(), rates);
-                kernel::copy(errors.view(), &mut **rotation);
+            Drive::Array(_) if bare => {
+                kernel::motion::<T, S>(range, at, pins, &mut **rotation, rates);
             }
             Drive::Array(angle) if !T::SHORT => {
                 let out = AfterArray(&angle[..size], rotation);
@@ -296,7 +311,7 @@ fn run_shaft<T: Number, S: Swing<T>>(
             }
             _ => {
                 kernel::motion::<T, S>(range, at, pins, errors.again(), rates);
-                kernel::add_drive::<T>(drive, |i| errors.get(i), rotation);
+                deliver_angle(drive, errors.view(), bare, rotation);
             }
         }
         return;
@@ -307,16 +322,13 @@ fn run_shaft<T: Number, S: Swing<T>>(
     if let Some(plane) = step.angle {
         let out = &mut *planes[plane];
         match drive {
-            _ if bare => {
-                kernel::angle_error(range, at, pins, errors.again());
-                kernel::copy(errors.view(), out);
-            }
+            Drive::Array(_) if bare => kernel::angle_error::<T, S>(range, at, pins, out),
             Drive::Array(angle) if !T::SHORT => {
                 kernel::angle_error::<T, S>(range, at, pins, AfterArray(&angle[..size], out));
             }
             _ => {
                 kernel::angle_error(range, at, pins, errors.again());
-                kernel::add_drive::<T>(drive, |i| errors.get(i), out);
+                deliver_angle(drive, errors.view(), bare, out);
             }
         }
     }
@@ -395,16 +407,15 @@ pub(crate) fn run_load<T: Number>(
                 power.view(size)
             };
             let step = &plan.joints[joint];
-            let poses = &folded.poses[joint];
+            let poses = &folded.poses[joint][..seen.count(size)];
             with_constants!(seen, |i: usize| poses[i], at => {
                 run_bending(step, at, pins, torsion, planes);
                 if step.needs_parts() {
-                    let views = parts.each_mut().map(|part| part.view_mut(size));
-                    kernel::parts(at, pins, torsion, views);
+                    kernel::parts(at, pins, torsion, views_mut(parts, 0, size));
                 }
             });
             if step.needs_parts() {
-                let parts = parts.each_ref().map(|part| part.view(size));
+                let parts = views(parts, size);
                 run_moments(step, seen, poses, torsion, parts, support, planes, size);
             }
         }
@@ -503,7 +514,7 @@ fn component<const N: usize, T: Number>(
     out: impl kernel::Out<T>,
 ) {
     let index = match seen {
-        Seen::Each(_) => {
+        Seen::Each => {
             kernel::combine(start, |i| factors(&poses[i]), columns, out);
             return;
         }

@@ -80,6 +80,38 @@ impl<T: Real> Column<T> {
     }
 }
 
+// A loop leaves out its checks if it sees that all that it touches is as long as it runs. The standard
+// `map` of an array is a call of its own and hides that: a loop cuts again what comes out of it.
+
+/// The first numbers of several columns, to read.
+#[inline(always)]
+pub(crate) fn views<T: Real, const N: usize>(
+    columns: &[Column<T>; N],
+    length: usize,
+) -> [View<'_, T>; N] {
+    let mut views = columns.each_ref().map(|column| column.view(length));
+    cut(&mut views, length);
+    views
+}
+
+/// Cuts several views to the same length.
+#[inline(always)]
+pub(crate) fn cut<T: Real>(views: &mut [View<'_, T>], length: usize) {
+    for view in views {
+        *view = view.cut(length);
+    }
+}
+
+/// Numbers of several columns from `start` on, to write.
+#[inline(always)]
+pub(crate) fn views_mut<T: Real, const N: usize>(
+    columns: &mut [Column<T>; N],
+    start: usize,
+    length: usize,
+) -> [ViewMut<'_, T>; N] {
+    columns.each_mut().map(|column| column.part_mut(start, length))
+}
+
 /// The range of the low words.
 #[inline(always)]
 fn low<T: Real>(range: Range<usize>) -> Range<usize> {
@@ -101,6 +133,11 @@ impl<T: Real> View<'_, T> {
     }
 
     #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        self.high.len()
+    }
+
+    #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> T {
         T::from_words(self.high[i], if T::LOW { self.low[i] } else { T::Word::default() })
     }
@@ -113,6 +150,12 @@ pub(crate) struct ViewMut<'a, T: Real> {
 }
 
 impl<T: Real> ViewMut<'_, T> {
+    /// The first numbers.
+    #[inline(always)]
+    pub(crate) fn cut(self, length: usize) -> Self {
+        Self { high: &mut self.high[..length], low: &mut self.low[low::<T>(0..length)] }
+    }
+
     /// A part of it.
     #[inline(always)]
     pub(crate) fn window(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {

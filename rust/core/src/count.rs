@@ -149,6 +149,11 @@ impl<const TYPE: usize> Angle for Counted<TYPE> {
         Self(if bit == 1 { -self.0 } else { self.0 })
     }
 
+    fn of_phase(phase: u64) -> (Self, u64) {
+        let (remainder, quadrant) = f64::of_phase(phase);
+        (Self(remainder), quadrant)
+    }
+
     fn of_bits(bits: u64) -> Self {
         Self(f64::from_bits(bits))
     }

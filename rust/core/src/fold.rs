@@ -5,7 +5,7 @@
 
 use crate::atan::AtanRange;
 use crate::chain::{self, Complex, Equivalent, Transfer};
-use crate::column::{Column, View};
+use crate::column::{Column, View, views, views_mut};
 use crate::extremes::Crest;
 use crate::geometry::Vector;
 use crate::joint::{Constants, Joint};
@@ -59,9 +59,11 @@ impl<T: Angle> FoldedShaft<T> {
     #[inline(always)]
     pub(crate) fn range(&self, seen: Seen) -> AtanRange {
         match seen {
-            Seen::One(index) if T::DOUBLED => self.ripples(seen).get(index).range().min(self.bound),
-            Seen::One(index) => self.equivalents(seen).get(index).0.range(),
-            Seen::Each(_) => self.bound,
+            Seen::One(index) if T::DOUBLED => {
+                self.ripples(seen, 0).get(index).range().min(self.bound)
+            }
+            Seen::One(index) => self.equivalents(seen, 0).get(index).0.range(),
+            Seen::Each => self.bound,
         }
     }
 
@@ -69,10 +71,10 @@ impl<T: Angle> FoldedShaft<T> {
     pub(crate) fn crest(&self, index: usize) -> Crest {
         let seen = Seen::One(index);
         if T::DOUBLED {
-            let [re, im]: [f64; 2] = self.ripples(seen).get(index).q.map(|x| x.value().into());
+            let [re, im]: [f64; 2] = self.ripples(seen, 0).get(index).q.map(|x| x.value().into());
             return Crest { twice_offset: -im.atan2(re), k: re.hypot(im) };
         }
-        let (joint, turn) = self.equivalents(seen).get(index);
+        let (joint, turn) = self.equivalents(seen, 0).get(index);
         let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
         let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
         Crest { twice_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
@@ -80,14 +82,30 @@ impl<T: Angle> FoldedShaft<T> {
 
     /// The constants by twice the drive angle.
     #[inline(always)]
-    pub(crate) fn ripples(&self, seen: Seen) -> Ripples<'_, T> {
-        Ripples(self.ripples.each_ref().map(|column| column.view(seen.count())))
+    pub(crate) fn ripples(&self, seen: Seen, size: usize) -> Ripples<'_, T> {
+        Ripples(views(&self.ripples, seen.count(size)))
     }
 
     /// The equivalent joints.
     #[inline(always)]
-    pub(crate) fn equivalents(&self, seen: Seen) -> Equivalents<'_, T> {
-        Equivalents(self.equivalents.each_ref().map(|column| column.view(seen.count())))
+    pub(crate) fn equivalents(&self, seen: Seen, size: usize) -> Equivalents<'_, T> {
+        Equivalents(views(&self.equivalents, seen.count(size)))
+    }
+
+    /// Joints on the drive shaft, whose pin has no turn.
+    #[inline(always)]
+    fn set_moderate(&mut self, start: usize, bends: &[f64]) {
+        let length = bends.len();
+        let [cos, cos2, sin2, versine, ..] = views_mut(&mut self.equivalents, start, length);
+        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
+        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
+        for i in 0..length {
+            let joint = Constants::<T>::of_moderate_bend(bends[i]);
+            cos.set(i, joint.cos);
+            cos2.set(i, joint.cos2);
+            sin2.set(i, joint.sin2);
+            versine.set(i, joint.versine);
+        }
     }
 
     #[inline(always)]
@@ -96,28 +114,37 @@ impl<T: Angle> FoldedShaft<T> {
         L: Lane<Ripple<Pair>> + Lane<Equivalent<Pair>>,
     {
         if !self.ripples[0].is_empty() {
-            let mut columns = self.ripples.each_mut().map(|column| column.part_mut(start, length));
+            let [re, im, mean, complement] = views_mut(&mut self.ripples, start, length);
+            let (mut re, mut im) = (re.cut(length), im.cut(length));
+            let (mut mean, mut complement) = (mean.cut(length), complement.cut(length));
             for i in 0..length {
                 let ripple: Ripple<Pair> = source.at(i);
-                let Ripple { q: [re, im], mean, complement } = Ripple::<T>::nearest(&ripple);
-                for (column, number) in columns.iter_mut().zip([re, im, mean, complement]) {
-                    column.set(i, number);
-                }
+                let ripple = Ripple::<T>::nearest(&ripple);
+                re.set(i, ripple.q[0]);
+                im.set(i, ripple.q[1]);
+                mean.set(i, ripple.mean);
+                complement.set(i, ripple.complement);
             }
         }
         if self.equivalents[0].is_empty() {
             return;
         }
-        let mut columns = self.equivalents.each_mut().map(|column| column.part_mut(start, length));
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
+            views_mut(&mut self.equivalents, start, length);
+        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
+        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
+        let mut inverse_exsecant = inverse_exsecant.cut(length);
+        let (mut turn_cos, mut turn_sin) = (turn_cos.cut(length), turn_sin.cut(length));
         for i in 0..length {
             let equivalent: Equivalent<Pair> = source.at(i);
-            let Constants { cos, cos2, sin2, versine, inverse_exsecant } =
-                Constants::<T>::nearest(&equivalent.joint);
-            let [turn_cos, turn_sin] = [equivalent.turn_cos, equivalent.turn_sin].map(T::from_pair);
-            let numbers = [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin];
-            for (column, number) in columns.iter_mut().zip(numbers) {
-                column.set(i, number);
-            }
+            let joint = Constants::<T>::nearest(&equivalent.joint);
+            cos.set(i, joint.cos);
+            cos2.set(i, joint.cos2);
+            sin2.set(i, joint.sin2);
+            versine.set(i, joint.versine);
+            inverse_exsecant.set(i, joint.inverse_exsecant);
+            turn_cos.set(i, T::from_pair(equivalent.turn_cos));
+            turn_sin.set(i, T::from_pair(equivalent.turn_sin));
         }
     }
 }
@@ -127,17 +154,17 @@ impl<T: Angle> FoldedShaft<T> {
 pub(crate) enum Seen {
     /// This one of the folded drivelines at every sample.
     One(usize),
-    /// One at each of so many samples.
-    Each(usize),
+    /// One at each sample.
+    Each,
 }
 
 impl Seen {
-    /// How many of the folded drivelines that takes.
+    /// How many of the folded drivelines that takes for so many samples.
     #[inline(always)]
-    fn count(self) -> usize {
+    pub(crate) fn count(self, size: usize) -> usize {
         match self {
             Self::One(index) => index + 1,
-            Self::Each(count) => count,
+            Self::Each => size,
         }
     }
 }
@@ -184,17 +211,19 @@ impl Maps {
 
     #[inline(always)]
     fn read(&self, length: usize) -> Read<'_> {
-        let [a_re, a_im] = self.a.each_ref().map(|column| column.view(length));
-        let [b_re, b_im] = self.b.each_ref().map(|column| column.view(length));
+        let [a_re, a_im] = views(&self.a, length);
+        let [b_re, b_im] = views(&self.b, length);
         Read([a_re, a_im, b_re, b_im, self.complement.view(length)])
     }
 
     /// Each map by what `step` makes of it.
     #[inline(always)]
     fn update(&mut self, length: usize, step: &impl Step) {
-        let [mut a_re, mut a_im] = self.a.each_mut().map(|column| column.view_mut(length));
-        let [mut b_re, mut b_im] = self.b.each_mut().map(|column| column.view_mut(length));
-        let mut complement = self.complement.view_mut(length);
+        let ([a_re, a_im], [b_re, b_im]) =
+            (views_mut(&mut self.a, 0, length), views_mut(&mut self.b, 0, length));
+        let (mut a_re, mut a_im) = (a_re.cut(length), a_im.cut(length));
+        let (mut b_re, mut b_im) = (b_re.cut(length), b_im.cut(length));
+        let mut complement = self.complement.view_mut(length).cut(length);
         for i in 0..length {
             let mut transfer = Transfer {
                 a: Complex::new(a_re.get(i), a_im.get(i)),
@@ -251,25 +280,20 @@ impl Lane<Equivalent<Pair>> for Read<'_> {
     }
 }
 
-/// First joints, by their bends; `MODERATE` ones have a shorter way.
-struct First<'a, const MODERATE: bool>(&'a [f64]);
+/// First joints, by their bends.
+struct First<'a>(&'a [f64]);
 
-impl<const MODERATE: bool> Lane<Ripple<Pair>> for First<'_, MODERATE> {
+impl Lane<Ripple<Pair>> for First<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Ripple<Pair> {
         Ripple::of_joint(self.0[i])
     }
 }
 
-impl<const MODERATE: bool> Lane<Equivalent<Pair>> for First<'_, MODERATE> {
+impl Lane<Equivalent<Pair>> for First<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Equivalent<Pair> {
-        let bend = self.0[i];
-        Equivalent::of_joint(if MODERATE {
-            Joint::with_moderate_bend(bend)
-        } else {
-            Joint::with_error_terms(bend)
-        })
+        Equivalent::of_joint(Joint::with_error_terms(self.0[i]))
     }
 }
 
@@ -312,8 +336,9 @@ impl Turns {
     #[inline(always)]
     fn find(&mut self, phases: &[f64], twists: &[f64]) {
         let length = phases.len();
-        let twists = &twists[..length];
-        let [mut re, mut im] = self.0.each_mut().map(|column| column.view_mut(length));
+        let (phases, twists) = (&phases[..length], &twists[..length]);
+        let [re, im] = views_mut(&mut self.0, 0, length);
+        let (mut re, mut im) = (re.cut(length), im.cut(length));
         let far = trig::any_far(phases.iter().chain(twists).copied());
         for i in 0..length {
             let turn = chain::near_shaft_turn(phases[i], twists[i]);
@@ -331,7 +356,7 @@ impl Turns {
 
     #[inline(always)]
     fn read(&self, length: usize) -> PassShaft<'_> {
-        PassShaft(self.0.each_ref().map(|column| column.view(length)))
+        PassShaft(views(&self.0, length))
     }
 }
 
@@ -382,7 +407,13 @@ impl<T: Angle> Folded<T> {
         let Self { shafts, poses, maps, turns } = self;
         let mut bends = [0.0; LANES];
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
+        let first = line_of(0);
+        let side_by_side = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
         let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
+            if each == 1 && side_by_side {
+                out.copy_from_slice(&data[first..first + out.len()]);
+                return;
+            }
             for (i, x) in out.iter_mut().enumerate() {
                 *x = data[line_of(i) * each + j];
             }
@@ -413,10 +444,10 @@ impl<T: Angle> Folded<T> {
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                if shaft.bound.is_moderate() {
-                    shaft.set(start, length, &First::<true>(bends));
+                if shaft.bound.is_moderate() && !T::DOUBLED {
+                    shaft.set_moderate(start, bends);
                 } else {
-                    shaft.set(start, length, &First::<false>(bends));
+                    shaft.set(start, length, &First(bends));
                 }
             }
             if plan.reach() == 1 {

@@ -7,9 +7,12 @@
 //! each skippable.
 //!
 //! Constants come through `at(i)`: one value for the whole chunk, or one per sample.
+//!
+//! Whatever a loop touches is first cut to one length: a check that is left in it costs more than
+//! itself, because the last vector of every chunk would then be computed number by number.
 
 use crate::atan::{Atan, AtanRange};
-use crate::column::{View, ViewMut};
+use crate::column::{View, ViewMut, cut};
 use crate::joint;
 use crate::moment::{self, Parts, Pose};
 use crate::pair::Pair;
@@ -28,6 +31,10 @@ pub(crate) trait Out<T> {
     /// How many there are.
     fn room(&self) -> usize;
 
+    /// The first ones.
+    #[must_use]
+    fn cut(self, length: usize) -> Self;
+
     /// Puts result `i`.
     fn put(&mut self, i: usize, number: T);
 }
@@ -36,6 +43,11 @@ impl<T: Real> Out<T> for ViewMut<'_, T> {
     #[inline(always)]
     fn room(&self) -> usize {
         self.len()
+    }
+
+    #[inline(always)]
+    fn cut(self, length: usize) -> Self {
+        self.cut(length)
     }
 
     #[inline(always)]
@@ -48,6 +60,11 @@ impl<T: Real> Out<T> for &mut [T::Word] {
     #[inline(always)]
     fn room(&self) -> usize {
         self.len()
+    }
+
+    #[inline(always)]
+    fn cut(self, length: usize) -> Self {
+        &mut self[..length]
     }
 
     #[inline(always)]
@@ -96,6 +113,11 @@ impl<T: Number> Out<T> for AfterArray<'_, '_, T::Word> {
     }
 
     #[inline(always)]
+    fn cut(self, length: usize) -> Self {
+        Self(&self.0[..length], &mut self.1[..length])
+    }
+
+    #[inline(always)]
     fn put(&mut self, i: usize, error: T) {
         self.1[i] = error.after(Pair::exact(self.0[i]));
     }
@@ -110,8 +132,8 @@ pub(crate) struct Pins<'a, T: Real> {
 
 impl<T: Real> Pins<'_, T> {
     #[inline(always)]
-    fn cut(self, length: usize) -> Self {
-        Self { sine: self.sine.cut(length), cosine: self.cosine.cut(length) }
+    fn len(&self) -> usize {
+        self.sine.len()
     }
 
     #[inline(always)]
@@ -162,16 +184,25 @@ impl Kind for Twice {
 }
 
 /// Sine and cosine for each angle, by the exact path where one is too far for the fast one.
+///
+/// `coarse` pins are as good as short numbers are beside 1, not relative to themselves: they do for
+/// moderate bends.
 #[inline(always)]
 pub(crate) fn pins<K: Kind, T: Number>(
     drive: Drive<'_>,
-    mut sine: ViewMut<'_, T>,
-    mut cosine: ViewMut<'_, T>,
+    coarse: bool,
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
 ) {
-    let mut far = Far::default();
+    let length = sine.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     match drive {
         Drive::Array(angle) => {
-            let angle = &angle[..sine.len()];
+            let angle = &angle[..length];
+            if T::SHORT && coarse && coarse_pins::<K, T>(angle, sine.again(), cosine.again()) {
+                return;
+            }
+            let mut far = Far::for_quadrants();
             for (i, &x) in angle.iter().enumerate() {
                 let reduced = T::reduce(if K::TWICE { x + x } else { x });
                 far.watch(reduced.1);
@@ -189,7 +220,7 @@ pub(crate) fn pins<K: Kind, T: Number>(
             let sweep = if K::TWICE { sweep.twice() } else { *sweep };
             match sweep.reduction() {
                 Reduction::OfTurns { per_turn, inverse, quarter } => {
-                    for i in 0..sine.len() {
+                    for i in 0..length {
                         let i_th = number(first, i);
                         let (r, quadrant) = Reduction::of_turns(per_turn, inverse, quarter, i_th);
                         let reduced = (T::from_pair(r), quadrant);
@@ -197,7 +228,7 @@ pub(crate) fn pins<K: Kind, T: Number>(
                     }
                 }
                 Reduction::OfAngles(sweep) => {
-                    for i in 0..sine.len() {
+                    for i in 0..length {
                         let (r, quadrant) = Reduction::of_angles(&sweep, number(first, i));
                         let reduced = (T::from_pair(r), quadrant);
                         set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
@@ -214,11 +245,36 @@ pub(crate) fn pins<K: Kind, T: Number>(
         }
     }
     if T::APART {
-        for i in 0..sine.len() {
+        for i in 0..length {
             let reduced = (sine.get(i), cosine.get(i).bits());
             set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
         }
     }
+}
+
+/// Sine and cosine by phases, unless an angle is too far for these.
+#[inline(always)]
+fn coarse_pins<K: Kind, T: Number>(
+    angle: &[f64],
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
+) -> bool {
+    let length = angle.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
+    let mut far = Far::for_phases();
+    for (i, &x) in angle.iter().enumerate() {
+        let phase = reduce::phase(x);
+        far.watch(phase);
+        cosine.set(i, T::of_bits(phase));
+    }
+    if far.any() {
+        return false;
+    }
+    for i in 0..length {
+        let reduced = T::of_phase(cosine.get(i).bits());
+        set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
+    }
+    true
 }
 
 /// Angles are reduced as doubles, of which a vector holds half as many as of short numbers: those
@@ -255,11 +311,12 @@ fn set_pin<K: Kind, T: Number>(
 pub(crate) fn turn<T: Real>(
     at: impl Fn(usize) -> [T; 2],
     pins: Pins<'_, T>,
-    mut sine: ViewMut<'_, T>,
-    mut cosine: ViewMut<'_, T>,
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
 ) {
-    let pins = pins.cut(sine.len());
-    for i in 0..sine.len() {
+    let length = pins.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
+    for i in 0..length {
         let (s, c) = pins.get(i);
         let [turn_cos, turn_sin] = at(i);
         sine.set(i, s.mul_add(turn_cos, c * turn_sin));
@@ -269,11 +326,13 @@ pub(crate) fn turn<T: Real>(
 
 /// The drive angle plus an angle error.
 #[inline(always)]
-pub(crate) fn add_drive<T: Number>(
-    drive: Drive<'_>,
-    error: impl Fn(usize) -> T,
-    out: &mut [T::Word],
-) {
+pub(crate) fn add_drive<T: Number>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [T::Word]) {
+    let errors = errors.cut(out.len());
+    add_drive_to(drive, |i| errors.get(i), out);
+}
+
+#[inline(always)]
+fn add_drive_to<T: Number>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [T::Word]) {
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..out.len()];
@@ -292,8 +351,9 @@ pub(crate) fn add_drive<T: Number>(
             }
         }
         Drive::Picked(sweep, samples) => {
-            for (i, (rotation, &sample)) in out.iter_mut().zip(samples).enumerate() {
-                *rotation = error(i).after(sweep.angle(sample));
+            let samples = &samples[..out.len()];
+            for (i, rotation) in out.iter_mut().enumerate() {
+                *rotation = error(i).after(sweep.angle(samples[i]));
             }
         }
     }
@@ -403,10 +463,10 @@ fn error_by<T: Number, S: Swing<T>>(
     atan: impl Fn(T, T) -> T,
     at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
-    mut out: impl Out<T>,
+    out: impl Out<T>,
 ) {
-    let pins = pins.cut(out.room());
-    for i in 0..out.room() {
+    let mut out = out.cut(pins.len());
+    for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         let (y, x) = tangent(&at(i), s, c);
         out.put(i, atan(y, x));
@@ -435,13 +495,12 @@ fn motion_by<T: Number, S: Swing<T>>(
     atan: impl Fn(T, T) -> T,
     at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
-    mut rotations: impl Out<T>,
-    [mut ratios, mut accelerations]: [impl Out<T>; 2],
+    rotations: impl Out<T>,
+    rates: [impl Out<T>; 2],
 ) {
-    let length = rotations.room();
-    assert_eq!([ratios.room(), accelerations.room()], [length; 2]);
-    let pins = pins.cut(length);
-    for i in 0..length {
+    let (mut rotations, [ratios, accelerations]) = (rotations.cut(pins.len()), rates);
+    let (mut ratios, mut accelerations) = (ratios.cut(pins.len()), accelerations.cut(pins.len()));
+    for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         let ((y, x), (ratio, acceleration)) = at(i).motion(s, c);
         rotations.put(i, atan(y, x));
@@ -455,10 +514,10 @@ fn motion_by<T: Number, S: Swing<T>>(
 pub(crate) fn speed_ratio<T: Real, S: Swing<T>>(
     at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
-    mut out: impl Out<T>,
+    out: impl Out<T>,
 ) {
-    let pins = pins.cut(out.room());
-    for i in 0..out.room() {
+    let mut out = out.cut(pins.len());
+    for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         out.put(i, at(i).rates(s, c).0);
     }
@@ -469,10 +528,10 @@ pub(crate) fn speed_ratio<T: Real, S: Swing<T>>(
 pub(crate) fn acceleration_ratio<T: Real, S: Swing<T>>(
     at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
-    mut out: impl Out<T>,
+    out: impl Out<T>,
 ) {
-    let pins = pins.cut(out.room());
-    for i in 0..out.room() {
+    let mut out = out.cut(pins.len());
+    for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         out.put(i, at(i).rates(s, c).1);
     }
@@ -483,13 +542,11 @@ pub(crate) fn acceleration_ratio<T: Real, S: Swing<T>>(
 pub(crate) fn rates<T: Real, S: Swing<T>>(
     at: impl Fn(usize) -> S,
     pins: Pins<'_, T>,
-    mut ratios: impl Out<T>,
-    mut accelerations: impl Out<T>,
+    ratios: impl Out<T>,
+    accelerations: impl Out<T>,
 ) {
-    let length = ratios.room();
-    let pins = pins.cut(length);
-    assert_eq!(accelerations.room(), length);
-    for i in 0..length {
+    let (mut ratios, mut accelerations) = (ratios.cut(pins.len()), accelerations.cut(pins.len()));
+    for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         let (ratio, acceleration) = at(i).rates(s, c);
         ratios.put(i, ratio);
@@ -499,9 +556,9 @@ pub(crate) fn rates<T: Real, S: Swing<T>>(
 
 /// A column to where it is wanted.
 #[inline(always)]
-pub(crate) fn copy<T: Real>(column: View<'_, T>, mut out: impl Out<T>) {
-    let column = column.cut(out.room());
-    for i in 0..out.room() {
+pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Out<T>) {
+    let mut out = out.cut(column.len());
+    for i in 0..column.len() {
         out.put(i, column.get(i));
     }
 }
@@ -513,9 +570,10 @@ pub(crate) fn absorb<T: Real>(
     [inertia, speed, acceleration]: [&[f64]; 3],
     ratio: View<'_, T>,
     acceleration_ratio: View<'_, T>,
-    mut power: ViewMut<'_, T>,
+    power: ViewMut<'_, T>,
 ) {
     let length = power.len();
+    let mut power = power.cut(length);
     let (ratio, acceleration_ratio) = (ratio.cut(length), acceleration_ratio.cut(length));
     let drive = inertia[..length].iter().zip(&speed[..length]).zip(&acceleration[..length]);
     for (i, ((&inertia, &speed), &acceleration)) in drive.enumerate() {
@@ -528,17 +586,18 @@ pub(crate) fn absorb<T: Real>(
 
 /// Element by element `a / b`.
 #[inline(always)]
-pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, mut out: impl Out<T>) {
-    let (a, b) = (a.cut(out.room()), b.cut(out.room()));
-    for i in 0..out.room() {
+pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Out<T>) {
+    let length = a.len();
+    let (b, mut out) = (b.cut(length), out.cut(length));
+    for i in 0..length {
         out.put(i, a.get(i) / b.get(i));
     }
 }
 
 /// A column of doubles, times another column if there is one.
 #[inline(always)]
-pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, mut out: ViewMut<'_, T>) {
-    let a = &a[..out.len()];
+pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_, T>) {
+    let mut out = out.cut(a.len());
     match b {
         Some(b) => {
             let b = b.cut(a.len());
@@ -560,10 +619,13 @@ pub(crate) fn parts<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     pins: Pins<'_, T>,
     torsion: View<'_, T>,
-    [mut sine2, mut cosine2, mut product]: [ViewMut<'_, T>; 3],
+    parts: [ViewMut<'_, T>; 3],
 ) {
-    let length = sine2.len();
-    let (pins, torsion) = (pins.cut(length), torsion.cut(length));
+    let length = pins.len();
+    let torsion = torsion.cut(length);
+    let [sine2, cosine2, product] = parts;
+    let (mut sine2, mut cosine2) = (sine2.cut(length), cosine2.cut(length));
+    let mut product = product.cut(length);
     for i in 0..length {
         let (s, c) = pins.get(i);
         let Parts { sine2: ss, cosine2: cc, product: sc } = at(i).parts(torsion.get(i), s, c);
@@ -578,11 +640,13 @@ pub(crate) fn parts<T: Real>(
 pub(crate) fn combine<const N: usize, T: Real>(
     start: impl Fn(usize) -> Option<T>,
     factors: impl Fn(usize) -> [T; N],
-    columns: [View<'_, T>; N],
-    mut out: impl Out<T>,
+    mut columns: [View<'_, T>; N],
+    out: impl Out<T>,
 ) {
-    let columns = columns.map(|column| column.cut(out.room()));
-    for i in 0..out.room() {
+    let length = columns[0].len();
+    cut(&mut columns, length);
+    let mut out = out.cut(length);
+    for i in 0..length {
         let mut sum = start(i);
         for (factor, column) in factors(i).into_iter().zip(&columns) {
             let number = column.get(i);
@@ -602,10 +666,10 @@ pub(crate) fn size<T: Real>(
     size_of: impl Fn(&Pose<T>, T, T, T) -> T,
     pins: Pins<'_, T>,
     torsion: View<'_, T>,
-    mut out: impl Out<T>,
+    out: impl Out<T>,
 ) {
-    let (pins, torsion) = (pins.cut(out.room()), torsion.cut(out.room()));
-    for i in 0..out.room() {
+    let (torsion, mut out) = (torsion.cut(pins.len()), out.cut(pins.len()));
+    for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         out.put(i, size_of(&at(i), torsion.get(i), s, c));
     }
@@ -617,10 +681,10 @@ pub(crate) fn tilt<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     tilt_of: impl Fn(&Pose<T>, T, T) -> T,
     pins: Pins<'_, T>,
-    mut out: impl Out<T>,
+    out: impl Out<T>,
 ) {
-    let pins = pins.cut(out.room());
-    for i in 0..out.room() {
+    let mut out = out.cut(pins.len());
+    for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         out.put(i, tilt_of(&at(i), s, c));
     }
@@ -637,22 +701,24 @@ pub(crate) fn drive_angle<T: Number>(drive: Drive<'_>, out: &mut [T::Word]) {
                 *turned = zero.after(Pair::exact(x.mul_add(0.0, x)));
             }
         }
-        Drive::Sweep(..) | Drive::Picked(..) => add_drive::<T>(drive, |_| zero, out),
+        Drive::Sweep(..) | Drive::Picked(..) => add_drive_to::<T>(drive, |_| zero, out),
     }
 }
 
 /// A constant, NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, mut out: impl Out<T>) {
+pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, out: impl Out<T>) {
+    let length = out.room();
+    let mut out = out.cut(length);
     match drive {
         Drive::Array(angle) => {
-            let angle = &angle[..out.room()];
+            let angle = &angle[..length];
             for (i, &x) in angle.iter().enumerate() {
                 out.put(i, T::from_f64(x.mul_add(0.0, value)));
             }
         }
         Drive::Sweep(..) | Drive::Picked(..) => {
-            for i in 0..out.room() {
+            for i in 0..length {
                 out.put(i, T::from_f64(value));
             }
         }

@@ -20,7 +20,7 @@ pub struct Pair {
 
 impl Pair {
     /// One.
-    pub const ONE: Self = Self { high: 1.0, low: 0.0 };
+    pub const ONE: Self = Self::exact(1.0);
 
     /// A double and its error term.
     #[inline(always)]
@@ -28,10 +28,11 @@ impl Pair {
         Self { high, low }
     }
 
-    /// An exact double.
+    /// An exact double. Its error term is the zero whose addition compilers leave out: -0.0 + 0.0 is
+    /// another number than -0.0.
     #[inline(always)]
     pub const fn exact(high: f64) -> Self {
-        Self { high, low: 0.0 }
+        Self { high, low: -0.0 }
     }
 
     /// The nearest double.

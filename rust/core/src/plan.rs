@@ -123,6 +123,8 @@ pub struct Plan {
     /// A bound to the cosine of the bend equivalent to the joints before each shaft: that of the
     /// aligned chain, for which the cosines multiply.
     least_cosines: Vec<f64>,
+    /// Whether the whole chain is moderate.
+    pub(crate) moderate: bool,
     pub(crate) planes: usize,
     /// How many of the planes, in their order, make up each item of each output.
     pub(crate) components: Vec<usize>,
@@ -234,10 +236,12 @@ impl Plan {
         check_items("joints", request.joints, n)?;
         check_items("inertias", request.inertias, n + 1)?;
         let joints = vec![JointStep::default(); n];
+        let least_cosines = least_cosines(request.largest_bends);
         let mut plan = Self {
             joint_count: n,
             largest_bends: request.largest_bends.to_vec(),
-            least_cosines: least_cosines(request.largest_bends),
+            moderate: range(least_cosines[n]).is_moderate(),
+            least_cosines,
             planes: 0,
             components: vec![],
             shafts: vec![],
@@ -330,6 +334,11 @@ impl Plan {
         self.shafts.iter().filter(move |step| step.shaft > bent)
     }
 
+    /// Whether this plane holds angles.
+    pub(crate) fn is_angle(&self, plane: usize) -> bool {
+        self.shafts.iter().any(|step| step.angle == Some(plane))
+    }
+
     /// Whether anything is wanted of any joint itself.
     pub(crate) fn needs_poses(&self) -> bool {
         (0..self.joint_count).any(|joint| self.needs_pose(joint))
@@ -353,9 +362,7 @@ impl Plan {
 
     /// The inverse tangent that serves a shaft of every driveline.
     pub(crate) fn range(&self, shaft: usize) -> AtanRange {
-        let cos = self.least_cosines[shaft];
-        // A bound to the tangent, with room for rounding.
-        AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
+        range(self.least_cosines[shaft])
     }
 
     /// The same for the first of the drivelines.
@@ -442,6 +449,12 @@ impl Plan {
         }
         self.load = Some(LoadStep { end, stations });
     }
+}
+
+/// The inverse tangent that serves bends whose cosine is no less.
+fn range(cos: f64) -> AtanRange {
+    // A bound to the tangent, with room for rounding.
+    AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
 }
 
 fn least_cosines(bends: &[f64]) -> Vec<f64> {

@@ -85,7 +85,7 @@ pub trait Real:
     #[must_use]
     fn recip(self) -> Self;
 
-    /// `self/divisor` within one rounding, by way of the divisor's inverse.
+    /// `self/divisor` by way of the divisor's inverse: within one rounding, of short numbers two.
     #[must_use]
     fn over(self, divisor: Self, inverse: Self) -> Self;
 
@@ -113,7 +113,7 @@ pub trait Real:
 }
 
 macro_rules! plain {
-    ($($float:ident)*) => {$(
+    ($($float:ident, short: $short:literal;)*) => {$(
         impl Real for $float {
             type Word = Self;
 
@@ -157,6 +157,9 @@ macro_rules! plain {
             #[inline(always)]
             fn over(self, divisor: Self, inverse: Self) -> Self {
                 let quotient = self * inverse;
+                if $short {
+                    return quotient;
+                }
                 $float::mul_add($float::mul_add(-quotient, divisor, self), inverse, quotient)
             }
 
@@ -183,4 +186,7 @@ macro_rules! plain {
     )*};
 }
 
-plain!(f32 f64);
+plain! {
+    f32, short: true;
+    f64, short: false;
+}

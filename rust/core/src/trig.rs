@@ -8,7 +8,7 @@
 //! evaluation.
 
 use crate::pair::Pair;
-use crate::real::Real;
+use crate::real::{Real, Word};
 use crate::reduce::{self, Far};
 
 /// `sin r = r − r z/6 + r z² P(z)` for `|r| ≤ 0.7862`, relative error 2⁻⁶⁸.
@@ -113,7 +113,10 @@ pub trait Angle: Real {
     /// than angles, or because the two together are too long for a core to overlap.
     const APART: bool;
 
-    /// The lowest bits of a quadrant, kept in a number's place.
+    /// Remainder and quadrant of a phase ([`reduce::phase`]).
+    fn of_phase(phase: u64) -> (Self, u64);
+
+    /// The lowest bits of a quadrant or a phase, kept in a number's place.
     fn of_bits(bits: u64) -> Self;
 
     /// The bits kept in a number's place.
@@ -156,6 +159,12 @@ macro_rules! plain {
             const APART: bool = Self::SHORT;
 
             #[inline(always)]
+            fn of_phase(phase: u64) -> (Self, u64) {
+                let (remainder, quadrant) = reduce::of_phase(phase as u32);
+                (Self::from(remainder), quadrant)
+            }
+
+            #[inline(always)]
             fn of_bits(bits: u64) -> Self {
                 Self::from_bits(bits as $bits)
             }
@@ -167,7 +176,7 @@ macro_rules! plain {
 
             #[inline(always)]
             fn after(self, drive: Pair) -> Self {
-                (drive.high + (drive.low + f64::from(self))) as Self
+                Self::near(drive.high) + (Self::near(drive.low) + self)
             }
 
             // The first sum is exact where it cancels.
@@ -243,6 +252,12 @@ impl Angle for Pair {
     const APART: bool = true;
 
     #[inline(always)]
+    fn of_phase(phase: u64) -> (Self, u64) {
+        let (remainder, quadrant) = f64::of_phase(phase);
+        (Self::exact(remainder), quadrant)
+    }
+
+    #[inline(always)]
     fn of_bits(bits: u64) -> Self {
         Self::exact(f64::from_bits(bits))
     }
@@ -316,6 +331,12 @@ pub(crate) fn sin_cos_in_two((remainder, quadrant): (Pair, u64)) -> (Pair, Pair)
     (s.turned_if(half), c.turned_if(half ^ odd))
 }
 
+/// `(sin r − r)/(r z)` for `|r| ≤ 0.7862` and `z = r²`.
+#[inline(always)]
+pub(crate) fn sine_tail(z: f64) -> f64 {
+    z.mul_add(polynomial(z, &SINE), -SIXTH.high)
+}
+
 /// Sine and cosine of a remainder within 2⁻⁶² of themselves.
 #[inline(always)]
 pub(crate) fn sin_cos_of_remainder(r: Pair) -> (Pair, Pair) {
@@ -329,7 +350,7 @@ pub(crate) fn sin_cos_of_remainder(r: Pair) -> (Pair, Pair) {
 
 /// Whether any of the angles is too far for [`Angle::reduce`].
 pub(crate) fn any_far(angles: impl Iterator<Item = f64>) -> bool {
-    let mut far = Far::default();
+    let mut far = Far::for_quadrants();
     angles.for_each(|x| far.watch(reduce::reduce(x).1));
     far.any()
 }
