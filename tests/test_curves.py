@@ -221,6 +221,25 @@ def test_takes_its_name_when_complete(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_link_stays(tmp_path: Path) -> None:
+    path, link = tmp_path / "a.csv", tmp_path / "link.csv"
+    link.symlink_to(path)
+    for text in (b"first", b"second"):
+        with whole_file(link) as file:
+            file.write(text)
+        assert (link.readlink(), path.read_bytes()) == (path, text)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_keeps_what_is_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "pipe.csv"
+    os.mkfifo(path)
+    with pytest.raises(OSError, match="Not a plain file") as caught, whole_file(path):
+        pass
+    assert caught.value.filename == str(path)
+    assert path.is_fifo()
+
+
 @pytest.mark.parametrize("old", [True, False])
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, MemoryError])
 def test_interrupted(tmp_path: Path, error: type[BaseException], old: bool) -> None:

@@ -171,8 +171,6 @@ def check_writable(path: str | PathLike[str]) -> None:
     Raises:
         OSError: the folder takes no file, or the path is a folder; nothing is left behind.
     """
-    if Path(path).is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
     with contextlib.suppress(_Tried), whole_file(path):
         raise _Tried
 
@@ -187,12 +185,17 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
 
     It is written under another name in the same folder, brought to the disk and renamed. Whatever
     interrupts that, an exception, Ctrl-C or a full disk, leaves nothing behind, and an earlier file
-    of the name untouched.
+    of the name untouched. A link stays one; a folder, device or pipe is refused.
 
     Raises:
         OSError: the file cannot be written; the error names ``path``.
     """
-    target = Path(path)
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+    if os.path.exists(path) and not os.path.isfile(path):
+        # Renaming would put a file in the place of a device.
+        raise OSError(errno.EINVAL, "Not a plain file", os.fspath(path))
     temporary = target.with_name(f".{secrets.token_hex(8)}.part")
     try:
         with open(temporary, "xb") as file:
