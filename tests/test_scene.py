@@ -572,7 +572,7 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         ),
         (
             JOINT + f"[angles]\n{COLUMN}bend_columns_deg = ['front']",
-            "line 2: [driveline] bends_deg does not go with bend_columns_deg of [angles]",
+            "line 2: [driveline] bends_deg does not go with recorded bends",
         ),
         (
             f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[driveline]\ntwists_deg = [1]",
@@ -584,7 +584,7 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         ),
         (
             f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[output]\nclosed_forms = ['k']",
-            "line 6: [output] closed_forms do not go with bend_columns_deg of [angles]",
+            "line 6: [output] closed_forms do not go with recorded bends",
         ),
         (
             f"[angles]\n{COLUMN}bend_columns_deg = 'front'",
@@ -599,6 +599,20 @@ def test_messages_about_recordings(tmp_path: Path, text: str, message: str) -> N
     separator = ", " if message.startswith("line") else ": "
     wanted = f"scene{separator}{message.format(run=tmp_path / 'run.csv')}"
     assert str(caught.value).startswith(wanted)
+
+
+def test_recorded_bends_in_radians(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("turn,front,rear\n0,0.1,0.2\n1,0.3,1.5\n2,0,0.5\n")
+    text = f"[angles]\n{COLUMN}bend_columns_rad = ['front', 'rear']"
+    scene = Scene.parse(text, folder=tmp_path)
+    line = Driveline.from_bends([[0.1, 0.2], [0.3, 1.5], [0, 0.5]])
+    np.testing.assert_allclose(scene.line.bends, line.bends, rtol=4e-16)
+    both = text + "\nbend_columns_deg = ['front', 'rear']"
+    with pytest.raises(ValueError, match="bend_columns_deg and bend_columns_rad are both given"):
+        Scene.parse(both, folder=tmp_path)
+    (tmp_path / "run.csv").write_text("turn,front,rear\n0,0.1,0.2\n1,0.3,1.58\n")
+    with pytest.raises(ValueError, match=r"'rear' is 1.58; a bend must lie in \[0, pi/2\) rad$"):
+        Scene.parse(text, folder=tmp_path)
 
 
 def test_recorded_bends_out_of_range(tmp_path: Path) -> None:

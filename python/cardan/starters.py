@@ -108,14 +108,15 @@ output_torque_Nm = 4000
             """\
 # A recorded run: drive angle and bends of each sample from a file. {name}_run.csv is a made-up
 # sample of a shaft whose driven end rises and falls; put your own in its place, as .csv, .parquet
-# or .npz.
+# or .npz, beside this scene.
 
 title = "Recorded run"
 
 [angles]
-file = "{name}_run.csv"      # looked for beside this scene
+file = "{name}_run.csv"
 angle_column_deg = "crank_deg" # or angle_column_rad
-bend_columns_deg = ["front_deg", "rear_deg"]  # one per joint; leave out where bends_deg is fixed
+# A column per joint, or bend_columns_rad; leave it out where the bends are fixed: bends_deg below.
+bend_columns_deg = ["front_deg", "rear_deg"]
 
 [driveline]
 twists_deg = [180]             # input and output shaft stay parallel
