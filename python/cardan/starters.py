@@ -27,8 +27,9 @@ class Starter:
 
 _FILES = """\
 # quantities = ["angle_error", "speed_ratio", "bending_driving", "bending_driven"]
-curves = "{name}.csv"          # over the drive angle; .parquet and .npz as well
-picture = "{name}.svg"         # .png and .pdf as well
+# Curves over the drive angle as .csv, .parquet or .npz; the picture as .svg, .png or .pdf.
+curves = "{name}.csv"
+picture = "{name}.svg"
 """
 
 STARTERS: Mapping[str, Starter] = MappingProxyType(
@@ -67,7 +68,7 @@ twists_deg = [180]             # 180: Z arrangement, 0: W arrangement
 phases_deg = [0]               # 0: forks of the common shaft in one plane
 
 [load]
-speed_rpm = 1500
+speed_rpm = 1000
 output_torque_Nm = 200
 inertias_kgm2 = [0, 0.01, 0.05]
 
