@@ -433,7 +433,7 @@ def test_tolerances_of_a_scene() -> None:
     for tolerance in (0, 0.5, 1e-9):
         scene = Scene.parse(f"{section('output')}tolerance = {tolerance}", "shaft.toml")
         want = scene.line.plan(scene.quantities, tolerance=tolerance)
-        assert scene.plan().explain() == want.explain()
+        assert scene.plan().explain() == scene.explain() == want.explain()
 
 
 def test_integers_that_python_will_not_read() -> None:

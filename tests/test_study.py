@@ -519,3 +519,24 @@ def test_a_point_inside_the_grid_that_makes_no_driveline(monkeypatch: pytest.Mon
         assert str(caught.value).startswith(
             "scene: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends[0]"
         )
+
+
+def test_explain_says_what_the_study_costs(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = TWO + "[study]\nbends_deg.0 = [1, 2, 3]\nphases_deg = [0, 5]\n[output]\n"
+    text += "quantities = ['angle_error']\nreduce = ['rms', 'min']\nclosed_forms = ['k']\n"
+    scene = Scene.parse(text)
+    curves, study = scene.explain().split("\n\n")
+    assert curves == scene.plan().explain()
+    lines = study.splitlines()
+    assert lines[:3] == [
+        "study of 6 drivelines",
+        "closed forms, without samples: k",
+        "rms over 720 drive angles, likewise min:",
+    ]
+    assert "plan for angle_error; 2 joints of 6 drivelines" in lines
+    assert any("to its rms; no sample is stored" in line for line in lines)
+    monkeypatch.setattr("cardan.study._BLOCK", 4 * 720)
+    assert scene.explain().splitlines()[-len(lines)] == "study of 6 drivelines in blocks of 4"
+    # Closed forms alone need no plan.
+    alone = Scene.parse(f"{TWO}[output]\nclosed_forms = ['k']\n")
+    assert alone.explain().endswith("\n\nstudy of 1 driveline\nclosed forms, without samples: k")

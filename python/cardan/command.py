@@ -86,7 +86,8 @@ Example:
 """
 
 _EXPLAIN = """\
-Say how a scene is evaluated: the steps taken, what is skipped and why, and what a sample costs.
+Say how a scene and its study are evaluated: the steps taken, what is skipped and why, and what a
+sample costs.
 
 \b
 Example:
@@ -285,7 +286,7 @@ def commands() -> click.Group:
     @cardan.command(help=_EXPLAIN, short_help="Say how a scene is evaluated.")
     @scene_argument
     def explain(scene: Path) -> None:
-        click.echo(Scene.load(scene).plan().explain())
+        click.echo(Scene.load(scene).explain())
 
     @cardan.command(help=_PLOT, short_help="Draw a scene.")
     @scene_argument

@@ -274,6 +274,11 @@ class Scene:
         line: Any = self.line
         return line.plan(self.quantities, **self._arguments())
 
+    def explain(self) -> str:
+        """Say how the curves over the drive angle are evaluated, and how the study is."""
+        curves: str = self.plan().explain()
+        return f"{curves}\n\n{self.study.explain()}" if self.study else curves
+
     def _arguments(self) -> dict[str, Any]:
         return {
             "load": self.load_case,
