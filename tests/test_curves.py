@@ -279,7 +279,7 @@ def test_failing_writer_leaves_nothing(
 ) -> None:
     """The first blocks are on their way when the rest fails."""
 
-    def blocks(table: Mapping[str, FloatArray]) -> Iterator[list[FloatArray]]:
+    def blocks(table: Mapping[str, FloatArray], _: object) -> Iterator[list[FloatArray]]:
         yield [column[:10] for column in table.values()]
         raise MemoryError
 
@@ -287,6 +287,19 @@ def test_failing_writer_leaves_nothing(
     with pytest.raises(MemoryError):
         write_curves(result, tmp_path / "a.csv")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_progress_of_a_long_file(
+    tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    monkeypatch.setattr(curves, "_BLOCK", 4)
+    seen: list[tuple[int, int]] = []
+    table = {"a": np.arange(10.0)}
+    curves.write_columns(tmp_path / f"a{suffix}", table, lambda *done: seen.append(done))
+    assert seen == [(4, 10), (8, 10), (10, 10)]
 
 
 def test_unwritable(result: SceneResult, tmp_path: Path) -> None:

@@ -306,6 +306,8 @@ def test_extremes_leave_out_what_is_not_a_number() -> None:
         "none": np.full(4, np.nan),
         "endless": np.array([1.0, np.inf, 2.0, 3.0]),
         "same": np.full(4, 2.0),
+        "alike": np.array([2.0, 2.0 - 1e-15, 2.0 + 1e-15, 2.0]),
+        "apart": np.array([2.0, 2.0 - 1e-8, 2.0 + 1e-8, 2.0]),
     }
     result = StudyResult((axis,), tuple(Column(name, "1") for name in values), values)
     figures = study_data(result)["figures"]
@@ -313,11 +315,13 @@ def test_extremes_leave_out_what_is_not_a_number() -> None:
     assert figures["some"] == {"least": 0.5, "largest": 7.0, **at}
     assert figures["none"] == {"least": None, "largest": None}
     assert (figures["endless"]["least"], figures["endless"]["largest"]) == (1.0, None)
-    assert study_text(result).splitlines()[2:6] == [
+    assert study_text(result).splitlines()[2:8] == [
         "some       0.50 (3) to 7.00 (4)",
         "none       not finite",
         "endless    not finite",
         "same       2.000",
+        "alike      2.000",
+        "apart      2.000 (2) to 2.000 (3)",
     ]
 
 

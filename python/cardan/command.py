@@ -378,10 +378,14 @@ def _write(result: SceneResult, into: Path, radians: bool) -> Iterator[dict[str,
     scene = result.scene
     if scene.curves_file:
         path = into / scene.curves_file
-        yield {"file": str(path), "rows": write_curves(result, path, radians=radians)}
+        with _progress_bar(path.name) as progress:
+            rows = write_curves(result, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
     if scene.table_file and result.study:
         path = into / scene.table_file
-        yield {"file": str(path), "rows": write_study(result.study, path, radians=radians)}
+        with _progress_bar(path.name) as progress:
+            rows = write_study(result.study, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
     if scene.picture_file:
         path = into / scene.picture_file
         write_picture(result, path)
@@ -392,7 +396,8 @@ def _wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
     if not rows:
         return f"wrote {file}"
     there = f", {found} of them found there" if found else ""
-    return f"wrote {file} ({rows} rows{f' in {parts} files{there}' if parts else ''})"
+    count = f"{rows} row{'s' if rows > 1 else ''}"
+    return f"wrote {file} ({count}{f' in {parts} files{there}' if parts else ''})"
 
 
 def _check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:

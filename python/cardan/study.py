@@ -203,7 +203,7 @@ class Study:
         return StudyPart(self.axes, rows, tuple(columns.values()), table)
 
     def explain(self) -> str:
-        """Say how the study is evaluated: what needs no samples, and the plan of its first block."""
+        """Say how the study is evaluated: what needs no samples, and a block's plan."""
         _, line, load = next(self.blocks())
         rows, block = math.prod(self.shape), line.shape[0]
         text = f"study of {rows} driveline{'s' if rows > 1 else ''}"

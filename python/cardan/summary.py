@@ -89,17 +89,17 @@ def study_text(result: StudyResult, *, radians: bool = False) -> str:
         lines.append(("study", f"{count} driveline{'s' if result.rows > 1 else ''}"))
         for axis in result.axes:
             low, high = np.min(axis.values), np.max(axis.values)
-            lines.append((axis.key, f"{low:.10g} to {high:.10g}"))
+            lines.append((axis.key, f"{low:.6g} to {high:.6g}"))
     placed = False
     for name, found in study_data(result, radians=radians)["figures"].items():
         low, high = found["least"], found["largest"]
-        if low is None or high is None or low == high:
+        if low is None or high is None or alike(low, high):
             lines.append((name, "not finite" if low is None or high is None else figure_text(low)))
             continue
         placed = True
         ends = zip(range_ends(low, high), ("least", "largest"), strict=True)
         figures = [
-            f"{figure} ({', '.join(f'{at:.10g}' for at in found[f'{which}_at'].values())})"
+            f"{figure} ({', '.join(f'{at:.6g}' for at in found[f'{which}_at'].values())})"
             for figure, which in ends
         ]
         lines.append((name, " to ".join(figures)))
@@ -284,6 +284,11 @@ def row_text(row: Row, radians: bool = False) -> str:
 
 def _range(low: float, high: float) -> str:
     return " to ".join(range_ends(low, high)) if 0.0 < high - low < math.inf else figure_text(low)
+
+
+def alike(low: float, high: float) -> bool:
+    """Whether the ends of a range differ by no more than rounding."""
+    return high - low <= 1e-9 * max(abs(low), abs(high))
 
 
 def range_ends(low: float, high: float) -> tuple[str, str]:
