@@ -890,7 +890,7 @@ def test_string_by_points() -> None:
     assert 90 < error.at_deg < 180
     # Bending is torque times about the tangent of the bend, at most.
     for joint, bend in enumerate(bends):
-        largest = table[f"largest bending driven, joint {joint}"].values[0]
+        largest = table[f"largest bending, driven side, joint {joint}"].values[0]
         assert largest == pytest.approx(4000 * math.tan(math.radians(bend)), rel=0.01)
 
 

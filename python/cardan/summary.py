@@ -207,7 +207,7 @@ def _recorded_motion(result: SceneResult, shaft: int, of_shaft: str) -> Iterable
             continue
         in_unit = np.degrees(values) if output.unit == "rad" else values
         unit = "deg" if output.unit == "rad" else ""
-        yield _extent(f"{output.name.replace('_', ' ')}{of_shaft}", in_unit, unit)
+        yield _extent(f"{output.label}{of_shaft}", in_unit, unit)
 
 
 def _extent(label: str, values: FloatArray, unit: str = "") -> Row:
@@ -248,7 +248,7 @@ def _loads(result: SceneResult) -> Iterable[Row]:
     for output, item, values in result.curves():
         if output.needs_load:
             sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
-            label = f"largest {output.name.replace('_', ' ')}, {output.per} {item}"
+            label = f"largest {output.label}, {output.per} {item}"
             yield _peak(result, label, sizes)
 
 

@@ -69,7 +69,7 @@ def write_picture(result: SceneResult, path: str | PathLike[str]) -> None:
 def _panels(result: SceneResult) -> Iterable[_Panel]:
     speed = result.scene.speed
     for output, item, values in result.curves():
-        heading, scale = output.name.replace("_", " "), 1.0
+        heading, scale = output.label, 1.0
         values, unit = panel.in_unit(output, values)
         if output.name == "acceleration_ratio" and speed:
             scale = speed * speed
