@@ -356,6 +356,29 @@ def test_plot(scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     failed(run("plot", scene, "--output", "a.gif"), "a.gif must end in .svg or .png or .pdf")
 
 
+def test_plot_of_a_study(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    keys = (
+        "bends_deg.1 = {from = 5, to = 15, steps = 7}\nphases_deg = {from = 0, to = 9, steps = 6}"
+    )
+    text = "[driveline]\nbends_deg = [10, 10]\nphases_deg = [0]\n"
+    Path("a.toml").write_text(f"title = 'A grid'\n{text}[study]\n{keys}\n")
+    result = run("plot", "a.toml", "--study", "equivalent_bend")
+    assert (result.exit_code, result.output) == (0, "wrote a.svg\n")
+    drawn = Path("a.svg").read_text()
+    for words in ("A grid", "equivalent bend [deg]", "phase", "bend, joint 1 [deg]", "limit 3 deg"):
+        assert words in drawn
+    failed(
+        run("plot", "a.toml", "--study", "k"),
+        "column is 'k'; the study has equivalent_bend, non_uniformity, max_angle_error",
+    )
+    Path("a.toml").write_text(text)
+    failed(
+        run("plot", "a.toml", "--study", "k"),
+        "a.toml: there is no study to draw; it needs a section [study]",
+    )
+
+
 def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Plan:
         def explain(self) -> str:

@@ -101,6 +101,9 @@ Draw a scene into a file that ends in {", ".join(SUFFIXES)}.
 Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
+
+With "--study equivalent_bend" that figure of the scene's study is drawn over the keys that it
+varies: curves over one key, a map over two.
 """
 
 _CHECK = """\
@@ -291,13 +294,16 @@ def commands() -> click.Group:
     @cardan.command(help=_PLOT, short_help="Draw a scene.")
     @scene_argument
     @output_option("Picture to write; by default named as the scene, .svg, in the current folder.")
-    def plot(scene: Path, output: Path | None) -> None:
+    @click.option(
+        "--study", metavar="FIGURE", help="Draw this figure of the study over its keys instead."
+    )
+    def plot(scene: Path, output: Path | None, study: str | None) -> None:
         path = output or Path(f"{scene.stem}.svg")
         loaded = Scene.load(scene)
         check_writable(path)
         with _progress_bar() as progress:
             result = loaded.run(progress)
-        write_picture(result, path)
+        write_picture(result, path, study)
         click.echo(f"wrote {path}")
 
     @cardan.command(help=_REPORT, short_help="Write a page to hand on.")
