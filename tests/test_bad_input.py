@@ -265,6 +265,8 @@ def test_progress_bar_only_on_a_terminal(folder: Path) -> None:
     table = "[output]\ncurves = 'a.csv'\n[sweep]\nsamples_per_turn = 70000\n"
     Path("a.toml").write_text(JOINT + table)
     assert "a.csv" in on_a_terminal("run", "a.toml")[2]
+    Path("a.toml").write_text(LONG.replace("9000", "90000"))
+    assert "study" in on_a_terminal("check", "a.toml")[2]
     # A short study needs none.
     Path("a.toml").write_text(LONG.replace("9000", "90"))
     assert on_a_terminal("run", "a.toml")[2] == ""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,16 +14,23 @@ from cardan.workshop import VIEW, turn
 
 if TYPE_CHECKING:
     from cardan.scene import Scene
+    from cardan.study import Progress
 
 
-def check_scene(scene: Scene) -> Check:
-    """Check the driveline of a scene, or all of its study."""
+def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
+    """Check the driveline of a scene, or all of its study.
+
+    ``progress`` is called after each block of the study with the rows done and all rows.
+    """
     if scene.study is None or not scene.study.axes:
         return scene.line.check(scene.speed or None)
     blocks = []
-    for _, line, load in scene.study.blocks():
+    rows = math.prod(scene.study.shape)
+    for first, line, load in scene.study.blocks():
         speed = load.speed if load and np.any(load.speed) else None
         blocks.append(line.check(speed).findings)
+        if progress:
+            progress(first + line.shape[0], rows)
     return Check(
         tuple(
             replace(parts[0], value=np.concatenate([np.ravel(part.value) for part in parts]))

@@ -322,7 +322,8 @@ def commands() -> click.Group:
     @as_json
     def check(scene: Path, as_json: bool) -> int:
         loaded = Scene.load(scene)
-        found = check_scene(loaded)
+        with _progress_bar() as progress:
+            found = check_scene(loaded, progress)
         passes = bool(np.all(found.passes))
         if as_json:
             findings = [
