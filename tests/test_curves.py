@@ -221,6 +221,25 @@ def test_takes_its_name_when_complete(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [path]
 
 
+def test_link_stays(tmp_path: Path) -> None:
+    path, link = tmp_path / "a.csv", tmp_path / "link.csv"
+    link.symlink_to(path)
+    for text in (b"first", b"second"):
+        with whole_file(link) as file:
+            file.write(text)
+        assert (link.readlink(), path.read_bytes()) == (path, text)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_keeps_what_is_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "pipe.csv"
+    os.mkfifo(path)
+    with pytest.raises(OSError, match="Not a plain file") as caught, whole_file(path):
+        pass
+    assert caught.value.filename == str(path)
+    assert path.is_fifo()
+
+
 @pytest.mark.parametrize("old", [True, False])
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, SystemExit, MemoryError])
 def test_interrupted(tmp_path: Path, error: type[BaseException], old: bool) -> None:
@@ -260,7 +279,7 @@ def test_failing_writer_leaves_nothing(
 ) -> None:
     """The first blocks are on their way when the rest fails."""
 
-    def blocks(table: Mapping[str, FloatArray]) -> Iterator[list[FloatArray]]:
+    def blocks(table: Mapping[str, FloatArray], _: object) -> Iterator[list[FloatArray]]:
         yield [column[:10] for column in table.values()]
         raise MemoryError
 
@@ -268,6 +287,19 @@ def test_failing_writer_leaves_nothing(
     with pytest.raises(MemoryError):
         write_curves(result, tmp_path / "a.csv")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_progress_of_a_long_file(
+    tmp_path: Path, suffix: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if suffix == ".parquet":
+        pytest.importorskip("pyarrow")
+    monkeypatch.setattr(curves, "_BLOCK", 4)
+    seen: list[tuple[int, int]] = []
+    table = {"a": np.arange(10.0)}
+    curves.write_columns(tmp_path / f"a{suffix}", table, lambda *done: seen.append(done))
+    assert seen == [(4, 10), (8, 10), (10, 10)]
 
 
 def test_unwritable(result: SceneResult, tmp_path: Path) -> None:

@@ -426,7 +426,7 @@ def test_curves_of_every_output(name: str) -> None:
         np.testing.assert_array_equal(y, row)
     unit = {"rad": " [deg]", "1": ""}.get(output.unit, f" [{output.unit}]")
     item = "shaft 2" if output.per == "shaft" else "joint 1"
-    assert axes.get_ylabel() == f"{name.replace('_', ' ')}{unit}\n{item}"
+    assert axes.get_ylabel() == f"{output.label}\n{item}{unit}"
 
 
 def test_curves_of_a_batch() -> None:
@@ -622,7 +622,7 @@ def test_harmonics_that_make_no_picture(
 
 def test_lines_of_a_map_lie_where_the_library_has_them() -> None:
     axes = plots.plot_study(study(COMPENSATION))
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("bends.1 [deg]", "phases.0 [deg]")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("bend, joint 1 [deg]", "phase, shaft 1 [deg]")
     assert axes.get_title(loc="left") == "equivalent bend [deg]"
     filled, *lines = (item for item in axes.collections if isinstance(item, ContourSet))
     assert filled.get_clim()[0] <= 0.0
@@ -671,9 +671,9 @@ def test_a_key_of_few_values_makes_a_curve_of_each(few_first: bool) -> None:
         np.testing.assert_allclose(y, np.degrees(want), rtol=1e-12, atol=1e-6)
     legend = axes.get_legend()
     assert legend is not None
-    assert legend.get_title().get_text() == "phases.0 [deg]"
+    assert legend.get_title().get_text() == "phase, shaft 1 [deg]"
     assert [text.get_text() for text in legend.get_texts()] == ["0", "5", "limit 3 deg"]
-    assert axes.get_xlabel() == "bends.1 [deg]"
+    assert axes.get_xlabel() == "bend, joint 1 [deg]"
 
 
 def test_a_flat_map_shows_no_rounding() -> None:

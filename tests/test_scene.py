@@ -433,7 +433,7 @@ def test_tolerances_of_a_scene() -> None:
     for tolerance in (0, 0.5, 1e-9):
         scene = Scene.parse(f"{section('output')}tolerance = {tolerance}", "shaft.toml")
         want = scene.line.plan(scene.quantities, tolerance=tolerance)
-        assert scene.plan().explain() == want.explain()
+        assert scene.plan().explain() == scene.explain() == want.explain()
 
 
 def test_integers_that_python_will_not_read() -> None:
@@ -572,7 +572,7 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         ),
         (
             JOINT + f"[angles]\n{COLUMN}bend_columns_deg = ['front']",
-            "line 2: [driveline] bends_deg does not go with bend_columns_deg of [angles]",
+            "line 2: [driveline] bends_deg does not go with recorded bends",
         ),
         (
             f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[driveline]\ntwists_deg = [1]",
@@ -584,7 +584,7 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         ),
         (
             f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[output]\nclosed_forms = ['k']",
-            "line 6: [output] closed_forms do not go with bend_columns_deg of [angles]",
+            "line 6: [output] closed_forms do not go with recorded bends",
         ),
         (
             f"[angles]\n{COLUMN}bend_columns_deg = 'front'",
@@ -599,6 +599,20 @@ def test_messages_about_recordings(tmp_path: Path, text: str, message: str) -> N
     separator = ", " if message.startswith("line") else ": "
     wanted = f"scene{separator}{message.format(run=tmp_path / 'run.csv')}"
     assert str(caught.value).startswith(wanted)
+
+
+def test_recorded_bends_in_radians(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("turn,front,rear\n0,0.1,0.2\n1,0.3,1.5\n2,0,0.5\n")
+    text = f"[angles]\n{COLUMN}bend_columns_rad = ['front', 'rear']"
+    scene = Scene.parse(text, folder=tmp_path)
+    line = Driveline.from_bends([[0.1, 0.2], [0.3, 1.5], [0, 0.5]])
+    np.testing.assert_allclose(scene.line.bends, line.bends, rtol=4e-16)
+    both = text + "\nbend_columns_deg = ['front', 'rear']"
+    with pytest.raises(ValueError, match="bend_columns_deg and bend_columns_rad are both given"):
+        Scene.parse(both, folder=tmp_path)
+    (tmp_path / "run.csv").write_text("turn,front,rear\n0,0.1,0.2\n1,0.3,1.58\n")
+    with pytest.raises(ValueError, match=r"'rear' is 1.58; a bend must lie in \[0, pi/2\) rad$"):
+        Scene.parse(text, folder=tmp_path)
 
 
 def test_recorded_bends_out_of_range(tmp_path: Path) -> None:
@@ -876,7 +890,7 @@ def test_string_by_points() -> None:
     assert 90 < error.at_deg < 180
     # Bending is torque times about the tangent of the bend, at most.
     for joint, bend in enumerate(bends):
-        largest = table[f"largest bending driven, joint {joint}"].values[0]
+        largest = table[f"largest bending, driven side, joint {joint}"].values[0]
         assert largest == pytest.approx(4000 * math.tan(math.radians(bend)), rel=0.01)
 
 

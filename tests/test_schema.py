@@ -106,6 +106,9 @@ TWO = "[driveline]\nbends_deg = [8.5, 9]\n"
         JOINT + "[angles]\nfile = 'a.xls'\nangle_column_deg = 'a'",
         JOINT + "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nangle_column_rad = 'a'",
         JOINT + "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nbend_columns_deg = ['b']",
+        JOINT + "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nbend_columns_rad = ['b']",
+        "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nbend_columns_deg = ['b']\n"
+        "bend_columns_rad = ['b']",
         JOINT + "[study]\n",
         JOINT + "[study]\nbends_deg = 3",
         JOINT + "[study]\nbends_deg = []",

@@ -306,6 +306,8 @@ def test_extremes_leave_out_what_is_not_a_number() -> None:
         "none": np.full(4, np.nan),
         "endless": np.array([1.0, np.inf, 2.0, 3.0]),
         "same": np.full(4, 2.0),
+        "alike": np.array([2.0, 2.0 - 1e-15, 2.0 + 1e-15, 2.0]),
+        "apart": np.array([2.0, 2.0 - 1e-8, 2.0 + 1e-8, 2.0]),
     }
     result = StudyResult((axis,), tuple(Column(name, "1") for name in values), values)
     figures = study_data(result)["figures"]
@@ -313,11 +315,13 @@ def test_extremes_leave_out_what_is_not_a_number() -> None:
     assert figures["some"] == {"least": 0.5, "largest": 7.0, **at}
     assert figures["none"] == {"least": None, "largest": None}
     assert (figures["endless"]["least"], figures["endless"]["largest"]) == (1.0, None)
-    assert study_text(result).splitlines()[2:6] == [
+    assert study_text(result).splitlines()[2:8] == [
         "some       0.50 (3) to 7.00 (4)",
         "none       not finite",
         "endless    not finite",
         "same       2.000",
+        "alike      2.000",
+        "apart      2.000 (2) to 2.000 (3)",
     ]
 
 
@@ -519,3 +523,24 @@ def test_a_point_inside_the_grid_that_makes_no_driveline(monkeypatch: pytest.Mon
         assert str(caught.value).startswith(
             "scene: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends[0]"
         )
+
+
+def test_explain_says_what_the_study_costs(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = TWO + "[study]\nbends_deg.0 = [1, 2, 3]\nphases_deg = [0, 5]\n[output]\n"
+    text += "quantities = ['angle_error']\nreduce = ['rms', 'min']\nclosed_forms = ['k']\n"
+    scene = Scene.parse(text)
+    curves, study = scene.explain().split("\n\n")
+    assert curves == scene.plan().explain()
+    lines = study.splitlines()
+    assert lines[:3] == [
+        "study of 6 drivelines",
+        "closed forms, without samples: k",
+        "rms over 720 drive angles, likewise min:",
+    ]
+    assert "plan for angle_error; 2 joints of 6 drivelines" in lines
+    assert any("to its rms; no sample is stored" in line for line in lines)
+    monkeypatch.setattr("cardan.study._BLOCK", 4 * 720)
+    assert scene.explain().splitlines()[-len(lines)] == "study of 6 drivelines in blocks of 4"
+    # Closed forms alone need no plan.
+    alone = Scene.parse(f"{TWO}[output]\nclosed_forms = ['k']\n")
+    assert alone.explain().endswith("\n\nstudy of 1 driveline\nclosed forms, without samples: k")

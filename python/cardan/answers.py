@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,16 +14,23 @@ from cardan.workshop import VIEW, turn
 
 if TYPE_CHECKING:
     from cardan.scene import Scene
+    from cardan.study import Progress
 
 
-def check_scene(scene: Scene) -> Check:
-    """Check the driveline of a scene, or all of its study."""
+def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
+    """Check the driveline of a scene, or all of its study.
+
+    ``progress`` is called after each block of the study with the rows done and all rows.
+    """
     if scene.study is None or not scene.study.axes:
         return scene.line.check(scene.speed or None)
     blocks = []
-    for _, line, load in scene.study.blocks():
+    rows = math.prod(scene.study.shape)
+    for first, line, load in scene.study.blocks():
         speed = load.speed if load and np.any(load.speed) else None
         blocks.append(line.check(speed).findings)
+        if progress:
+            progress(first + line.shape[0], rows)
     return Check(
         tuple(
             replace(parts[0], value=np.concatenate([np.ravel(part.value) for part in parts]))
@@ -44,13 +52,17 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
         raise ValueError(f"{scene.name}: the bends were recorded; yokes are set for fixed bends")
     best = line.optimal_phases()
     settings, turns = turn(best), turn(best - line.phases)
+    # A yoke turned by 180 deg is the same yoke: the figure of the scene is that of the bench.
+    phases = np.where(settings.sense == "counter-clockwise", -settings.angle, settings.angle)
+    set_so = line.with_phases(best)
+    check = set_so.check(scene.speed or None)
     return {
         "title": scene.title,
         "view": VIEW,
         "shafts": [
             {
                 "shaft": i + 1,
-                "phase_deg": float(np.degrees(best[i])),
+                "phase_deg": float(np.degrees(phases[i])),
                 "setting_deg": float(np.degrees(settings.angle[i])),
                 "sense": str(settings.sense[i]),
                 "turn_deg": float(np.degrees(turns.angle[i])),
@@ -60,8 +72,9 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
         ],
         "equivalent_bend_deg": {
             "present": equivalent_bend_deg(line),
-            "best": equivalent_bend_deg(line.with_phases(best)),
+            "best": equivalent_bend_deg(set_so),
         },
+        "above_limits": [str(found) for found in check.findings if not found.passes],
     }
 
 
@@ -75,13 +88,21 @@ def yoke_text(data: dict[str, Any]) -> str:
     lines += [f"Set the output-side yoke against the input-side one, {VIEW}:"]
     lines += [f"- {words}" for words in yoke_lines(data)]
     bend = data["equivalent_bend_deg"]
-    phases = ", ".join(f"{shaft['phase_deg']:.4f}" for shaft in data["shafts"])
+    above: list[str] = data["above_limits"]
     lines += [
         "",
         f"Equivalent bend: {bend['present']:.4g}° as it is, {bend['best']:.4g}° set so.",
-        f"In the scene: phases_deg = [{phases}]",
+        "Set so, it does not pass the check:" if above else "Set so, it passes the check.",
+        *(f"- {words}" for words in above),
+        f"In the scene: {phases_text(data)}",
     ]
     return "\n".join(lines)
+
+
+def phases_text(data: dict[str, Any]) -> str:
+    """Return the setting as a line of a scene."""
+    phases = (round(shaft["phase_deg"], 4) + 0.0 for shaft in data["shafts"])
+    return f"phases_deg = [{', '.join(f'{phase:.7g}' for phase in phases)}]"
 
 
 def yoke_lines(data: dict[str, Any]) -> list[str]:

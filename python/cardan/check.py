@@ -30,6 +30,10 @@ MAX_NON_UNIFORMITY = 0.0027
 """The non-uniformity from which that bend is derived."""
 
 
+# Less than this share of a limit is what rounding leaves of joints that cancel each other.
+_ROUNDING = 1e-6
+
+
 @dataclass(frozen=True, eq=False)
 class Finding:
     """One figure beside its limits.
@@ -59,13 +63,15 @@ class Finding:
         unit = f" {self.unit}" if self.unit != "1" else ""
         if worst <= self.limit:
             verdict = f"keeps the limit of {self.limit:g}{unit}"
-        elif worst <= self.maximum:
+        elif worst > self.limit:
             verdict = f"is above the limit of {self.limit:g}{unit}"
-            verdict += f" but below {self.maximum:g}{unit}"
-        elif worst > self.maximum:
-            verdict = f"is above the limit of {self.maximum:g}{unit}"
+            if self.maximum > self.limit:
+                side = "but below" if worst <= self.maximum else "and the maximum of"
+                verdict += f" {side} {self.maximum:g}{unit}"
         else:
             verdict = "is not a number"
+        if worst < _ROUNDING * self.limit:
+            worst = 0.0
         if np.ndim(self.value) == 0:
             return f"{self.name} {worst:.4g}{unit} {verdict}"
         kept = f"{np.count_nonzero(self.passes)} of {np.size(self.value)} keep the limit"
@@ -90,8 +96,11 @@ class Check:
 
     def __str__(self) -> str:
         """Say it in words, the verdict first."""
-        verdict = "passes" if np.all(self.passes) else "does not pass"
-        return "\n".join([f"The driveline {verdict}.", *(f"- {f}" for f in self.findings)])
+        count, all_of_them = np.count_nonzero(self.passes), self.passes.size
+        verdict = "The driveline passes." if count else "The driveline does not pass."
+        if self.passes.shape:
+            verdict = f"{count} of {all_of_them} pass."
+        return "\n".join([verdict, *(f"- {f}" for f in self.findings)])
 
 
 def check(line: Driveline, speed: ArrayLike | None = None) -> Check:

@@ -86,7 +86,8 @@ Example:
 """
 
 _EXPLAIN = """\
-Say how a scene is evaluated: the steps taken, what is skipped and why, and what a sample costs.
+Say how a scene and its study are evaluated: the steps taken, what is skipped and why, and what a
+sample costs.
 
 \b
 Example:
@@ -100,6 +101,9 @@ Draw a scene into a file that ends in {", ".join(SUFFIXES)}.
 Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
+
+With "--study equivalent_bend" that figure of the scene's study is drawn over the keys that it
+varies: curves over one key, a map over two.
 """
 
 _CHECK = """\
@@ -285,18 +289,21 @@ def commands() -> click.Group:
     @cardan.command(help=_EXPLAIN, short_help="Say how a scene is evaluated.")
     @scene_argument
     def explain(scene: Path) -> None:
-        click.echo(Scene.load(scene).plan().explain())
+        click.echo(Scene.load(scene).explain())
 
     @cardan.command(help=_PLOT, short_help="Draw a scene.")
     @scene_argument
     @output_option("Picture to write; by default named as the scene, .svg, in the current folder.")
-    def plot(scene: Path, output: Path | None) -> None:
+    @click.option(
+        "--study", metavar="FIGURE", help="Draw this figure of the study over its keys instead."
+    )
+    def plot(scene: Path, output: Path | None, study: str | None) -> None:
         path = output or Path(f"{scene.stem}.svg")
         loaded = Scene.load(scene)
         check_writable(path)
         with _progress_bar() as progress:
             result = loaded.run(progress)
-        write_picture(result, path)
+        write_picture(result, path, study)
         click.echo(f"wrote {path}")
 
     @cardan.command(help=_REPORT, short_help="Write a page to hand on.")
@@ -315,7 +322,8 @@ def commands() -> click.Group:
     @as_json
     def check(scene: Path, as_json: bool) -> int:
         loaded = Scene.load(scene)
-        found = check_scene(loaded)
+        with _progress_bar() as progress:
+            found = check_scene(loaded, progress)
         passes = bool(np.all(found.passes))
         if as_json:
             findings = [
@@ -377,10 +385,14 @@ def _write(result: SceneResult, into: Path, radians: bool) -> Iterator[dict[str,
     scene = result.scene
     if scene.curves_file:
         path = into / scene.curves_file
-        yield {"file": str(path), "rows": write_curves(result, path, radians=radians)}
+        with _progress_bar(path.name) as progress:
+            rows = write_curves(result, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
     if scene.table_file and result.study:
         path = into / scene.table_file
-        yield {"file": str(path), "rows": write_study(result.study, path, radians=radians)}
+        with _progress_bar(path.name) as progress:
+            rows = write_study(result.study, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
     if scene.picture_file:
         path = into / scene.picture_file
         write_picture(result, path)
@@ -391,7 +403,8 @@ def _wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
     if not rows:
         return f"wrote {file}"
     there = f", {found} of them found there" if found else ""
-    return f"wrote {file} ({rows} rows{f' in {parts} files{there}' if parts else ''})"
+    count = f"{rows} row{'s' if rows > 1 else ''}"
+    return f"wrote {file} ({count}{f' in {parts} files{there}' if parts else ''})"
 
 
 def _check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:

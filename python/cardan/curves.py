@@ -17,7 +17,7 @@ from cardan.arrays import FloatArray
 
 if TYPE_CHECKING:
     from cardan.scene import SceneResult
-    from cardan.study import StudyPart, StudyResult
+    from cardan.study import Progress, StudyPart, StudyResult
 
 
 def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArray]:
@@ -69,11 +69,18 @@ def converted(values: FloatArray, unit: str, radians: bool) -> tuple[str, FloatA
     return "" if unit == "1" else f"_{unit.replace(' ', '')}", values
 
 
-def write_curves(result: SceneResult, path: str | PathLike[str], *, radians: bool = False) -> int:
+def write_curves(
+    result: SceneResult,
+    path: str | PathLike[str],
+    *,
+    radians: bool = False,
+    progress: Progress | None = None,
+) -> int:
     """Write the curves in the format that the path's suffix names and return the number of rows.
 
     CSV and Parquet hold the columns of ``columns``, CSV with every digit of the doubles. NPZ holds
     the arrays as evaluated, in SI units under the names of the outputs, and ``drive_angle`` in rad.
+    ``progress`` is called as ``write_columns`` does.
 
     Raises:
         ImportError: Parquet without pyarrow.
@@ -82,14 +89,21 @@ def write_curves(result: SceneResult, path: str | PathLike[str], *, radians: boo
     """
     if Path(path).suffix == ".npz":
         return write_columns(path, {"drive_angle": result.drive_angle, **result.values})
-    return write_columns(path, columns(result, radians=radians))
+    return write_columns(path, columns(result, radians=radians), progress)
 
 
-def write_study(result: StudyResult, path: str | PathLike[str], *, radians: bool = False) -> int:
+def write_study(
+    result: StudyResult,
+    path: str | PathLike[str],
+    *,
+    radians: bool = False,
+    progress: Progress | None = None,
+) -> int:
     """Write a study in the format that the path's suffix names and return the number of rows.
 
     CSV and Parquet hold the columns of ``study_columns``. NPZ holds the grid: the values of each
     key that is varied in one dimension, and every figure in SI units with a dimension per key.
+    ``progress`` is called as ``write_columns`` does.
 
     Raises:
         ImportError: Parquet without pyarrow.
@@ -99,12 +113,18 @@ def write_study(result: StudyResult, path: str | PathLike[str], *, radians: bool
     if Path(path).suffix == ".npz":
         write_columns(path, {**{axis.key: axis.values for axis in result.axes}, **result.values})
     else:
-        write_columns(path, study_columns(result, radians=radians))
+        write_columns(path, study_columns(result, radians=radians), progress)
     return result.rows
 
 
-def write_columns(path: str | PathLike[str], table: Mapping[str, FloatArray]) -> int:
+def write_columns(
+    path: str | PathLike[str],
+    table: Mapping[str, FloatArray],
+    progress: Progress | None = None,
+) -> int:
     """Write arrays of equal size in the format of the path's suffix; return the number of rows.
+
+    In CSV and Parquet ``progress`` is called after each block with the rows written and all rows.
 
     Raises:
         ImportError: Parquet without pyarrow.
@@ -115,36 +135,43 @@ def write_columns(path: str | PathLike[str], table: Mapping[str, FloatArray]) ->
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
     with whole_file(path) as file:
-        SUFFIXES[suffix](table, file)
+        SUFFIXES[suffix](table, file, progress)
     return next(iter(table.values())).size
 
 
-def _blocks(table: Mapping[str, FloatArray]) -> Iterator[list[FloatArray]]:
+def _blocks(
+    table: Mapping[str, FloatArray], progress: Progress | None
+) -> Iterator[list[FloatArray]]:
     """Some rows of every column at a time.
 
     A grid's coordinates are views that would take memory as whole columns, and so would floats as
     objects.
     """
-    for first in range(0, next(iter(table.values())).size, _BLOCK):
+    rows = next(iter(table.values())).size
+    for first in range(0, rows, _BLOCK):
         yield [column.flat[first : first + _BLOCK] for column in table.values()]
+        if progress:
+            progress(min(first + _BLOCK, rows), rows)
 
 
 _BLOCK = 1 << 16
 
 
-def _write_csv(table: Mapping[str, FloatArray], file: IO[bytes]) -> None:
+def _write_csv(table: Mapping[str, FloatArray], file: IO[bytes], progress: Progress | None) -> None:
     file.write(f"{','.join(table)}\n".encode())
-    for block in _blocks(table):
+    for block in _blocks(table, progress):
         rows = zip(*(column.tolist() for column in block), strict=True)
         file.writelines(f"{','.join(map(repr, row))}\n".encode() for row in rows)
 
 
-def _write_npz(table: Mapping[str, FloatArray], file: IO[bytes]) -> None:
+def _write_npz(table: Mapping[str, FloatArray], file: IO[bytes], _: Progress | None) -> None:
     arrays: dict[str, Any] = dict(table)
     np.savez(file, **arrays)
 
 
-def _write_parquet(table: Mapping[str, FloatArray], file: IO[bytes]) -> None:
+def _write_parquet(
+    table: Mapping[str, FloatArray], file: IO[bytes], progress: Progress | None
+) -> None:
     try:
         import pyarrow
         from pyarrow import parquet
@@ -153,11 +180,13 @@ def _write_parquet(table: Mapping[str, FloatArray], file: IO[bytes]) -> None:
         raise ModuleNotFoundError(hint) from None
     schema = pyarrow.schema([(name, pyarrow.float64()) for name in table])
     with parquet.ParquetWriter(file, schema) as writer:
-        for block in _blocks(table):
+        for block in _blocks(table, progress):
             writer.write_table(pyarrow.table(block, schema=schema))
 
 
-SUFFIXES: Mapping[str, Callable[[Mapping[str, FloatArray], IO[bytes]], None]] = {
+_Writer = Callable[[Mapping[str, FloatArray], IO[bytes], "Progress | None"], None]
+
+SUFFIXES: Mapping[str, _Writer] = {
     ".csv": _write_csv,
     ".npz": _write_npz,
     ".parquet": _write_parquet,
@@ -171,8 +200,6 @@ def check_writable(path: str | PathLike[str]) -> None:
     Raises:
         OSError: the folder takes no file, or the path is a folder; nothing is left behind.
     """
-    if Path(path).is_dir():
-        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
     with contextlib.suppress(_Tried), whole_file(path):
         raise _Tried
 
@@ -187,12 +214,17 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
 
     It is written under another name in the same folder, brought to the disk and renamed. Whatever
     interrupts that, an exception, Ctrl-C or a full disk, leaves nothing behind, and an earlier file
-    of the name untouched.
+    of the name untouched. A link stays one; a folder, device or pipe is refused.
 
     Raises:
         OSError: the file cannot be written; the error names ``path``.
     """
-    target = Path(path)
+    target = Path(os.path.realpath(path))
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), os.fspath(path))
+    if os.path.exists(path) and not os.path.isfile(path):
+        # Renaming would put a file in the place of a device.
+        raise OSError(errno.EINVAL, "Not a plain file", os.fspath(path))
     temporary = target.with_name(f".{secrets.token_hex(8)}.part")
     try:
         with open(temporary, "xb") as file:

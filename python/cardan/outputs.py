@@ -29,6 +29,12 @@ class Output:
     vector: bool = False
     needs_load: bool = False
 
+    @property
+    def label(self) -> str:
+        """What to call it in tables and pictures: ``bending, driving side``."""
+        sides = self.name.replace("_driving", ", driving side").replace("_driven", ", driven side")
+        return sides.replace("_", " ")
+
 
 OUTPUTS: Mapping[str, Output] = MappingProxyType(
     {

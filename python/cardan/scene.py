@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from cardan.outputs import OUTPUTS, Output
 from cardan.recording import read_chunks, read_columns
 from cardan.result import Result
 from cardan.scene_document import Document
-from cardan.scene_format import FORMAT, FORMS, Form, describe
+from cardan.scene_format import BEND_COLUMNS, FORMAT, FORMS, Form, describe
 from cardan.scene_parts import check_load, form_of, make_driveline, make_load
 from cardan.scene_values import shown
 from cardan.study import Progress, Study, StudyResult, axes_of
@@ -167,7 +168,7 @@ class Scene:
         output, recorded = given.get("output", {}), given.get("angles", {})
         driveline, loaded = given.get("driveline", {}), given.get("load")
         with document.within(""):
-            if "driveline" not in given and "bend_columns_deg" not in recorded:
+            if "driveline" not in given and not recorded.keys() & set(BEND_COLUMNS):
                 raise ValueError(
                     "section [driveline] is missing; it describes the joints and shafts"
                 )
@@ -192,7 +193,7 @@ class Scene:
             joints = _items(output, "joints", line.n_joints)
             options = {key: output[key] for key in _OPTIONS if key in output}
             if angle.bends is not None and "closed_forms" in output:
-                raise ValueError("closed_forms do not go with bend_columns_deg of [angles]")
+                raise ValueError("closed_forms do not go with recorded bends")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
             if "table" in output and output["table"] == output.get("curves"):
                 raise ValueError(f"table is {output['table']!r}; that is the file of the curves")
@@ -272,6 +273,11 @@ class Scene:
         """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
         line: Any = self.line
         return line.plan(self.quantities, **self._arguments())
+
+    def explain(self) -> str:
+        """Say how the curves over the drive angle are evaluated, and how the study is."""
+        curves: str = self.plan().explain()
+        return f"{curves}\n\n{self.study.explain()}" if self.study else curves
 
     def _arguments(self) -> dict[str, Any]:
         return {
@@ -361,7 +367,7 @@ class _Angles:
     def columns(values: Mapping[str, Any]) -> list[str]:
         in_degrees = "angle_column_deg" in values
         angles = values["angle_column_deg" if in_degrees else "angle_column_rad"]
-        return [angles, *values.get("bend_columns_deg", [])]
+        return [angles, *_bend_columns(values)]
 
     @classmethod
     def of(
@@ -369,19 +375,26 @@ class _Angles:
     ) -> Self:
         """Take columns as they were read, from some row on."""
         column, *bend_columns = read
-        bends = values.get("bend_columns_deg", [])
-        for name, bend in zip(bends, bend_columns, strict=True):
-            wrong = np.flatnonzero(~((bend >= 0.0) & (bend < 90.0)))
+        end, unit = (math.pi / 2, "pi/2) rad") if BEND_COLUMNS[1] in values else (90.0, "90) deg")
+        for name, bend in zip(_bend_columns(values), bend_columns, strict=True):
+            wrong = np.flatnonzero(~((bend >= 0.0) & (bend < end)))
             if wrong.size:
                 row = first + wrong[0]
                 raise ValueError(
                     f"{folder / values['file']}: row {row}, counted from 0, column {name!r} "
-                    f"is {bend[wrong[0]]}; a bend must lie in [0, 90) deg"
+                    f"is {bend[wrong[0]]}; a bend must lie in [0, {unit}"
                 )
         in_degrees = "angle_column_deg" in values
         radians = np.radians(column) if in_degrees else column
         degrees = column if in_degrees else np.degrees(column)
-        return cls(degrees, radians, radians, np.stack(bend_columns, -1) if bends else None)
+        bends = np.stack(bend_columns, -1) if bend_columns else None
+        if bends is not None and BEND_COLUMNS[1] in values:
+            bends = np.degrees(bends)
+        return cls(degrees, radians, radians, bends)
+
+
+def _bend_columns(values: Mapping[str, Any]) -> list[str]:
+    return next((values[key] for key in BEND_COLUMNS if key in values), [])
 
 
 def _filled(values: Mapping[str, Any], angle: _Angles) -> tuple[Form, dict[str, Any]]:
@@ -390,7 +403,7 @@ def _filled(values: Mapping[str, Any], angle: _Angles) -> tuple[Form, dict[str, 
     if angle.bends is not None:
         for key in values:
             if key not in FORMS[0].optional:
-                raise ValueError(f"{key} does not go with bend_columns_deg of [angles]")
+                raise ValueError(f"{key} does not go with recorded bends")
         filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
     form = form_of(filled)
     joints = len(filled[form.keys[0]]) - form.ends

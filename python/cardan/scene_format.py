@@ -72,6 +72,9 @@ class Form:
 
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
+BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
+"""The keys for recorded bends, of which a scene uses at most one."""
+
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
@@ -171,8 +174,9 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     kinds.COLUMNS,
                     "in place of bends_deg: a column per joint with its bend at each sample",
                 ),
+                "bend_columns_rad": Key(kinds.COLUMNS, "or: the same in radians"),
             },
-            together=(("angle_column_deg", "angle_column_rad"),),
+            together=(("angle_column_deg", "angle_column_rad"), BEND_COLUMNS),
             needed=(("file",), ("angle_column_deg", "angle_column_rad")),
         ),
         "study": Section(
@@ -263,7 +267,8 @@ def schema() -> dict[str, Any]:
     """
     top, *names = FORMAT
     sections = {name: _section_schema(FORMAT[name]) for name in names}
-    columns = {"properties": {"angles": {"required": ["bend_columns_deg"]}}, "required": ["angles"]}
+    recorded = {"anyOf": [{"required": [key]} for key in BEND_COLUMNS]}
+    columns = {"properties": {"angles": recorded}, "required": ["angles"]}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Scene of a driveline",

@@ -27,8 +27,9 @@ class Starter:
 
 _FILES = """\
 # quantities = ["angle_error", "speed_ratio", "bending_driving", "bending_driven"]
-curves = "{name}.csv"          # over the drive angle; .parquet and .npz as well
-picture = "{name}.svg"         # .png and .pdf as well
+# Curves over the drive angle as .csv, .parquet or .npz; the picture as .svg, .png or .pdf.
+curves = "{name}.csv"
+picture = "{name}.svg"
 """
 
 STARTERS: Mapping[str, Starter] = MappingProxyType(
@@ -67,7 +68,7 @@ twists_deg = [180]             # 180: Z arrangement, 0: W arrangement
 phases_deg = [0]               # 0: forks of the common shaft in one plane
 
 [load]
-speed_rpm = 1500
+speed_rpm = 1000
 output_torque_Nm = 200
 inertias_kgm2 = [0, 0.01, 0.05]
 
@@ -108,14 +109,15 @@ output_torque_Nm = 4000
             """\
 # A recorded run: drive angle and bends of each sample from a file. {name}_run.csv is a made-up
 # sample of a shaft whose driven end rises and falls; put your own in its place, as .csv, .parquet
-# or .npz.
+# or .npz, beside this scene.
 
 title = "Recorded run"
 
 [angles]
-file = "{name}_run.csv"      # looked for beside this scene
+file = "{name}_run.csv"
 angle_column_deg = "crank_deg" # or angle_column_rad
-bend_columns_deg = ["front_deg", "rear_deg"]  # one per joint; leave out where bends_deg is fixed
+# A column per joint, or bend_columns_rad; leave it out where the bends are fixed: bends_deg below.
+bend_columns_deg = ["front_deg", "rear_deg"]
 
 [driveline]
 twists_deg = [180]             # input and output shaft stay parallel

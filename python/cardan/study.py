@@ -202,6 +202,30 @@ class Study:
                 progress(done + line.shape[0], len(rows))
         return StudyPart(self.axes, rows, tuple(columns.values()), table)
 
+    def explain(self) -> str:
+        """Say how the study is evaluated: what needs no samples, and a block's plan."""
+        _, line, load = next(self.blocks())
+        rows, block = math.prod(self.shape), line.shape[0]
+        text = f"study of {rows} driveline{'s' if rows > 1 else ''}"
+        text += f" in blocks of {block}" if block < rows else ""
+        if self.closed_forms:
+            text += f"\nclosed forms, without samples: {', '.join(self.closed_forms)}"
+        if self.quantities:
+            first, *others = self.reductions
+            plan: Any = line
+            plan = plan.plan(
+                self.quantities,
+                reduce=first,
+                load=load,
+                shafts=None if self.shafts is None else list(self.shafts),
+                joints=list(self.joints),
+                **self.options,
+            )
+            likewise = f", likewise {', '.join(others)}" if others else ""
+            text += f"\n{first} over {np.size(self.angle)} drive angles{likewise}:\n"
+            text += plan.explain()
+        return text
+
     def check_ends(self) -> None:
         """Refuse a study with values out of range at either end of an axis.
 

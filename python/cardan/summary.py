@@ -89,17 +89,17 @@ def study_text(result: StudyResult, *, radians: bool = False) -> str:
         lines.append(("study", f"{count} driveline{'s' if result.rows > 1 else ''}"))
         for axis in result.axes:
             low, high = np.min(axis.values), np.max(axis.values)
-            lines.append((axis.key, f"{low:.10g} to {high:.10g}"))
+            lines.append((axis.key, f"{low:.6g} to {high:.6g}"))
     placed = False
     for name, found in study_data(result, radians=radians)["figures"].items():
         low, high = found["least"], found["largest"]
-        if low is None or high is None or low == high:
+        if low is None or high is None or alike(low, high):
             lines.append((name, "not finite" if low is None or high is None else figure_text(low)))
             continue
         placed = True
         ends = zip(range_ends(low, high), ("least", "largest"), strict=True)
         figures = [
-            f"{figure} ({', '.join(f'{at:.10g}' for at in found[f'{which}_at'].values())})"
+            f"{figure} ({', '.join(f'{at:.6g}' for at in found[f'{which}_at'].values())})"
             for figure, which in ends
         ]
         lines.append((name, " to ".join(figures)))
@@ -207,7 +207,7 @@ def _recorded_motion(result: SceneResult, shaft: int, of_shaft: str) -> Iterable
             continue
         in_unit = np.degrees(values) if output.unit == "rad" else values
         unit = "deg" if output.unit == "rad" else ""
-        yield _extent(f"{output.name.replace('_', ' ')}{of_shaft}", in_unit, unit)
+        yield _extent(f"{output.label}{of_shaft}", in_unit, unit)
 
 
 def _extent(label: str, values: FloatArray, unit: str = "") -> Row:
@@ -248,7 +248,7 @@ def _loads(result: SceneResult) -> Iterable[Row]:
     for output, item, values in result.curves():
         if output.needs_load:
             sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
-            label = f"largest {output.name.replace('_', ' ')}, {output.per} {item}"
+            label = f"largest {output.label}, {output.per} {item}"
             yield _peak(result, label, sizes)
 
 
@@ -284,6 +284,11 @@ def row_text(row: Row, radians: bool = False) -> str:
 
 def _range(low: float, high: float) -> str:
     return " to ".join(range_ends(low, high)) if 0.0 < high - low < math.inf else figure_text(low)
+
+
+def alike(low: float, high: float) -> bool:
+    """Whether the ends of a range differ by no more than rounding."""
+    return high - low <= 1e-9 * max(abs(low), abs(high))
 
 
 def range_ends(low: float, high: float) -> tuple[str, str]:

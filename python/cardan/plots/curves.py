@@ -74,7 +74,7 @@ def plot_curves(
     with drawing(ax) as axes:
         panel.draw(axes, np.degrees(turn), zip(names, rows, strict=True))
         axes.set_xlabel("drive angle [deg]")
-        axes.set_ylabel(f"{output.replace('_', ' ')}{unit}\n{what.per} {item}")
+        axes.set_ylabel(f"{what.label}\n{what.per} {item}{unit}")
         if axes.get_legend_handles_labels()[1]:
             legend_above(axes)
     return axes

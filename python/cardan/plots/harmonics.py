@@ -70,7 +70,7 @@ def plot_harmonics(
             axes.set_ylim(10.0 ** math.floor(math.log10(least) - 0.1), None)
         axes.set_xticks(found.orders)
         axes.set_xlabel("order of the drive's rotation")
-        axes.set_ylabel(f"{quantity.replace('_', ' ')}{unit}\nshaft {item}")
+        axes.set_ylabel(f"{quantity.replace('_', ' ')}\nshaft {item}{unit}")
         axes.grid(visible=True, axis="y")
         if any(names):
             legend_above(axes)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from cardan.arrays import FloatArray
 from cardan.plots import panel
+from cardan.plots.study import plot_study
 from cardan.plots.style import MM, STYLE, WIDTH, legend_above, matplotlib, save
 
 if TYPE_CHECKING:
@@ -55,21 +56,43 @@ def plot_scene(result: SceneResult) -> Figure:
     return figure
 
 
-def write_picture(result: SceneResult, path: str | PathLike[str]) -> None:
+def write_picture(
+    result: SceneResult, path: str | PathLike[str], column: str | None = None
+) -> None:
     """Write the picture of a scene in the format that the path's suffix names.
+
+    Args:
+        result: an evaluated scene.
+        path: file to write.
+        column: a figure of the scene's study, to draw over its keys as ``plot_study`` does.
 
     Raises:
         ImportError: matplotlib is missing.
         OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix.
+        ValueError: an unknown suffix or column, a study of no key or more than two.
     """
-    save(plot_scene(result), path)
+    save(plot_scene(result) if column is None else _study(result, column), path)
+
+
+def _study(result: SceneResult, column: str) -> Figure:
+    scene = result.scene
+    if result.study is None:
+        raise ValueError(f"{scene.name}: there is no study to draw; it needs a section [study]")
+    with matplotlib().rc_context(STYLE):
+        from matplotlib.figure import Figure
+
+        figure = Figure(figsize=(WIDTH, 66.0 * MM), layout="constrained")
+        plot_study(result.study, column, ax=figure.add_subplot())
+        if scene.title:
+            title = textwrap.fill(scene.title, width=48)
+            figure.suptitle(title, fontsize=8.0, parse_math=False)
+    return figure
 
 
 def _panels(result: SceneResult) -> Iterable[_Panel]:
     speed = result.scene.speed
     for output, item, values in result.curves():
-        heading, scale = output.name.replace("_", " "), 1.0
+        heading, scale = output.label, 1.0
         values, unit = panel.in_unit(output, values)
         if output.name == "acceleration_ratio" and speed:
             scale = speed * speed

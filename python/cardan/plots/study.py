@@ -154,11 +154,27 @@ def _middles(lines: QuadContourSet) -> list[tuple[float, float]]:
     ]
 
 
+# What an entry of a list is, and the number of the first one.
+_ENTRIES = {
+    "bends_deg": ("bend, joint", 0),
+    "twists_deg": ("twist, shaft", 1),
+    "phases_deg": ("phase, shaft", 1),
+    "slopes_vertical_deg": ("slope in side view, shaft", 0),
+    "slopes_horizontal_deg": ("slope in top view, shaft", 0),
+    "projected_bends_vertical_deg": ("bend in side view, joint", 0),
+    "projected_bends_horizontal_deg": ("bend in top view, joint", 0),
+    "inertias_kgm2": ("inertia, shaft", 0),
+}
+
+
 def _name(key: str) -> str:
-    """A scene's key as a label: ``phases_deg.0`` as ``phases.0 [deg]``."""
+    """A scene's key as a label: ``phases_deg.0`` as ``phase, shaft 1 [deg]``."""
     name, dot, place = key.partition(".")
     ending = next((ending for ending in _UNITS if name.endswith(ending)), "")
     unit = f" [{_UNITS[ending]}]" if ending else ""
+    if name in _ENTRIES and place.isdecimal():
+        entry, first = _ENTRIES[name]
+        return f"{entry} {first + int(place)}{unit}"
     return f"{name.removesuffix(ending).replace('_', ' ')}{dot}{place}{unit}"
 
 

@@ -44,8 +44,9 @@ def plot_small_angle(
     if component not in _SYMBOLS:
         raise ValueError(f"component is {component!r}; known are {', '.join(_SYMBOLS)}")
     exact, small = _moments(component, bend_deg)
+    curves = [(f"exact, bend {bend_deg:g}°", exact), ("for small bends", small)]
     with drawing(ax, height_mm=45.0) as axes:
-        panel.draw(axes, np.degrees(_TURN), [("exact", exact), ("for small bends", small)])
+        panel.draw(axes, np.degrees(_TURN), curves)
         axes.set_xlabel("drive angle [deg]")
         axes.set_ylabel(rf"${_SYMBOLS[component]}\,/\,Θω^2$")
         legend_above(axes)

@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from cardan.answers import check_scene, yoke_lines, yoke_settings
+from cardan.answers import check_scene, phases_text, yoke_lines, yoke_settings
 from cardan.check import Check
 from cardan.report.samples import NOMINAL_TORQUE, Samples
 from cardan.scene import Scene
@@ -133,12 +133,14 @@ def _yokes(scene: Scene) -> str:
     data = yoke_settings(scene)
     bend = data["equivalent_bend_deg"]
     items = "".join(f"<li>{escape(words)}</li>" for words in yoke_lines(data))
-    phases = ", ".join(f"{shaft['phase_deg']:.4f}" for shaft in data["shafts"])
+    limits = "<p>Set so, it passes the check.</p>"
+    if above := "".join(f"<li>{escape(words)}</li>" for words in data["above_limits"]):
+        limits = f"<p>Set so, it does not pass the check:</p><ul>{above}</ul>"
     return (
         f"<p>Set the output-side yoke against the input-side one, {escape(data['view'])}:</p>"
         f"<ul>{items}</ul><p>Equivalent bend: {bend['present']:.4g}° as it is, "
-        f"<strong>{bend['best']:.4g}° set so</strong>.</p>"
-        f"<p>In the scene: <code>phases_deg = [{phases}]</code></p>"
+        f"<strong>{bend['best']:.4g}° set so</strong>.</p>{limits}"
+        f"<p>In the scene: <code>{phases_text(data)}</code></p>"
     )
 
 

@@ -145,7 +145,7 @@ def _places(samples: Samples) -> list[str]:
 def _plan(scene: Scene) -> str:
     return (
         "<p>How the quantities that the scene asks for are evaluated, as "
-        f"<code>cardan explain</code> says it.</p><pre>{escape(scene.plan().explain())}</pre>"
+        f"<code>cardan explain</code> says it.</p><pre>{escape(scene.explain())}</pre>"
     )
 
 

@@ -131,7 +131,7 @@ class Samples:
                 found.setdefault(output, {})[item] = sizes
         panels = []
         for output, curves in found.items():
-            heading, unit, factor = output.name.replace("_", " "), output.unit, 1.0
+            heading, unit, factor = output.label, output.unit, 1.0
             scale = self.largest_torque if output.needs_load else 1.0
             if output.vector:
                 heading += ", size"

@@ -13,7 +13,7 @@ from cardan.report.charts import chart, number
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import table
 from cardan.study import StudyResult
-from cardan.summary import figure_text, range_ends, study_data
+from cardan.summary import alike, figure_text, range_ends, study_data
 
 _MOST_CHARTS, _MOST_CURVES, _MOST_POINTS = 12, 5, 1000
 
@@ -29,13 +29,15 @@ def study_section(result: StudyResult) -> str:
     for name, found in data["figures"].items():
         cells = [name]
         low, high = found["least"], found["largest"]
-        ends = ("not finite", "not finite")
+        ends, same = ("not finite", "not finite"), False
         if low is not None and high is not None:
-            ends = range_ends(low, high) if low < high else (figure_text(low), figure_text(high))
+            same = alike(low, high)
+            ends = (figure_text(low), figure_text(high)) if same else range_ends(low, high)
         for which, end in zip(("least", "largest"), ends, strict=True):
             cells.append(end)
             at = found.get(f"{which}_at", {})
-            cells += [f"{at[axis.key]:.6g}" if at else "" for axis in result.axes]
+            placed = at and not same
+            cells += [f"{at[axis.key]:.6g}" if placed else "" for axis in result.axes]
         rows.append(cells)
     keys = [f"at {axis.key}" for axis in result.axes]
     parts = []
