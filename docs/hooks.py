@@ -77,10 +77,12 @@ def outputs() -> str:
     from cardan import OUTPUTS
 
     rows = [
-        f"| `{name}` | {output.per} | {output.unit} | {output.meaning} |"
+        f"| `{name}` | {output.per} | {output.unit} | {output.meaning} "
+        f"| {output.source.replace('|', '&#124;')} |"
         for name, output in OUTPUTS.items()
     ]
-    return "\n".join(["| output | per | unit | meaning |", "|---|---|---|---|", *rows])
+    head = "| output | per | unit | meaning | equation and source |"
+    return "\n".join([head, "|---|---|---|---|---|", *rows])
 
 
 def command_help() -> str:

@@ -18,6 +18,8 @@ class Output:
         per: ``"shaft"`` or ``"joint"``.
         unit: SI unit; ``"1"`` for a ratio.
         meaning: one line.
+        source: its equation, with where it comes from; ``a`` is the driving angle of the joint, or
+            of the one joint that is equivalent to the chain, ``b`` its bend.
         vector: whether it has three components.
         needs_load: whether ``evaluate`` needs ``load=``.
     """
@@ -26,6 +28,7 @@ class Output:
     per: Literal["shaft", "joint"]
     unit: str
     meaning: str
+    source: str
     vector: bool = False
     needs_load: bool = False
 
@@ -34,22 +37,49 @@ OUTPUTS: Mapping[str, Output] = MappingProxyType(
     {
         output.name: output
         for output in (
-            Output("angle", "shaft", "rad", "rotation, mean-synchronous with the drive"),
-            Output("angle_error", "shaft", "rad", "rotation less the drive angle, mean zero"),
-            Output("speed_ratio", "shaft", "1", "speed over that of the drive"),
+            Output(
+                "angle",
+                "shaft",
+                "rad",
+                "rotation, mean-synchronous with the drive",
+                "tan angle = tan a / cos b (Thoma 4, Grossmann 1)",
+            ),
+            Output(
+                "angle_error",
+                "shaft",
+                "rad",
+                "rotation less the drive angle, mean zero",
+                "atan2((1 - cos b) sin a cos a, cos b cos² a + sin² a) (from Thoma 4; Bild 11)",
+            ),
+            Output(
+                "speed_ratio",
+                "shaft",
+                "1",
+                "speed over that of the drive",
+                "cos b / (cos² b cos² a + sin² a) (from Thoma 4)",
+            ),
             Output(
                 "acceleration_ratio",
                 "shaft",
                 "1",
                 "second derivative of the rotation by the drive angle; times the square of the "
                 "drive speed it is the acceleration at constant drive speed",
+                "-2 cos b sin² b sin a cos a / (cos² b cos² a + sin² a)² (from Thoma 4)",
             ),
-            Output("torque", "shaft", "N m", "torsion entering the shaft", needs_load=True),
+            Output(
+                "torque",
+                "shaft",
+                "N m",
+                "torsion entering the shaft",
+                "D / speed ratio of the joint (Grossmann 7), less what inertias take (Thoma 8)",
+                needs_load=True,
+            ),
             Output(
                 "support_moment",
                 "shaft",
                 "N m",
                 "vector that the bearings must give the shaft",
+                "moment of the joint at its end less that at its start, without the part along it",
                 vector=True,
                 needs_load=True,
             ),
@@ -58,6 +88,7 @@ OUTPUTS: Mapping[str, Output] = MappingProxyType(
                 "joint",
                 "N m",
                 "vector that the joint exerts on its driven shaft",
+                "D (u_in + tan b sin a (sin a e_in - cos a m)), normal to both pins (Thoma 5)",
                 vector=True,
                 needs_load=True,
             ),
@@ -66,6 +97,7 @@ OUTPUTS: Mapping[str, Output] = MappingProxyType(
                 "joint",
                 "N m",
                 "size of the bending moment in the driving shaft",
+                "D tan b |sin a| (Grossmann 6)",
                 needs_load=True,
             ),
             Output(
@@ -73,10 +105,23 @@ OUTPUTS: Mapping[str, Output] = MappingProxyType(
                 "joint",
                 "N m",
                 "size of the bending moment in the driven shaft",
+                "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)",
                 needs_load=True,
             ),
-            Output("tilt_driving", "joint", "rad", "signed tilt of the cross, driving shaft"),
-            Output("tilt_driven", "joint", "rad", "signed tilt of the cross, driven shaft"),
+            Output(
+                "tilt_driving",
+                "joint",
+                "rad",
+                "signed tilt of the cross, driving shaft",
+                "tan tilt = tan b sin a (Grossmann 3)",
+            ),
+            Output(
+                "tilt_driven",
+                "joint",
+                "rad",
+                "signed tilt of the cross, driven shaft",
+                "sin tilt = sin b cos a (Grossmann 5)",
+            ),
         )
     }
 )
