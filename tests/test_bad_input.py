@@ -184,6 +184,13 @@ def test_interrupt_while_a_table_is_written(folder: Path, old: bool) -> None:
     Path("a.toml").write_text(STUDY)
     if old:
         Path("a.csv").write_text("old")
+
+    def size(entry: Path) -> int:
+        try:
+            return entry.stat().st_size
+        except FileNotFoundError:  # what tried whether the folder can be written
+            return 0
+
     process = subprocess.Popen(
         [SCRIPT, "run", "a.toml"],
         stdout=subprocess.PIPE,
@@ -193,7 +200,7 @@ def test_interrupt_while_a_table_is_written(folder: Path, old: bool) -> None:
     )
     try:
         deadline = time.monotonic() + 60
-        while not any(entry.stat().st_size > 1_000_000 for entry in folder.iterdir()):
+        while not any(size(entry) > 1_000_000 for entry in folder.iterdir()):
             assert process.poll() is None
             assert time.monotonic() < deadline
             time.sleep(0.01)
