@@ -17,11 +17,13 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parent.parent
 
 _FORMULA = re.compile(r'<(span|div) class="arithmatex">(.*?)</\1>', re.DOTALL)
-# A function, with its power, that is not followed by a bracket: there a thin space belongs.
+# A function, with its power: between it and what is no bracket a thin space belongs.
 _NAME = "<mi>(?:arcsin|arctan|arg|cosh|cos|ln|sec|sinh|sin|tan)</mi>"
-_FUNCTION = re.compile(
-    rf"((?<!<msup>){_NAME}|<msup>{_NAME}.*?</msup>)(?!<mo[^>]*>&#x00028;|</mrow>)"
-)
+_FUNCTION = rf"(?:(?<!<msup>){_NAME}|<msup>{_NAME}.*?</msup>)"
+_BEFORE = re.compile(rf"(?:(?<=</m[in]>)|(?<=</mfrac>))(?={_FUNCTION})")
+_AFTER = re.compile(rf"({_FUNCTION})(?!(?:<mrow>)?<mo[^>]*>&#x00028;|</mrow>)")
+_SPACE = '<mspace width="0.17em"/>'
+_BAR = re.compile(r'<mo(?: stretchy="false")?>&#x0007C;</mo>')
 _INCLUDE = re.compile(r"^\{\{ (.+?) \}\}$", re.MULTILINE)
 _LINK = re.compile(r"(!?)\[(.*?)\]\((?!https?:|#)(.*?)\)")
 
@@ -35,7 +37,12 @@ def _formula(match: re.Match[str]) -> str:
     display = "block" if match[1] == "div" else "inline"
     latex = html.unescape(match[2]).strip().removeprefix("\\(").removeprefix("\\[")
     latex = latex.removesuffix("\\)").removesuffix("\\]").strip()
-    return _FUNCTION.sub(r'\1<mspace width="0.17em"/>', convert(latex, display=display))
+    mathml = convert(latex, display=display).replace("<mi>\\arg<", "<mi>arg<")
+    if "\\" in mathml:
+        raise ValueError(f"{latex} has a command that the site cannot show")
+    # Before powers a browser takes the bars of a magnitude for signs between two terms.
+    mathml = _BAR.sub('<mo stretchy="false" lspace="0" rspace="0">&#x0007C;</mo>', mathml)
+    return _AFTER.sub(rf"\1{_SPACE}", _BEFORE.sub(_SPACE, mathml))
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
@@ -70,10 +77,12 @@ def outputs() -> str:
     from cardan import OUTPUTS
 
     rows = [
-        f"| `{name}` | {output.per} | {output.unit} | {output.meaning} |"
+        f"| `{name}` | {output.per} | {output.unit} | {output.meaning} "
+        f"| {output.source.replace('|', '&#124;')} |"
         for name, output in OUTPUTS.items()
     ]
-    return "\n".join(["| output | per | unit | meaning |", "|---|---|---|---|", *rows])
+    head = "| output | per | unit | meaning | equation and source |"
+    return "\n".join([head, "|---|---|---|---|---|", *rows])
 
 
 def command_help() -> str:

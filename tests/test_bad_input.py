@@ -192,6 +192,7 @@ def test_interrupt_while_a_table_is_written(folder: Path, old: bool) -> None:
     Path("a.toml").write_text(STUDY)
     if old:
         Path("a.csv").write_text("old")
+
     process = subprocess.Popen(
         [SCRIPT, "run", "a.toml"],
         stdout=subprocess.PIPE,

@@ -225,7 +225,7 @@ def test_a_point_that_makes_no_driveline_is_named(
         (SCENE.replace(".parquet", ".csv"), ["--local", "2"], "--local needs a scene with a study"),
         ("[driveline]\nbends_deg = [3]\n", ["--scheduler", "x"], "--scheduler needs a scene with"),
         (SCENE, ["--scheduler", "tcp://127.0.0.1:9"], "tcp://127.0.0.1:9: no dask scheduler"),
-        (SCENE, ["--scheduler", "nonsense"], "nonsense: no dask scheduler answers"),
+        (SCENE, ["--scheduler", ""], "--scheduler is empty; give an address"),
     ],
 )
 def test_what_cannot_be_done(
@@ -240,6 +240,37 @@ def test_what_cannot_be_done(
     assert result.exit_code == 2
     assert message in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("address", ["nonsense", "nowhere.invalid:8786", "foo://here:8786"])
+def test_an_address_without_meaning_makes_no_client(
+    address: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # It would try for half a minute and hold the process at its end for another one.
+    monkeypatch.setattr("distributed.Client", pytest.fail)
+    with pytest.raises(OSError, match="no dask scheduler answers"), cluster.connect(address):
+        pass
+
+
+def test_a_run_whose_tasks_are_cancelled_says_so(
+    scene: Path,
+    tmp_path: Path,
+    client: Any,  # noqa: ANN401
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # As when the scheduler is gone.
+    submit = client.map
+
+    def cancelled(*arguments: Any, **options: Any) -> Any:  # noqa: ANN401
+        futures = submit(*arguments, **options)
+        client.cancel(futures)
+        return futures
+
+    monkeypatch.setattr(client, "map", cancelled)
+    study = Scene.load(scene).study
+    assert study
+    with pytest.raises(OSError, match="dask gave up"):
+        cluster.write_study(study, tmp_path / "study.parquet", client, part_rows=PART)
 
 
 def test_folders_of_others_are_left_alone(

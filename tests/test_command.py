@@ -486,7 +486,7 @@ def test_unwritable(scene: Path, into: Path) -> None:
     ("module", "message", "left"),
     [
         ("pyarrow", "a .parquet file needs pyarrow: pip install 'cardan[table]'", []),
-        ("matplotlib", "a picture needs matplotlib: pip install 'cardan[app]'", ["a.parquet"]),
+        ("matplotlib", "a picture needs matplotlib: pip install 'cardan[plot]'", ["a.parquet"]),
     ],
 )
 def test_missing_extra(

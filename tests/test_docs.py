@@ -16,6 +16,7 @@ from types import ModuleType
 import pytest
 from click.testing import CliRunner
 
+import cardan
 from cardan.command import commands
 
 ROOT = Path(__file__).parent.parent
@@ -120,6 +121,15 @@ def test_contributing_names_what_ci_runs() -> None:
 def test_every_page_is_in_the_navigation() -> None:
     listed = re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text("utf-8"))
     assert sorted(listed) == sorted(page.relative_to(DOCS).as_posix() for page in PAGES)
+
+
+def test_the_reference_has_every_public_name() -> None:
+    pages = "".join(page.read_text("utf-8") for page in (DOCS / "reference").glob("*.md"))
+    names = {f"cardan.{name}" for name in cardan.__all__} - {"cardan.__version__"}
+    names |= {"cardan.lazy.LazyDriveline", "cardan.scene.SceneResult", "cardan.study.StudyResult"}
+    names |= {f"cardan.tables.{name}" for name in ("through", "stream")}
+    names |= {f"cardan.cluster.{name}" for name in ("connect", "write_study", "Written")}
+    assert {name for name in names if not re.search(rf"{re.escape(name)}\b", pages)} == set()
 
 
 def _module(path: Path) -> ModuleType:

@@ -1,10 +1,12 @@
-"""dask arrays in, dask arrays out: the bits of NumPy's, by any scheduler, in any chunks."""
+"""dask arrays in, dask arrays out: the bits of NumPy's rows, by any scheduler, in any chunks."""
 
 from __future__ import annotations
 
+import copy
 import os
+import pickle
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -96,6 +98,16 @@ def test_reductions(reduce: Any, dtype: Any) -> None:  # noqa: ANN401
         lazily(BENDS, 7, 1, 2).evaluate(sweep, NAMES, **options),
         BATCH.evaluate(sweep, NAMES, **options),
     )
+
+
+@pytest.mark.parametrize(
+    "again", [copy.copy, copy.deepcopy, lambda line: pickle.loads(pickle.dumps(line))]
+)
+def test_pickles_and_copies(again: Callable[[Any], Any]) -> None:
+    line = lazily(BENDS, 7, 1, 2)
+    other = again(line)
+    assert repr(other) == repr(line)
+    check(other.evaluate(ANGLE, NAMES, load=LOAD), BATCH.evaluate(ANGLE, NAMES, load=LOAD))
 
 
 def test_a_single_driveline_of_a_dask_array() -> None:

@@ -209,7 +209,7 @@ def test_pyplot_stays_out(tmp_path: Path) -> None:
 
 def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(ImportError, match=r"needs matplotlib: pip install 'cardan\[app\]'"):
+    with pytest.raises(ImportError, match=r"needs matplotlib: pip install 'cardan\[plot\]'"):
         write_picture(foeppl(), tmp_path / "a.svg")
     assert list(tmp_path.iterdir()) == []
 

@@ -10,7 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from types import MethodType
+from types import MethodType, ModuleType
 from typing import Any
 
 import numpy as np
@@ -177,6 +177,7 @@ OBJECTS = [
     BATCH.check().findings[0],
     BallJoint(0.05),
     BallJoint([0.05, 0.1], 1.0).with_clearance(1e-4, compliance=1e-12),
+    cardan.OUTPUTS,
     cardan.OUTPUTS["moment"],
     cardan.workshop.turn(LINE.phases),
     SCENE,
@@ -242,9 +243,12 @@ def test_pickles_and_copies(thing: object, again: Callable[[object], object]) ->
     same(thing, again(thing))
 
 
-def test_every_public_class_is_pickled_above() -> None:
-    classes = {value for value in vars(cardan).values() if isinstance(value, type)}
+def test_every_public_object_is_pickled_above() -> None:
+    public = [getattr(cardan, name) for name in cardan.__all__]
+    classes = {value for value in public if isinstance(value, type)}
     assert classes | {SceneResult, StudyResult} <= {type(thing) for thing in OBJECTS}
+    others = [thing for thing in public if not isinstance(thing, type | ModuleType | str)]
+    assert all(any(other is thing for thing in OBJECTS) for other in others)
 
 
 def test_a_pickled_scene_still_runs() -> None:

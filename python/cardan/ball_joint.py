@@ -137,10 +137,16 @@ class BallJoint:
     def contact_angle(self, load: ArrayLike) -> Any:  # noqa: ANN401 - a scalar or an array
         """Return the angle in rad from the load to the edge of the contact.
 
-        Without clearance that is the edge of the seat. With it a load of 0 touches in a point.
+        Without clearance that is the edge of the seat. With it the cosine of the angle is
+        ``clearance/(approach + clearance)``, unless the seat ends before; a load of 0 touches in a
+        point.
 
         Args:
             load: in N, not negative.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a negative load, shapes that do not broadcast.
         """
         force = self._force(load)
         return scalar_or_array(self._contact(force).angle + np.zeros(self.shape) * force)
@@ -154,6 +160,10 @@ class BallJoint:
 
         Args:
             load: in N, not negative.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a negative load, shapes that do not broadcast.
         """
         force = self._force(load)
         return scalar_or_array(self._peak(force, self._contact(force)))
@@ -164,6 +174,10 @@ class BallJoint:
         Args:
             theta: angle in rad from the load, of either sign; an infinite one gives NaN.
             load: in N, not negative.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a negative load, shapes that do not broadcast.
         """
         angle, force = real("theta", theta), self._force(load)
         common_shape(joint=self.shape, theta=angle.shape, load=force.shape)
@@ -224,6 +238,10 @@ class BallJoint:
         Args:
             load: in N, not negative.
             friction: coefficient of friction, not negative.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a negative load or friction, shapes that do not broadcast.
         """
 
         def closed(sine: FloatArray, c: FloatArray) -> FloatArray:
@@ -244,6 +262,10 @@ class BallJoint:
         Args:
             load: in N, not negative.
             friction: coefficient of friction, not negative.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a negative load or friction, shapes that do not broadcast.
         """
 
         # The integral of k E(k) from 0 to s = sin(t) is s² (B(s) + E(s))/3, with Legendre's B, the

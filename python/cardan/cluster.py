@@ -66,14 +66,19 @@ def connect(scheduler: str | None = None, processes: int | None = None) -> Itera
     """
     distributed = module("distributed", "dask")
     with contextlib.ExitStack() as stack:
+        cluster: Any = scheduler
         if scheduler is None:
             # Any port for its status pages, so that several runs do not want the same.
-            cluster = distributed.LocalCluster(
-                n_workers=processes, threads_per_worker=1, dashboard_address="127.0.0.1:0"
+            cluster = stack.enter_context(
+                distributed.LocalCluster(
+                    n_workers=processes, threads_per_worker=1, dashboard_address="127.0.0.1:0"
+                )
             )
-            scheduler = stack.enter_context(cluster)
         try:
-            client = distributed.Client(scheduler, set_as_default=False)
+            if scheduler is not None:
+                # A client of an address without meaning keeps its process from ending for a minute.
+                distributed.comm.resolve_address(scheduler)
+            client = distributed.Client(cluster, set_as_default=False)
         except (OSError, ValueError) as error:
             raise OSError(errno.ECONNREFUSED, "no dask scheduler answers", scheduler) from error
         stack.enter_context(client)
@@ -139,6 +144,8 @@ def write_study(
     )
     try:
         for _, size in distributed.as_completed(futures, with_results=True):
+            if isinstance(size, CancelledError):  # handed out like a result
+                raise size
             done += size
             if progress:
                 progress(done, rows)

@@ -246,7 +246,7 @@ def commands() -> click.Group:
         as_json: bool,
     ) -> None:
         whole = loaded = Scene.load(scene)
-        on_cluster = bool(local or scheduler)
+        on_cluster = local is not None or scheduler is not None
         if on_cluster:
             _check_for_cluster(whole, local, scheduler)
             loaded = replace(whole, study=None, table_file=None)
@@ -410,6 +410,8 @@ def _wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
 def _check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:
     if local and scheduler:
         raise ValueError("--local and --scheduler are both given; give one of them")
+    if scheduler == "":
+        raise ValueError("--scheduler is empty; give an address, as tcp://host:8786")
     if not scene.study or not str(scene.table_file).endswith(".parquet"):
         option = "--local" if local else "--scheduler"
         raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")

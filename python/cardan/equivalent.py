@@ -16,6 +16,10 @@ class EquivalentJoint:
     angle is the drive angle plus an offset. Near full compensation compare ``k`` or
     ``non_uniformity``, not ``bend``: a rounding of 1e-16 in ``k`` is 2e-8 rad in ``bend``.
 
+    Source: a joint takes the pin's direction ``w = exp(i a)`` to ``w - tan(b/2)**2 conj(w)`` (from
+    Thoma 4), a chain to ``A w + B conj(w)``, and ``k = |B/A|``. For one joint these are the
+    catalogues' Bilder 12 (``max_angle_error``) and 13 (``non_uniformity``).
+
     Attributes:
         bend: equivalent bend in rad.
         angle_offset: what to add to the drive angle to get this joint's driving angle, in rad,

@@ -73,7 +73,8 @@ def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
         coordinates[output.per] = (of_items, items, {"long_name": f"{output.per}, counted from 0"})
         of_vector = ("component",) if output.vector and samples.reduce != "peak" else ()
         if of_vector:
-            coordinates["component"] = list("xyz")
+            axis = {"long_name": "component along an axis of the driveline"}
+            coordinates["component"] = ("component", list("xyz"), axis)
         attributes = {
             "units": output.unit,
             "long_name": _long_name(name),

@@ -62,8 +62,9 @@ def stream(
 ) -> tuple[Path, int]:
     """Write the curves of a scene with recorded angles, whose files may be of any length.
 
-    The file has the rows and columns that ``cardan run`` writes, to the same bits; only a bend that
-    is alone in its chunk may have an inverse tangent of its own, and another last digit.
+    The file has the rows and columns that ``cardan run`` writes, to the same bits; only where bends
+    are recorded too, the steepest of those in a chunk decide on its inverse tangent, which may move
+    last digits.
 
     Args:
         scene: a scene file with ``[angles]`` from a Parquet file and ``curves`` into one.

@@ -74,7 +74,7 @@ def matplotlib() -> Any:  # noqa: ANN401 - a module that may be missing
     try:
         import matplotlib
     except ModuleNotFoundError:
-        hint = "a picture needs matplotlib: pip install 'cardan[app]'"
+        hint = "a picture needs matplotlib: pip install 'cardan[plot]'"
         raise ModuleNotFoundError(hint) from None
     return matplotlib
 

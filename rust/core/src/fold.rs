@@ -99,8 +99,8 @@ impl<T: Angle> FoldedShaft<T> {
         let [cos, cos2, sin2, versine, ..] = views_mut(&mut self.equivalents, start, length);
         let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
         let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
-        for i in 0..length {
-            let joint = Constants::<T>::of_moderate_bend(bends[i]);
+        for (i, &bend) in bends.iter().enumerate() {
+            let joint = Constants::<T>::of_moderate_bend(bend);
             cos.set(i, joint.cos);
             cos2.set(i, joint.cos2);
             sin2.set(i, joint.sin2);
