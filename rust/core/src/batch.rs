@@ -17,7 +17,7 @@ use crate::pair::Pair;
 use crate::plan::Plan;
 use crate::real::Word;
 use crate::reduction::Reduction;
-use crate::samples::{Angles, Drivelines, Load, Samples, Source, Table};
+use crate::samples::{Angles, Drivelines, Geometries, Load, Samples, Source, Table};
 use crate::sweep::Group;
 
 /// Samples per block of a threaded run: some 20 µs of work. A multiple of the chunk.
@@ -358,7 +358,8 @@ impl<'a, 's> Run<'a, 's> {
         if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
             return;
         }
-        let kept = self.constants.and_then(T::kept);
+        let one = self.table.geometries() == Geometries::One;
+        let kept = self.constants.and_then(T::kept).filter(|_| one);
         let spare = match &mut target {
             Target::Planes(planes) => T::direct(planes).is_none(),
             Target::Reduced(..) => true,

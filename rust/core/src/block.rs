@@ -1,5 +1,6 @@
 //! A block of samples, run by one thread: rows of one driveline, cut into chunks.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -97,11 +98,10 @@ pub(crate) struct Block<'a, 's, T: Number> {
     plan: &'a Plan,
     table: &'a Table<'s>,
     level: Level,
-    kept: Option<&'a Folded<T>>,
     group: Option<&'a Group<T>>,
     stop: Option<&'a AtomicBool>,
-    /// The drivelines of these rows, or of the samples of one chunk.
-    folded: Folded<T>,
+    /// The only driveline, or those of these rows, or of the samples of one chunk.
+    folded: Cow<'a, Folded<T>>,
     rows: Range<usize>,
     scratch: Scratch<T>,
     /// Planes for one chunk, where the results go on to be converted or reduced.
@@ -139,23 +139,28 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         let row_length = table.row_length();
         let longest = Self::CHUNK.min(row_length);
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
-        let lines = match table.geometries() {
-            _ if kept.is_some() => 0,
-            Geometries::One => 1,
-            Geometries::ByRow => GROUP.min(rows),
-            Geometries::BySample => longest,
+        let room = || {
+            let (lines, by_sample) = match table.geometries() {
+                Geometries::One => (1, false),
+                Geometries::ByRow => (GROUP.min(rows), false),
+                Geometries::BySample => (longest, true),
+            };
+            Cow::Owned(Folded::new(plan, lines, by_sample))
         };
         Self {
             plan,
             table,
             level,
-            kept,
             group,
             stop,
-            folded: Folded::new(plan, lines, table.geometries() == Geometries::BySample),
+            folded: kept.map_or_else(room, Cow::Borrowed),
             rows: 0..0,
             scratch: Scratch::new(plan, table, longest),
-            spare: vec![vec![T::Word::default(); if spare { longest } else { 0 }]; plan.planes],
+            spare: if spare {
+                vec![vec![T::Word::default(); longest]; plan.planes]
+            } else {
+                vec![]
+            },
             angles: vec![],
             pins: None,
             twice: None,
@@ -196,16 +201,18 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             Geometries::ByRow => row..(last + 1).min(row + GROUP),
             Geometries::BySample => return,
         };
-        let at_hand = match self.table.geometries() {
-            Geometries::One => !self.rows.is_empty(),
+        let at_hand = match (&self.folded, self.table.geometries()) {
+            (Cow::Borrowed(_), _) => true,
+            (_, Geometries::One) => !self.rows.is_empty(),
             _ => self.rows.contains(&row),
         };
-        if at_hand || self.kept.is_some() {
+        if at_hand {
             return;
         }
         let table = self.table;
         let line_of = |i: usize| table.locate(&table.line, row + i).0;
-        compiled_for!(self.level, self.folded.fold(self.plan, &table.lines, rows.len(), line_of));
+        let folded = self.folded.to_mut();
+        compiled_for!(self.level, folded.fold(self.plan, &table.lines, rows.len(), line_of));
         self.rows = rows;
     }
 
@@ -272,13 +279,10 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         if !(reduction.is_extreme() && self.plan.has_closed_extremes() && one && along == 1) {
             return None;
         }
-        let (folded, index) = match self.kept {
-            Some(kept) => (kept, 0),
-            None => (&self.folded, row - self.rows.start),
-        };
-        let index = if self.table.geometries() == Geometries::One { 0 } else { index };
+        let one = self.table.geometries() == Geometries::One;
+        let index = if one { 0 } else { row - self.rows.start };
         let shafts = self.plan.moving().filter_map(|step| {
-            folded.shafts[step.shaft].as_ref().map(|shaft| (step, shaft.crest(index)))
+            self.folded.shafts[step.shaft].as_ref().map(|shaft| (step, shaft.crest(index)))
         });
         extremes::beside(sweep, samples, shafts)
     }
@@ -309,17 +313,18 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 Drive::Array(&self.angles)
             }
         };
-        let (folded, seen) = match (self.kept, table.geometries()) {
-            (Some(kept), _) => (kept, Seen::One(0)),
-            (None, Geometries::One) => (&self.folded, Seen::One(0)),
-            (None, Geometries::ByRow) => (&self.folded, Seen::One(part.row - self.rows.start)),
-            (None, Geometries::BySample) => {
+        let seen = match table.geometries() {
+            Geometries::One => Seen::One(0),
+            Geometries::ByRow => Seen::One(part.row - self.rows.start),
+            Geometries::BySample => {
                 let (line, step) = table.locate(&table.line, part.row);
                 let line_of = |i: usize| line + (samples.start + i) * step;
-                compiled_for!(level, self.folded.fold(plan, &table.lines, size, line_of));
-                (&self.folded, Seen::Each)
+                let folded = self.folded.to_mut();
+                compiled_for!(level, folded.fold(plan, &table.lines, size, line_of));
+                Seen::Each
             }
         };
+        let folded: &Folded<T> = &self.folded;
         let place = picked.is_none().then_some((begin, step, size));
         let [pinned, doubled] = chunk::ways(plan, folded, seen);
         if pinned && (place.is_none() || self.pins != place) {

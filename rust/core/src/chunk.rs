@@ -27,7 +27,7 @@ pub(crate) struct Scratch<T: Number> {
     parts: [Column<T>; 3],
     /// The first part of the support moment of the shaft that the load has come to.
     support: [Column<T>; 3],
-    /// Angle errors of a chunk or a whole period, for each shaft whose angle is wanted.
+    /// Angle errors of a chunk or a whole period, for each shaft whose angle is wanted, if they are.
     errors: Vec<Column<T>>,
 }
 
@@ -44,7 +44,7 @@ impl<T: Number> Scratch<T> {
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
         Self {
             cursors: vec![(0, 0); table.columns.len()],
-            gathered: vec![vec![0.0; size(loaded)]; table.columns.len()],
+            gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
             bare: false,
             pins: columns(size(pinned)),
             twice: columns(size(T::DOUBLED)),
@@ -57,8 +57,8 @@ impl<T: Number> Scratch<T> {
             errors: plan
                 .shafts
                 .iter()
-                .filter(|step| step.angle.is_some())
-                .map(|_| Column::new(size(T::SHORT || table.sweep.is_some())))
+                .filter(|step| step.angle.is_some() && (T::SHORT || table.sweep.is_some()))
+                .map(|_| Column::new(longest))
                 .collect(),
         }
     }

@@ -11,6 +11,9 @@ const LINE: usize = 64;
 /// store to the same place of another page waits for it.
 const APART: usize = 20;
 
+/// Lines of high words that are nowhere near a page, so that nothing need lie between.
+const FEW: usize = 16;
+
 /// A column of its own.
 #[derive(Clone, Debug)]
 pub(crate) struct Column<T: Real> {
@@ -38,7 +41,9 @@ impl<T: Real> Column<T> {
     /// How far behind the first high word the first low word lies.
     fn low_after(length: usize) -> usize {
         let line = LINE / size_of::<T::Word>();
-        if T::LOW && length > 0 { length.next_multiple_of(line) + APART * line } else { 0 }
+        let lines = length.div_ceil(line);
+        let between = if lines <= FEW { 0 } else { APART };
+        if T::LOW { (lines + between) * line } else { 0 }
     }
 
     /// The first numbers, to read.

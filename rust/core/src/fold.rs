@@ -361,14 +361,10 @@ impl Turns {
 }
 
 impl<T: Angle> Folded<T> {
-    /// Room for a run of so many drivelines, of different rows or of different samples; none at all
-    /// for none.
+    /// Room for a run of so many drivelines, of different rows or of different samples.
     pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool) -> Self {
-        let lanes = LANES.min(longest);
+        let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
         let (maps, turns) = (Maps::new(lanes), Turns(std::array::from_fn(|_| Column::new(lanes))));
-        if longest == 0 {
-            return Self { shafts: vec![], poses: vec![], maps, turns };
-        }
         let mut shafts = vec![None; plan.joint_count + 1];
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);
@@ -421,8 +417,7 @@ impl<T: Angle> Folded<T> {
         for j in 0..plan.reach() {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
-            let alone = plan.reach() == 1 && !plan.needs_pose(0);
-            if j == 0 && !alone {
+            if j == 0 && !plan.is_joint() {
                 maps.update(length, &Start);
             } else if j > 0 {
                 gather(lines.phases, n - 1, j - 1, &mut phases[..length]);

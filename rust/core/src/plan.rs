@@ -318,6 +318,11 @@ impl Plan {
         shafts.max(joints.map_or(0, |joint| joint + 1))
     }
 
+    /// Whether nothing but the motion behind the first joint is needed, and so no map of a chain.
+    pub(crate) fn is_joint(&self) -> bool {
+        self.reach() == 1 && !self.needs_pose(0)
+    }
+
     /// Whether anything is wanted of a joint itself.
     pub(crate) fn needs_pose(&self, joint: usize) -> bool {
         self.joints[joint].needs_tilt() || self.joints[joint].needs_torsion()

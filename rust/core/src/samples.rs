@@ -1,5 +1,8 @@
 //! What a run reads: drivelines, angles and loads, each broadcast over the samples.
 
+use std::borrow::Cow;
+use std::iter::once;
+
 use crate::error::{Error, Result};
 use crate::plan::Plan;
 use crate::sweep::Sweep;
@@ -105,13 +108,13 @@ pub struct Samples<'a> {
 /// last one is the row.
 pub(crate) struct Table<'a> {
     pub(crate) lines: Drivelines<'a>,
-    shape: Vec<usize>,
+    shape: Cow<'a, [usize]>,
     /// Strides over the drivelines.
-    pub(crate) line: Vec<usize>,
+    pub(crate) line: Cow<'a, [usize]>,
     /// The sweep that stands for the column of angles.
     pub(crate) sweep: Option<Sweep>,
     pub(crate) columns: Vec<Column<'a>>,
-    /// Column of each shaft's inertia.
+    /// Column of each shaft's inertia, if there is a load.
     pub(crate) inertia: Vec<Option<usize>>,
 }
 
@@ -120,6 +123,9 @@ pub(crate) const ANGLE: usize = 0;
 pub(crate) const TORQUE: usize = 1;
 pub(crate) const SPEED: usize = 2;
 pub(crate) const ACCELERATION: usize = 3;
+
+/// What messages call the columns; those that follow are inertias.
+const NAMES: [&str; 4] = ["angle", "torque", "speed", "acceleration"];
 
 /// How the geometry changes over the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,7 +141,13 @@ pub(crate) enum Geometries {
 /// One quantity over the samples.
 pub(crate) struct Column<'a> {
     pub(crate) data: &'a [f64],
-    pub(crate) strides: Vec<usize>,
+    pub(crate) strides: Cow<'a, [usize]>,
+}
+
+impl<'a> Column<'a> {
+    fn of(source: &Source<'a>) -> Self {
+        Self { data: source.data, strides: Cow::Borrowed(source.strides) }
+    }
 }
 
 impl<'a> Table<'a> {
@@ -153,48 +165,44 @@ impl<'a> Table<'a> {
         let n = plan.joint_count;
         let lines = samples.lines;
         let count = lines.check(n)?;
-        // A sweep is an array whose elements are their own numbers.
-        let last = samples.shape.len().saturating_sub(1);
-        let numbers: Vec<usize> =
-            (0..samples.shape.len()).map(|axis| usize::from(axis == last)).collect();
-        let none: &'a [f64] = &[];
         let (angle, sweep) = match &samples.angle {
-            Angles::Array(source) => ((source.data, source.strides, source.data.len()), None),
-            Angles::Sweep(sweep) => ((none, &numbers[..], sweep.count()), Some(*sweep)),
+            Angles::Array(source) => (Column::of(source), None),
+            Angles::Sweep(sweep) => {
+                // An array whose elements are their own numbers.
+                let last = samples.shape.len().saturating_sub(1);
+                let strides = (0..samples.shape.len()).map(|axis| usize::from(axis == last));
+                (Column { data: &[], strides: strides.collect() }, Some(*sweep))
+            }
         };
-        let mut sources = vec![("angle", angle)];
-        let mut inertia = vec![None; n + 1];
+        let mut columns = vec![angle];
+        let mut inertia = vec![];
         if let Some(load) = &samples.load {
-            let whole = |source: &Source<'a>| (source.data, source.strides, source.data.len());
-            sources.extend([
-                ("torque", whole(&load.torque)),
-                ("speed", whole(&load.speed)),
-                ("acceleration", whole(&load.acceleration)),
-            ]);
+            columns.extend([&load.torque, &load.speed, &load.acceleration].map(Column::of));
+            inertia.resize(n + 1, None);
             for (shaft, source) in &load.inertias {
                 if *shaft > n {
                     let problem = format!("are of shaft {shaft}; there are {}", n + 1);
                     return Err(Error::new("inertias", &[], problem));
                 }
-                inertia[*shaft] = Some(sources.len());
-                sources.push(("inertias", whole(source)));
+                inertia[*shaft] = Some(columns.len());
+                columns.push(Column::of(source));
             }
         } else if plan.load.is_some() {
             return Err(Error::new("load", &[], "is missing; the outputs need one"));
         }
         check_reach("drivelines", count, samples.shape, samples.line_strides)?;
-        for (name, (_, strides, length)) in &sources {
-            check_reach(name, *length, samples.shape, strides)?;
+        for (i, column) in columns.iter().enumerate() {
+            let length = match &sweep {
+                Some(sweep) if i == ANGLE => sweep.count(),
+                _ => column.data.len(),
+            };
+            let name = NAMES.get(i).unwrap_or(&"inertias");
+            check_reach(name, length, samples.shape, &column.strides)?;
         }
-        let mut strides: Vec<Vec<usize>> = vec![samples.line_strides.to_vec()];
-        strides.extend(sources.iter().map(|(_, (_, strides, _))| strides.to_vec()));
-        let shape = merge_axes(samples.shape, mergeable, &mut strides);
-        let line = strides.remove(0);
-        let columns = sources
-            .iter()
-            .zip(strides)
-            .map(|((_, (data, _, _)), strides)| Column { data, strides })
-            .collect();
+        let mut shape = Cow::Borrowed(samples.shape);
+        let mut line = Cow::Borrowed(samples.line_strides);
+        let strides = columns.iter_mut().map(|column| &mut column.strides);
+        merge_axes(&mut shape, mergeable, once(&mut line).chain(strides));
         Ok(Self { lines, shape, line, sweep, columns, inertia })
     }
 
@@ -251,10 +259,15 @@ fn check_reach(
 
 /// Merges neighbours of the first `mergeable` axes over which every source keeps its step, and drops
 /// those of length 1; at least one axis remains.
-fn merge_axes(shape: &[usize], mergeable: usize, strides: &mut [Vec<usize>]) -> Vec<usize> {
+fn merge_axes<'a: 's, 's>(
+    shape: &mut Cow<'_, [usize]>,
+    mergeable: usize,
+    strides: impl Iterator<Item = &'s mut Cow<'a, [usize]>>,
+) {
     if shape.len() == 1 {
-        return shape.to_vec();
+        return;
     }
+    let strides: Vec<_> = strides.collect();
     let mut merged: Vec<usize> = vec![];
     let mut kept: Vec<Vec<usize>> = vec![vec![]; strides.len()];
     for (axis, &length) in shape.iter().enumerate() {
@@ -284,8 +297,8 @@ fn merge_axes(shape: &[usize], mergeable: usize, strides: &mut [Vec<usize>]) -> 
             k.push(0);
         }
     }
-    for (s, k) in strides.iter_mut().zip(kept) {
-        *s = k;
+    for (s, k) in strides.into_iter().zip(kept) {
+        *s = Cow::Owned(k);
     }
-    merged
+    *shape = Cow::Owned(merged);
 }
