@@ -503,16 +503,7 @@ class Driveline:
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        plan = self.plan(
-            outputs,
-            shafts=shafts,
-            joints=joints,
-            load=load,
-            reduce=reduce,
-            dtype=dtype,
-            tolerance=tolerance,
-            workers=workers,
-        )
+        plan = Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
         return plan(angle, out)
 
     def plan(
@@ -532,17 +523,7 @@ class Driveline:
         The chain is folded and everything that the outputs do not need is dropped once;
         ``print(plan.explain())`` shows what remains. Arguments as of ``evaluate``.
         """
-        return Plan(
-            self,
-            outputs,
-            shafts=shafts,
-            joints=joints,
-            load=load,
-            reduce=reduce,
-            dtype=dtype,
-            tolerance=tolerance,
-            workers=workers,
-        )
+        return Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
 
     def __getitem__(self, index: Any) -> Driveline:  # noqa: ANN401 - whatever NumPy takes
         """Return drivelines of the batch, by NumPy's rules over its dimensions.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cardan.arrays import common_shape, library, module, real
 from cardan.equivalent import EquivalentJoint
 from cardan.load import Load
-from cardan.plan import Plan, _again, _view, item_index
+from cardan.plan import Plan, _view, item_index
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -160,7 +160,7 @@ def _evaluated(
     if out is not None:
         raise TypeError("out does not go with dask arrays; their results are new arrays")
     line, names, shafts, joints, load, reduce, dtype, tolerance, workers = plan._arguments
-    plan = _again(line, names, shafts, joints, load, reduce, dtype, tolerance, workers or 1)
+    plan = Plan(line, names, shafts, joints, load, reduce, dtype, tolerance, workers or 1)
     sweep = angle if isinstance(angle, Sweep) else None
     more = {} if sweep else {"angle": _part("angle", angle, 0)}
     if load is not None:
@@ -254,15 +254,16 @@ def _task(
     if make or named:
         line = make(*pieces[: len(pieces) - len(more)]) if make else line
         load = _loaded(load, named)
-        plan = _again(line, *plan._arguments[1:4], load, *plan._arguments[5:])
+        arguments = (line, *plan._arguments[1:4], load, *plan._arguments[5:])
+        plan = Plan(*arguments)
     result = plan(angle)
     rows = np.broadcast_shapes(line.shape, angle.shape)
     rows = (*rows[:-1], 1) if reduce else rows
     planes = []
-    for name, place in plan._places.items():
+    for name, (_, items, vector) in plan._places.items():
         array = result[name]
-        if place.vector:
-            array = np.moveaxis(array, -1, 0 if place.items is None else 1)
+        if vector:
+            array = np.moveaxis(array, -1, 0 if items is None else 1)
         planes.append(np.reshape(array, (-1, *rows)))
     return np.concatenate(planes)
 

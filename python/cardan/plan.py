@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, SupportsIndex, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
@@ -29,12 +29,9 @@ REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
 """What rows of samples can be reduced to."""
 
 
-class _Place(NamedTuple):
-    """Where an output lies in the planes of a result."""
-
-    first: int
-    items: int | None  # None: one item without an axis of its own
-    vector: bool
+_Place: TypeAlias = tuple[int, int | None, bool]
+"""Where an output lies in the planes of a result: the first plane, how many items (``None``: one
+without an axis of its own), whether it is a vector."""
 
 
 class Plan:
@@ -65,7 +62,6 @@ class Plan:
         self,
         line: Driveline,
         names: str | Iterable[str],
-        *,
         shafts: Items = None,
         joints: Items = None,
         load: Load | None = None,
@@ -80,7 +76,9 @@ class Plan:
         n = line.n_joints
         shaft_items = [n] if shafts is None else _items("shafts", shafts, n + 1)
         joint_items = list(range(n)) if joints is None else _items("joints", joints, n)
-        self._arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
+        # In the order of this method, for pickling.
+        arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
+        self._arguments: tuple[Any, ...] = arguments
         self._dtype = _word(dtype)
         self._reduce = _reduction(reduce)
         self._load = load
@@ -116,7 +114,7 @@ class Plan:
             vector = output.vector and reduce != "peak"
             count = len(shaft_items if per_shaft else joint_items)
             items = None if (one_shaft if per_shaft else one_joint) else count
-            self._places[name] = _Place(first, items, vector)
+            self._places[name] = (first, items, vector)
             first += 3 * count if vector else count
             alone = alone and items is None and not vector
         self._planes = first
@@ -206,14 +204,16 @@ class Plan:
             planes = np.empty((self._planes, *angle.shape))
             if not self._core.fill(angle, [planes], workers):
                 return None
-            arrays = {name: planes[i] for i, name in enumerate(self._places)}
+            # As many as there are places; to ask for that check would cost a tenth of the call.
+            arrays = dict(zip(self._places, planes))  # noqa: B905
             return Result(arrays, self._labels, angle)
-        if out.keys() != self._places.keys():
+        # What is a dictionary is known at once, other mappings are looked up.
+        if not isinstance(out, (dict, Mapping)) or out.keys() != self._places.keys():
             return None
-        arrays = {name: out[name] for name in self._places}
-        for array in arrays.values():
-            plain = type(array) is np.ndarray and array.dtype == _DOUBLE
-            if not plain or array.shape != angle.shape:
+        shape, arrays = angle.shape, {}
+        for name in self._places:
+            array = arrays[name] = out[name]
+            if not (type(array) is np.ndarray and array.dtype == _DOUBLE and array.shape == shape):
                 return None
         if not self._core.fill(angle, list(arrays.values()), workers):
             return None
@@ -233,7 +233,7 @@ class Plan:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as what it was made from."""
-        return (_again, self._arguments)
+        return (Plan, self._arguments)
 
     def __repr__(self) -> str:
         """Show the driveline and the outputs."""
@@ -258,8 +258,9 @@ class Plan:
         return shape[:-1]
 
     def _shape(self, place: _Place, rows: tuple[int, ...]) -> tuple[int, ...]:
-        lead = () if place.items is None else (place.items,)
-        return lead + rows + ((3,) if place.vector else ())
+        _, items, vector = place
+        lead = () if items is None else (items,)
+        return lead + rows + ((3,) if vector else ())
 
     def _checked_out(
         self, out: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
@@ -292,12 +293,12 @@ class Plan:
     ) -> list[NDArray[Any]]:
         """Flat arrays to fill: those given where they lie plane by plane, else new ones."""
         flats = []
-        for name, place in self._places.items():
+        for name, (_, items, vector) in self._places.items():
             target = given.get(name)
-            if target is not None and place.vector:
-                target = np.moveaxis(target, -1, 0 if place.items is None else 1)
+            if target is not None and vector:
+                target = np.moveaxis(target, -1, 0 if items is None else 1)
             if target is None or not target.flags.carray:
-                planes = (place.items or 1) * (3 if place.vector else 1)
+                planes = (items or 1) * (3 if vector else 1)
                 target = np.empty((planes, *rows), self._dtype)
             # Subclasses may have ideas of their own about shapes.
             flats.append(np.asarray(target).reshape(-1))
@@ -310,10 +311,10 @@ class Plan:
         rows: tuple[int, ...],
     ) -> dict[str, NDArray[Any]]:
         arrays = {}
-        for (name, place), flat in zip(self._places.items(), flats, strict=True):
+        for (name, (_, items, vector)), flat in zip(self._places.items(), flats, strict=True):
             target = given.get(name)
             if target is None or not np.may_share_memory(target, flat):
-                array = _view(flat.reshape(-1, *rows), place._replace(first=0))
+                array = _view(flat.reshape(-1, *rows), (0, items, vector))
                 if target is not None:
                     target[...] = array
             arrays[name] = array if target is None else target
@@ -357,21 +358,6 @@ def _elsewhere(
     return (labelled if whose == "xarray" else lazy).evaluate(plan, angle, out)
 
 
-def _again(*arguments: Any) -> Plan:  # noqa: ANN401 - the arguments of a plan
-    line, names, shafts, joints, load, reduce, dtype, tolerance, workers = arguments
-    return Plan(
-        line,
-        names,
-        shafts=shafts,
-        joints=joints,
-        load=load,
-        reduce=reduce,
-        dtype=dtype,
-        tolerance=tolerance,
-        workers=workers,
-    )
-
-
 def _view(planes: NDArray[Any], place: _Place) -> Any:  # noqa: ANN401 - an array or a scalar
     first, items, vector = place
     if items is None:
@@ -396,7 +382,8 @@ def item_index(argument: str, value: SupportsIndex, count: int) -> int:
 
 
 def _is_index(value: Items) -> bool:
-    return hasattr(value, "__index__") and np.ndim(value) == 0  # type: ignore[arg-type]
+    # NumPy's arrays have it as well, whatever their shape.
+    return isinstance(value, int) or (hasattr(value, "__index__") and np.ndim(value) == 0)  # type: ignore[arg-type]
 
 
 def _items(argument: str, value: int | slice | Sequence[int], count: int) -> list[int]:

@@ -29,9 +29,11 @@ def at_most(workers: SupportsIndex | None) -> int | None:
         TypeError: not an integer.
         ValueError: not positive and not -1.
     """
-    if workers is not None and not hasattr(workers, "__index__"):
+    if workers is None:
+        return 1 if _forked else None
+    if not hasattr(workers, "__index__"):
         raise TypeError(f"workers is {workers!r}; it must be an integer")
-    count = -1 if workers is None else operator.index(workers)
+    count = operator.index(workers)
     if count < 1 and count != -1:
         raise ValueError(f"workers is {count}; it must be positive, or -1 for all cores")
     if _forked:

@@ -365,7 +365,7 @@ impl<T: Angle> Folded<T> {
     pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool) -> Self {
         let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
         let (maps, turns) = (Maps::new(lanes), Turns(std::array::from_fn(|_| Column::new(lanes))));
-        let mut shafts = vec![None; plan.joint_count + 1];
+        let mut shafts: Vec<_> = (0..=plan.joint_count).map(|_| None).collect();
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);
             shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample));

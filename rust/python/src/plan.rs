@@ -13,6 +13,7 @@ use numpy::{
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
+use pyo3::types::{PyList, PyTuple};
 
 use crate::convert::{Input, count, slice, slice_mut, value_error};
 use crate::lines::Lines;
@@ -90,18 +91,21 @@ impl Plan {
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call, named by the caller")]
     fn new(
         lines: Bound<'_, Lines>,
-        outputs: Vec<PyBackedStr>,
-        shaft_items: Vec<usize>,
-        joint_items: Vec<usize>,
+        outputs: Bound<'_, PyTuple>,
+        shaft_items: Bound<'_, PyList>,
+        joint_items: Bound<'_, PyList>,
         load: Option<&str>,
-        inertias: Vec<usize>,
+        inertias: Bound<'_, PyList>,
         tolerance: Option<f64>,
         single: bool,
         reduction: Option<&str>,
     ) -> PyResult<Self> {
+        let [shaft_items, joint_items, inertias] =
+            [numbers(&shaft_items)?, numbers(&joint_items)?, numbers(&inertias)?];
         let items = shaft_items.len().saturating_add(joint_items.len());
         room(lines.get().joints().saturating_add(items).saturating_mul(1024))?;
-        let outputs = outputs.iter().map(|name| quantity(name)).collect::<PyResult<Vec<_>>>()?;
+        let outputs = outputs.iter().map(|name| quantity(&name.extract::<PyBackedStr>()?));
+        let outputs = outputs.collect::<PyResult<Vec<_>>>()?;
         let request = Request {
             largest_bends: lines.get().largest_bends(),
             outputs: &outputs,
@@ -143,19 +147,21 @@ impl Plan {
         &self,
         py: Python<'_>,
         angle: PyReadonlyArrayDyn<'_, f64>,
-        out: Vec<Bound<'_, PyArrayDyn<f64>>>,
+        out: Bound<'_, PyList>,
         workers: Option<usize>,
     ) -> PyResult<bool> {
         let c_order = angle.is_c_contiguous();
         let Some(angle) = angle.as_slice().ok().filter(|_| c_order) else { return Ok(false) };
         let total = angle.len();
-        let Ok(mut out) =
-            out.iter().map(PyArrayMethods::try_readwrite).collect::<Result<Vec<_>, _>>()
-        else {
-            return Ok(false);
-        };
-        let mut planes: Vec<&mut [f64]> = vec![];
-        for array in &mut out {
+        let mut borrowed = Vec::with_capacity(out.len());
+        for array in &out {
+            let Ok(array) = array.cast_into::<PyArrayDyn<f64>>()?.try_readwrite() else {
+                return Ok(false);
+            };
+            borrowed.push(array);
+        }
+        let mut planes: Vec<&mut [f64]> = Vec::with_capacity(self.steps.planes());
+        for array in &mut borrowed {
             let c_order = array.is_c_contiguous();
             let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else {
                 return Ok(false);
@@ -343,6 +349,11 @@ fn borrow_load<'a>(load: &'a LoadArrays<'_>) -> PyResult<Load<'a>> {
 
 fn source<'a>(name: &str, (data, strides): &'a Broadcast<'_>) -> PyResult<Source<'a>> {
     Ok(Source { data: slice(name, data)?, strides })
+}
+
+/// What is read from lists is read faster than what is read from any sequence.
+fn numbers(list: &Bound<'_, PyList>) -> PyResult<Vec<usize>> {
+    list.iter().map(|item| item.extract()).collect()
 }
 
 fn end(name: &str) -> PyResult<End> {
