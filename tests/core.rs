@@ -242,6 +242,34 @@ fn arrays_that_do_not_fit_are_refused() {
 }
 
 #[test]
+fn what_does_not_fill_the_samples_is_named() {
+    let lines = Drivelines {
+        bends: &[0.1],
+        twists: &[],
+        phases: &[],
+        directions: &[1.0; 6],
+        normals: &[0.0; 3],
+    };
+    let plan = plan(1, &[Output::Angle], &[1]);
+    let names = ["angle", "torque", "speed", "acceleration", "inertias"];
+    for (short, name) in names.into_iter().enumerate() {
+        let source = |i| Source { data: &[0.0; 3][usize::from(i == short)..], strides: &[1] };
+        let load = Load {
+            torque: source(1),
+            speed: source(2),
+            acceleration: source(3),
+            inertias: vec![(0, Source { data: &[0.0; 3], strides: &[1] }), (1, source(4))],
+        };
+        let (angle, load) = (Angles::Array(source(0)), Some(load));
+        let samples = Samples { shape: &[3], lines, line_strides: &[0], angle, load };
+        let planes = Planes::Double(&mut [&mut [0.0; 3]]);
+        let run = plan.run(&samples, None, Precision::Double, planes, Execution::default());
+        let problem = format!("{name} has 2 elements, which do not fill the samples");
+        assert_eq!(run.unwrap_err().to_string(), problem);
+    }
+}
+
+#[test]
 fn directions_may_be_subnormal() {
     let tiny = 5e-324;
     let spans = [Vector::new(tiny, 0.0, 0.0), Vector::new(tiny, tiny, 0.0)];

@@ -179,6 +179,7 @@ class Wrong:
     [
         (lambda: evaluate(Wrong()), ValueError, "__array__"),
         (lambda: evaluate(GRID, GRID), TypeError, "out is ndarray; it must map names of outputs"),
+        (lambda: LINE.evaluate(GRID, out=[GRID]), TypeError, "out is list; it must map"),  # type: ignore[arg-type]
         (lambda: Sweep.revolutions(1e300, 10), ValueError, "a sweep has at most"),
         (lambda: Sweep(10**400, 1.0, 5), ValueError, "start is inf rad"),
         (lambda: LINE.evaluate(GRID, tolerance=10**400), TypeError, "it must be a number"),

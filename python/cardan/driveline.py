@@ -286,7 +286,8 @@ class Driveline:
     @property
     def n_joints(self) -> int:
         """Number of joints of each driveline, ``n``."""
-        return int(self._bends.shape[-1])
+        n: int = self._bends.shape[-1]
+        return n
 
     @property
     def bends(self) -> FloatArray:

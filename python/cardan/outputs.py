@@ -170,7 +170,7 @@ def checked(names: str | Iterable[str]) -> tuple[str, ...]:
             raise TypeError(f"outputs[{i}] is {name!r}; an output is asked for by its name")
         if name not in OUTPUTS:
             raise ValueError(f"outputs[{i}] is {name!r}; {nearest(name, OUTPUTS)}")
-        if name in listed[:i]:
+        if listed.index(name) < i:
             raise ValueError(f"outputs[{i}] is {name!r} again; name each output once")
     return listed
 

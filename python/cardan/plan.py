@@ -95,7 +95,7 @@ class Plan:
             shaft_items,
             joint_items,
             load.end if load else None,
-            list(self._inertias),
+            [*self._inertias],
             _permitted(tolerance),
             self._dtype is _SINGLE,
             reduce,

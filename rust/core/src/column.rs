@@ -12,7 +12,7 @@ const LINE: usize = 64;
 const APART: usize = 20;
 
 /// Lines of high words that are nowhere near a page, so that nothing need lie between.
-const FEW: usize = 16;
+const FEW: usize = 4;
 
 /// A column of its own.
 #[derive(Clone, Debug)]
