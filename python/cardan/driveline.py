@@ -36,12 +36,23 @@ class Driveline:
     shafts 0 and 1. All rotations are right-handed about ``u_i``.
     """
 
-    __slots__ = ("_bends", "_directions", "_lines", "_normals", "_phases", "_twists")
+    __slots__ = (
+        "_bends",
+        "_directions",
+        "_lines",
+        "_n_joints",
+        "_normals",
+        "_phases",
+        "_shape",
+        "_twists",
+    )
     _bends: FloatArray
     _twists: FloatArray
     _phases: FloatArray
     _directions: FloatArray
     _normals: FloatArray
+    _shape: tuple[int, ...]
+    _n_joints: int
     _lines: _core.Lines
 
     def __init__(self) -> None:
@@ -254,7 +265,9 @@ class Driveline:
         self._bends, self._twists, self._phases, self._directions, self._normals = arrays
         for array in arrays:
             array.flags.writeable = False
-        self._lines = _core.Lines(self.n_joints, [array.reshape(-1) for array in arrays])
+        *shape, self._n_joints = self._bends.shape
+        self._shape = tuple(shape)
+        self._lines = _core.Lines(self._n_joints, [array.reshape(-1) for array in arrays])
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -281,13 +294,12 @@ class Driveline:
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the batch; ``()`` for one driveline."""
-        return self._bends.shape[:-1]
+        return self._shape
 
     @property
     def n_joints(self) -> int:
         """Number of joints of each driveline, ``n``."""
-        n: int = self._bends.shape[-1]
-        return n
+        return self._n_joints
 
     @property
     def bends(self) -> FloatArray:

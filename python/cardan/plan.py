@@ -75,7 +75,7 @@ class Plan:
         names = outputs.checked(names)
         n = line.n_joints
         shaft_items = [n] if shafts is None else _items("shafts", shafts, n + 1)
-        joint_items = list(range(n)) if joints is None else _items("joints", joints, n)
+        joint_items = [*range(n)] if joints is None else _items("joints", joints, n)
         # In the order of this method, for pickling.
         arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
         self._arguments: tuple[Any, ...] = arguments
