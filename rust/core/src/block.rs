@@ -196,6 +196,12 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         for (column, cursor) in self.table.columns.iter().zip(&mut self.scratch.cursors) {
             *cursor = self.table.locate(&column.strides, row);
         }
+        // What is the same at every sample of the row is not gathered again chunk by chunk.
+        for index in self.loads() {
+            if let (origin, 0) = self.scratch.cursors[index] {
+                self.scratch.gathered[index].fill(self.table.columns[index].data[origin]);
+            }
+        }
         let rows = match self.table.geometries() {
             Geometries::One => row..row + 1,
             Geometries::ByRow => row..(last + 1).min(row + GROUP),
@@ -214,6 +220,17 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         let folded = self.folded.to_mut();
         compiled_for!(self.level, folded.fold(self.plan, &table.lines, rows.len(), line_of));
         self.rows = rows;
+    }
+
+    /// The columns of the load that matter: speed and acceleration do to inertias alone.
+    fn loads(&self) -> Range<usize> {
+        match &self.plan.load {
+            None => 0..0,
+            Some(load) if load.stations.iter().any(|station| station.absorbs) => {
+                TORQUE..self.table.columns.len()
+            }
+            Some(_) => TORQUE..TORQUE + 1,
+        }
     }
 
     /// Runs a part of one row, chunk after chunk; chunks begin at multiples of their length.
@@ -298,6 +315,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     ) where
         T: Deliver<W>,
     {
+        let loads = self.loads();
         let Self { plan, table, level, scratch, .. } = self;
         let level = *level;
         let size = samples.len();
@@ -352,14 +370,12 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             chunk::run_motion(plan, drive, folded, seen, scratch, &mut views, size, kept_from)
         );
         if let Some(load) = &plan.load {
-            let columns = table.columns.iter().zip(&scratch.cursors).skip(1);
-            // Speed and acceleration matter to inertias alone.
-            let idle = load.stations.iter().all(|station| !station.absorbs);
-            let needed = if idle { TORQUE } else { table.columns.len() };
-            for ((column, &(origin, step)), buffer) in
-                columns.take(needed).zip(&mut scratch.gathered[1..])
-            {
-                gather(column.data, origin + samples.start * step, step, &mut buffer[..size]);
+            for index in loads {
+                let (origin, step) = scratch.cursors[index];
+                if step != 0 {
+                    let (data, buffer) = (table.columns[index].data, &mut scratch.gathered[index]);
+                    gather(data, origin + samples.start * step, step, &mut buffer[..size]);
+                }
             }
             compiled_for!(
                 level,
@@ -448,6 +464,12 @@ fn convert<V: Word, W: Word>(words: &[V], out: &mut [W]) {
 /// The drive angle plus a shorter angle error.
 #[inline(always)]
 fn add_drive<V: Word, W: Word>(drive: Drive<'_>, errors: &[V], out: &mut [W]) {
+    if let Drive::Array(angle) = drive {
+        for ((out, &error), &x) in out.iter_mut().zip(errors).zip(angle) {
+            *out = W::near(x + error.into());
+        }
+        return;
+    }
     for (i, (out, &error)) in out.iter_mut().zip(errors).enumerate() {
         *out = W::near(drive.angle(i) + error.into());
     }

@@ -2,6 +2,7 @@
 //!
 //! Drivelines are folded many at a time, joint by joint over all of them, so that folding
 //! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
+#![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use crate::atan::AtanRange;
 use crate::chain::{self, Complex, Equivalent, Transfer};
@@ -99,8 +100,8 @@ impl<T: Angle> FoldedShaft<T> {
         let [cos, cos2, sin2, versine, ..] = views_mut(&mut self.equivalents, start, length);
         let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
         let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
-        for (i, &bend) in bends.iter().enumerate() {
-            let joint = Constants::<T>::of_moderate_bend(bend);
+        for i in 0..length {
+            let joint = Constants::<T>::of_moderate_bend(bends[i]);
             cos.set(i, joint.cos);
             cos2.set(i, joint.cos2);
             sin2.set(i, joint.sin2);

@@ -8,8 +8,10 @@
 //!
 //! Constants come through `at(i)`: one value for the whole chunk, or one per sample.
 //!
-//! Whatever a loop touches is first cut to one length: a check that is left in it costs more than
-//! itself, because the last vector of every chunk would then be computed number by number.
+//! Whatever a loop touches is first cut to one length, and it counts instead of iterating: a check
+//! that is left in it costs more than itself, because the last vectors of every chunk would then be
+//! computed number by number.
+#![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
 use crate::atan::{Atan, AtanRange};
 use crate::column::{View, ViewMut, cut};
@@ -203,14 +205,15 @@ pub(crate) fn pins<K: Kind, T: Number>(
                 return;
             }
             let mut far = Far::for_quadrants();
-            for (i, &x) in angle.iter().enumerate() {
+            for i in 0..length {
+                let x = angle[i];
                 let reduced = T::reduce(if K::TWICE { x + x } else { x });
                 far.watch(reduced.1);
                 set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
             }
             if far.any() {
-                for (i, &x) in angle.iter().enumerate() {
-                    let reduced = reduce::reduce_any(x);
+                for i in 0..length {
+                    let reduced = reduce::reduce_any(angle[i]);
                     let (r, quadrant) = if K::TWICE { reduce::twice(reduced) } else { reduced };
                     set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
                 }
@@ -238,8 +241,9 @@ pub(crate) fn pins<K: Kind, T: Number>(
         }
         Drive::Picked(sweep, samples) => {
             let reduction = if K::TWICE { sweep.twice() } else { *sweep }.reduction();
-            for (i, &sample) in samples.iter().enumerate() {
-                let (r, quadrant) = reduction.of(sample);
+            let samples = &samples[..length];
+            for i in 0..length {
+                let (r, quadrant) = reduction.of(samples[i]);
                 set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
             }
         }
@@ -262,8 +266,8 @@ fn coarse_pins<K: Kind, T: Number>(
     let length = angle.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     let mut far = Far::for_phases();
-    for (i, &x) in angle.iter().enumerate() {
-        let phase = reduce::phase(x);
+    for i in 0..length {
+        let phase = reduce::phase(angle[i]);
         far.watch(phase);
         cosine.set(i, T::of_bits(phase));
     }
@@ -333,27 +337,28 @@ pub(crate) fn add_drive<T: Number>(drive: Drive<'_>, errors: View<'_, T>, out: &
 
 #[inline(always)]
 fn add_drive_to<T: Number>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [T::Word]) {
+    let length = out.len();
     match drive {
         Drive::Array(angle) => {
-            let angle = &angle[..out.len()];
-            for (i, rotation) in out.iter_mut().enumerate() {
-                *rotation = error(i).after(Pair::exact(angle[i]));
+            let angle = &angle[..length];
+            for i in 0..length {
+                out[i] = error(i).after(Pair::exact(angle[i]));
             }
         }
         Drive::Sweep(sweep, first) if sweep.starts_at_zero() => {
-            for (i, rotation) in out.iter_mut().enumerate() {
-                *rotation = error(i).after(sweep.turned(number(first, i)));
+            for i in 0..length {
+                out[i] = error(i).after(sweep.turned(number(first, i)));
             }
         }
         Drive::Sweep(sweep, first) => {
-            for (i, rotation) in out.iter_mut().enumerate() {
-                *rotation = error(i).after(sweep.angle(number(first, i)));
+            for i in 0..length {
+                out[i] = error(i).after(sweep.angle(number(first, i)));
             }
         }
         Drive::Picked(sweep, samples) => {
-            let samples = &samples[..out.len()];
-            for (i, rotation) in out.iter_mut().enumerate() {
-                *rotation = error(i).after(sweep.angle(samples[i]));
+            let samples = &samples[..length];
+            for i in 0..length {
+                out[i] = error(i).after(sweep.angle(samples[i]));
             }
         }
     }
@@ -575,9 +580,11 @@ pub(crate) fn absorb<T: Real>(
     let length = power.len();
     let mut power = power.cut(length);
     let (ratio, acceleration_ratio) = (ratio.cut(length), acceleration_ratio.cut(length));
-    let drive = inertia[..length].iter().zip(&speed[..length]).zip(&acceleration[..length]);
-    for (i, ((&inertia, &speed), &acceleration)) in drive.enumerate() {
-        let [inertia, speed, acceleration] = [sign * inertia, speed, acceleration].map(T::from_f64);
+    let (inertia, speed) = (&inertia[..length], &speed[..length]);
+    let acceleration = &acceleration[..length];
+    for i in 0..length {
+        let inertia = T::from_f64(sign * inertia[i]);
+        let (speed, acceleration) = (T::from_f64(speed[i]), T::from_f64(acceleration[i]));
         let (r, a) = (ratio.get(i), acceleration_ratio.get(i));
         let taken = moment::absorbed_power(inertia, speed, acceleration, r, a);
         power.set(i, power.get(i) + taken);
@@ -601,13 +608,13 @@ pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_
     match b {
         Some(b) => {
             let b = b.cut(a.len());
-            for (i, &x) in a.iter().enumerate() {
-                out.set(i, T::from_f64(x) * b.get(i));
+            for i in 0..a.len() {
+                out.set(i, T::from_f64(a[i]) * b.get(i));
             }
         }
         None => {
-            for (i, &x) in a.iter().enumerate() {
-                out.set(i, T::from_f64(x));
+            for i in 0..a.len() {
+                out.set(i, T::from_f64(a[i]));
             }
         }
     }
@@ -713,8 +720,8 @@ pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, out: impl Out<T>
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..length];
-            for (i, &x) in angle.iter().enumerate() {
-                out.put(i, T::from_f64(x.mul_add(0.0, value)));
+            for i in 0..length {
+                out.put(i, T::from_f64(angle[i].mul_add(0.0, value)));
             }
         }
         Drive::Sweep(..) | Drive::Picked(..) => {
