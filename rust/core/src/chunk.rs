@@ -35,13 +35,17 @@ impl<T: Number> Scratch<T> {
     pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
         let size = |needed: bool| if needed { longest } else { 0 };
         let rates = (0..=plan.joint_count).map(|shaft| {
-            let kept = plan.shafts.iter().any(|step| step.shaft == shaft && step.keep_rates);
-            columns(size(kept))
+            let kept = plan.shafts.iter().find(|step| step.shaft == shaft);
+            [
+                Column::new(size(kept.is_some_and(|step| step.keep_ratio))),
+                Column::new(size(kept.is_some_and(|step| step.keep_acceleration))),
+            ]
         });
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
         let pinned = !T::DOUBLED || steep || plan.needs_poses();
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
+        let supports = plan.joints.iter().any(JointStep::needs_support);
         Self {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
@@ -52,8 +56,8 @@ impl<T: Number> Scratch<T> {
             rates: rates.collect(),
             power: Column::new(size(loaded)),
             torsion: Column::new(size(moments)),
-            parts: columns(size(moments)),
-            support: columns(size(plan.joints.iter().any(JointStep::needs_support))),
+            parts: columns(size(supports)),
+            support: columns(size(supports)),
             errors: plan
                 .shafts
                 .iter()
@@ -270,8 +274,10 @@ fn run_drive_shaft<T: Number>(
             kernel::constant::<T>(value, drive, &mut *planes[plane]);
         }
     }
-    if step.keep_rates {
+    if step.keep_ratio {
         kernel::constant::<T>(1.0, drive, ratio.view_mut(size));
+    }
+    if step.keep_acceleration {
         kernel::constant::<T>(0.0, drive, acceleration.view_mut(size));
     }
 }
@@ -332,16 +338,21 @@ fn run_shaft<T: Number, S: Swing<T>>(
             }
         }
     }
-    if step.keep_rates {
+    let mut wanted = (step.speed_ratio, step.acceleration_ratio);
+    if step.keep_acceleration {
         kernel::rates(at, pins, ratio.view_mut(size), acceleration.view_mut(size));
-        for (plane, rate) in [(step.speed_ratio, ratio), (step.acceleration_ratio, acceleration)] {
-            if let Some(plane) = plane {
-                kernel::copy::<T>(rate.view(size), &mut *planes[plane]);
-            }
+        if let Some(plane) = wanted.1.take() {
+            kernel::copy::<T>(acceleration.view(size), &mut *planes[plane]);
         }
-        return;
+    } else if step.keep_ratio {
+        kernel::speed_ratio(at, pins, ratio.view_mut(size));
     }
-    match (step.speed_ratio, step.acceleration_ratio) {
+    if step.keep_ratio
+        && let Some(plane) = wanted.0.take()
+    {
+        kernel::copy::<T>(ratio.view(size), &mut *planes[plane]);
+    }
+    match wanted {
         (Some(ratio), None) => kernel::speed_ratio::<T, S>(at, pins, &mut *planes[ratio]),
         (None, Some(acceleration)) => {
             kernel::acceleration_ratio::<T, S>(at, pins, &mut *planes[acceleration]);
@@ -410,13 +421,25 @@ pub(crate) fn run_load<T: Number>(
             let poses = &folded.poses[joint][..seen.count(size)];
             with_constants!(seen, |i: usize| poses[i], at => {
                 run_bending(step, at, pins, torsion, planes);
-                if step.needs_parts() {
+                if step.needs_support() {
                     kernel::parts(at, pins, torsion, views_mut(parts, 0, size));
                 }
             });
-            if step.needs_parts() {
-                let parts = views(parts, size);
-                run_moments(step, seen, poses, torsion, parts, support, planes, size);
+            let plane = match seen {
+                Seen::One(index) => poses[index].plane(),
+                Seen::Each => None,
+            };
+            if let Some(axes) = plane {
+                let at = |i: usize| poses[i].seen_along(axes);
+                with_constants!(seen, at, at => {
+                    run_moment::<true, T>(step, at, axes, pins, torsion, planes);
+                    run_supports::<true, T>(step, at, axes, parts, support, planes, size);
+                });
+            } else {
+                with_constants!(seen, |i: usize| poses[i], at => {
+                    run_moment::<false, T>(step, at, AXES, pins, torsion, planes);
+                    run_supports::<false, T>(step, at, AXES, parts, support, planes, size);
+                });
             }
         }
         if load.end == End::Drive {
@@ -444,99 +467,78 @@ fn run_bending<T: Number>(
     }
 }
 
-/// The vectors that a joint's torsion gives, component by component: the moment on its driven
-/// shaft, and its part of the support moments of both.
+const AXES: [usize; 3] = [0, 1, 2];
+
+/// The moment that a joint passes on, from a pose seen along these axes.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "what one joint reads and writes")]
-fn run_moments<T: Number>(
+fn run_moment<const PLANAR: bool, T: Number>(
     step: &JointStep,
-    seen: Seen,
-    poses: &[Pose<T>],
+    at: impl Fn(usize) -> Pose<T>,
+    axes: [usize; 3],
+    pins: Pins<'_, T>,
     torsion: View<'_, T>,
-    [sine2, cosine2, product]: [View<'_, T>; 3],
+    planes: &mut [&mut [T::Word]],
+) {
+    if let Some(plane) = step.moment {
+        let out = vector(planes, plane, axes);
+        kernel::moment::<PLANAR, T>(at, pins, torsion, out);
+    }
+}
+
+/// The joint's part of the support moments of its shafts, from the parts of its torsion.
+#[inline(always)]
+fn run_supports<const PLANAR: bool, T: Number>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T> + Copy,
+    axes: [usize; 3],
+    parts: &[Column<T>; 3],
     support: &mut [Column<T>; 3],
     planes: &mut [&mut [T::Word]],
     size: usize,
 ) {
-    let none = |_: usize| None;
-    for i in 0..3 {
-        if let Some(plane) = step.moment {
-            let out = &mut *planes[plane + i];
-            let columns = [torsion, sine2, product];
-            let factors = |pose: &Pose<T>| moment_factors(pose, i);
-            component(seen, poses, none, factors, columns, out);
-        }
-        // The shaft that the load leaves is complete before the part of the next one is kept.
-        for support_step in step.support.iter().flatten() {
-            let &Support { driving, plane, first, last } = support_step;
-            let factors = |pose: &Pose<T>| support_factors(pose, driving, i);
-            let columns = [if driving { sine2 } else { cosine2 }, product];
-            let out = &mut *planes[plane + i];
-            match (first, last) {
-                (true, true) => component(seen, poses, none, factors, columns, out),
-                (true, false) => {
-                    let kept = support[i].view_mut(size);
-                    component(seen, poses, none, factors, columns, kept);
-                }
-                (false, _) => {
-                    let kept = support[i].view(size);
-                    let start = |j: usize| Some(kept.get(j));
-                    component(seen, poses, start, factors, columns, out);
-                }
-            }
-        }
+    // The shaft that the load leaves is complete before the part of the next one is kept.
+    for step in step.support.iter().flatten() {
+        let [sine2, cosine2, product] = views(parts, size);
+        let numbers = [if step.driving { sine2 } else { cosine2 }, product];
+        let [x, y, z] = axes;
+        run_support::<PLANAR, 0, T>(step, at, x, numbers, &mut support[x], planes);
+        run_support::<PLANAR, 1, T>(step, at, y, numbers, &mut support[y], planes);
+        run_support::<PLANAR, 2, T>(step, at, z, numbers, &mut support[z], planes);
     }
 }
 
-/// Component `i` of the moment on the driven shaft: factors of the torsion, of its part with the
-/// squared sine, and of that with the product.
+/// One component of it: along the axis `axis` of space.
 #[inline(always)]
-fn moment_factors<T: Number>(pose: &Pose<T>, i: usize) -> [T; 3] {
-    [pose.along[i], pose.in_plane[i], pose.across[i]]
-}
-
-/// The same of what a shaft's bearings must give: for the driving shaft against the part of the
-/// reaction across it, with squared sine and product; for the driven one with squared cosine.
-#[inline(always)]
-fn support_factors<T: Number>(pose: &Pose<T>, driving: bool, i: usize) -> [T; 2] {
-    if driving { [pose.in_plane[i], pose.across[i]] } else { [pose.out_plane[i], -pose.across[i]] }
-}
-
-/// One component: a sum of columns with factors from the pose. Columns whose factor is zero, as
-/// most are where the driveline lies in a plane or along an axis, are left out.
-#[inline(always)]
-fn component<const N: usize, T: Number>(
-    seen: Seen,
-    poses: &[Pose<T>],
-    start: impl Fn(usize) -> Option<T> + Copy,
-    factors: impl Fn(&Pose<T>) -> [T; N],
-    columns: [View<'_, T>; N],
-    out: impl kernel::Out<T>,
+fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number>(
+    step: &Support,
+    at: impl Fn(usize) -> Pose<T>,
+    axis: usize,
+    numbers: [View<'_, T>; 2],
+    kept: &mut Column<T>,
+    planes: &mut [&mut [T::Word]],
 ) {
-    let index = match seen {
-        Seen::Each => {
-            kernel::combine(start, |i| factors(&poses[i]), columns, out);
-            return;
+    let &Support { driving, plane, first, last } = step;
+    let (size, none) = (numbers[0].len(), |_: usize| None);
+    let out = &mut *planes[plane + axis];
+    match (first, last) {
+        (true, true) => kernel::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out),
+        (true, false) => {
+            let kept = kept.view_mut(size);
+            kernel::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, kept);
         }
-        Seen::One(index) => index,
-    };
-    let factors = factors(&poses[index]);
-    let mut kept = (0..N).filter(|&i| factors[i] != T::from_f64(0.0));
-    let at = |i: usize| (factors[i], columns[i]);
-    match [kept.next(), kept.next(), kept.next()].map(|found| found.map(at)) {
-        [None, _, _] => {
-            // Nothing but NaN, where the torsion is that.
-            let zero = T::from_f64(0.0);
-            kernel::combine(start, |_| [zero], [columns[0]], out);
-        }
-        [Some((f, a)), None, _] => kernel::combine(start, |_| [f], [a], out),
-        [Some((f, a)), Some((g, b)), None] => {
-            kernel::combine(start, |_| [f, g], [a, b], out);
-        }
-        [Some((f, a)), Some((g, b)), Some((h, c))] => {
-            kernel::combine(start, |_| [f, g, h], [a, b, c], out);
+        (false, _) => {
+            let kept = kept.view(size).cut(size);
+            let before = |i: usize| Some(kept.get(i));
+            kernel::support::<PLANAR, COMPONENT, T>(at, driving, numbers, before, out);
         }
     }
+}
+
+/// The planes of a vector's components along these axes.
+#[inline(always)]
+fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> [&'a mut [W]; 3] {
+    let found = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
+    found.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
 }
 
 impl Plan {
@@ -546,30 +548,20 @@ impl Plan {
         folded.fold(self, lines, 1, |_| 0);
         let mut vanishing = vec![];
         for (j, step) in self.joints.iter().enumerate() {
-            let Some(pose) = folded.poses[j].first() else { continue };
-            for (i, axis) in ["x", "y", "z"].iter().enumerate() {
-                if step.moment.is_some() {
-                    let terms = moment_factors(pose, i);
-                    vanishing.extend(words(&format!("joint {j}: {axis} of the moment"), &terms));
-                }
-                for part in step.support.iter().flatten() {
-                    let terms = support_factors(pose, part.driving, i);
-                    let shaft = if part.driving { j } else { j + 1 };
-                    let what = format!("joint {j}: {axis} of its part of shaft {shaft}'s support");
-                    vanishing.extend(words(&what, &terms));
-                }
+            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane) else {
+                continue;
+            };
+            let plane = ["yz", "zx", "xy"][normal];
+            let why = format!("zero because its shafts lie along the {plane} plane");
+            if step.moment.is_some() {
+                vanishing.push(format!("joint {j}: 4 of the moment's 9 terms, {why}"));
+            }
+            for support in step.support.iter().flatten() {
+                let shaft = if support.driving { j } else { j + 1 };
+                let what = format!("3 of 6 terms of its part of shaft {shaft}'s support");
+                vanishing.push(format!("joint {j}: {what}, {why}"));
             }
         }
         vanishing
-    }
-}
-
-/// How many terms of a component are left out.
-fn words(what: &str, terms: &[f64]) -> Option<String> {
-    let kept = terms.iter().filter(|&&term| term != 0.0).count();
-    match (kept, terms.len() - kept) {
-        (_, 0) => None,
-        (0, _) => Some(format!("{what}: vanishes where the driveline lies")),
-        (_, left) => Some(format!("{what}: {left} of {} terms, zero where it lies", terms.len())),
     }
 }

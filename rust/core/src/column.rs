@@ -95,16 +95,10 @@ pub(crate) fn views<T: Real, const N: usize>(
     length: usize,
 ) -> [View<'_, T>; N] {
     let mut views = columns.each_ref().map(|column| column.view(length));
-    cut(&mut views, length);
-    views
-}
-
-/// Cuts several views to the same length.
-#[inline(always)]
-pub(crate) fn cut<T: Real>(views: &mut [View<'_, T>], length: usize) {
-    for view in views {
+    for view in &mut views {
         *view = view.cut(length);
     }
+    views
 }
 
 /// Numbers of several columns from `start` on, to write.

@@ -173,8 +173,8 @@ fn found(step: &ShaftStep) -> String {
     let names = [
         (step.angle.is_some(), "angle"),
         (step.angle_error.is_some(), "angle error"),
-        (step.speed_ratio.is_some() || step.keep_rates, "speed ratio"),
-        (step.acceleration_ratio.is_some() || step.keep_rates, "acceleration ratio"),
+        (step.speed_ratio.is_some() || step.keep_ratio, "speed ratio"),
+        (step.acceleration_ratio.is_some() || step.keep_acceleration, "acceleration ratio"),
     ];
     let names: Vec<&str> = names.iter().filter(|(wanted, _)| *wanted).map(|(_, n)| *n).collect();
     names.join(", ")

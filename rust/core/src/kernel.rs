@@ -14,7 +14,7 @@
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
 use crate::atan::{Atan, AtanRange};
-use crate::column::{View, ViewMut, cut};
+use crate::column::{View, ViewMut};
 use crate::joint;
 use crate::moment::{self, Parts, Pose};
 use crate::pair::Pair;
@@ -642,27 +642,41 @@ pub(crate) fn parts<T: Real>(
     }
 }
 
-/// A sum of columns, each with a factor, after what `start` begins with.
+/// The moment that a joint passes on.
 #[inline(always)]
-pub(crate) fn combine<const N: usize, T: Real>(
-    start: impl Fn(usize) -> Option<T>,
-    factors: impl Fn(usize) -> [T; N],
-    mut columns: [View<'_, T>; N],
+pub(crate) fn moment<const PLANAR: bool, T: Real>(
+    at: impl Fn(usize) -> Pose<T>,
+    pins: Pins<'_, T>,
+    torsion: View<'_, T>,
+    [x, y, z]: [impl Out<T>; 3],
+) {
+    let length = pins.len();
+    let torsion = torsion.cut(length);
+    let (mut x, mut y, mut z) = (x.cut(length), y.cut(length), z.cut(length));
+    for i in 0..length {
+        let (s, c) = pins.get(i);
+        let [along_x, along_y, along_z] = at(i).moment::<PLANAR>(torsion.get(i), s, c);
+        x.put(i, along_x);
+        y.put(i, along_y);
+        z.put(i, along_z);
+    }
+}
+
+/// A joint's part of a component of the support moment of one of its shafts, after what `before` begins
+/// with.
+#[inline(always)]
+pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
+    at: impl Fn(usize) -> Pose<T>,
+    driving: bool,
+    [square, product]: [View<'_, T>; 2],
+    before: impl Fn(usize) -> Option<T>,
     out: impl Out<T>,
 ) {
-    let length = columns[0].len();
-    cut(&mut columns, length);
-    let mut out = out.cut(length);
+    let length = square.len();
+    let (product, mut out) = (product.cut(length), out.cut(length));
     for i in 0..length {
-        let mut sum = start(i);
-        for (factor, column) in factors(i).into_iter().zip(&columns) {
-            let number = column.get(i);
-            sum = match sum {
-                Some(sum) => Some(factor.mul_add(number, sum)),
-                None => Some(factor * number),
-            };
-        }
-        out.put(i, sum.unwrap_or(T::from_f64(0.0)));
+        let numbers = [square.get(i), product.get(i)];
+        out.put(i, at(i).support::<PLANAR, COMPONENT>(driving, numbers, before(i)));
     }
 }
 

@@ -54,6 +54,69 @@ pub(crate) struct Parts<T> {
 }
 
 impl<T: Real> Pose<T> {
+    /// The axes in whose plane both shafts lie, followed by the one along the joint's normal, if it is
+    /// along one.
+    pub(crate) fn plane(&self) -> Option<[usize; 3]> {
+        let zero = |x: T| x == T::from_f64(0.0);
+        [[1, 2, 0], [2, 0, 1], [0, 1, 2]].into_iter().find(|&[a, b, normal]| {
+            zero(self.across[a])
+                && zero(self.across[b])
+                && [self.along, self.in_plane, self.out_plane].iter().all(|v| zero(v[normal]))
+        })
+    }
+
+    /// The same pose with its components in the order of these axes.
+    #[inline(always)]
+    pub(crate) fn seen_along(self, [a, b, c]: [usize; 3]) -> Self {
+        let order = |v: [T; 3]| [v[a], v[b], v[c]];
+        Self {
+            along: order(self.along),
+            in_plane: order(self.in_plane),
+            across: order(self.across),
+            out_plane: order(self.out_plane),
+            ..self
+        }
+    }
+
+    /// The moment on the driven shaft for a torsion; `PLANAR` poses have their normal along the last
+    /// axis.
+    #[inline(always)]
+    pub(crate) fn moment<const PLANAR: bool>(&self, torsion: T, s: T, c: T) -> [T; 3] {
+        let Parts { sine2, product, .. } = self.parts(torsion, s, c);
+        let in_plane = |i: usize| self.in_plane[i].mul_add(sine2, self.along[i] * torsion);
+        if PLANAR {
+            [in_plane(0), in_plane(1), self.across[2] * product]
+        } else {
+            let all = |i: usize| self.across[i].mul_add(product, in_plane(i));
+            [all(0), all(1), all(2)]
+        }
+    }
+
+    /// A component of what the bearings of the driving or the driven shaft must give against the part of
+    /// the moment, or of its reaction, across it; after what `before` begins with.
+    #[inline(always)]
+    pub(crate) fn support<const PLANAR: bool, const I: usize>(
+        &self,
+        driving: bool,
+        [square, product]: [T; 2],
+        before: Option<T>,
+    ) -> T {
+        let (in_plane, across) = if driving {
+            (self.in_plane[I], self.across[I])
+        } else {
+            (self.out_plane[I], -self.across[I])
+        };
+        let term = |factor: T, number: T, before: Option<T>| match before {
+            Some(before) => factor.mul_add(number, before),
+            None => factor * number,
+        };
+        match (PLANAR, I) {
+            (true, 0 | 1) => term(in_plane, square, before),
+            (true, _) => term(across, product, before),
+            (false, _) => term(across, product, Some(term(in_plane, square, before))),
+        }
+    }
+
     /// The pose of a joint that `transfer` drives, between the shafts along `u_in` and `u_out`.
     pub(crate) fn new(
         transfer: &Transfer,

@@ -135,7 +135,7 @@ pub struct Plan {
     pub(crate) load: Option<LoadStep>,
 }
 
-/// What to compute of one shaft: the plane of each output, and whether the load needs the rates.
+/// What to compute of one shaft: the plane of each output, and the rates that the load needs.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ShaftStep {
     pub(crate) shaft: usize,
@@ -143,7 +143,9 @@ pub(crate) struct ShaftStep {
     pub(crate) angle_error: Option<usize>,
     pub(crate) speed_ratio: Option<usize>,
     pub(crate) acceleration_ratio: Option<usize>,
-    pub(crate) keep_rates: bool,
+    /// Whether the load needs the one and the other.
+    pub(crate) keep_ratio: bool,
+    pub(crate) keep_acceleration: bool,
 }
 
 impl ShaftStep {
@@ -155,7 +157,7 @@ impl ShaftStep {
             return None;
         };
         let all = [rotation, self.speed_ratio?, self.acceleration_ratio?];
-        (!self.keep_rates).then_some(all)
+        (!self.keep_ratio).then_some(all)
     }
 }
 
@@ -190,18 +192,16 @@ impl JointStep {
         self.tilt_driving.is_some() || self.tilt_driven.is_some()
     }
 
-    /// Whether anything is wanted that the torsion times squares and product gives.
-    pub(crate) fn needs_parts(&self) -> bool {
-        self.moment.is_some() || self.needs_support()
-    }
-
     /// Whether it takes part in a support moment.
     pub(crate) fn needs_support(&self) -> bool {
         self.support.iter().any(Option::is_some)
     }
 
     pub(crate) fn needs_torsion(&self) -> bool {
-        self.needs_parts() || self.bending_driving.is_some() || self.bending_driven.is_some()
+        self.moment.is_some()
+            || self.needs_support()
+            || self.bending_driving.is_some()
+            || self.bending_driven.is_some()
     }
 }
 
@@ -446,10 +446,13 @@ impl Plan {
             let starts = end == End::Output && shaft == n;
             // Nothing is divided or multiplied by the speed ratio of a shaft that turns as the drive.
             if station.absorbs || shaft > bent && (station.torque.is_some() || starts) {
-                self.step(shaft).keep_rates = true;
+                self.step(shaft).keep_ratio = true;
+            }
+            if station.absorbs {
+                self.step(shaft).keep_acceleration = true;
             }
             if station.torsion && shaft - 1 > bent {
-                self.step(shaft - 1).keep_rates = true;
+                self.step(shaft - 1).keep_ratio = true;
             }
         }
         self.load = Some(LoadStep { end, stations });
