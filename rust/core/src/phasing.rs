@@ -210,25 +210,36 @@ impl Polygon {
         [turns, mirrored]
     }
 
-    /// The map `w → A w + B w̄` with `|A|² − |B|² = 1`, and the derivative of `B` by each turn.
-    fn walk(&self, change: &[f64]) -> (Complex<f64>, Vec<Complex<f64>>) {
-        let step = |side: &Side, (a, b): (Complex<f64>, Complex<f64>)| {
+    /// `B` of the map `w → A w + B w̄` with `|A|² − |B|² = 1`, and at each turn the turn itself and what
+    /// has become of `A` and `B` behind it.
+    fn walk(&self, change: &[f64]) -> (Complex<f64>, Vec<[Complex<f64>; 3]>) {
+        let past = |side: &Side, a: Complex<f64>, b: Complex<f64>| {
             (a * side.cosh - b.conj() * side.sinh, b * side.cosh - a.conj() * side.sinh)
         };
-        let start = (Complex::new(1.0, 0.0), Complex::new(0.0, 0.0));
-        let mut pair = step(&self.sides[0], start);
-        let mut derivatives: Vec<(Complex<f64>, Complex<f64>)> = vec![];
+        let (mut a, mut b) = past(&self.sides[0], Complex::new(1.0, 0.0), Complex::new(0.0, 0.0));
+        let mut states = Vec::with_capacity(self.turns.len());
         for (side, turn) in self.sides[1..].iter().zip(self.turns_after(change)) {
             let (sine, cosine) = trig::sin_cos(turn);
             let rotation = Complex::new(cosine, sine);
-            let quarter = rotation * Complex::i();
-            for (a, b) in &mut derivatives {
-                (*a, *b) = step(side, (*a * rotation, *b * rotation));
-            }
-            derivatives.push(step(side, (pair.0 * quarter, pair.1 * quarter)));
-            pair = step(side, (pair.0 * rotation, pair.1 * rotation));
+            states.push([rotation, a * rotation, b * rotation]);
+            (a, b) = past(side, a * rotation, b * rotation);
         }
-        (pair.1, derivatives.into_iter().map(|(_, b)| b).collect())
+        (b, states)
+    }
+
+    /// The same `B`, and its derivative by each turn: on the way back, `B̄` at the end is `p A + q B̄`
+    /// of every state.
+    fn slope(&self, change: &[f64]) -> (Complex<f64>, Vec<Complex<f64>>) {
+        let (end, states) = self.walk(change);
+        let (mut p, mut q) = (Complex::new(0.0, 0.0), Complex::new(1.0, 0.0));
+        let mut derivatives = vec![Complex::new(0.0, 0.0); states.len()];
+        for (i, [rotation, a, b]) in states.into_iter().enumerate().rev() {
+            let side = &self.sides[i + 1];
+            (p, q) = (p * side.cosh - q * side.sinh, q * side.cosh - p * side.sinh);
+            derivatives[i] = (p * a - q * b.conj()).conj() * -Complex::<f64>::i();
+            (p, q) = (p * rotation, q * rotation.conj());
+        }
+        (end, derivatives)
     }
 
     /// How far the polygon is from closing, `sinh(L_E/2)`.
@@ -240,7 +251,7 @@ impl Polygon {
     fn close(&self, mut change: Vec<f64>) -> Vec<f64> {
         let mut gap = self.gap(&change);
         for _ in 0..STEPS {
-            let (b, derivatives) = self.walk(&change);
+            let (b, derivatives) = self.slope(&change);
             let step = self.smallest_solution(&derivatives, -b);
             let closer = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|part| {
                 let trial: Vec<f64> =
@@ -264,7 +275,7 @@ impl Polygon {
     fn search(&self, mut change: Vec<f64>) -> Vec<f64> {
         let mut size = self.size(&change);
         for _ in 0..STEPS {
-            let (_, derivatives) = self.walk(&change);
+            let (_, derivatives) = self.slope(&change);
             let along: Complex<f64> = derivatives.iter().zip(&change).map(|(d, x)| d * *x).sum();
             let shortest = self.smallest_solution(&derivatives, along);
             let shorter = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|step| {
