@@ -20,7 +20,7 @@ use crate::reduction::Reduction;
 use crate::samples::{Angles, Drivelines, Geometries, Load, Samples, Source, Table};
 use crate::sweep::Group;
 
-/// Samples per block of a threaded run: some 20 µs of work. A multiple of the chunk.
+/// Samples per block of a threaded run, at most: some 20 µs of work. A multiple of the chunk.
 const BLOCK: usize = 16 * CHUNK;
 
 /// Samples from which threads repay their waking: about 100 µs of work, where one thread and four
@@ -380,6 +380,10 @@ fn block_size(total: usize, workers: Option<usize>) -> usize {
         Some(workers) if workers < rayon::current_num_threads() => {
             total.div_ceil(workers.max(1)).next_multiple_of(BLOCK)
         }
-        _ => BLOCK,
+        // Two for each thread at least, so that none waits long for the last one.
+        _ => {
+            let shared = total.div_ceil(2 * rayon::current_num_threads());
+            BLOCK.min(shared.next_multiple_of(CHUNK))
+        }
     }
 }
