@@ -396,6 +396,7 @@ mod tests {
                 (sine * by_cosine + cosine * by_sine, cosine * by_cosine - sine * by_sine);
             let error = (y * turned_cosine - x * turned_sine).value();
             assert!(error.abs() < 2_f64.powi(-58), "{error:e}");
+            assert!(y.value().hypot(x.value()) > 0.5);
         }
     }
 }
