@@ -259,4 +259,14 @@ mod tests {
         assert!(error.to_string().contains("points[2] is (-1797"), "{error}");
         assert!(error.to_string().contains(") after (1797"), "{error}");
     }
+
+    #[test]
+    fn one_angle_for_each_intermediate_shaft() {
+        let error = Geometry::from_bends(&[0.1; 3], &[0.2], &[0.3; 2]).unwrap_err();
+        assert_eq!(error.to_string(), "twists has 1 values; 3 joints need 2");
+        let error = Geometry::from_directions(&[Vector::x(); 3], &[0.3; 2]).unwrap_err();
+        assert_eq!(error.to_string(), "phases has 2 values; 2 joints need 1");
+        let error = Geometry::from_bends(&[0.1; 2], &[f64::NAN], &[0.3]).unwrap_err();
+        assert_eq!(error.to_string(), "twists[0] is NaN; it must be finite");
+    }
 }

@@ -326,4 +326,23 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_smallest_turn_of_a_family_is_across_it() {
+        let sides = [0.2, 0.17, 0.15, 0.19].map(|bend| Side::new(&Joint::new(bend)));
+        let mut polygon = Polygon { sides: sides.into(), turns: vec![], weights: vec![1.0; 3] };
+        for turns in [[0.3, 0.2, -0.5], [-1.2, 0.7, 0.2], [1.1, -0.4, 0.9], [0.1, 0.1, 0.2]] {
+            polygon.turns = turns.into();
+            let change = polygon.smallest_change();
+            let (gap, derivatives) = polygon.walk(&change);
+            assert!(gap.norm() < CLOSED);
+            // Along the family neither part of the gap changes.
+            let parts = |part: fn(&Complex<f64>) -> f64| {
+                nalgebra::Vector3::from_iterator(derivatives.iter().map(part))
+            };
+            let along = parts(|d| d.re).cross(&parts(|d| d.im)).normalize();
+            let change = nalgebra::Vector3::from_column_slice(&change);
+            assert!(along.dot(&change).abs() < 1e-4 * change.norm(), "{along} {change}");
+        }
+    }
 }
