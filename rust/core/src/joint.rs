@@ -271,27 +271,3 @@ pub(crate) fn rates<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T) {
     let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
     (ratio, T::from_f64(-2.0) * joint.sin2 * (s * c * inverse) * ratio)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn moderate_bends_have_the_constants_of_all() {
-        for bend in [1e-9, 1e-3, 0.1, 0.3, 0.6, 0.99] {
-            let (short, long) = (Joint::with_moderate_bend(bend), Joint::with_error_terms(bend));
-            for (name, short, long) in [
-                ("cos", short.cos, long.cos),
-                ("cos2", short.cos2, long.cos2),
-                ("sin", short.sin, long.sin),
-                ("sin2", short.sin2, long.sin2),
-                ("versine", short.versine, long.versine),
-                ("inverse_exsecant", short.inverse_exsecant, long.inverse_exsecant),
-                ("k", short.k, long.k),
-            ] {
-                let error = (short - long).value() / long.value();
-                assert!(error.abs() < 2_f64.powi(-58), "{name} of {bend}: {error:e}");
-            }
-        }
-    }
-}
