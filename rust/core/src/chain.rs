@@ -6,7 +6,7 @@
 //!
 //! All of it is carried with error terms: the constants of a chain are as good as those of a joint.
 
-use std::ops::{Add, Mul, Sub};
+use std::ops::{Mul, Sub};
 
 use crate::atan::AtanRange;
 use crate::joint::Joint;
@@ -50,15 +50,6 @@ impl Complex {
     #[inline(always)]
     fn norm_squared(self) -> Pair {
         self.re.square() + self.im.square()
-    }
-}
-
-impl Add for Complex {
-    type Output = Self;
-
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { re: self.re + other.re, im: self.im + other.im }
     }
 }
 
@@ -278,5 +269,32 @@ mod tests {
         let [cc, cs, sc, ss] = transfer.matrix();
         let determinant = (cc * ss - cs * sc).value();
         assert!((determinant - transfer.complement.value()).abs() < 1e-30);
+    }
+
+    #[test]
+    fn far_shafts_turn_by_the_difference() {
+        for (phase, twist) in [(3e13, 0.25), (0.25, 3e13), (-7e15, 5e14)] {
+            let turn = shaft_turn(phase, twist);
+            let ((sine, cosine), (other_sine, other_cosine)) = (phase.sin_cos(), twist.sin_cos());
+            // A quarter turn ahead of the difference.
+            let difference = sine * other_cosine - cosine * other_sine;
+            assert!((turn.re.value() + difference).abs() < 1e-15);
+            let difference = cosine * other_cosine + sine * other_sine;
+            assert!((turn.im.value() - difference).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_smallest_bends_keep_their_digits() {
+        let same = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 4.0 * f64::EPSILON;
+        // Two small bends in line add their squares.
+        for bend in [1e-60, 1e-100, 1e-140] {
+            let two = Equivalent::of_chain(&[bend; 2], &[0.0], &[-std::f64::consts::FRAC_PI_2]);
+            assert!(same(two.joint.bend(), bend * 2_f64.sqrt()));
+        }
+        for bend in [1e-100, 1e-200, 1e-300] {
+            let one = Equivalent::of_chain(&[0.0, bend, 0.0], &[0.3, 0.1], &[0.7, -0.2]);
+            assert!(same(one.joint.bend(), bend));
+        }
     }
 }

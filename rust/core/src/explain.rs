@@ -179,3 +179,64 @@ fn found(step: &ShaftStep) -> String {
     let names: Vec<&str> = names.iter().filter(|(wanted, _)| *wanted).map(|(_, n)| *n).collect();
     names.join(", ")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Geometry;
+    use crate::plan::{Output, Request};
+
+    /// The text for a driveline of three joints, the second straight.
+    fn text(outputs: &[Output], shafts: &[usize], precision: Precision) -> String {
+        let line = Geometry::from_bends(&[0.1, 0.0, 0.2], &[0.3; 2], &[0.4; 2]).unwrap();
+        let request = Request {
+            largest_bends: &line.bends,
+            outputs,
+            shafts,
+            joints: &[],
+            load: None,
+            inertias: &[],
+        };
+        let Geometry { bends, twists, phases, .. } = &line;
+        let lines =
+            Drivelines { bends, twists, phases, directions: &[0.0; 12], normals: &[0.0; 9] };
+        let call = Call { precision, reduction: None, sweep: false, single: false };
+        Plan::new(&request).unwrap().explain(&lines, call).unwrap()
+    }
+
+    fn has(text: &str, lines: &[&str]) {
+        for line in lines {
+            assert!(text.lines().any(|found| found.trim() == *line), "{line}: {text}");
+        }
+    }
+
+    #[test]
+    fn what_runs_and_what_does_not() {
+        let motion = &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio];
+        let last = text(motion, &[3], Precision::Double);
+        has(
+            &last,
+            &[
+                "angle to sine and cosine times a common factor, up to their sign",
+                "shaft 3: sine and cosine turned to its equivalent joint",
+                "joint 1: straight, it passes its rotation on",
+                "joints one by one: the 3 before shaft 3 act as one",
+                "shafts 0, 1, 2: motion not asked for",
+                "torques and moments: not asked for",
+            ],
+        );
+        assert!(last.contains("bytes read, 24 bytes written"), "{last}");
+        assert!(!last.contains("twice the angle") && !last.contains("beyond"), "{last}");
+        let twice = text(motion, &[3], Precision::InTwo);
+        has(&twice, &["angle to sine and cosine of twice the angle"]);
+        assert!(!twice.contains("common factor") && !twice.contains("turned to"), "{twice}");
+        let first = text(&[Output::SpeedRatio], &[1], Precision::Double);
+        has(&first, &["shaft 1: speed ratio", "joint 1 to 2: beyond everything asked for"]);
+        assert!(!first.contains("turned to") && !first.contains("one by one"), "{first}");
+        let second = text(&[Output::SpeedRatio], &[0, 1, 2], Precision::Double);
+        has(&second, &["joint 2: beyond everything asked for", "shaft 3: motion not asked for"]);
+        let drive = text(&[Output::SpeedRatio], &[0], Precision::Double);
+        has(&drive, &["sine and cosine: everything turns with the drive"]);
+        has(&drive, &["shaft 0: speed ratio, those of the drive"]);
+    }
+}

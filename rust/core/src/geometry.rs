@@ -230,3 +230,43 @@ fn any_perpendicular(u: Vector) -> Vector {
     let z = across(Vector::z(), u);
     if z.norm() > STRAIGHT { z.normalize() } else { across(Vector::x(), u).normalize() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn straight_within_rounding_whatever_the_lengths() {
+        for [first, second] in [[1.0, 1.0], [1.9, 1.9], [1e-3, 7.0], [3e8, 1.9]] {
+            let line = |sine: f64| {
+                let spans = [Vector::new(first, 0.0, 0.0), Vector::new(second, second * sine, 0.0)];
+                Geometry::from_directions(&spans, &[]).unwrap()
+            };
+            assert_eq!(line(0.9 * STRAIGHT).bends, [0.0]);
+            assert!((line(1.1 * STRAIGHT).bends[0] / STRAIGHT - 1.1).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_span_of_no_length_is_named_by_both_its_points() {
+        let at = |x: f64| Vector::new(x, 0.0, 0.0);
+        let error =
+            Geometry::from_points(&[at(0.0), at(1.0), at(2.0), at(2.0)], &[0.0]).unwrap_err();
+        let problem = "is (2, 0, 0) after (2, 0, 0); two successive points must differ";
+        assert!(error.to_string().contains(&format!("points[3] {problem}")), "{error}");
+        let error =
+            Geometry::from_points(&[at(0.0), at(f64::MAX), at(-f64::MAX)], &[]).unwrap_err();
+        assert!(error.to_string().contains("points[2] is (-1797"), "{error}");
+        assert!(error.to_string().contains(") after (1797"), "{error}");
+    }
+
+    #[test]
+    fn one_angle_for_each_intermediate_shaft() {
+        let error = Geometry::from_bends(&[0.1; 3], &[0.2], &[0.3; 2]).unwrap_err();
+        assert_eq!(error.to_string(), "twists has 1 values; 3 joints need 2");
+        let error = Geometry::from_directions(&[Vector::x(); 3], &[0.3; 2]).unwrap_err();
+        assert_eq!(error.to_string(), "phases has 2 values; 2 joints need 1");
+        let error = Geometry::from_bends(&[0.1; 2], &[f64::NAN], &[0.3]).unwrap_err();
+        assert_eq!(error.to_string(), "twists[0] is NaN; it must be finite");
+    }
+}

@@ -310,3 +310,50 @@ impl Polygon {
         weighted().map(|(d, w)| w * (d.re * multiplier.re + d.im * multiplier.im)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turned(from: &[f64], to: &[f64]) -> f64 {
+        let wrapped = |x: f64| x - PI * (x / PI).round();
+        from.iter().zip(to).map(|(from, to)| wrapped(to - from).powi(2)).sum()
+    }
+
+    /// Yokes beside a straight joint share a turn, and each counts.
+    #[test]
+    fn no_closed_string_nearby_turns_the_yokes_less() {
+        let bends = [0.2, 0.17, 0.0, 0.0, 0.15, 0.19];
+        let twists = [0.1, -0.3, 0.4, 0.0, 0.2];
+        for given in [[0.3, 0.2, -0.5, 0.9, 0.1], [-1.2, 0.7, 0.2, 0.4, 1.0]] {
+            let best = optimal_phases(&bends, &twists, &given);
+            for shaft in 0..given.len() {
+                for aside in [-0.02, 0.02] {
+                    let mut start = best.clone();
+                    start[shaft] += aside;
+                    let other = optimal_phases(&bends, &twists, &start);
+                    assert!(turned(&given, &other) > turned(&given, &best) - 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_smallest_turn_of_a_family_is_across_it() {
+        let sides = [0.2, 0.17, 0.15, 0.19].map(|bend| Side::new(&Joint::new(bend)));
+        let mut polygon = Polygon { sides: sides.into(), turns: vec![], weights: vec![1.0; 3] };
+        for turns in [[0.3, 0.2, -0.5], [-1.2, 0.7, 0.2], [1.1, -0.4, 0.9], [0.1, 0.1, 0.2]] {
+            polygon.turns = turns.into();
+            let change = polygon.smallest_change();
+            let (gap, derivatives) = polygon.walk(&change);
+            assert!(gap.norm() < CLOSED);
+            // Along the family neither part of the gap changes.
+            let parts = |part: fn(&Complex<f64>) -> f64| {
+                nalgebra::Vector3::from_iterator(derivatives.iter().map(part))
+            };
+            let along = parts(|d| d.re).cross(&parts(|d| d.im)).normalize();
+            let change = nalgebra::Vector3::from_column_slice(&change);
+            assert!(along.dot(&change).abs() < 1e-4 * change.norm(), "{along} {change}");
+        }
+    }
+}

@@ -195,3 +195,118 @@ fn reduce_exactly(x: f64) -> (Pair, u64) {
     let rest = low.mul_add(HALF_PI[0], high.mul_add(HALF_PI[1], error));
     (Pair::ordered_sum(product, rest), quadrant + u64::from(round_up))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::real::Real;
+    use crate::trig;
+
+    /// Doubles beside multiples of π/2, `m 2ᵉ`, the multiple modulo 4, and what is left of them
+    /// in two words: from continued fractions with 2600 binary digits.
+    #[test]
+    fn the_hardest_angles_keep_their_remainders() {
+        for (m, e, quadrant, high, low) in [
+            (
+                6_081_371_451_248_382.0,
+                2,
+                3,
+                -1.204_793_787_448_257_4e-16,
+                -8.235_138_092_891_066e-33,
+            ),
+            (
+                6_617_649_673_795_284.0,
+                21,
+                0,
+                -3.282_049_487_355_787_7e-16,
+                1.205_278_970_206_192e-32,
+            ),
+            (
+                7_564_982_981_241_832.0,
+                66,
+                0,
+                1.031_686_394_783_722_8e-15,
+                5.372_248_432_549_067e-32,
+            ),
+            (
+                5_916_243_447_979_695.0,
+                79,
+                3,
+                -1.820_856_637_738_217_2e-18,
+                -5.685_995_758_625_758e-35,
+            ),
+            (
+                4_595_526_034_082_901.0,
+                130,
+                3,
+                -8.383_097_382_872_87e-18,
+                6.498_635_602_182_723_6e-34,
+            ),
+            (
+                6_814_427_304_870_727.0,
+                337,
+                1,
+                1.314_044_716_300_057_7e-16,
+                -4.994_089_016_214_096_4e-33,
+            ),
+            (
+                6_381_956_970_095_103.0,
+                797,
+                1,
+                4.687_165_924_254_628e-19,
+                -4.372_055_742_938_273_3e-36,
+            ),
+            (
+                6_381_956_970_095_103.0,
+                798,
+                2,
+                9.374_331_848_509_255e-19,
+                -8.744_111_485_876_547e-36,
+            ),
+            (
+                8_444_920_710_073_313.0,
+                939,
+                1,
+                -2.014_938_667_495_223_8e-18,
+                -1.102_722_809_638_444_6e-34,
+            ),
+            (
+                5_466_744_517_559_360.0,
+                962,
+                0,
+                -1.641_208_296_909_437_4e-15,
+                1.354_496_404_218_008_2e-33,
+            ),
+        ] {
+            let x: f64 = m * 2_f64.powi(e);
+            for (x, quadrant, sense) in [(x, quadrant, 1.0), (-x, 4 - quadrant, -1.0)] {
+                let (r, n) = reduce_any(x);
+                let error = (r.scaled(sense) - Pair::new(high, low)).value() / high;
+                assert!(error.abs() < 2_f64.powi(-100), "{x:e}: {error:e}");
+                assert_eq!(n & 3, quadrant & 3, "{x:e}");
+            }
+        }
+        for (m, e, quadrant, nearest) in [
+            (6_411_027_962_775_774.0, -47, 1, 6.189_806_365_883_577e-19),
+            (7_763_785_107_565_477.0, -29, 3, -1.698_503_829_898_600_4e-18),
+        ] {
+            let (r, n) = reduce(m * 2_f64.powi(e));
+            assert_eq!((r, n & 3), (nearest, quadrant));
+        }
+    }
+
+    #[test]
+    fn twice_an_angle_has_its_double_sine() {
+        for x in (-40..=40).flat_map(|i| [0.1, 1e14, 7e200].map(|step| f64::from(i) * step)) {
+            let (r, n) = twice(reduce_any(x));
+            assert!(r.high.abs() <= 0.5 * HALF_PI[0], "{x:e}");
+            let (sine, cosine) = trig::sin_cos_in_two(reduce_any(x));
+            let (double_sine, double_cosine) = trig::sin_cos_in_two((r, n));
+            let errors = [
+                double_sine - (sine * cosine).scaled(2.0),
+                double_cosine - (cosine.square() - sine.square()),
+            ];
+            assert!(errors.iter().all(|error| error.value().abs() < 2_f64.powi(-60)), "{x:e}");
+        }
+    }
+}

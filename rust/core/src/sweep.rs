@@ -285,3 +285,25 @@ fn check_count(argument: &'static str, count: usize) -> Result<()> {
     let problem = format!("makes {count} samples; a sweep has 1 to {}", Sweep::LONGEST);
     Err(Error::new(argument, &[], problem))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pins_stand_as_before_after_a_period() {
+        for per_turn in [720, 721, 722, 9, 2, 1] {
+            let sweep = Sweep::of_turns(10, per_turn).unwrap();
+            let reduction = sweep.reduction();
+            for (sensed, sense) in [(false, 1), (true, 3)] {
+                let period = sweep.period(sensed).unwrap();
+                for i in [0, 1, 100, 12_345] {
+                    let [(r, n), (again, later)] = [i, i + period].map(|i| reduction.of(i as f64));
+                    assert_eq!(r, again);
+                    assert_eq!(later.wrapping_sub(n) & sense, 0);
+                }
+            }
+        }
+        assert_eq!(Sweep::new(0.0, TAU, 100).unwrap().period(false), None);
+    }
+}

@@ -354,3 +354,49 @@ pub(crate) fn any_far(angles: impl Iterator<Item = f64>) -> bool {
     angles.for_each(|x| far.watch(reduce::reduce(x).1));
     far.any()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Remainders with error terms of half a unit, and their sines and cosines.
+    fn remainders() -> impl Iterator<Item = (Pair, Pair, Pair)> {
+        (-392..=392).map(|i| {
+            let high = f64::from(i) * 0.002;
+            let remainder = Pair::new(high, high * 2_f64.powi(-54));
+            let (sine, cosine) = sin_cos_of_remainder(remainder);
+            (remainder, sine, cosine)
+        })
+    }
+
+    #[test]
+    fn error_terms_are_worth_their_words() {
+        for (remainder, sine, cosine) in remainders() {
+            let ones = sine.square() + cosine.square() - Pair::ONE;
+            assert!(ones.value().abs() < 2_f64.powi(-60), "{remainder:?}");
+            let (other_sine, other_cosine) = Pair::sin_cos(remainder);
+            let close = |error: Pair| error.value().abs() <= 2_f64.powi(-57) * sine.value().abs();
+            assert!(close(other_sine - sine), "{remainder:?}");
+            assert!((other_cosine - cosine).value().abs() < 2_f64.powi(-57), "{remainder:?}");
+            let (numerator, denominator) = Pair::tangent(remainder);
+            assert!(close(numerator * cosine - denominator * sine), "{remainder:?}");
+        }
+    }
+
+    #[test]
+    fn tangents_of_sums_are_those_of_turned_pins() {
+        let tangent = |sine: Pair, cosine: Pair| {
+            let quotient = sine / cosine;
+            [quotient.high, quotient.low]
+        };
+        let (_, by_sine, by_cosine) = remainders().nth(500).unwrap();
+        for (_, sine, cosine) in remainders() {
+            let (y, x) = Pair::tangent_of_sum(tangent(sine, cosine), tangent(by_sine, by_cosine));
+            let (turned_sine, turned_cosine) =
+                (sine * by_cosine + cosine * by_sine, cosine * by_cosine - sine * by_sine);
+            let error = (y * turned_cosine - x * turned_sine).value();
+            assert!(error.abs() < 2_f64.powi(-58), "{error:e}");
+            assert!(y.value().hypot(x.value()) > 0.5);
+        }
+    }
+}
