@@ -112,7 +112,6 @@ def test_contributing_names_what_ci_runs() -> None:
         "fuzz/run geometry 3600",
         "python fuzz/scene.py 3600",
         "python tests/load.py --minutes 60",
-        "python tests/mutants.py ../mutants",
         "cargo deny --exclude-dev check",
         "pip-audit",
     }

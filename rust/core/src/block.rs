@@ -353,8 +353,9 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             compiled_for!(level, chunk::find_twice(drive, scratch, size));
             self.twice = place;
         }
-        let from = part.place + samples.start - part.samples.start;
-        let kept_from = samples.start - part.samples.start;
+        // Picked samples have no place in the row: they are reduced at once.
+        let kept_from = if picked.is_some() { 0 } else { samples.start - part.samples.start };
+        let from = part.place + kept_from;
         let (direct, fills) = match target {
             Target::Planes(planes) => (T::direct(planes), true),
             Target::Reduced(..) => (None, false),

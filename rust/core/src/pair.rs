@@ -86,13 +86,6 @@ impl Pair {
     }
 }
 
-impl From<f64> for Pair {
-    #[inline(always)]
-    fn from(x: f64) -> Self {
-        Self::exact(x)
-    }
-}
-
 impl Add for Pair {
     type Output = Self;
 

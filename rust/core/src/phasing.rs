@@ -345,7 +345,7 @@ mod tests {
         for turns in [[0.3, 0.2, -0.5], [-1.2, 0.7, 0.2], [1.1, -0.4, 0.9], [0.1, 0.1, 0.2]] {
             polygon.turns = turns.into();
             let change = polygon.smallest_change();
-            let (gap, derivatives) = polygon.walk(&change);
+            let (gap, derivatives) = polygon.slope(&change);
             assert!(gap.norm() < CLOSED);
             // Along the family neither part of the gap changes.
             let parts = |part: fn(&Complex<f64>) -> f64| {
