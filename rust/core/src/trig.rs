@@ -113,7 +113,7 @@ pub trait Angle: Real {
     /// than angles, or because the two together are too long for a core to overlap.
     const APART: bool;
 
-    /// Remainder and quadrant of a phase ([`reduce::phase`]).
+    /// Remainder and quadrant of a phase (`reduce::phase`).
     fn of_phase(phase: u64) -> (Self, u64);
 
     /// The lowest bits of a quadrant or a phase, kept in a number's place.
