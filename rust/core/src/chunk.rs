@@ -3,8 +3,9 @@
 use crate::atan::AtanRange;
 use crate::column::{Column, View, ViewMut, views, views_mut};
 use crate::fold::{Folded, Seen};
-use crate::kernel::{self, AfterArray, Drive, Line, Number, Pins, Sense, Swing, Twice};
+use crate::kernel::{self, AfterArray, Number, Swing};
 use crate::moment::Pose;
+use crate::pins::{self, Drive, Line, Pins, Sense, Twice};
 use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::samples::{ACCELERATION, Drivelines, SPEED, TORQUE, Table};
 use crate::sweep::Group;
@@ -111,8 +112,8 @@ pub(crate) fn find_pins<T: Number>(
     let coarse = plan.moderate;
     match (drive, group) {
         (Drive::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
-        _ if plan.needs_sense() => kernel::pins::<Sense, T>(drive, coarse, sine, cosine),
-        _ => kernel::pins::<Line, T>(drive, coarse, sine, cosine),
+        _ if plan.needs_sense() => pins::find::<Sense, T>(drive, coarse, sine, cosine),
+        _ => pins::find::<Line, T>(drive, coarse, sine, cosine),
     }
 }
 
@@ -120,7 +121,7 @@ pub(crate) fn find_pins<T: Number>(
 #[inline(always)]
 pub(crate) fn find_twice<T: Number>(drive: Drive<'_>, scratch: &mut Scratch<T>, size: usize) {
     let [sine, cosine] = views_mut(&mut scratch.twice, 0, size);
-    kernel::pins::<Twice, T>(drive, false, sine, cosine);
+    pins::find::<Twice, T>(drive, false, sine, cosine);
 }
 
 /// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
@@ -168,7 +169,7 @@ pub(crate) fn run_motion<T: Number>(
                 let mut pins = pins;
                 if step.shaft > 1 {
                     let [sine, cosine] = views_mut(turned, 0, size);
-                    kernel::turn(|i| at(i).1, pins, sine, cosine);
+                    pins::turn(|i| at(i).1, pins, sine, cosine);
                     pins = pins_of(turned, size);
                 }
                 let at = |i| at(i).0;

@@ -19,6 +19,7 @@ pub mod level;
 mod moment;
 pub mod pair;
 pub mod phasing;
+mod pins;
 pub mod plan;
 pub mod real;
 mod reduce;

@@ -1,0 +1,241 @@
+//! The pins of a chunk: sines and cosines of its drive angles, by the reduction that serves them.
+#![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
+
+use crate::column::{View, ViewMut};
+use crate::real::Real;
+use crate::reduce::{self, Far};
+use crate::sweep::{Reduction, Sweep};
+use crate::trig::{self, Angle};
+
+/// The drive angles of a chunk.
+#[derive(Clone, Copy)]
+pub(crate) enum Drive<'a> {
+    /// Doubles.
+    Array(&'a [f64]),
+    /// Those of a sweep from this sample on.
+    Sweep(&'a Sweep, usize),
+    /// Those of a sweep at these samples.
+    Picked(&'a Sweep, &'a [f64]),
+}
+
+impl Drive<'_> {
+    /// Angle `i`, the nearest double.
+    #[inline(always)]
+    pub(crate) fn angle(&self, i: usize) -> f64 {
+        match self {
+            Self::Array(angle) => angle[i],
+            Self::Sweep(sweep, first) => sweep.angle(number(*first, i)).value(),
+            Self::Picked(sweep, samples) => sweep.angle(samples[i]).value(),
+        }
+    }
+}
+
+/// The number of a sweep's sample as a double: a sum, because few machines convert long integers
+/// in vectors.
+#[inline(always)]
+pub(crate) fn number(first: usize, i: usize) -> f64 {
+    first as f64 + f64::from(i as u32)
+}
+
+/// Sines and cosines of a chunk: of the drive angle, up to a common factor, or of twice the angle.
+#[derive(Clone, Copy)]
+pub(crate) struct Pins<'a, T: Real> {
+    pub(crate) sine: View<'a, T>,
+    pub(crate) cosine: View<'a, T>,
+}
+
+impl<T: Real> Pins<'_, T> {
+    #[inline(always)]
+    pub(crate) fn len(&self) -> usize {
+        self.sine.len()
+    }
+
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> (T, T) {
+        (self.sine.get(i), self.cosine.get(i))
+    }
+}
+
+/// Which sines and cosines to find.
+pub(crate) trait Kind {
+    /// Whether they are of twice the drive angle.
+    const TWICE: bool = false;
+
+    /// Sine and cosine of a reduced angle.
+    fn find<T: Angle>(reduced: (T, u64)) -> (T, T);
+}
+
+/// Pins as lines: a common factor of sine and cosine does not matter.
+pub(crate) struct Line;
+
+impl Kind for Line {
+    #[inline(always)]
+    fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
+        trig::pin(reduced)
+    }
+}
+
+/// Pins with their sense: a positive factor does not matter.
+pub(crate) struct Sense;
+
+impl Kind for Sense {
+    #[inline(always)]
+    fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
+        trig::sensed_pin(reduced)
+    }
+}
+
+/// Sine and cosine themselves, of twice the angle.
+pub(crate) struct Twice;
+
+impl Kind for Twice {
+    const TWICE: bool = true;
+
+    #[inline(always)]
+    fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
+        trig::turned(reduced)
+    }
+}
+
+/// Sine and cosine for each angle, by the exact path where one is too far for the fast one.
+///
+/// `coarse` pins are as good as short numbers are beside 1, not relative to themselves: they do for
+/// moderate bends.
+#[inline(always)]
+pub(crate) fn find<K: Kind, T: Angle>(
+    drive: Drive<'_>,
+    coarse: bool,
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
+) {
+    let length = sine.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
+    match drive {
+        Drive::Array(angle) => {
+            let angle = &angle[..length];
+            if T::SHORT && coarse && coarse_pins::<K, T>(angle, sine.again(), cosine.again()) {
+                return;
+            }
+            let mut far = Far::for_quadrants();
+            for i in 0..length {
+                let x = angle[i];
+                let reduced = T::reduce(if K::TWICE { x + x } else { x });
+                far.watch(reduced.1);
+                set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+            }
+            if far.any() {
+                for i in 0..length {
+                    let reduced = reduce::reduce_any(angle[i]);
+                    let (r, quadrant) = if K::TWICE { reduce::twice(reduced) } else { reduced };
+                    set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
+                }
+            }
+        }
+        Drive::Sweep(sweep, first) => {
+            let sweep = if K::TWICE { sweep.twice() } else { *sweep };
+            match sweep.reduction() {
+                Reduction::OfTurns { per_turn, inverse, quarter } => {
+                    for i in 0..length {
+                        let i_th = number(first, i);
+                        let (r, quadrant) = Reduction::of_turns(per_turn, inverse, quarter, i_th);
+                        let reduced = (T::from_pair(r), quadrant);
+                        set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+                    }
+                }
+                Reduction::OfAngles(sweep) => {
+                    for i in 0..length {
+                        let (r, quadrant) = Reduction::of_angles(&sweep, number(first, i));
+                        let reduced = (T::from_pair(r), quadrant);
+                        set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+                    }
+                }
+            }
+        }
+        Drive::Picked(sweep, samples) => {
+            let reduction = if K::TWICE { sweep.twice() } else { *sweep }.reduction();
+            let samples = &samples[..length];
+            for i in 0..length {
+                let (r, quadrant) = reduction.of(samples[i]);
+                set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
+            }
+        }
+    }
+    if T::APART {
+        for i in 0..length {
+            let reduced = (sine.get(i), cosine.get(i).bits());
+            set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
+        }
+    }
+}
+
+/// Sine and cosine by phases, unless an angle is too far for these.
+#[inline(always)]
+fn coarse_pins<K: Kind, T: Angle>(
+    angle: &[f64],
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
+) -> bool {
+    let length = angle.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
+    let mut far = Far::for_phases();
+    for i in 0..length {
+        let phase = reduce::phase(angle[i]);
+        far.watch(phase);
+        cosine.set(i, T::of_bits(phase));
+    }
+    if far.any() {
+        return false;
+    }
+    for i in 0..length {
+        let reduced = T::of_phase(cosine.get(i).bits());
+        set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
+    }
+    true
+}
+
+/// Angles are reduced as doubles, of which a vector holds half as many as of short numbers: those
+/// find their pins in a loop of their own.
+#[inline(always)]
+fn set_reduced<K: Kind, T: Angle>(
+    sine: &mut ViewMut<'_, T>,
+    cosine: &mut ViewMut<'_, T>,
+    i: usize,
+    (remainder, quadrant): (T, u64),
+) {
+    if T::APART {
+        sine.set(i, remainder);
+        cosine.set(i, T::of_bits(quadrant));
+    } else {
+        set_pin::<K, T>(sine, cosine, i, (remainder, quadrant));
+    }
+}
+
+#[inline(always)]
+fn set_pin<K: Kind, T: Angle>(
+    sine: &mut ViewMut<'_, T>,
+    cosine: &mut ViewMut<'_, T>,
+    i: usize,
+    reduced: (T, u64),
+) {
+    let (s, c) = K::find(reduced);
+    sine.set(i, s);
+    cosine.set(i, c);
+}
+
+/// Sine and cosine of the equivalent joint's driving angle `α + φ`, given those of `φ`.
+#[inline(always)]
+pub(crate) fn turn<T: Real>(
+    at: impl Fn(usize) -> [T; 2],
+    pins: Pins<'_, T>,
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
+) {
+    let length = pins.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
+    for i in 0..length {
+        let (s, c) = pins.get(i);
+        let [turn_cos, turn_sin] = at(i);
+        sine.set(i, s.mul_add(turn_cos, c * turn_sin));
+        cosine.set(i, c.mul_add(turn_cos, -(s * turn_sin)));
+    }
+}
