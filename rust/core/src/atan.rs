@@ -83,13 +83,20 @@ pub enum AtanRange {
 impl AtanRange {
     /// The shortest range that holds tangents up to `largest`.
     pub fn holding(largest: f64) -> Self {
-        if largest <= 0.008 {
+        Self::holding_squares(largest * largest, 1.0)
+    }
+
+    /// The same by their squares, up to `square / divisor`: no root and no division.
+    #[inline(always)]
+    pub(crate) fn holding_squares(square: f64, divisor: f64) -> Self {
+        let holds = |tangent: f64| square <= tangent * tangent * divisor;
+        if holds(0.008) {
             Self::Hundredth
-        } else if largest <= 0.1004 {
+        } else if holds(0.1004) {
             Self::Tenth
-        } else if largest <= 0.32 {
+        } else if holds(0.32) {
             Self::Third
-        } else if largest <= 1.0 {
+        } else if holds(1.0) {
             Self::One
         } else {
             Self::Any

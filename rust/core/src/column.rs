@@ -85,8 +85,9 @@ impl<T: Real> Column<T> {
     }
 }
 
-// A loop leaves out its checks if it sees that all that it touches is as long as it runs. The standard
-// `map` of an array is a call of its own and hides that: a loop cuts again what comes out of it.
+// A loop leaves out its checks if it sees that all that it touches is as long as it runs, and the standard
+// `map` of an array is a call of its own that hides it: these go view by view, and a loop cuts what it
+// writes to the length of what it reads.
 
 /// The first numbers of several columns, to read.
 #[inline(always)]
@@ -94,9 +95,9 @@ pub(crate) fn views<T: Real, const N: usize>(
     columns: &[Column<T>; N],
     length: usize,
 ) -> [View<'_, T>; N] {
-    let mut views = columns.each_ref().map(|column| column.view(length));
-    for view in &mut views {
-        *view = view.cut(length);
+    let mut views = [View { high: &[], low: &[] }; N];
+    for (view, column) in views.iter_mut().zip(columns) {
+        *view = column.view(length).cut(length);
     }
     views
 }
@@ -108,7 +109,11 @@ pub(crate) fn views_mut<T: Real, const N: usize>(
     start: usize,
     length: usize,
 ) -> [ViewMut<'_, T>; N] {
-    columns.each_mut().map(|column| column.part_mut(start, length))
+    let mut views: [_; N] = std::array::from_fn(|_| ViewMut { high: &mut [], low: &mut [] });
+    for (view, column) in views.iter_mut().zip(columns) {
+        *view = column.part_mut(start, length);
+    }
+    views
 }
 
 /// The range of the low words.

@@ -133,7 +133,7 @@ impl<T: Real> Constants<T> {
     #[inline(always)]
     pub(crate) fn range(&self) -> AtanRange {
         let (versine, cos): (f64, f64) = (self.versine.value().into(), self.cos.value().into());
-        AtanRange::holding(versine / (2.0 * cos.sqrt()))
+        AtanRange::holding_squares(versine * versine, 4.0 * cos)
     }
 }
 

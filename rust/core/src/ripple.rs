@@ -64,7 +64,7 @@ impl<T: Real> Ripple<T> {
     pub(crate) fn range(&self) -> AtanRange {
         let [re, im] = self.q.map(|x| x.value().into());
         let complement: f64 = self.complement.value().into();
-        AtanRange::holding((0.5 * (re * re + im * im) / complement).sqrt())
+        AtanRange::holding_squares(re * re + im * im, 2.0 * complement)
     }
 
     /// The same for a pin that is that of the drive.
