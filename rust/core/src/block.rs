@@ -19,8 +19,12 @@ use crate::reduction::Reduction;
 use crate::samples::{ANGLE, Geometries, TORQUE, Table};
 use crate::sweep::Group;
 
-/// Samples per chunk: sines and cosines of so many doubles stay in the first-level cache.
+/// Samples per chunk: what is kept of so many stays in the first-level cache, or nearly.
 pub(crate) const CHUNK: usize = 1024;
+
+/// Samples per chunk with a load, which keeps more of each, and the most in a group of a sweep: those do
+/// not depend on the load.
+const SHORT_CHUNK: usize = CHUNK / 2;
 
 /// Rows whose drivelines are folded together.
 const GROUP: usize = 64;
@@ -104,6 +108,8 @@ pub(crate) struct Block<'a, 's, T: Number> {
     /// The only driveline, or those of these rows, or of the samples of one chunk.
     folded: Cow<'a, Folded<T>>,
     rows: Range<usize>,
+    /// Samples per chunk.
+    chunk_length: usize,
     scratch: Scratch<T>,
     /// Planes for one chunk, where the results go on to be converted or reduced.
     spare: Vec<Vec<T::Word>>,
@@ -123,22 +129,20 @@ struct Part {
 }
 
 impl<'a, 's, T: Number> Block<'a, 's, T> {
-    /// Samples per chunk.
-    const CHUNK: usize = if T::LOW { CHUNK / 2 } else { CHUNK };
-
     /// A group of samples for a sweep whose rows are long enough and do not just repeat themselves.
     pub(crate) fn group(plan: &Plan, table: &Table<'_>, level: Level) -> Option<Group<T>> {
         let sweep = table.sweep?;
         let period = sweep.period(plan.needs_sense()).filter(|&period| period <= REPEATED);
         let samples = period.map_or(table.row_length(), |period| period.min(table.row_length()));
-        let group = compiled_for!(level, Group::new(&sweep, samples, Self::CHUNK));
+        let group = compiled_for!(level, Group::new(&sweep, samples, SHORT_CHUNK));
         group.filter(|_| plan.needs_poses() || plan.moving().next().is_some())
     }
 
     pub(crate) fn new(shared: &Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
         let Shared { plan, table, level, kept, group, stop } = *shared;
         let row_length = table.row_length();
-        let longest = Self::CHUNK.min(row_length);
+        let chunk_length = if plan.load.is_some() { SHORT_CHUNK } else { CHUNK };
+        let longest = chunk_length.min(row_length);
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let room = || {
             let (lines, by_sample) = match table.geometries() {
@@ -156,6 +160,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             stop,
             folded: kept.map_or_else(room, Cow::Borrowed),
             rows: 0..0,
+            chunk_length,
             scratch: Scratch::new(plan, table, longest),
             spare: if spare {
                 vec![vec![T::Word::default(); longest]; plan.planes]
@@ -250,14 +255,14 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         if let Target::Reduced(reduction, ..) = target
             && let Some(picked) = self.extremes(part.row, start..stop, *reduction)
         {
-            for samples in picked.chunks(Self::CHUNK) {
+            for samples in picked.chunks(self.chunk_length) {
                 self.chunk(part, 0..samples.len(), Some(samples), unit, target);
             }
             return;
         }
         let mut at = start;
         while at < stop && !self.stopped() {
-            let next = stop.min((at / Self::CHUNK + 1) * Self::CHUNK);
+            let next = stop.min((at / self.chunk_length + 1) * self.chunk_length);
             self.chunk(part, at..next, None, unit, target);
             at = next;
         }
@@ -435,7 +440,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             let mut at = period;
             while at < length && !self.stopped() {
                 let in_period = at % period;
-                let size = (period - in_period).min(length - at).min(Self::CHUNK);
+                let size = (period - in_period).min(length - at).min(self.chunk_length);
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
                 let place = part.place + at..part.place + at + size;
                 if let Some(direct) = T::direct(planes) {
