@@ -567,6 +567,36 @@ def test_interrupt(scene: Path, into: Path) -> None:
     assert list(into.iterdir()) == []
 
 
+def unread(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """As in "cardan … | head -1", where head ends first."""
+    assert SCRIPT, "the script cardan is not installed"
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        return subprocess.run(
+            [SCRIPT, *arguments], stdout=writer, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        os.close(writer)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_files_are_written_though_nobody_reads(scene: Path, into: Path, options: list[str]) -> None:
+    done = unread("run", scene, "--into", into, *options)
+    assert done.stderr == ""
+    assert sorted(path.name for path in into.iterdir()) == ["a.csv", "a.svg"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
+@pytest.mark.parametrize("arguments", [["--help"], ["schema"], ["check", TRUCK]])
+def test_what_only_prints_ends_with_its_reader(arguments: list[str | Path]) -> None:
+    done = unread(*arguments)
+    assert done.stderr == ""
+    # Neither 0 nor the 1 of a check that found a limit exceeded.
+    assert done.returncode == 141
+
+
 @pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
 def test_file_that_does_not_fit(scene: Path, into: Path) -> None:
     """A real failure half-way through the file: the system takes no more than 100 kB of it."""

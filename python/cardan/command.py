@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import os
-import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -31,6 +30,9 @@ if TYPE_CHECKING:
     import click
 
     from cardan.scene import SceneResult
+
+# What a shell says of a command that SIGPIPE has ended.
+_READER_GONE = 141
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -182,6 +184,10 @@ def commands() -> click.Group:
                 sys.exit(130)
             except click.ClickException as error:
                 message = error.format_message()
+            except SystemExit:
+                # So click ends where whoever reads has stopped, as in "cardan schema | head"; its 1
+                # would say that a check had failed.
+                sys.exit(_READER_GONE)
             except OSError as error:
                 if error.filename is None:
                     _give_up_output()
@@ -266,14 +272,14 @@ def commands() -> click.Group:
             click.echo(_json({**data, "files": list(files)}))
             return
         if loaded.title:
-            click.echo(f"{loaded.title}\n")
-        click.echo(summary_text(summary(result), radians=radians))
+            _say(f"{loaded.title}\n")
+        _say(summary_text(summary(result), radians=radians))
         if result.study:
-            click.echo(f"\n{study_text(result.study, radians=radians)}")
+            _say(f"\n{study_text(result.study, radians=radians)}")
         for number, entry in enumerate(files):
             if number == 0:
-                click.echo()
-            click.echo(_wrote(**entry))
+                _say()
+            _say(_wrote(**entry))
 
     @cardan.command(help=_STREAM, short_help="Evaluate recorded angles of any number.")
     @scene_argument
@@ -369,9 +375,6 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    if hasattr(signal, "SIGPIPE"):
-        # Whoever reads may stop, as in "cardan schema | head".
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:
         group = commands()
     except ModuleNotFoundError:
@@ -467,7 +470,17 @@ def _progress_bar(label: str = "study") -> Iterator[Progress | None]:
         yield progress
 
 
+def _say(text: str = "") -> None:
+    """Print; if whoever reads has stopped, the files to come are written all the same."""
+    import click
+
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        _give_up_output()
+
+
 def _give_up_output() -> None:
-    """Let the interpreter not fail again at its end over an output that takes no more."""
+    """Send what is printed nowhere, so that an output that takes no more does not fail again."""
     with open(os.devnull, "wb") as nowhere:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())
