@@ -291,8 +291,21 @@ def test_check_of_a_study_is_of_every_driveline(
         monkeypatch.setattr("cardan.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
-        assert "up to 3.1 deg is above the limit of 3 deg; 6 of 8 keep the limit" in result.output
-        assert "excitation of the last shaft up to 1156 rad/s²" in result.output
+        assert (
+            "up to 3.1 deg (at bends_deg = 3.1) is above the limit of 3 deg; 6 of 8 keep the"
+            in (result.output)
+        )
+        assert "shaft up to 1156 rad/s² (at bends_deg = 3.1, speed_rpm = 6000) is" in result.output
+    bend, *_, torsional = json.loads(run("check", path, "--json").output)["findings"]
+    assert bend["worst_at"] == {"bends_deg": 3.1}
+    assert torsional["worst_at"] == {"bends_deg": 3.1, "speed_rpm": 6000}
+    # The worst in the middle of an axis, and figures that no key varies.
+    path.write_text(f"{text}bends_deg = [1, 3.1, 2]")
+    assert "up to 3.1 deg (at bends_deg = 3.1) is" in run("check", path).output
+    path.write_text(f"{text}speed_rpm = [100, 6000, 200]")
+    found = run("check", path).output
+    assert "equivalent bend up to 2 deg keeps" in found
+    assert "(at speed_rpm = 6000) is above" in found
     path.write_text(f"{text}bends_deg = [1, 2, 2.9]")
     assert run("check", path).exit_code == 0
 

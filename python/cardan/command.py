@@ -112,8 +112,9 @@ _CHECK = """\
 Check a scene against the limits of the catalogues and of practice.
 
 The equivalent bend must not exceed 3 deg; with a speed given, the excitation by the last shaft and
-by the shafts between is checked as well. In a study every driveline must keep the limits. The exit
-status is 0 if all limits are kept and 1 if not.
+by the shafts between is checked as well. In a study every driveline must keep the limits, and each
+figure is the worst of them, with its place. The exit status is 0 if all limits are kept and 1 if
+not.
 
 \b
 Examples:
@@ -211,7 +212,8 @@ def commands() -> click.Group:
         help="Folder for the files to write; by default the current one.",
     )
     units = click.option(
-        "--radians/--degrees", help="Angles printed and written; by default in degrees."
+        "--radians/--degrees",
+        help="Angles printed and in files of numbers; by default in degrees, as in pictures.",
     )
 
     def output_option(text: str) -> Callable[[_Function], _Function]:
@@ -336,6 +338,7 @@ def commands() -> click.Group:
                 {
                     "name": finding.name,
                     "worst": float(np.max(finding.value)),
+                    **({"worst_at": finding.worst_at} if finding.worst_at else {}),
                     "limit": finding.limit,
                     "maximum": finding.maximum,
                     "unit": finding.unit,
