@@ -163,6 +163,11 @@ def test_a_line_of_speeds_is_checked_together_with_a_single_driveline() -> None:
     assert str(found).startswith("1 of 2 pass.\n")
 
 
+def test_speeds_that_do_not_fit_the_batch() -> None:
+    with pytest.raises(ValueError, match=r"driveline \(2,\), speed \(3,\)"):
+        Driveline.from_bends([[5], [6]], degrees=True).check([1.0, 2.0, 3.0])
+
+
 def test_what_is_not_a_number_is_above_no_limit() -> None:
     found = Driveline.from_bends([5, 5], degrees=True).check(np.nan)
     assert not found.passes

@@ -15,7 +15,7 @@ from cardan.approximations import (
     TORSIONAL_LIMIT,
     TORSIONAL_MAXIMUM,
 )
-from cardan.arrays import FloatArray, real
+from cardan.arrays import FloatArray, common_shape, real
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -124,6 +124,7 @@ def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
     ]
     if speed is not None:
         squared = real("speed", speed) ** 2
+        common_shape(driveline=line.shape, speed=squared.shape)
         findings += [
             Finding(
                 "torsional excitation of the last shaft",
