@@ -8,7 +8,7 @@ import os
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -199,7 +199,8 @@ def commands() -> click.Group:
                 message = str(error)
             else:
                 sys.exit(status or 0)
-            click.echo(f"cardan: {' '.join(message.split())}", err=True)
+            with suppress(BrokenPipeError):
+                click.echo(f"cardan: {' '.join(message.split())}", err=True)
             sys.exit(2)
 
     scene_argument = click.argument("scene", type=click.Path(path_type=Path))
