@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -30,9 +31,6 @@ if TYPE_CHECKING:
     import click
 
     from cardan.scene import SceneResult
-
-# What a shell says of a command that SIGPIPE has ended.
-_READER_GONE = 141
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -188,7 +186,10 @@ def commands() -> click.Group:
             except SystemExit:
                 # So click ends where whoever reads has stopped, as in "cardan schema | head"; its 1
                 # would say that a check had failed.
-                sys.exit(_READER_GONE)
+                if hasattr(signal, "SIGPIPE"):
+                    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+                    signal.raise_signal(signal.SIGPIPE)
+                raise
             except OSError as error:
                 if error.filename is None:
                     _give_up_output()
