@@ -7,16 +7,24 @@ from typing import Any
 
 import griffe
 
+_PAGE = re.compile(r"the documentation's page (\w+)")
 # An example up to the next empty line, a table from its first rule to its last.
 _VERBATIM = re.compile(r"^>>> .*?(?=\n\n|\Z)|^=+  =.*^=+  =[= ]*$", re.DOTALL | re.MULTILINE)
 
 
 class Docstrings(griffe.Extension):
-    """Mends what Markdown would take for quotations and paragraphs."""
+    """Mends what Markdown would take for quotations and paragraphs, and links to pages."""
+
+    def on_function(self, *, func: griffe.Function, **_: Any) -> None:  # noqa: ANN401
+        """Drop what a constructor does where its class says what it takes."""
+        told = func.parent and func.parent.docstring
+        if func.name == "__init__" and told and "Args:" in told.value:
+            func.docstring = None
 
     def on_object(self, *, obj: griffe.Object, **_: Any) -> None:  # noqa: ANN401
         """Fence examples and tables, let literal blocks begin with one colon, drop roles."""
         if obj.docstring:
             text = _VERBATIM.sub(r"```text\n\g<0>\n```", obj.docstring.value)
             text = re.sub(r"::$", ":", text, flags=re.MULTILINE)
+            text = _PAGE.sub(lambda page: f"[{page[1]}](../{page[1].lower()}.md)", text)
             obj.docstring.value = text.replace(":func:`", "`")

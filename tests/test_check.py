@@ -43,6 +43,12 @@ def test_findings_in_words() -> None:
     assert words([1.0, 3.0]) == (
         "shake up to 3 is above the limit of 2 but below 5; 1 of 2 keep the limit"
     )
+    worst = Finding(
+        "shake", np.array([1.0, 3.0]), 2.0, 5.0, "deg", {"bends_deg.0": 16.0, "rpm": 1e3}
+    )
+    assert str(worst).startswith("shake up to 3 deg (at bends_deg.0 = 16, rpm = 1000) is above the")
+    nothing = Finding("shake", np.array([0.0, 1e-9]), 2.0, 5.0, "deg", {"bends_deg.0": 16.0})
+    assert str(nothing).startswith("shake up to 0 deg keeps the")
     assert words([]) == "shake up to 0 keeps the limit of 2; 0 of 0 keep the limit"
 
 
@@ -155,6 +161,11 @@ def test_a_line_of_speeds_is_checked_together_with_a_single_driveline() -> None:
     found = Driveline.from_bends([5, 5], degrees=True).check([100.0, 1e4])
     assert found.passes.tolist() == [True, False]
     assert str(found).startswith("1 of 2 pass.\n")
+
+
+def test_speeds_that_do_not_fit_the_batch() -> None:
+    with pytest.raises(ValueError, match=r"driveline \(2,\), speed \(3,\)"):
+        Driveline.from_bends([[5], [6]], degrees=True).check([1.0, 2.0, 3.0])
 
 
 def test_what_is_not_a_number_is_above_no_limit() -> None:

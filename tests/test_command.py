@@ -291,8 +291,21 @@ def test_check_of_a_study_is_of_every_driveline(
         monkeypatch.setattr("cardan.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
-        assert "up to 3.1 deg is above the limit of 3 deg; 6 of 8 keep the limit" in result.output
-        assert "excitation of the last shaft up to 1156 rad/s²" in result.output
+        assert (
+            "up to 3.1 deg (at bends_deg = 3.1) is above the limit of 3 deg; 6 of 8 keep the"
+            in (result.output)
+        )
+        assert "shaft up to 1156 rad/s² (at bends_deg = 3.1, speed_rpm = 6000) is" in result.output
+    bend, *_, torsional = json.loads(run("check", path, "--json").output)["findings"]
+    assert bend["worst_at"] == {"bends_deg": 3.1}
+    assert torsional["worst_at"] == {"bends_deg": 3.1, "speed_rpm": 6000}
+    # The worst in the middle of an axis, and figures that no key varies.
+    path.write_text(f"{text}bends_deg = [1, 3.1, 2]")
+    assert "up to 3.1 deg (at bends_deg = 3.1) is" in run("check", path).output
+    path.write_text(f"{text}speed_rpm = [100, 6000, 200]")
+    found = run("check", path).output
+    assert "equivalent bend up to 2 deg keeps" in found
+    assert "(at speed_rpm = 6000) is above" in found
     path.write_text(f"{text}bends_deg = [1, 2, 2.9]")
     assert run("check", path).exit_code == 0
 
@@ -565,6 +578,36 @@ def test_interrupt(scene: Path, into: Path) -> None:
     assert process.returncode == 130
     assert "Traceback" not in errors
     assert list(into.iterdir()) == []
+
+
+def unread(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """As in "cardan … | head -1", where head ends first."""
+    assert SCRIPT, "the script cardan is not installed"
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        return subprocess.run(
+            [SCRIPT, *arguments], stdout=writer, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        os.close(writer)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_files_are_written_though_nobody_reads(scene: Path, into: Path, options: list[str]) -> None:
+    done = unread("run", scene, "--into", into, *options)
+    assert done.stderr == ""
+    assert sorted(path.name for path in into.iterdir()) == ["a.csv", "a.svg"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
+@pytest.mark.parametrize("arguments", [["--help"], ["check", TRUCK]])
+def test_what_only_prints_ends_with_its_reader(arguments: list[str | Path]) -> None:
+    done = unread(*arguments)
+    assert done.stderr == ""
+    # Neither 0 nor the 1 of a check that found a limit exceeded.
+    assert done.returncode == -signal.SIGPIPE
 
 
 @pytest.mark.skipif(os.name != "posix", reason="POSIX limits")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import tomllib
 from contextlib import redirect_stdout
 from io import StringIO
 from itertools import pairwise
@@ -41,3 +42,5 @@ def test_the_first_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     result = CliRunner().invoke(commands(), ["run", str(ROOT / scene[1])])
     assert result.exit_code == 0, result.output
     assert result.output == shown
+    shown = next(code for language, code in SNIPPETS if language == "toml")
+    assert tomllib.loads(shown) == tomllib.loads((ROOT / scene[1]).read_text(encoding="utf-8"))

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from cardan.arrays import FloatArray
 from cardan.check import Check
-from cardan.summary import equivalent_bend_deg
+from cardan.summary import alike, equivalent_bend_deg
 from cardan.workshop import VIEW, turn
 
 if TYPE_CHECKING:
     from cardan.scene import Scene
-    from cardan.study import Progress
+    from cardan.study import Progress, Study
 
 
 def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
-    """Check the driveline of a scene, or all of its study.
+    """Check the driveline of a scene, or all of its study and say where the worst of it lies.
 
     ``progress`` is called after each block of the study with the rows done and all rows.
     """
@@ -31,12 +32,23 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
         blocks.append(line.check(speed).findings)
         if progress:
             progress(first + line.shape[0], rows)
-    return Check(
-        tuple(
-            replace(parts[0], value=np.concatenate([np.ravel(part.value) for part in parts]))
-            for parts in zip(*blocks, strict=True)
-        )
-    )
+    findings = []
+    for parts in zip(*blocks, strict=True):
+        value = np.concatenate([np.ravel(part.value) for part in parts])
+        findings.append(replace(parts[0], value=value, worst_at=_worst_at(scene.study, value)))
+    return Check(tuple(findings))
+
+
+def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
+    """The keys of a study on which its largest value depends, and their values there."""
+    grid = value.reshape(study.shape)
+    place: tuple[Any, ...] = np.unravel_index(np.argmax(grid), grid.shape)
+    found = {}
+    for number, axis in enumerate(study.axes):
+        along = grid[(*place[:number], slice(None), *place[number + 1 :])]
+        if not alike(float(np.min(along)), float(np.max(along))):
+            found[axis.key] = float(axis.values[place[number]])
+    return found
 
 
 def yoke_settings(scene: Scene) -> dict[str, Any]:

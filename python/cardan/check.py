@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from cardan.approximations import (
     TORSIONAL_LIMIT,
     TORSIONAL_MAXIMUM,
 )
-from cardan.arrays import FloatArray, real
+from cardan.arrays import FloatArray, common_shape, real
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,6 +45,7 @@ class Finding:
         limit: what it should not exceed.
         maximum: what it must never exceed.
         unit: of all three.
+        worst_at: in a study, the keys on which the largest value depends and their values there.
     """
 
     name: str
@@ -51,6 +53,7 @@ class Finding:
     limit: float
     maximum: float
     unit: str
+    worst_at: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def passes(self) -> NDArray[np.bool_]:
@@ -75,7 +78,10 @@ class Finding:
         if np.ndim(self.value) == 0:
             return f"{self.name} {worst:.4g}{unit} {verdict}"
         kept = f"{np.count_nonzero(self.passes)} of {np.size(self.value)} keep the limit"
-        return f"{self.name} up to {worst:.4g}{unit} {verdict}; {kept}"
+        keys = ", ".join(f"{key} = {value:.6g}" for key, value in self.worst_at.items())
+        # Rounding is as large here as there.
+        place = f" (at {keys})" if keys and worst else ""
+        return f"{self.name} up to {worst:.4g}{unit}{place} {verdict}; {kept}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +124,7 @@ def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
     ]
     if speed is not None:
         squared = real("speed", speed) ** 2
+        common_shape(driveline=line.shape, speed=squared.shape)
         findings += [
             Finding(
                 "torsional excitation of the last shaft",

@@ -9,7 +9,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
@@ -110,8 +110,9 @@ _CHECK = """\
 Check a scene against the limits of the catalogues and of practice.
 
 The equivalent bend must not exceed 3 deg; with a speed given, the excitation by the last shaft and
-by the shafts between is checked as well. In a study every driveline must keep the limits. The exit
-status is 0 if all limits are kept and 1 if not.
+by the shafts between is checked as well. In a study every driveline must keep the limits, and each
+figure is the worst of them, with its place. The exit status is 0 if all limits are kept and 1 if
+not.
 
 \b
 Examples:
@@ -182,6 +183,13 @@ def commands() -> click.Group:
                 sys.exit(130)
             except click.ClickException as error:
                 message = error.format_message()
+            except SystemExit:
+                # So click ends where whoever reads has stopped, as in "cardan schema | head"; its 1
+                # would say that a check had failed.
+                if hasattr(signal, "SIGPIPE"):
+                    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+                    signal.raise_signal(signal.SIGPIPE)
+                raise
             except OSError as error:
                 if error.filename is None:
                     _give_up_output()
@@ -192,7 +200,8 @@ def commands() -> click.Group:
                 message = str(error)
             else:
                 sys.exit(status or 0)
-            click.echo(f"cardan: {' '.join(message.split())}", err=True)
+            with suppress(BrokenPipeError):
+                click.echo(f"cardan: {' '.join(message.split())}", err=True)
             sys.exit(2)
 
     scene_argument = click.argument("scene", type=click.Path(path_type=Path))
@@ -205,7 +214,8 @@ def commands() -> click.Group:
         help="Folder for the files to write; by default the current one.",
     )
     units = click.option(
-        "--radians/--degrees", help="Angles printed and written; by default in degrees."
+        "--radians/--degrees",
+        help="Angles printed and in files of numbers; by default in degrees, as in pictures.",
     )
 
     def output_option(text: str) -> Callable[[_Function], _Function]:
@@ -266,14 +276,14 @@ def commands() -> click.Group:
             click.echo(_json({**data, "files": list(files)}))
             return
         if loaded.title:
-            click.echo(f"{loaded.title}\n")
-        click.echo(summary_text(summary(result), radians=radians))
+            _say(f"{loaded.title}\n")
+        _say(summary_text(summary(result), radians=radians))
         if result.study:
-            click.echo(f"\n{study_text(result.study, radians=radians)}")
+            _say(f"\n{study_text(result.study, radians=radians)}")
         for number, entry in enumerate(files):
             if number == 0:
-                click.echo()
-            click.echo(_wrote(**entry))
+                _say()
+            _say(_wrote(**entry))
 
     @cardan.command(help=_STREAM, short_help="Evaluate recorded angles of any number.")
     @scene_argument
@@ -330,6 +340,7 @@ def commands() -> click.Group:
                 {
                     "name": finding.name,
                     "worst": float(np.max(finding.value)),
+                    **({"worst_at": finding.worst_at} if finding.worst_at else {}),
                     "limit": finding.limit,
                     "maximum": finding.maximum,
                     "unit": finding.unit,
@@ -369,9 +380,6 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
-    if hasattr(signal, "SIGPIPE"):
-        # Whoever reads may stop, as in "cardan schema | head".
-        signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     try:
         group = commands()
     except ModuleNotFoundError:
@@ -467,7 +475,17 @@ def _progress_bar(label: str = "study") -> Iterator[Progress | None]:
         yield progress
 
 
+def _say(text: str = "") -> None:
+    """Print; if whoever reads has stopped, the files to come are written all the same."""
+    import click
+
+    try:
+        click.echo(text)
+    except BrokenPipeError:
+        _give_up_output()
+
+
 def _give_up_output() -> None:
-    """Let the interpreter not fail again at its end over an output that takes no more."""
+    """Send what is printed nowhere, so that an output that takes no more does not fail again."""
     with open(os.devnull, "wb") as nowhere:
         os.dup2(nowhere.fileno(), sys.stdout.fileno())

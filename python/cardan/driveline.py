@@ -165,7 +165,7 @@ class Driveline:
         """Make drivelines from the slope of each shaft in side view and in top view.
 
         A shaft points along ``(1, tan vertical, tan horizontal)``: x is the travel, y up, z to the
-        right seen along the travel.
+        right seen along the travel (catalogue, double joint, 6.3, exactly).
 
         Args:
             vertical: slope of each shaft in side view, ``(..., n + 1)``.
@@ -195,9 +195,10 @@ class Driveline:
     ) -> Self:
         """Make shafts with two joints from their bends as projected in side view and top view.
 
-        This is the catalogues' form. The bends of a drawing add up along the shaft, so it matters
-        which shaft the drawing lays along the travel: by the catalogue's figure the common one,
-        for which ``tan(bend)**2 = tan(vertical)**2 + tan(horizontal)**2`` holds exactly.
+        This is the catalogues' form (double joint, 6.3, Bilder 17 to 19). The bends of a drawing
+        add up along the shaft, so it matters which shaft the drawing lays along the travel: by the
+        catalogue's figure the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
+        tan(horizontal)**2`` holds exactly.
 
         Args:
             vertical: bend of both joints in side view, ``(..., 2)``, positive upwards.
@@ -356,8 +357,14 @@ class Driveline:
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
         """Return the one joint that moves a shaft exactly as the whole chain does.
 
+        With ``w = exp(i a)`` a joint makes ``w - tan(b/2)**2 conj(w)`` of ``w`` (from Thoma 4) and
+        a shaft turns it, so a chain makes ``A w + B conj(w)``; ``k = |B/A|``.
+
         Args:
             shaft: index of the shaft, by default the last.
+
+        Returns:
+            its bend and the closed forms of its motion, each in the shape of the batch.
 
         Raises:
             IndexError: a shaft that does not exist.
@@ -371,9 +378,15 @@ class Driveline:
     def harmonics(self, orders: ArrayLike, shaft: int = -1) -> Harmonics:
         """Return the amplitudes of a shaft's motion at orders of the drive's rotation.
 
+        At order ``2 n`` they are ``k**n / n`` of the angle error and ``2 k**n`` of the speed ratio,
+        with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4).
+
         Args:
             orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0.
             shaft: index of the shaft, by default the last.
+
+        Returns:
+            amplitudes in rad and as ratios, ``(..., m)``.
 
         Raises:
             IndexError: a shaft that does not exist.
@@ -399,6 +412,10 @@ class Driveline:
         such phases they are those to which the yokes turn least from their present ones (least sum
         of squares; with four or more bent joints least within their neighbourhood).
 
+        Two joints at ``p = phase - twist + 90°`` make ``cosh L = cosh L_1 cosh L_2 + sinh L_1 sinh
+        L_2 cos 2p`` (from Thoma 4), the law of cosines of the hyperbolic plane, where constant
+        velocity is a closed polygon of sides ``L``.
+
         Returns:
             phases in rad, ``(..., n - 1)``, for ``with_phases``.
         """
@@ -416,6 +433,9 @@ class Driveline:
             fork_signs: +1 or -1 per joint, ``(..., n)``: joints with the same fork position
                 relative to their bend planes have the same sign, so the two joints of an ordinary
                 compensated shaft have opposite ones.
+
+        Returns:
+            the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).
 
         Raises:
             TypeError: signs that are not real numbers.
@@ -440,18 +460,22 @@ class Driveline:
     def check(self, speed: ArrayLike | None = None) -> Check:
         """Check the catalogues' tolerance and, at a drive speed, the limits of practice.
 
-        The equivalent bend must not exceed 3° (non-uniformity 0.0027). Torsional excitation is the
-        exact peak acceleration of the last shaft, inertia excitation the second-order amplitude of
-        the accelerations of all intermediate shafts together.
+        The equivalent bend must not exceed 3° (non-uniformity 0.0027; catalogue, double joint,
+        6.4). By the practice of driveshaft makers in the United States torsional excitation, the
+        exact peak acceleration of the last shaft, should not exceed 300 rad/s², and inertia
+        excitation, the second-order amplitude of the accelerations of all intermediate shafts
+        together, 1000 rad/s².
 
         Args:
             speed: drive speed in rad/s; broadcasts against the batch.
 
         Returns:
-            findings with values and limits; ``print`` says it in words.
+            findings with values, in the shape of batch and speed, and limits; ``print`` says it in
+                words.
 
         Raises:
             TypeError: a speed that is not a real number.
+            ValueError: shapes that do not broadcast.
         """
         return check(self, speed)
 
@@ -502,7 +526,7 @@ class Driveline:
             tolerance: permitted error, relative to each output's largest magnitude over a turn; the
                 cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
                 moments and torques), 1e-6 and more for single precision; the default is the fast
-                double (README, Accuracy and speed).
+                double, some ulp (the documentation's page Accuracy has the table).
             workers: at most so many threads, ``-1`` for all cores; by default all where the work
                 repays them. The environment variable ``RAYON_NUM_THREADS`` says how many that are;
                 a forked process uses one. The results do not depend on it.
@@ -534,7 +558,27 @@ class Driveline:
         """Prepare an evaluation for any number of calls: ``plan(angle, out=...)``.
 
         The chain is folded and everything that the outputs do not need is dropped once;
-        ``print(plan.explain())`` shows what remains. Arguments as of ``evaluate``.
+        ``print(plan.explain())`` shows what remains.
+
+        Args:
+            outputs: names from ``cardan.OUTPUTS``.
+            shafts: as of ``evaluate``, like all that follow.
+            joints: for the outputs per joint.
+            load: for the outputs that need one.
+            reduce: of the last axis of the samples.
+            dtype: of the results.
+            tolerance: permitted error.
+            workers: at most so many threads.
+
+        Returns:
+            the plan; calling it gives what ``evaluate`` gives.
+
+        Raises:
+            IndexError: a shaft or joint that does not exist.
+            TypeError: outputs that are not names, indices that are not integers, a
+                tolerance that is not a number.
+            ValueError: an unknown output, reduction or dtype, a load that is missing or has not
+                one inertia per shaft, a tolerance or number of threads out of range.
         """
         return Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
 

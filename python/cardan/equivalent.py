@@ -51,6 +51,8 @@ class Harmonics:
     ``angle_error = sum k**n sin(2 n a) / n``, ``speed_ratio = 1 + sum 2 k**n cos(2 n a)``: only
     even orders ``2 n`` occur.
 
+    Source: the angle error by Thoma's (4) is ``arg(1 - k exp(-2 i a))``; its series and derivative.
+
     Attributes:
         orders: the orders asked for, ``(m,)``.
         angle_error: amplitude in rad, ``(..., m)``.

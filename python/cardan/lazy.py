@@ -83,7 +83,11 @@ class LazyDriveline:
         return _evaluated(plan, self._make, self._parts, self.shape, angle, out)
 
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
-        """Return the equivalent joints as ``Driveline.equivalent`` does, as dask arrays."""
+        """Return the equivalent joints as ``Driveline.equivalent`` does, as dask arrays.
+
+        Raises:
+            IndexError, TypeError: as there.
+        """
         index = item_index("shaft", shaft, self.n_joints + 1)
         names = [field.name for field in fields(EquivalentJoint)]
         task = functools.partial(_equivalent, make=self._make, shaft=index, names=names)
@@ -95,6 +99,9 @@ class LazyDriveline:
 
         Args:
             options: further arguments of ``dask.compute``.
+
+        Raises:
+            ValueError: a value out of range, as of the constructor.
         """
         arrays = module("dask", "dask").compute(*(part.array for part in self._parts), **options)
         return self._make(*arrays)

@@ -143,6 +143,11 @@ def from_bends(
     ``(cos b, sin b, 0)``. Each twist turns the normal about the common shaft, whether or not the
     joints beside it are bent. Error about 2e-16 per joint.
 
+    Args:
+        bends: bend of each joint.
+        twists: twist of each intermediate shaft, one fewer; 0 by default.
+        phases: phase of each intermediate shaft, likewise.
+
     Raises:
         ValueError: a bend outside [0, pi/2), no bend, or a wrong number of twists or phases.
     """
@@ -170,6 +175,10 @@ def from_directions(
     A straight joint (``|u x v| <= 4 * 2**-52``) takes the bend-plane normal of the previous joint;
     with no bent joint before it that of the next bent one; and in a driveline that is straight
     throughout the perpendicular nearest to +z, or nearest to +x for shafts along z.
+
+    Args:
+        directions: a vector along each shaft, in the direction of power flow.
+        phases: phase of each intermediate shaft; 0 by default.
 
     Raises:
         ValueError: fewer than two directions, one without length or without three finite
@@ -201,7 +210,11 @@ def from_directions(
 
 
 def from_points(points: Sequence[Sequence[float]], phases: Sequence[float] | None = None) -> Shafts:
-    """Lay out a driveline from its start, joint centres and end, in any one unit of length.
+    """Lay out a driveline from its start, joint centres and end.
+
+    Args:
+        points: these in order, in any one unit of length.
+        phases: phase of each intermediate shaft; 0 by default.
 
     Raises:
         ValueError: as for :func:`from_directions`.
@@ -296,6 +309,10 @@ def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     ``((1 - c)/(1 + c))**n < exp(-2 c n)``, and ``16 + 20/c`` points leave less than 1e-17: 36
     points when straight, 246 for one joint bent by 85 degrees, and from there on like ``1/c``.
 
+    Args:
+        shafts: the driveline.
+        shaft: which shaft, by default the last.
+
     Raises:
         ValueError: ``c < 2e-4`` (one joint beyond 89.988 degrees), too many points.
         IndexError: no such shaft.
@@ -342,6 +359,10 @@ def tilts(shafts: Shafts, angle: float) -> tuple[tuple[float, float], ...]:
     other shaft. With the bend ``beta`` and the joint's own driving angle ``alpha`` this makes
     ``tan psi_1 = tan beta sin alpha`` and ``sin psi_2 = sin beta cos alpha`` (Grossmann 1939, (3)
     and (5)). Error as for :func:`motion`'s ``angle_error``.
+
+    Args:
+        shafts: the driveline.
+        angle: drive angle, as for ``motion``.
     """
     return tuple(
         (

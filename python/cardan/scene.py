@@ -266,7 +266,7 @@ class Scene:
         return SceneResult(self, values, study)
 
     def evaluate(self) -> Result:
-        """Return the quantities over the drive angles."""
+        """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
         return self.line.evaluate(self.drive_angle, self.quantities, **self._arguments())
 
     def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns

@@ -33,6 +33,11 @@ class Sweep:
     def __init__(self, start: float, stop: float, num: SupportsIndex) -> None:
         """Sweep from ``start`` to ``stop``, both included.
 
+        Args:
+            start: first angle in rad.
+            stop: last angle in rad.
+            num: number of angles; one angle is ``start``.
+
         Raises:
             TypeError: a number of angles that is not an integer, ends that are not real numbers.
             ValueError: no angles; an end that is not finite or beyond 1e12 rad.

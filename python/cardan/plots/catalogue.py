@@ -30,6 +30,13 @@ def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes
     """Draw Bild 10: the driven angle over the driving angle, beside that of a straight joint.
 
     At bends that are in use the two could hardly be told apart.
+
+    Args:
+        bend_deg: bend in degrees.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ValueError: a bend outside [0, 90°).
     """
     line = Driveline.from_bends([bend_deg], degrees=True)
     driven = np.degrees(line.evaluate(np.radians(_HALF_TURN_DEG), "angle").angle)
@@ -47,6 +54,10 @@ def plot_angle_error(
     bends_deg: Sequence[float] = (10.0, 20.0, 30.0), *, ax: Axes | None = None
 ) -> Axes:
     """Draw Bild 11: the angle error over the driving angle, with the locus of its extremes.
+
+    Args:
+        bends_deg: bends in degrees, a curve for each.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ValueError: a bend outside [0, 90°), more bends than can be told apart.
@@ -73,12 +84,28 @@ def plot_angle_error(
 
 
 def plot_largest_angle_error(to_deg: float = 45.0, *, ax: Axes | None = None) -> Axes:
-    """Draw Bild 12: the largest angle error over the bend, up to ``to_deg``."""
+    """Draw Bild 12: the largest angle error over the bend.
+
+    Args:
+        to_deg: largest bend in degrees.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ValueError: a bend outside [0, 90°).
+    """
     return _over_bend("max_angle_error", "largest angle error [deg]", to_deg, ax)
 
 
 def plot_non_uniformity(to_deg: float = 45.0, *, ax: Axes | None = None) -> Axes:
-    """Draw Bild 13: the non-uniformity over the bend, up to ``to_deg``."""
+    """Draw Bild 13: the non-uniformity over the bend.
+
+    Args:
+        to_deg: largest bend in degrees.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ValueError: a bend outside [0, 90°).
+    """
     return _over_bend("non_uniformity", "non-uniformity U", to_deg, ax)
 
 

@@ -18,7 +18,15 @@ _TURN = np.linspace(0.0, 2.0 * math.pi, 721)
 
 
 def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes:
-    """Draw Abb. 3: the torque of the driven shaft over the driving angle, per unit drive torque."""
+    """Draw Abb. 3: the torque of the driven shaft over the driving angle, per unit drive torque.
+
+    Args:
+        bend_deg: bend in degrees.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ValueError: a bend outside [0, 90°).
+    """
     line = Driveline.from_bends([bend_deg], degrees=True)
     torque = line.evaluate(_TURN, "torque", load=Load(drive_torque=1.0)).torque
     with drawing(ax, height_mm=45.0) as axes:

@@ -21,6 +21,9 @@ const BLOCK: usize = 1024;
 const STEPS: usize = 60;
 const HALVINGS: i32 = 12;
 
+/// The longest step along closed polygons, in units of the way to their tangent's shortest change.
+const LONGEST: f64 = 4.0;
+
 /// A polygon with a smaller gap than this is closed.
 const CLOSED: f64 = 1e-12;
 
@@ -271,26 +274,40 @@ impl Polygon {
     }
 
     /// Down from a change that closes to the smallest around it: along the closed polygons in the
-    /// direction that shortens the change most, then closing again what the step has opened.
+    /// direction that shortens the change most, then closing again what the step has opened. How far
+    /// follows from how the last step changed the direction (Barzilai and Borwein): steps of one
+    /// length would go to and fro where the closed polygons are curved.
     fn search(&self, mut change: Vec<f64>) -> Vec<f64> {
         let mut size = self.size(&change);
+        let mut last: Option<[Vec<f64>; 2]> = None;
         for _ in 0..STEPS {
             let (_, derivatives) = self.slope(&change);
             let along: Complex<f64> = derivatives.iter().zip(&change).map(|(d, x)| d * *x).sum();
             let shortest = self.smallest_solution(&derivatives, along);
-            let shorter = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|step| {
-                let moved = change.iter().zip(&shortest).map(|(x, to)| x + step * (to - x));
+            let way: Vec<f64> = shortest.iter().zip(&change).map(|(to, x)| to - x).collect();
+            let pace = last.as_ref().map_or(1.0, |[from, way_then]| {
+                let (mut straight, mut turned) = (0.0, 0.0);
+                for (i, weight) in self.weights.iter().enumerate() {
+                    let step = change[i] - from[i];
+                    straight += step * step / weight;
+                    turned += step * (way_then[i] - way[i]) / weight;
+                }
+                (straight / turned.abs()).min(LONGEST)
+            });
+            let shorter = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|part| {
+                let moved = change.iter().zip(&way).map(|(x, dx)| x + pace * part * dx);
                 let trial = self.close(moved.collect());
                 let trial_size = self.size(&trial);
                 let better = trial_size < size * (1.0 - 1e-12) && self.gap(&trial) <= CLOSED;
                 better.then_some((trial, trial_size))
             });
-            match shorter {
-                Some(found) => (change, size) = found,
-                None => break,
-            }
+            let Some((trial, trial_size)) = shorter else { break };
+            last = Some([std::mem::replace(&mut change, trial), way]);
+            size = trial_size;
         }
-        change
+        // A yoke that has come past 90° is nearer from the other side, and there is a way on.
+        let nearer = self.change_to(&self.turns_after(&change));
+        if self.size(&nearer) < size * (1.0 - 1e-9) { self.search(nearer) } else { nearer }
     }
 
     /// The `x` with `Σ d_j x_j = target` and the least `Σ x_j²/weight_j`.
