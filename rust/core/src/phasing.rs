@@ -81,7 +81,7 @@ pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64>
     for (j, &bend) in bends.iter().enumerate() {
         if j > 0 {
             group.push(j - 1);
-            turn += phases[j - 1] - twists[j - 1] + FRAC_PI_2;
+            turn += within_a_turn(phases[j - 1]) - within_a_turn(twists[j - 1]) + FRAC_PI_2;
         }
         // A straight joint passes every turn on: the shafts beside it turn as one.
         if bend == 0.0 {
@@ -104,6 +104,15 @@ pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64>
         }
     }
     best
+}
+
+/// An angle less whole turns, exactly: those of one far from zero hold all its digits.
+fn within_a_turn(angle: f64) -> f64 {
+    if angle.abs() <= PI {
+        return angle;
+    }
+    let (sine, cosine) = trig::sin_cos(angle);
+    sine.atan2(cosine)
 }
 
 /// One bent joint as a step of length `L` in the hyperbolic plane.
@@ -353,6 +362,13 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn twists_far_from_zero_count_with_all_their_digits() {
+        let (bends, twists) = ([0.2, 0.17, 0.15], [1.7e308, -9e15]);
+        let phases = optimal_phases(&bends, &twists, &[0.3, 0.2]);
+        assert!(crate::Equivalent::of_chain(&bends, &twists, &phases).joint.k < 1e-16);
     }
 
     #[test]

@@ -242,9 +242,9 @@ pub(crate) fn optimal_phases<'py>(
             }
         };
         if workers == Some(1) {
-            best.chunks_mut(PIECE * between).enumerate().for_each(piece);
+            best.chunks_mut(PIECE.saturating_mul(between)).enumerate().for_each(piece);
         } else {
-            best.par_chunks_mut(PIECE * between).enumerate().for_each(piece);
+            best.par_chunks_mut(PIECE.saturating_mul(between)).enumerate().for_each(piece);
         }
         Ok(())
     };
