@@ -232,7 +232,7 @@ impl Plan {
         let level = Level::new();
         let shared =
             Shared { plan: self, table: &table, level, kept: None, group: None, stop: None };
-        let mut block = Block::<Counted<TYPE>>::new(&shared, &(0..1), false);
+        let mut block = Block::<Counted<TYPE>, f64>::new(&shared, &(0..1), false);
         Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
     }
 }
@@ -273,7 +273,7 @@ impl<'a, 's> Run<'a, 's> {
             return Ok(());
         }
         let size = block_size(total, workers);
-        let group = Block::<T>::group(self.plan, self.table, self.level);
+        let group = Block::<T, W>::group(self.plan, self.table, self.level);
         let group = group.as_ref();
         if size >= total {
             self.block::<T, W>(group, 0..total, Target::Planes(planes));
@@ -313,7 +313,7 @@ impl<'a, 's> Run<'a, 's> {
         let results = groups.len();
         let mut partials = vec![reduction.start(); rows * parts * results];
         let per_block = if parts > 1 { results } else { rows_per_block * results };
-        let group = Block::<T>::group(self.plan, self.table, self.level);
+        let group = Block::<T, f64>::group(self.plan, self.table, self.level);
         let run = |(i, partials): (usize, &mut [Pair])| {
             let samples = if parts > 1 {
                 let (row, part) = (i / parts, i % parts);
@@ -366,7 +366,7 @@ impl<'a, 's> Run<'a, 's> {
         };
         let (plan, table, level, stop) = (self.plan, self.table, self.level, self.stop);
         let shared = Shared { plan, table, level, kept, group, stop };
-        let mut block = Block::<T>::new(&shared, &samples, spare);
+        let mut block = Block::<T, W>::new(&shared, &samples, spare);
         block.run(samples, &mut target);
     }
 }

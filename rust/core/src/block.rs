@@ -34,23 +34,28 @@ const REPEATED: usize = 8 * CHUNK;
 
 /// A number type and the words that its results are delivered in.
 pub(crate) trait Deliver<W: Word>: Number {
+    /// The words that the kernels put.
+    type Plane: Word;
+
     /// The constants that were kept for this type.
     fn kept(constants: &Constants) -> Option<&Folded<Self>>;
 
-    /// The planes themselves, where the words are the type's own.
-    fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Word]]>;
+    /// The planes themselves, where the kernels put what they hold.
+    fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Plane]]>;
 }
 
 macro_rules! deliver {
-    ($($number:ident as $kept:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
+    ($($number:ident as $kept:ident by $plane:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
         impl Deliver<$word> for $number {
+            type Plane = $plane;
+
             fn kept(constants: &Constants) -> Option<&Folded<Self>> {
                 if let Kept::$kept(folded) = &constants.0 { Some(folded) } else { None }
             }
 
             fn direct<'a, 'b>(
                 $planes: &'a mut [&'b mut [$word]],
-            ) -> Option<&'a mut [&'b mut [Self::Word]]> {
+            ) -> Option<&'a mut [&'b mut [$plane]]> {
                 $direct
             }
         }
@@ -58,16 +63,18 @@ macro_rules! deliver {
 }
 
 deliver! {
-    f32 as Single to f32: planes => Some(planes);
-    f32 as Single to f64: _planes => None;
-    f64 as Double to f64: planes => Some(planes);
-    f64 as Double to f32: _planes => None;
-    Pair as InTwo to f64: planes => Some(planes);
-    Pair as InTwo to f32: _planes => None;
+    f32 as Single by f32 to f32: planes => Some(planes);
+    f32 as Single by f64 to f64: planes => Some(planes);
+    f64 as Double by f64 to f64: planes => Some(planes);
+    f64 as Double by f64 to f32: _planes => None;
+    Pair as InTwo by f64 to f64: planes => Some(planes);
+    Pair as InTwo by f64 to f32: _planes => None;
 }
 
 /// A run that counts keeps nothing.
 impl<const TYPE: usize> Deliver<f64> for Counted<TYPE> {
+    type Plane = f64;
+
     fn kept(_: &Constants) -> Option<&Folded<Self>> {
         None
     }
@@ -99,7 +106,7 @@ pub(crate) struct Shared<'a, 's, T: Number> {
 }
 
 /// A block and what it needs at hand.
-pub(crate) struct Block<'a, 's, T: Number> {
+pub(crate) struct Block<'a, 's, T: Deliver<W>, W: Word> {
     plan: &'a Plan,
     table: &'a Table<'s>,
     level: Level,
@@ -112,7 +119,7 @@ pub(crate) struct Block<'a, 's, T: Number> {
     chunk_length: usize,
     scratch: Scratch<T>,
     /// Planes for one chunk, where the results go on to be converted or reduced.
-    spare: Vec<Vec<T::Word>>,
+    spare: Vec<Vec<T::Plane>>,
     /// The angles of a chunk, where the samples do not hold them side by side.
     angles: Vec<f64>,
     /// First angle, step and length of the chunk whose pins are at hand, and of that for which
@@ -128,7 +135,7 @@ struct Part {
     place: usize,
 }
 
-impl<'a, 's, T: Number> Block<'a, 's, T> {
+impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
     /// A group of samples for a sweep whose rows are long enough and do not just repeat themselves.
     pub(crate) fn group(plan: &Plan, table: &Table<'_>, level: Level) -> Option<Group<T>> {
         let sweep = table.sweep?;
@@ -161,9 +168,9 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
             folded: kept.map_or_else(room, Cow::Borrowed),
             rows: 0..0,
             chunk_length,
-            scratch: Scratch::new(plan, table, longest),
+            scratch: Scratch::new::<T::Plane>(plan, table, longest),
             spare: if spare {
-                vec![vec![T::Word::default(); longest]; plan.planes]
+                vec![vec![T::Plane::default(); longest]; plan.planes]
             } else {
                 vec![]
             },
@@ -174,10 +181,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// Runs the samples, row after row.
-    pub(crate) fn run<W: Word>(&mut self, samples: Range<usize>, target: &mut Target<'_, '_, W>)
-    where
-        T: Deliver<W>,
-    {
+    pub(crate) fn run(&mut self, samples: Range<usize>, target: &mut Target<'_, '_, W>) {
         let row_length = self.table.row_length();
         let last_row = (samples.end - 1) / row_length;
         let mut at = samples.start;
@@ -240,10 +244,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// Runs a part of one row, chunk after chunk; chunks begin at multiples of their length.
-    fn row<W: Word>(&mut self, part: &Part, unit: usize, target: &mut Target<'_, '_, W>)
-    where
-        T: Deliver<W>,
-    {
+    fn row(&mut self, part: &Part, unit: usize, target: &mut Target<'_, '_, W>) {
         let Range { start, end } = part.samples;
         let stop = match self.period(part, target) {
             Some(period) => start + period,
@@ -274,7 +275,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// After how many samples the results of a row repeat themselves, if they are to be repeated.
-    fn period<W>(&self, part: &Part, target: &Target<'_, '_, W>) -> Option<usize> {
+    fn period(&self, part: &Part, target: &Target<'_, '_, W>) -> Option<usize> {
         let period = self.table.sweep?.period(self.plan.needs_sense())?;
         let steady = self.scratch.cursors.iter().skip(1).all(|&(_, step)| step == 0);
         let one = self.table.geometries() != Geometries::BySample;
@@ -311,16 +312,14 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// One chunk of a row, or samples picked from it.
-    fn chunk<W: Word>(
+    fn chunk(
         &mut self,
         part: &Part,
         samples: Range<usize>,
         picked: Option<&[f64]>,
         unit: usize,
         target: &mut Target<'_, '_, W>,
-    ) where
-        T: Deliver<W>,
-    {
+    ) {
         let loads = self.loads();
         let Self { plan, table, level, scratch, .. } = self;
         let level = *level;
@@ -362,13 +361,12 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
         // Picked samples have no place in the row: they are reduced at once.
         let kept_from = if picked.is_some() { 0 } else { samples.start - part.samples.start };
         let from = part.place + kept_from;
-        let (direct, fills) = match target {
-            Target::Planes(planes) => (T::direct(planes), true),
-            Target::Reduced(..) => (None, false),
+        let direct = match target {
+            Target::Planes(planes) => T::direct(planes),
+            Target::Reduced(..) => None,
         };
-        let converts = direct.is_none();
-        scratch.bare = T::SHORT && converts && fills;
-        let mut views: Vec<&mut [T::Word]> = match direct {
+        let is_direct = direct.is_some();
+        let mut views: Vec<&mut [T::Plane]> = match direct {
             Some(planes) => planes.iter_mut().map(|plane| &mut plane[from..from + size]).collect(),
             None => self.spare.iter_mut().map(|plane| &mut plane[..size]).collect(),
         };
@@ -389,18 +387,11 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 chunk::run_load(plan, load, table, folded, seen, scratch, &mut views, size)
             );
         }
-        if !converts {
-            return;
-        }
         match target {
+            _ if is_direct => {}
             Target::Planes(planes) => {
-                for (i, (plane, words)) in planes.iter_mut().zip(&self.spare).enumerate() {
-                    let (words, out) = (&words[..size], &mut plane[from..from + size]);
-                    if scratch.bare && plan.is_angle(i) {
-                        compiled_for!(level, add_drive(drive, words, out));
-                    } else {
-                        compiled_for!(level, convert(words, out));
-                    }
+                for (plane, words) in planes.iter_mut().zip(&self.spare) {
+                    compiled_for!(level, convert(&words[..size], &mut plane[from..from + size]));
                 }
             }
             Target::Reduced(reduction, groups, partials) => {
@@ -416,10 +407,7 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
     }
 
     /// Fills the rest of a row from its first period.
-    fn repeat<W: Word>(&mut self, part: &Part, period: usize, planes: &mut [&mut [W]])
-    where
-        T: Deliver<W>,
-    {
+    fn repeat(&mut self, part: &Part, period: usize, planes: &mut [&mut [W]]) {
         let length = part.samples.len();
         for (i, plane) in planes.iter_mut().enumerate() {
             if !self.plan.is_angle(i) {
@@ -443,17 +431,17 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
                 let size = (period - in_period).min(length - at).min(self.chunk_length);
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
                 let place = part.place + at..part.place + at + size;
+                let (scratch, level) = (&self.scratch, self.level);
                 if let Some(direct) = T::direct(planes) {
-                    let (scratch, out) = (&self.scratch, &mut direct[plane][place]);
-                    compiled_for!(
-                        self.level,
-                        chunk::repeat_angle(scratch, slot, in_period, drive, out)
-                    );
+                    let out = &mut direct[plane][place];
+                    compiled_for!(level, chunk::repeat_angle(scratch, slot, in_period, drive, out));
                 } else {
-                    let errors = &mut self.spare[plane][..size];
-                    chunk::repeat_error(&self.scratch, slot, in_period, errors);
-                    let out = &mut planes[plane][place];
-                    compiled_for!(self.level, add_drive(drive, errors, out));
+                    let angles = &mut self.spare[plane][..size];
+                    compiled_for!(
+                        level,
+                        chunk::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
+                    );
+                    compiled_for!(level, convert(angles, &mut planes[plane][place]));
                 }
                 at += size;
             }
@@ -465,20 +453,6 @@ impl<'a, 's, T: Number> Block<'a, 's, T> {
 fn convert<V: Word, W: Word>(words: &[V], out: &mut [W]) {
     for (out, &word) in out.iter_mut().zip(words) {
         *out = W::near(word.into());
-    }
-}
-
-/// The drive angle plus a shorter angle error.
-#[inline(always)]
-fn add_drive<V: Word, W: Word>(drive: Drive<'_>, errors: &[V], out: &mut [W]) {
-    if let Drive::Array(angle) = drive {
-        for ((out, &error), &x) in out.iter_mut().zip(errors).zip(angle) {
-            *out = W::near(x + error.into());
-        }
-        return;
-    }
-    for (i, (out, &error)) in out.iter_mut().zip(errors).enumerate() {
-        *out = W::near(drive.angle(i) + error.into());
     }
 }
 

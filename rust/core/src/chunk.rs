@@ -7,6 +7,7 @@ use crate::kernel::{self, AfterArray, Number, Swing};
 use crate::moment::Pose;
 use crate::pins::{self, Drive, Line, Pins, Sense, Twice};
 use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
+use crate::real::Word;
 use crate::samples::{ACCELERATION, Drivelines, SPEED, TORQUE, Table};
 use crate::sweep::Group;
 
@@ -16,8 +17,6 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) cursors: Vec<(usize, usize)>,
     /// The load's columns at the current chunk.
     pub(crate) gathered: Vec<Vec<f64>>,
-    /// Whether angles are delivered without the drive's, which is added with more digits.
-    pub(crate) bare: bool,
     pins: [Column<T>; 2],
     twice: [Column<T>; 2],
     turned: [Column<T>; 2],
@@ -33,7 +32,7 @@ pub(crate) struct Scratch<T: Number> {
 }
 
 impl<T: Number> Scratch<T> {
-    pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
+    pub(crate) fn new<W: Word>(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
         let size = |needed: bool| if needed { longest } else { 0 };
         let rates = (0..=plan.joint_count).map(|shaft| {
             let kept = plan.shafts.iter().find(|step| step.shaft == shaft);
@@ -50,7 +49,6 @@ impl<T: Number> Scratch<T> {
         Self {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
-            bare: false,
             pins: columns(size(pinned)),
             twice: columns(size(T::DOUBLED)),
             turned: columns(size(pinned && plan.moving().any(|step| step.shaft > 1))),
@@ -62,7 +60,7 @@ impl<T: Number> Scratch<T> {
             errors: plan
                 .shafts
                 .iter()
-                .filter(|step| step.angle.is_some() && (T::SHORT || table.sweep.is_some()))
+                .filter(|step| step.angle.is_some() && (is_short::<W>() || table.sweep.is_some()))
                 .map(|_| Column::new(longest))
                 .collect(),
         }
@@ -74,6 +72,12 @@ impl<T: Number> Scratch<T> {
             *errors = Column::new(period);
         }
     }
+}
+
+/// Whether planes hold shorter numbers than the drive angles: a loop over both would go by the longer ones.
+#[inline(always)]
+fn is_short<W: Word>() -> bool {
+    size_of::<W>() < size_of::<f64>()
 }
 
 fn columns<T: Number, const N: usize>(length: usize) -> [Column<T>; N] {
@@ -137,18 +141,17 @@ pub(crate) fn ways<T: Number>(plan: &Plan, folded: &Folded<T>, seen: Seen) -> [b
 /// Angles and rates of every shaft of the plan at one chunk.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
-pub(crate) fn run_motion<T: Number>(
+pub(crate) fn run_motion<T: Number, W: Word>(
     plan: &Plan,
     drive: Drive<'_>,
     folded: &Folded<T>,
     seen: Seen,
     scratch: &mut Scratch<T>,
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
     size: usize,
     kept_from: usize,
 ) {
-    let Scratch { pins, twice, turned, rates, errors, bare, .. } = scratch;
-    let bare = *bare;
+    let Scratch { pins, twice, turned, rates, errors, .. } = scratch;
     let pins = pins_of(pins, size);
     let twice = pins_of(twice, size);
     let mut errors = errors.iter_mut();
@@ -159,7 +162,7 @@ pub(crate) fn run_motion<T: Number>(
         let rates = rates[step.shaft].each_mut();
         let bent = step.shaft > plan.first_bent();
         let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| bent) else {
-            run_drive_shaft(step, drive, rates, bare, planes, size);
+            run_drive_shaft::<T, W>(step, drive, rates, planes, size);
             continue;
         };
         let range = shaft.range(seen);
@@ -173,7 +176,7 @@ pub(crate) fn run_motion<T: Number>(
                     pins = pins_of(turned, size);
                 }
                 let at = |i| at(i).0;
-                run_shaft(step, range, at, drive, pins, rates, bare, errors, planes, size);
+                run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
             });
             continue;
         }
@@ -183,11 +186,11 @@ pub(crate) fn run_motion<T: Number>(
         }
         if step.shaft == 1 {
             with_constants!(seen, |i| ripples.get(i).unturned(), at => {
-                run_shaft(step, range, at, drive, twice, rates, bare, errors, planes, size);
+                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
             });
         } else {
             with_constants!(seen, |i| ripples.get(i), at => {
-                run_shaft(step, range, at, drive, twice, rates, bare, errors, planes, size);
+                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
             });
         }
     }
@@ -213,63 +216,32 @@ fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> Pins<'_, 
     Pins { sine: sine.view(size).cut(size), cosine: cosine.view(size).cut(size) }
 }
 
-/// Angles from their errors, or the errors alone where the drive's angle is to be added with more digits.
-#[inline(always)]
-fn deliver_angle<T: Number>(
-    drive: Drive<'_>,
-    errors: View<'_, T>,
-    bare: bool,
-    out: &mut [T::Word],
-) {
-    if bare {
-        kernel::copy(errors, out);
-    } else {
-        kernel::add_drive(drive, errors, out);
-    }
-}
-
 /// The angle of the shaft in this slot at a later period, from the errors of the first.
 #[inline(always)]
-pub(crate) fn repeat_angle<T: Number>(
+pub(crate) fn repeat_angle<T: Number, W: Word>(
     scratch: &Scratch<T>,
     slot: usize,
     first: usize,
     drive: Drive<'_>,
-    out: &mut [T::Word],
+    out: &mut [W],
 ) {
-    kernel::add_drive::<T>(drive, scratch.errors[slot].part(first, out.len()), out);
-}
-
-/// The error alone.
-#[inline(always)]
-pub(crate) fn repeat_error<T: Number>(
-    scratch: &Scratch<T>,
-    slot: usize,
-    first: usize,
-    out: &mut [T::Word],
-) {
-    kernel::copy(scratch.errors[slot].part(first, out.len()), out);
+    kernel::add_drive(drive, scratch.errors[slot].part(first, out.len()), out);
 }
 
 /// A shaft with no bent joint before it turns with the drive.
 #[inline(always)]
-fn run_drive_shaft<T: Number>(
+fn run_drive_shaft<T: Number, W: Word>(
     step: &ShaftStep,
     drive: Drive<'_>,
     [ratio, acceleration]: [&mut Column<T>; 2],
-    bare: bool,
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
     size: usize,
 ) {
-    if let (Some(plane), false) = (step.angle, bare) {
-        kernel::drive_angle::<T>(drive, &mut *planes[plane]);
+    if let Some(plane) = step.angle {
+        kernel::drive_angle::<T, W>(drive, &mut *planes[plane]);
     }
-    let constants = [
-        (step.angle.filter(|_| bare), 0.0),
-        (step.angle_error, 0.0),
-        (step.speed_ratio, 1.0),
-        (step.acceleration_ratio, 0.0),
-    ];
+    let constants =
+        [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
     for (plane, value) in constants {
         if let Some(plane) = plane {
             kernel::constant::<T>(value, drive, &mut *planes[plane]);
@@ -287,16 +259,15 @@ fn run_drive_shaft<T: Number>(
 /// reads as well goes by way of a buffer.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
-fn run_shaft<T: Number, S: Swing<T>>(
+fn run_shaft<T: Number, W: Word, S: Swing<T>>(
     step: &ShaftStep,
     range: AtanRange,
     at: impl Fn(usize) -> S + Copy,
     drive: Drive<'_>,
     pins: Pins<'_, T>,
     [ratio, acceleration]: [&mut Column<T>; 2],
-    bare: bool,
     mut errors: ViewMut<'_, T>,
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
     size: usize,
 ) {
     let together = step.together().filter(|_| S::MODERATE && range.is_moderate());
@@ -304,21 +275,18 @@ fn run_shaft<T: Number, S: Swing<T>>(
         let [rotation, ratio, acceleration] = planes
             .get_disjoint_mut([rotation, ratio, acceleration])
             .expect("a plan gives every output planes of its own");
-        let rates: [&mut [T::Word]; 2] = [ratio, acceleration];
+        let rates: [&mut [W]; 2] = [ratio, acceleration];
         match drive {
             _ if step.angle.is_none() => {
                 kernel::motion::<T, S>(range, at, pins, &mut **rotation, rates);
             }
-            Drive::Array(_) if bare => {
-                kernel::motion::<T, S>(range, at, pins, &mut **rotation, rates);
-            }
-            Drive::Array(angle) if !T::SHORT => {
+            Drive::Array(angle) if !is_short::<W>() => {
                 let out = AfterArray(&angle[..size], rotation);
                 kernel::motion::<T, S>(range, at, pins, out, rates);
             }
             _ => {
                 kernel::motion::<T, S>(range, at, pins, errors.again(), rates);
-                deliver_angle(drive, errors.view(), bare, rotation);
+                kernel::add_drive(drive, errors.view(), rotation);
             }
         }
         return;
@@ -329,13 +297,12 @@ fn run_shaft<T: Number, S: Swing<T>>(
     if let Some(plane) = step.angle {
         let out = &mut *planes[plane];
         match drive {
-            Drive::Array(_) if bare => kernel::angle_error::<T, S>(range, at, pins, out),
-            Drive::Array(angle) if !T::SHORT => {
+            Drive::Array(angle) if !is_short::<W>() => {
                 kernel::angle_error::<T, S>(range, at, pins, AfterArray(&angle[..size], out));
             }
             _ => {
                 kernel::angle_error(range, at, pins, errors.again());
-                deliver_angle(drive, errors.view(), bare, out);
+                kernel::add_drive(drive, errors.view(), out);
             }
         }
     }
@@ -371,14 +338,14 @@ fn run_shaft<T: Number, S: Swing<T>>(
 /// Torques and moments at one chunk: the power travels from the end where the torque is given.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
-pub(crate) fn run_load<T: Number>(
+pub(crate) fn run_load<T: Number, W: Word>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
     folded: &Folded<T>,
     seen: Seen,
     scratch: &mut Scratch<T>,
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
     size: usize,
 ) {
     let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
@@ -433,13 +400,13 @@ pub(crate) fn run_load<T: Number>(
             if let Some(axes) = plane {
                 let at = |i: usize| poses[i].seen_along(axes);
                 with_constants!(seen, at, at => {
-                    run_moment::<true, T>(step, at, axes, pins, torsion, planes);
-                    run_supports::<true, T>(step, at, axes, parts, support, planes, size);
+                    run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
+                    run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
                 });
             } else {
                 with_constants!(seen, |i: usize| poses[i], at => {
-                    run_moment::<false, T>(step, at, AXES, pins, torsion, planes);
-                    run_supports::<false, T>(step, at, AXES, parts, support, planes, size);
+                    run_moment::<false, T, W>(step, at, AXES, pins, torsion, planes);
+                    run_supports::<false, T, W>(step, at, AXES, parts, support, planes, size);
                 });
             }
         }
@@ -451,12 +418,12 @@ pub(crate) fn run_load<T: Number>(
 
 /// The sizes of a joint's bending moments.
 #[inline(always)]
-fn run_bending<T: Number>(
+fn run_bending<T: Number, W: Word>(
     step: &JointStep,
     at: impl Fn(usize) -> Pose<T> + Copy,
     pins: Pins<'_, T>,
     torsion: View<'_, T>,
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
 ) {
     if let Some(plane) = step.bending_driving {
         let out = &mut *planes[plane];
@@ -472,13 +439,13 @@ const AXES: [usize; 3] = [0, 1, 2];
 
 /// The moment that a joint passes on, from a pose seen along these axes.
 #[inline(always)]
-fn run_moment<const PLANAR: bool, T: Number>(
+fn run_moment<const PLANAR: bool, T: Number, W: Word>(
     step: &JointStep,
     at: impl Fn(usize) -> Pose<T>,
     axes: [usize; 3],
     pins: Pins<'_, T>,
     torsion: View<'_, T>,
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
 ) {
     if let Some(plane) = step.moment {
         let out = vector(planes, plane, axes);
@@ -488,13 +455,13 @@ fn run_moment<const PLANAR: bool, T: Number>(
 
 /// The joint's part of the support moments of its shafts, from the parts of its torsion.
 #[inline(always)]
-fn run_supports<const PLANAR: bool, T: Number>(
+fn run_supports<const PLANAR: bool, T: Number, W: Word>(
     step: &JointStep,
     at: impl Fn(usize) -> Pose<T> + Copy,
     axes: [usize; 3],
     parts: &[Column<T>; 3],
     support: &mut [Column<T>; 3],
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
     size: usize,
 ) {
     // The shaft that the load leaves is complete before the part of the next one is kept.
@@ -502,21 +469,21 @@ fn run_supports<const PLANAR: bool, T: Number>(
         let [sine2, cosine2, product] = views(parts, size);
         let numbers = [if step.driving { sine2 } else { cosine2 }, product];
         let [x, y, z] = axes;
-        run_support::<PLANAR, 0, T>(step, at, x, numbers, &mut support[x], planes);
-        run_support::<PLANAR, 1, T>(step, at, y, numbers, &mut support[y], planes);
-        run_support::<PLANAR, 2, T>(step, at, z, numbers, &mut support[z], planes);
+        run_support::<PLANAR, 0, T, W>(step, at, x, numbers, &mut support[x], planes);
+        run_support::<PLANAR, 1, T, W>(step, at, y, numbers, &mut support[y], planes);
+        run_support::<PLANAR, 2, T, W>(step, at, z, numbers, &mut support[z], planes);
     }
 }
 
 /// One component of it: along the axis `axis` of space.
 #[inline(always)]
-fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number>(
+fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Word>(
     step: &Support,
     at: impl Fn(usize) -> Pose<T>,
     axis: usize,
     numbers: [View<'_, T>; 2],
     kept: &mut Column<T>,
-    planes: &mut [&mut [T::Word]],
+    planes: &mut [&mut [W]],
 ) {
     let &Support { driving, plane, first, last } = step;
     let (size, none) = (numbers[0].len(), |_: usize| None);

@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::atan::{Atan, AtanRange};
 use crate::pair::Pair;
-use crate::real::Real;
+use crate::real::{Real, Word};
 use crate::reduce;
 use crate::trig::Angle;
 
@@ -162,8 +162,8 @@ impl<const TYPE: usize> Angle for Counted<TYPE> {
         self.0.to_bits()
     }
 
-    fn after(self, drive: Pair) -> f64 {
-        Self::after_operations(drive.value() + self.0, [3, 1, 9]).0
+    fn after<W: Word>(self, drive: Pair) -> W {
+        W::near(Self::after_operations(drive.value() + self.0, [3, 1, 9]).0)
     }
 
     fn tangent_of_sum([a, _]: [f64; 2], [b, _]: [f64; 2]) -> (Self, Self) {

@@ -19,7 +19,7 @@ use crate::joint;
 use crate::moment::{self, Parts, Pose};
 use crate::pair::Pair;
 use crate::pins::{Drive, Pins, number};
-use crate::real::Real;
+use crate::real::{Real, Word};
 use crate::ripple::Ripple;
 use crate::trig::Angle;
 
@@ -57,7 +57,7 @@ impl<T: Real> Out<T> for ViewMut<'_, T> {
     }
 }
 
-impl<T: Real> Out<T> for &mut [T::Word] {
+impl<T: Real, W: Word> Out<T> for &mut [W] {
     #[inline(always)]
     fn room(&self) -> usize {
         self.len()
@@ -70,14 +70,14 @@ impl<T: Real> Out<T> for &mut [T::Word] {
 
     #[inline(always)]
     fn put(&mut self, i: usize, number: T) {
-        self[i] = number.value();
+        self[i] = W::near(number.value().into());
     }
 }
 
 /// Takes angle errors and puts angles: drive angle plus error.
 pub(crate) struct AfterArray<'a, 'b, W>(pub(crate) &'a [f64], pub(crate) &'b mut [W]);
 
-impl<T: Number> Out<T> for AfterArray<'_, '_, T::Word> {
+impl<T: Number, W: Word> Out<T> for AfterArray<'_, '_, W> {
     #[inline(always)]
     fn room(&self) -> usize {
         self.1.len()
@@ -96,13 +96,13 @@ impl<T: Number> Out<T> for AfterArray<'_, '_, T::Word> {
 
 /// The drive angle plus an angle error.
 #[inline(always)]
-pub(crate) fn add_drive<T: Number>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [T::Word]) {
+pub(crate) fn add_drive<T: Number, W: Word>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [W]) {
     let errors = errors.cut(out.len());
     add_drive_to(drive, |i| errors.get(i), out);
 }
 
 #[inline(always)]
-fn add_drive_to<T: Number>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [T::Word]) {
+fn add_drive_to<T: Number, W: Word>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [W]) {
     let length = out.len();
     match drive {
         Drive::Array(angle) => {
@@ -479,7 +479,7 @@ pub(crate) fn tilt<T: Real>(
 
 /// The drive shaft turns with the drive: its angle, NaN where that is not finite.
 #[inline(always)]
-pub(crate) fn drive_angle<T: Number>(drive: Drive<'_>, out: &mut [T::Word]) {
+pub(crate) fn drive_angle<T: Number, W: Word>(drive: Drive<'_>, out: &mut [W]) {
     let zero = T::from_f64(0.0);
     // Not the bare angle: an infinite one is none.
     match drive {
@@ -488,7 +488,7 @@ pub(crate) fn drive_angle<T: Number>(drive: Drive<'_>, out: &mut [T::Word]) {
                 *turned = zero.after(Pair::exact(x.mul_add(0.0, x)));
             }
         }
-        Drive::Sweep(..) | Drive::Picked(..) => add_drive_to::<T>(drive, |_| zero, out),
+        Drive::Sweep(..) | Drive::Picked(..) => add_drive_to(drive, |_| zero, out),
     }
 }
 

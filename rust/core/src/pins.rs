@@ -18,18 +18,6 @@ pub(crate) enum Drive<'a> {
     Picked(&'a Sweep, &'a [f64]),
 }
 
-impl Drive<'_> {
-    /// Angle `i`, the nearest double.
-    #[inline(always)]
-    pub(crate) fn angle(&self, i: usize) -> f64 {
-        match self {
-            Self::Array(angle) => angle[i],
-            Self::Sweep(sweep, first) => sweep.angle(number(*first, i)).value(),
-            Self::Picked(sweep, samples) => sweep.angle(samples[i]).value(),
-        }
-    }
-}
-
 /// The number of a sweep's sample as a double: a sum, because few machines convert long integers
 /// in vectors.
 #[inline(always)]

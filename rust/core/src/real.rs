@@ -11,6 +11,9 @@ use crate::pair::Pair;
 pub trait Word: Copy + Debug + Default + PartialEq + Send + Sync + Into<f64> + 'static {
     /// The nearest one.
     fn near(x: f64) -> Self;
+
+    /// An angle plus a small one, in this precision.
+    fn sum(angle: Pair, small: f64) -> Self;
 }
 
 impl Word for f64 {
@@ -18,12 +21,22 @@ impl Word for f64 {
     fn near(x: f64) -> Self {
         x
     }
+
+    #[inline(always)]
+    fn sum(angle: Pair, small: f64) -> Self {
+        angle.high + (angle.low + small)
+    }
 }
 
 impl Word for f32 {
     #[inline(always)]
     fn near(x: f64) -> Self {
         x as Self
+    }
+
+    #[inline(always)]
+    fn sum(angle: Pair, small: f64) -> Self {
+        angle.high as Self + (angle.low as Self + small as Self)
     }
 }
 

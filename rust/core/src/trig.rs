@@ -123,7 +123,7 @@ pub trait Angle: Real {
     fn bits(self) -> u64;
 
     /// The drive angle plus `self`, the angle error.
-    fn after(self, drive: Pair) -> Self::Word;
+    fn after<W: Word>(self, drive: Pair) -> W;
 
     /// `tan(a + b)` as numerator and denominator from both tangents, `|a + b| < 1.2`.
     fn tangent_of_sum(a: [Self::Word; 2], b: [Self::Word; 2]) -> (Self, Self);
@@ -175,8 +175,8 @@ macro_rules! plain {
             }
 
             #[inline(always)]
-            fn after(self, drive: Pair) -> Self {
-                Self::near(drive.high) + (Self::near(drive.low) + self)
+            fn after<W: Word>(self, drive: Pair) -> W {
+                W::sum(drive, self.into())
             }
 
             // The first sum is exact where it cancels.
@@ -268,8 +268,8 @@ impl Angle for Pair {
     }
 
     #[inline(always)]
-    fn after(self, drive: Pair) -> f64 {
-        (drive + self).value()
+    fn after<W: Word>(self, drive: Pair) -> W {
+        W::near((drive + self).value())
     }
 
     #[inline(always)]
