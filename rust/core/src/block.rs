@@ -168,7 +168,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
             folded: kept.map_or_else(room, Cow::Borrowed),
             rows: 0..0,
             chunk_length,
-            scratch: Scratch::new::<T::Plane>(plan, table, longest),
+            scratch: Scratch::new(plan, table, longest),
             spare: if spare {
                 vec![vec![T::Plane::default(); longest]; plan.planes]
             } else {

@@ -32,7 +32,7 @@ pub(crate) struct Scratch<T: Number> {
 }
 
 impl<T: Number> Scratch<T> {
-    pub(crate) fn new<W: Word>(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
+    pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
         let size = |needed: bool| if needed { longest } else { 0 };
         let rates = (0..=plan.joint_count).map(|shaft| {
             let kept = plan.shafts.iter().find(|step| step.shaft == shaft);
@@ -60,7 +60,7 @@ impl<T: Number> Scratch<T> {
             errors: plan
                 .shafts
                 .iter()
-                .filter(|step| step.angle.is_some() && (is_short::<W>() || table.sweep.is_some()))
+                .filter(|step| step.angle.is_some() && table.sweep.is_some())
                 .map(|_| Column::new(longest))
                 .collect(),
         }
@@ -72,12 +72,6 @@ impl<T: Number> Scratch<T> {
             *errors = Column::new(period);
         }
     }
-}
-
-/// Whether planes hold shorter numbers than the drive angles: a loop over both would go by the longer ones.
-#[inline(always)]
-fn is_short<W: Word>() -> bool {
-    size_of::<W>() < size_of::<f64>()
 }
 
 fn columns<T: Number, const N: usize>(length: usize) -> [Column<T>; N] {
@@ -280,7 +274,7 @@ fn run_shaft<T: Number, W: Word, S: Swing<T>>(
             _ if step.angle.is_none() => {
                 kernel::motion::<T, S>(range, at, pins, &mut **rotation, rates);
             }
-            Drive::Array(angle) if !is_short::<W>() => {
+            Drive::Array(angle) => {
                 let out = AfterArray(&angle[..size], rotation);
                 kernel::motion::<T, S>(range, at, pins, out, rates);
             }
@@ -296,14 +290,11 @@ fn run_shaft<T: Number, W: Word, S: Swing<T>>(
     }
     if let Some(plane) = step.angle {
         let out = &mut *planes[plane];
-        match drive {
-            Drive::Array(angle) if !is_short::<W>() => {
-                kernel::angle_error::<T, S>(range, at, pins, AfterArray(&angle[..size], out));
-            }
-            _ => {
-                kernel::angle_error(range, at, pins, errors.again());
-                kernel::add_drive(drive, errors.view(), out);
-            }
+        if let Drive::Array(angle) = drive {
+            kernel::angle_error::<T, S>(range, at, pins, AfterArray(&angle[..size], out));
+        } else {
+            kernel::angle_error(range, at, pins, errors.again());
+            kernel::add_drive(drive, errors.view(), out);
         }
     }
     let mut wanted = (step.speed_ratio, step.acceleration_ratio);

@@ -108,7 +108,8 @@ fn add_drive_to<T: Number, W: Word>(drive: Drive<'_>, error: impl Fn(usize) -> T
         Drive::Array(angle) => {
             let angle = &angle[..length];
             for i in 0..length {
-                out[i] = error(i).after(Pair::exact(angle[i]));
+                // Not the bare angle: an infinite one is none.
+                out[i] = error(i).after(Pair::exact(angle[i].mul_add(0.0, angle[i])));
             }
         }
         Drive::Sweep(sweep, first) if sweep.starts_at_zero() => {
@@ -481,15 +482,7 @@ pub(crate) fn tilt<T: Real>(
 #[inline(always)]
 pub(crate) fn drive_angle<T: Number, W: Word>(drive: Drive<'_>, out: &mut [W]) {
     let zero = T::from_f64(0.0);
-    // Not the bare angle: an infinite one is none.
-    match drive {
-        Drive::Array(angle) => {
-            for (turned, &x) in out.iter_mut().zip(angle) {
-                *turned = zero.after(Pair::exact(x.mul_add(0.0, x)));
-            }
-        }
-        Drive::Sweep(..) | Drive::Picked(..) => add_drive_to(drive, |_| zero, out),
-    }
+    add_drive_to(drive, |_| zero, out);
 }
 
 /// A constant, NaN where the angle is not finite.
