@@ -184,39 +184,36 @@ def native(given: Input) -> None:
         sweep = _core.Sweep((0.0, 1.0) if given.ConsumeBool() else None, given.count(), n)
         sweep.fill(given.count(), given.flat())
     else:
-        if given.ConsumeBool():
-            # Arrays that fit.
+        fitting = given.ConsumeBool()
+        if fitting:
             n = given.ConsumeIntInRange(1, 4)
             sizes = (n, n - 1, n - 1, 3 * (n + 1), 3 * n)
             five = [np.linspace(0.1, 1.0, size) for size in sizes]
-        lines = _core.Lines(n, five)
-        load = given.pick((None, "drive", "output", "?"))
+        lines = _core.Lines(n, [] if fitting else given.counts(), five)
+        inertias = [(given.count(), given.flat())] if given.ConsumeBool() else []
+        end = given.pick((None, "drive", "output", "?"))
+        load = end and (end, given.flat(), given.flat(), np.array(1.0), inertias)
+        single = given.ConsumeBool()
+        reduction = given.pick((None, *REDUCTIONS))
         plan = _core.Plan(
             lines,
             tuple(name for name in cardan.OUTPUTS if given.ConsumeBool()),
             given.counts(),
             given.counts(),
             load,
-            given.counts(),
             given.pick((None, 0.0, 1e-9, 1e-3, float("nan"))),
-            given.ConsumeBool(),
-            given.pick((None, *REDUCTIONS)),
+            single,
+            reduction,
         )
         if given.ConsumeBool():
             plan.explain(given.ConsumeBool(), given.ConsumeBool())
-        plan.fill(given.flat(), [given.flat()], None)
-        source = (given.flat(), given.counts())
-        torque = (given.flat(), given.counts())
         sweep = _core.Sweep((0.0, 1.0), given.ConsumeIntInRange(1, 9), 0)
+        shape = given.counts() if given.ConsumeBool() else [given.ConsumeIntInRange(0, 9)]
+        word = np.float32 if single and reduction is None else np.float64
         plan.run(
-            [given.ConsumeIntInRange(0, 9) for _ in range(given.ConsumeIntInRange(0, 2))]
-            if given.ConsumeBool()
-            else given.counts(),
-            given.counts(),
-            sweep if given.ConsumeBool() else None,
-            source if given.ConsumeBool() else None,
-            None if given.ConsumeBool() else (torque, source, torque, [(given.count(), *source)]),
-            [given.flat() for _ in range(given.ConsumeIntInRange(0, 3))],
+            tuple(shape) if given.ConsumeBool() else None,
+            sweep if given.ConsumeBool() else given.flat(),
+            [given.flat().astype(word) for _ in range(given.ConsumeIntInRange(0, 3))],
             given.pick((None, 0, 1, 2)),
             given.pick((None, "scalar", "?")),
         )

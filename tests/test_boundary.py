@@ -427,6 +427,11 @@ def test_no_thread_can_be_made() -> None:
 COUNTS = st.one_of(st.integers(0, 4), st.sampled_from([2**40, 2**62, 2**63, 2**64 - 1]))
 FLAT = arrays_of.arrays(np.float64, st.integers(0, 12), elements=st.floats(0.0, 1.5))
 INDICES = st.lists(COUNTS, max_size=3)
+SOURCES = arrays_of.arrays(
+    np.float64,
+    arrays_of.array_shapes(min_dims=0, max_dims=2, min_side=0, max_side=5),
+    elements=st.floats(0.0, 1.5),
+)
 
 
 @settings(max_examples=400)
@@ -448,36 +453,40 @@ def test_the_native_module_takes_nothing_on_trust(data: st.DataObject) -> None:
         lambda: _core.equivalent(n, shape[0] if shape else 1, first, second, third),
         lambda: _core.optimal_phases(n, first, second, third, draw(st.sampled_from([None, 0, 1]))),
         lambda: _core.Sweep(draw(st.sampled_from([None, (0.0, 1.0)])), n, 7).fill(0, np.empty(5)),
-        lambda: planned(draw, _core.Lines(n, [first, second, third, *rest])),
+        lambda: planned(
+            draw, _core.Lines(n, [] if fitting else shape, [first, second, third, *rest])
+        ),
     ):
         with contextlib.suppress(ValueError, MemoryError):
             call()
 
 
 def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
+    single = draw(st.booleans())
+    reduction = draw(st.sampled_from([None, "max", "rms", "peak"]))
+    loads = st.tuples(
+        st.sampled_from(["drive", "output", "?"]),
+        *[SOURCES] * 3,
+        st.lists(st.tuples(COUNTS, SOURCES), max_size=2),
+    )
     plan = _core.Plan(
         lines,
         tuple(draw(st.lists(st.sampled_from(sorted(OUTPUTS)), max_size=4))),
         draw(st.sampled_from([[], [0], [1], [0, 1], [7]])),
         draw(st.sampled_from([[], [0], [7]])),
-        draw(st.sampled_from([None, "drive", "output"])),
-        draw(INDICES),
+        draw(st.one_of(st.none(), loads)),
         draw(st.sampled_from([None, 0.0, 1e-9, 1e-3])),
-        draw(st.booleans()),
-        draw(st.sampled_from([None, "max", "rms", "peak"])),
+        single,
+        reduction,
     )
     plan.explain(draw(st.booleans()), draw(st.booleans()))
-    assert isinstance(plan.fill(draw(FLAT), [draw(FLAT)], None), bool)
-    source = (draw(FLAT), draw(INDICES))
-    inertia = (draw(COUNTS), *source)
-    shape = draw(st.one_of(INDICES, st.lists(st.integers(0, 5), max_size=2)))
-    plan.run(
-        shape,
-        draw(st.one_of(INDICES, st.just([0] * len(shape)))),
-        draw(st.sampled_from([None, _core.Sweep((0.0, 1.0), 5, 0)])),
-        draw(st.sampled_from([None, source, (np.zeros(1), [0] * len(shape))])),
-        draw(st.sampled_from([None, (source, source, source, [inertia])])),
-        [draw(FLAT) for _ in range(draw(st.integers(0, 3)))],
+    shapes = st.lists(st.one_of(st.integers(0, 5), COUNTS), max_size=2).map(tuple)
+    word = np.float32 if single and reduction is None else np.float64
+    done = plan.run(
+        draw(st.one_of(st.none(), shapes)),
+        draw(st.one_of(SOURCES, st.just(_core.Sweep((0.0, 1.0), 5, 0)))),
+        [draw(SOURCES).astype(word) for _ in range(draw(st.integers(0, 3)))],
         draw(st.sampled_from([None, 0, 1, 2])),
         None,
     )
+    assert isinstance(done, bool)

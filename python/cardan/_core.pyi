@@ -1,10 +1,11 @@
-from typing import TypeAlias, final
+from collections.abc import Sequence
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 _Flat: TypeAlias = NDArray[np.float64]
-_Broadcast: TypeAlias = tuple[_Flat, list[int]]
+_Spread: TypeAlias = NDArray[np.float64]
 
 __all__ = [
     "Lines",
@@ -46,7 +47,7 @@ class Sweep:
 
 @final
 class Lines:
-    def __new__(cls, joints: int, arrays: list[_Flat]) -> Lines: ...
+    def __new__(cls, joints: int, shape: Sequence[int], arrays: list[_Flat]) -> Lines: ...
 
 @final
 class Plan:
@@ -56,22 +57,17 @@ class Plan:
         outputs: tuple[str, ...],
         shaft_items: list[int],
         joint_items: list[int],
-        load: str | None,
-        inertias: list[int],
+        load: tuple[str, _Spread, _Spread, _Spread, list[tuple[int, _Spread]]] | None,
         tolerance: float | None,
         single: bool,
         reduction: str | None,
     ) -> Plan: ...
     def explain(self, sweep: bool, single: bool) -> str: ...
-    def fill(self, angle: _Flat, out: list[_Flat], workers: int | None) -> bool: ...
     def run(
         self,
-        shape: list[int],
-        line_strides: list[int],
-        sweep: Sweep | None,
-        angle: _Broadcast | None,
-        load: tuple[_Broadcast, _Broadcast, _Broadcast, list[tuple[int, _Flat, list[int]]]] | None,
-        out: list[_Flat] | list[NDArray[np.float32]],
+        shape: tuple[int, ...] | None,
+        angle: _Spread | Sweep,
+        out: list[NDArray[Any]],
         workers: int | None,
         level: str | None,
-    ) -> None: ...
+    ) -> bool: ...

@@ -268,7 +268,7 @@ class Driveline:
             array.flags.writeable = False
         *shape, self._n_joints = self._bends.shape
         self._shape = tuple(shape)
-        self._lines = _core.Lines(self._n_joints, [array.reshape(-1) for array in arrays])
+        self._lines = _core.Lines(self._n_joints, shape, [array.reshape(-1) for array in arrays])
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:

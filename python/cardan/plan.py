@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, outputs, threads
+from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, library, real
 from cardan.load import Load
 from cardan.result import Result
@@ -21,9 +22,6 @@ if TYPE_CHECKING:
 
 Items: TypeAlias = int | slice | Sequence[int] | None
 Reduction: TypeAlias = Literal["min", "max", "mean", "rms", "peak"]
-
-# A flat array and its strides, in elements, over the samples.
-_Broadcast: TypeAlias = tuple[FloatArray, list[int]]
 
 REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
 """What rows of samples can be reduced to."""
@@ -42,19 +40,19 @@ class Plan:
     """
 
     __slots__ = (
+        "_alone",
         "_arguments",
         "_core",
         "_dtype",
-        "_inertias",
         "_labels",
         "_level",
         "_line_shape",
         "_load",
         "_places",
-        "_plain",
         "_planes",
         "_reduce",
         "_steady",
+        "_word",
         "_workers",
     )
 
@@ -81,11 +79,14 @@ class Plan:
         self._arguments: tuple[Any, ...] = arguments
         self._dtype = _word(dtype)
         self._reduce = _reduction(reduce)
-        self._load = load
-        self._inertias = _inertias(n, load)
+        # What rows are reduced to is found in double.
+        self._word = _DOUBLE if reduce else self._dtype
+        inertias = _inertias(n, load)
+        # Read at every call.
+        self._load = () if load is None else (load.torque, load.speed, load.acceleration)
         # Nothing but the angles changes from sample to sample.
         shape = line.shape
-        self._steady = not shape and (load is None or _is_steady(load))
+        self._steady = not shape and not (load and _changes(*self._load, *inertias.values()))
         self._line_shape = shape
         self._workers = workers
         self._level = level
@@ -94,8 +95,7 @@ class Plan:
             names,
             shaft_items,
             joint_items,
-            load.end if load else None,
-            [*self._inertias],
+            load and (load.end, *self._load, [*inertias.items()]),
             _permitted(tolerance),
             self._dtype is _SINGLE,
             reduce,
@@ -117,9 +117,8 @@ class Plan:
             self._places[name] = (first, items, vector)
             first += 3 * count if vector else count
             alone = alone and items is None and not vector
-        self._planes = first
-        plain = self._dtype is _DOUBLE and level is None and load is None and reduce is None
-        self._plain = plain and alone and self._steady
+        self._planes = (first,)
+        self._alone = alone
         threads.at_most(workers)
 
     def __call__(
@@ -136,88 +135,66 @@ class Plan:
             TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        if self._plain and type(angle) is np.ndarray and angle.dtype == _DOUBLE:
-            result = self._at_once(angle, out)
-            if result is not None:
-                return result
-        if isinstance(angle, Sweep):
-            angles, own = None, angle.shape
+        angles: FloatArray | NativeSweep
+        if type(angle) is np.ndarray and angle.dtype == _DOUBLE and angle.flags.carray:
+            angles = angle
+        elif isinstance(angle, Sweep):
+            angles = angle._core
+        elif type(angle) is not np.ndarray and (whose := library(angle)):
+            there: Result = _elsewhere(whose, self, angle, out)
+            return there
         else:
-            if type(angle) is not np.ndarray and (whose := library(angle)):
-                there: Result = _elsewhere(whose, self, angle, out)
-                return there
-            angles = real("angle", angle)
-            own = angles.shape
-        shape = own if self._steady else self._sample_shape(own)
-        rows = shape
-        if self._reduce:
-            rows = self._rows(shape)
-        given = {} if out is None else self._checked_out(out, rows)
-        if angles is not None and any(np.may_share_memory(angles, a) for a in given.values()):
-            angles = angles.copy()
-        shown = angle if angles is None else angles
-        block: NDArray[Any] | None = None
-        if self._reduce:
-            block = np.empty((self._planes, *rows))
-            flats: list[NDArray[Any]] = [block.reshape(-1)]
-        elif not given:
-            block = np.empty((self._planes, *rows), self._dtype)
-            flats = [block.reshape(-1)]
-        else:
-            flats = self._planes_of(given, rows)
-
-        def apart(array: FloatArray) -> FloatArray:
-            """What is read must not change while the results are written."""
-            shared = any(np.may_share_memory(array, flat) for flat in flats)
-            return array.copy() if given and shared else array
-
-        if self._steady and not self._reduce:
-            samples, line = [math.prod(shape)], [0]
-            steps = [1]
-        else:
-            samples, line = list(shape), _strides(self._line_shape, shape)
-            steps = _strides(own, shape)
-        self._core.run(
-            samples,
-            line,
-            angle._core if isinstance(angle, Sweep) else None,
-            None if angles is None else (apart(angles.reshape(-1)), steps),
-            self._spread_load(samples, apart),
-            flats,
-            threads.at_most(self._workers),
-            self._level,
-        )
-        if block is None:
-            return Result(self._filled(given, flats, rows), self._labels, shown)
-        if block.dtype != self._dtype:
-            block = block.astype(self._dtype)
-        arrays = {name: _view(block, place) for name, place in self._places.items()}
-        for name, target in given.items():
-            target[...] = arrays[name]
-            arrays[name] = target
-        return Result(arrays, self._labels, shown)
-
-    def _at_once(self, angle: FloatArray, out: Mapping[str, NDArray[Any]] | None) -> Result | None:
-        """Evaluate the short way of small calls, if the arrays are plain ones."""
+            angles = angle = real("angle", angle)
+        shape = angle.shape if self._steady else self._sample_shape(angle.shape)
+        rows = self._rows(shape) if self._reduce else shape
+        samples = None if self._steady and not self._reduce else shape
         workers = threads.at_most(self._workers)
-        if out is None:
-            planes = np.empty((self._planes, *angle.shape))
-            if not self._core.fill(angle, [planes], workers):
-                return None
+        if out is not None:
+            return self._into(out, angle, angles, samples, rows, workers)
+        block = np.empty(self._planes + rows, self._word)
+        self._core.run(samples, angles, [block], workers, self._level)
+        if self._word is not self._dtype:
+            block = block.astype(self._dtype)
+        if self._alone:
             # As many as there are places; to ask for that check would cost a tenth of the call.
-            arrays = dict(zip(self._places, planes))  # noqa: B905
-            return Result(arrays, self._labels, angle)
-        # What is a dictionary is known at once, other mappings are looked up.
-        if not isinstance(out, (dict, Mapping)) or out.keys() != self._places.keys():
-            return None
-        shape, arrays = angle.shape, {}
-        for name in self._places:
-            array = arrays[name] = out[name]
-            if not (type(array) is np.ndarray and array.dtype == _DOUBLE and array.shape == shape):
-                return None
-        if not self._core.fill(angle, list(arrays.values()), workers):
-            return None
+            arrays = dict(zip(self._places, block))  # noqa: B905
+        else:
+            arrays = {name: _view(block, place) for name, place in self._places.items()}
         return Result(arrays, self._labels, angle)
+
+    def _into(
+        self,
+        out: Mapping[str, NDArray[Any]],
+        angle: FloatArray | Sweep,
+        angles: FloatArray | NativeSweep,
+        samples: tuple[int, ...] | None,
+        rows: tuple[int, ...],
+        workers: int | None,
+    ) -> Result:
+        """Evaluate into arrays that are there: into themselves where they are plain ones."""
+        arrays, planes = {}, []
+        # What is a dictionary is known at once, other mappings are looked up.
+        if isinstance(out, (dict, Mapping)) and out.keys() == self._places.keys():
+            for name, place in self._places.items():
+                array = arrays[name] = out[name]
+                wanted = rows if self._alone else self._shape(place, rows)
+                if (
+                    type(array) is np.ndarray
+                    and array.dtype == self._dtype is self._word
+                    and array.shape == wanted
+                ):
+                    planes.append(_components_first(array, place) if place[2] else array)
+            if len(planes) == len(arrays) and self._core.run(
+                samples, angles, planes, workers, self._level
+            ):
+                return Result(arrays, self._labels, angle)
+        given = self._checked_out(out, rows)
+        if angles is angle and any(np.may_share_memory(angle, array) for array in given.values()):
+            angles = angle = angle.copy()
+        planes = self._planes_of(given, rows)
+        if not self._core.run(samples, angles, planes, workers, self._level):
+            raise RuntimeError("out is in use by another call")
+        return Result(self._filled(given, planes, rows), self._labels, angle)
 
     def explain(self) -> str:
         """Return the steps taken, the steps skipped and why, operations and bytes per sample.
@@ -291,58 +268,39 @@ class Plan:
     def _planes_of(
         self, given: Mapping[str, NDArray[Any]], rows: tuple[int, ...]
     ) -> list[NDArray[Any]]:
-        """Flat arrays to fill: those given where they lie plane by plane, else new ones."""
-        flats = []
-        for name, (_, items, vector) in self._places.items():
-            target = given.get(name)
-            if target is not None and vector:
-                target = np.moveaxis(target, -1, 0 if items is None else 1)
-            if target is None or not target.flags.carray:
-                planes = (items or 1) * (3 if vector else 1)
-                target = np.empty((planes, *rows), self._dtype)
+        """Planes to fill: of the arrays given where they lie plane by plane, else new ones."""
+        planes = []
+        for name, place in self._places.items():
+            _, items, vector = place
             # Subclasses may have ideas of their own about shapes.
-            flats.append(np.asarray(target).reshape(-1))
-        return flats
+            target = _components_first(np.asarray(given[name]), place) if name in given else None
+            if (
+                target is None
+                or target.dtype != self._word
+                or not target.flags.carray
+                or any(np.may_share_memory(target, array) for array in self._load)
+            ):
+                count = (1 if items is None else items) * (3 if vector else 1)
+                target = np.empty((count, *rows), self._word)
+            planes.append(target)
+        return planes
 
     def _filled(
         self,
         given: Mapping[str, NDArray[Any]],
-        flats: Sequence[NDArray[Any]],
+        planes: Sequence[NDArray[Any]],
         rows: tuple[int, ...],
     ) -> dict[str, NDArray[Any]]:
         arrays = {}
-        for (name, (_, items, vector)), flat in zip(self._places.items(), flats, strict=True):
+        for (name, (_, items, vector)), own in zip(self._places.items(), planes, strict=True):
             target = given.get(name)
-            if target is None or not np.may_share_memory(target, flat):
-                array = _view(flat.reshape(-1, *rows), (0, items, vector))
+            if target is None or not np.may_share_memory(target, own):
+                own = own.astype(self._dtype, copy=False)
+                array = _view(own.reshape(-1, *rows), (0, items, vector))
                 if target is not None:
                     target[...] = array
             arrays[name] = array if target is None else target
         return arrays
-
-    def _spread_load(
-        self,
-        shape: list[int],
-        apart: Any,  # noqa: ANN401 - the caller's function
-    ) -> tuple[_Broadcast, _Broadcast, _Broadcast, list[tuple[int, FloatArray, list[int]]]] | None:
-        load = self._load
-        if load is None:
-            return None
-
-        def spread(name: str, array: FloatArray) -> _Broadcast:
-            if array.ndim and _broadcast(array.shape, tuple(shape)) != tuple(shape):
-                raise ValueError(
-                    f"{name} has shape {array.shape}, which does not broadcast to the samples' "
-                    f"{tuple(shape)}"
-                )
-            return apart(array.reshape(-1)), _strides(array.shape, shape)
-
-        return (
-            spread(f"{load.end}_torque", load.torque),
-            spread("speed", load.speed),
-            spread("acceleration", load.acceleration),
-            [(shaft, *spread("inertias", column)) for shaft, column in self._inertias.items()],
-        )
 
 
 def _elsewhere(
@@ -360,14 +318,27 @@ def _elsewhere(
 
 def _view(planes: NDArray[Any], place: _Place) -> Any:  # noqa: ANN401 - an array or a scalar
     first, items, vector = place
+    if items is None and not vector:
+        return planes[first]
     if items is None:
-        if not vector:
-            return planes[first]
-        return np.moveaxis(planes[first : first + 3], 0, -1)
+        return _moved(planes[first : first + 3], 0, -1)
     if not vector:
         return planes[first : first + items]
     part = planes[first : first + 3 * items]
-    return np.moveaxis(part.reshape(items, 3, *planes.shape[1:]), 1, -1)
+    return _moved(part.reshape(items, 3, *planes.shape[1:]), 1, -1)
+
+
+def _components_first(array: NDArray[Any], place: _Place) -> NDArray[Any]:
+    """An output plane by plane: a vector's components before the samples."""
+    return _moved(array, -1, 0 if place[1] is None else 1) if place[2] else array
+
+
+def _moved(array: NDArray[Any], source: int, to: int) -> NDArray[Any]:
+    """As ``numpy.moveaxis``, which takes ten times as long."""
+    axes = [*range(array.ndim)]
+    axis = axes.pop(source)
+    axes.insert(to % array.ndim, axis)
+    return array.transpose(axes)
 
 
 def item_index(argument: str, value: SupportsIndex, count: int) -> int:
@@ -430,11 +401,8 @@ def _permitted(tolerance: float | None) -> float | None:
     return permitted
 
 
-def _is_steady(load: Load) -> bool:
-    arrays = (load.torque, load.speed, load.acceleration)
-    if any(array.ndim for array in arrays):
-        return False
-    return load.inertias is None or load.inertias.ndim < 2
+def _changes(*arrays: FloatArray) -> bool:
+    return any(array.ndim for array in arrays)
 
 
 def _inertias(n: int, load: Load | None) -> dict[int, FloatArray]:
@@ -453,14 +421,3 @@ def _broadcast(*shapes: tuple[int, ...]) -> tuple[int, ...] | None:
         return np.broadcast_shapes(*shapes)
     except ValueError:
         return None
-
-
-def _strides(own: tuple[int, ...], shape: Sequence[int]) -> list[int]:
-    """Strides, in elements, of a contiguous array over the samples it is broadcast to."""
-    strides = [0] * len(shape)
-    step = 1
-    for axis in range(-1, -len(own) - 1, -1):
-        if own[axis] != 1:
-            strides[axis] = step
-        step *= own[axis]
-    return strides

@@ -269,7 +269,7 @@ impl<'a, 's> Run<'a, 's> {
             let problem = format!("has {found} planes; it needs {wanted} of {total} samples");
             return Err(Error::new("planes", &[], problem));
         }
-        if total == 0 {
+        if total == 0 || planes.is_empty() {
             return Ok(());
         }
         let size = block_size(total, workers);

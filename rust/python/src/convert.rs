@@ -21,7 +21,7 @@ pub(crate) fn slice_mut<'a, W: Element>(
     array.as_slice_mut().map_err(|_| not_contiguous(name))
 }
 
-fn not_contiguous(name: &str) -> PyErr {
+pub(crate) fn not_contiguous(name: &str) -> PyErr {
     PyValueError::new_err(format!("{name} must be contiguous and aligned"))
 }
 

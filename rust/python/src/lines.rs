@@ -5,7 +5,7 @@ use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::convert::{check_length, slice};
+use crate::convert::{check_length, count, slice};
 use crate::watch::room;
 
 /// Bends, twists, phases, directions and normals.
@@ -20,40 +20,52 @@ enum Arrays {
 #[pyclass(frozen, module = "cardan._core")]
 pub(crate) struct Lines {
     arrays: Arrays,
+    shape: Vec<usize>,
     largest_bends: Vec<f64>,
 }
 
 #[pymethods]
 impl Lines {
-    /// Drivelines of so many joints from flat arrays, of which a batch keeps a reference.
+    /// Drivelines of so many joints, a batch of the given shape or one, from flat arrays, of which a
+    /// batch keeps a reference.
     #[new]
-    fn new(py: Python<'_>, joints: usize, arrays: [Bound<'_, PyArray1<f64>>; 5]) -> PyResult<Self> {
+    fn new(
+        py: Python<'_>,
+        joints: usize,
+        shape: Vec<usize>,
+        arrays: [Bound<'_, PyArray1<f64>>; 5],
+    ) -> PyResult<Self> {
         if joints == 0 {
             return Err(PyValueError::new_err("joints is 0; a driveline has at least one"));
         }
         // Copies, and the largest bends.
         room(joints.saturating_mul(96))?;
-        let batch =
-            Self { arrays: Arrays::Batch(arrays.map(Bound::unbind)), largest_bends: vec![] };
+        let count = count(&shape)?;
+        let batch = Arrays::Batch(arrays.map(Bound::unbind));
+        let batch = Self { arrays: batch, shape, largest_bends: vec![] };
         let (one, largest_bends) = batch.with(py, |lines| {
-            let count = lines.bends.len() / joints;
             check_length("bends", lines.bends.len(), count, joints)?;
             check_length("twists", lines.twists.len(), count, joints - 1)?;
             check_length("phases", lines.phases.len(), count, joints - 1)?;
             check_length("directions", lines.directions.len(), count, 3 * joints + 3)?;
             check_length("normals", lines.normals.len(), count, 3 * joints)?;
             let own = [lines.bends, lines.twists, lines.phases, lines.directions, lines.normals];
-            let one = lines.bends.len() == joints;
+            let one = count == 1;
             Ok((one.then(|| own.map(<[f64]>::to_vec)), lines.largest_bends(joints)))
         })?;
         let arrays = one.map_or(batch.arrays, Arrays::One);
-        Ok(Self { arrays, largest_bends })
+        Ok(Self { arrays, shape: batch.shape, largest_bends })
     }
 }
 
 impl Lines {
     pub(crate) fn largest_bends(&self) -> &[f64] {
         &self.largest_bends
+    }
+
+    /// Shape of the batch; empty for one driveline.
+    pub(crate) fn shape(&self) -> &[usize] {
+        &self.shape
     }
 
     pub(crate) fn is_one(&self) -> bool {

@@ -1,5 +1,6 @@
 //! Plans: what to compute, prepared once for its drivelines; and running them over samples.
 
+use std::borrow::Cow;
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
@@ -7,15 +8,15 @@ use cardan::{
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use numpy::{
-    BorrowError, Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
-    PyReadwriteArray1, PyUntypedArrayMethods,
+    Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArray1,
+    PyUntypedArrayMethods,
 };
-use pyo3::exceptions::{PyRuntimeError, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::convert::{Input, count, slice, slice_mut, value_error};
+use crate::convert::{count, not_contiguous, slice_mut, value_error};
 use crate::lines::Lines;
 use crate::watch::{room, threads, watched};
 
@@ -29,18 +30,17 @@ const POOLED: usize = 1 << 16;
 /// set less than half a second: shorter runs need no watch.
 const WATCHED: usize = 1 << 21;
 
-/// A flat array and its strides over the samples.
-type Broadcast<'py> = (Input<'py>, Vec<usize>);
+/// An array that is broadcast over the samples.
+type Spread = Py<PyArrayDyn<f64>>;
 
-/// Torque, speed, acceleration, and the inertias with their shafts.
-type LoadArrays<'py> =
-    (Broadcast<'py>, Broadcast<'py>, Broadcast<'py>, Vec<(usize, Input<'py>, Vec<usize>)>);
+/// The end at which the torque is given, torque, speed, acceleration, and the inertias with their
+/// shafts.
+type LoadArrays = (PyBackedStr, Spread, Spread, Spread, Vec<(usize, Spread)>);
 
-/// Arrays to fill, each holding planes one after another.
-#[derive(FromPyObject)]
-enum Out<'py> {
-    Double(Vec<Bound<'py, PyArray1<f64>>>),
-    Single(Vec<Bound<'py, PyArray1<f32>>>),
+/// The drive angles of a run.
+enum Drive<'py> {
+    Array(PyReadonlyArrayDyn<'py, f64>),
+    Sweep(Sweep),
 }
 
 /// Drive angles at equal steps.
@@ -78,15 +78,21 @@ pub(crate) struct Plan {
     steps: CorePlan,
     precision: Precision,
     reduction: Option<Reduction>,
+    /// Whether results are in single precision.
+    single: bool,
     lines: Py<Lines>,
+    /// What its load is read from, with what messages call it: torque, speed, acceleration, and the
+    /// inertias of these shafts.
+    load: Vec<(&'static str, Spread)>,
+    inertias: Vec<usize>,
     /// What is folded of the only driveline.
     constants: Option<Constants>,
 }
 
 #[pymethods]
 impl Plan {
-    /// `load` is `None`, `"drive"` or `"output"`: where the load's torque is given. Without a
-    /// tolerance the arithmetic is that of the results, `single` or double.
+    /// The end of the load is `"drive"` or `"output"`; its arrays are read when the plan runs. Without
+    /// a tolerance the arithmetic is that of the results, `single` or double.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call, named by the caller")]
     fn new(
@@ -94,14 +100,23 @@ impl Plan {
         outputs: Bound<'_, PyTuple>,
         shaft_items: Bound<'_, PyList>,
         joint_items: Bound<'_, PyList>,
-        load: Option<&str>,
-        inertias: Bound<'_, PyList>,
+        load: Option<LoadArrays>,
         tolerance: Option<f64>,
         single: bool,
         reduction: Option<&str>,
     ) -> PyResult<Self> {
-        let [shaft_items, joint_items, inertias] =
-            [numbers(&shaft_items)?, numbers(&joint_items)?, numbers(&inertias)?];
+        let [shaft_items, joint_items] =
+            [numbers(shaft_items.iter())?, numbers(joint_items.iter())?];
+        let (mut end, mut load_arrays, mut inertias) = (None, vec![], vec![]);
+        if let Some((given, torque, speed, acceleration, of_shafts)) = load {
+            let (of, name) = self::end(&given)?;
+            end = Some(of);
+            load_arrays = vec![(name, torque), ("speed", speed), ("acceleration", acceleration)];
+            for (shaft, array) in of_shafts {
+                inertias.push(shaft);
+                load_arrays.push(("inertias", array));
+            }
+        }
         let items = shaft_items.len().saturating_add(joint_items.len());
         room(lines.get().joints().saturating_add(items).saturating_mul(1024))?;
         let outputs = outputs.iter().map(|name| quantity(&name.extract::<PyBackedStr>()?));
@@ -111,7 +126,7 @@ impl Plan {
             outputs: &outputs,
             shafts: &shaft_items,
             joints: &joint_items,
-            load: load.map(end).transpose()?,
+            load: end,
             inertias: &inertias,
         };
         let plan = CorePlan::new(&request).map_err(|error| value_error(&error))?;
@@ -129,7 +144,16 @@ impl Plan {
         } else {
             None
         };
-        Ok(Self { steps: plan, precision, reduction, lines: lines.unbind(), constants })
+        Ok(Self {
+            steps: plan,
+            precision,
+            reduction,
+            single,
+            lines: lines.unbind(),
+            load: load_arrays,
+            inertias,
+            constants,
+        })
     }
 
     /// The steps taken and skipped, in words.
@@ -141,96 +165,87 @@ impl Plan {
             .with(py, |lines| self.steps.explain(&lines, call).map_err(|error| value_error(&error)))
     }
 
-    /// Fills the planes in the arrays of `out`, one after another, for one driveline without a load,
-    /// if all arrays are such as `run` takes; otherwise returns false.
-    fn fill(
-        &self,
-        py: Python<'_>,
-        angle: PyReadonlyArrayDyn<'_, f64>,
-        out: Bound<'_, PyList>,
-        workers: Option<usize>,
-    ) -> PyResult<bool> {
-        let c_order = angle.is_c_contiguous();
-        let Some(angle) = angle.as_slice().ok().filter(|_| c_order) else { return Ok(false) };
-        let total = angle.len();
-        let mut borrowed = Vec::with_capacity(out.len());
-        for array in &out {
-            let Ok(array) = array.cast_into::<PyArrayDyn<f64>>()?.try_readwrite() else {
-                return Ok(false);
-            };
-            borrowed.push(array);
-        }
-        let mut planes: Vec<&mut [f64]> = Vec::with_capacity(self.steps.planes());
-        for array in &mut borrowed {
-            let c_order = array.is_c_contiguous();
-            let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else {
-                return Ok(false);
-            };
-            planes.extend(words.chunks_exact_mut(total.max(1)));
-        }
-        if total == 0 || planes.len() != self.steps.planes() {
-            return Ok(total == 0);
-        }
-        self.lines.get().with(py, |lines| {
-            let samples = Samples {
-                shape: &[total],
-                lines,
-                line_strides: &[0],
-                angle: Angles::Array(Source { data: angle, strides: &[1] }),
-                load: None,
-            };
-            self.execute(py, &samples, Planes::Double(&mut planes), None, workers)
-        })?;
-        Ok(true)
-    }
-
-    /// Fills `out`, flat arrays that hold the planes one after another.
+    /// Fills the arrays of `out`, which hold the planes one after another; returns false where one of
+    /// them is in use, by another call or as what this one reads, or not writeable and contiguous.
     ///
-    /// Either `sweep` or `angle` is given; the strides say which driveline and which element each
-    /// sample of the given shape sees.
-    #[allow(clippy::too_many_arguments, reason = "flat arrays of one call, named by the caller")]
+    /// Without a shape the samples are those of the angles, and nothing else changes among them.
     fn run(
         &self,
         py: Python<'_>,
-        shape: Vec<usize>,
-        line_strides: Vec<usize>,
-        sweep: Option<Bound<'_, DriveSweep>>,
-        angle: Option<Broadcast<'_>>,
-        load: Option<LoadArrays<'_>>,
-        out: Out<'_>,
+        shape: Option<Bound<'_, PyTuple>>,
+        angle: Bound<'_, PyAny>,
+        out: Bound<'_, PyList>,
         workers: Option<usize>,
         level: Option<&str>,
-    ) -> PyResult<()> {
+    ) -> PyResult<bool> {
         let level = level.map(named_level).transpose()?;
+        let angle = match angle.cast::<DriveSweep>() {
+            Ok(sweep) => Drive::Sweep(sweep.get().0),
+            Err(_) => Drive::Array(angle.extract()?),
+        };
+        let flat = [match &angle {
+            Drive::Array(array) => array.len(),
+            Drive::Sweep(sweep) => sweep.count(),
+        }];
+        let own = match &angle {
+            Drive::Array(array) if shape.is_some() => array.shape(),
+            _ => &flat,
+        };
+        let shape = shape.map(|shape| numbers(shape.iter())).transpose()?;
+        let shape = shape.as_deref().unwrap_or(own);
+        let strides_of = |name: &str, own: &[usize]| {
+            strides(own, shape).ok_or_else(|| misfit(py, name, own, shape))
+        };
+        let lines = self.lines.get();
+        let line_strides = strides_of("the driveline's batch", lines.shape())?;
+        let angle_strides = strides_of("angle", own)?;
+        let read = |(name, array): &(&str, Spread)| {
+            let array = array.bind(py).try_readonly()?;
+            let strides = strides_of(name, array.shape())?;
+            Ok((array, strides))
+        };
+        let load = self.load.iter().map(read).collect::<PyResult<Vec<_>>>()?;
         if shape.contains(&0) {
-            return Ok(());
+            return Ok(true);
         }
         let kept = match (self.reduction, shape.split_last()) {
             (Some(_), Some((_, rows))) => rows,
             (Some(_), None) => return Err(PyValueError::new_err("shape has no axis to reduce")),
-            (None, _) => &shape,
+            (None, _) => shape,
         };
         let total = count(kept)?;
-        let load = load.as_ref().map(borrow_load).transpose()?;
-        let angle = match (&sweep, &angle) {
-            (Some(sweep), _) => Angles::Sweep(sweep.get().0),
-            (None, Some(array)) => Angles::Array(source("angle", array)?),
-            (None, None) => return Err(PyValueError::new_err("angle is missing")),
+        let angle = match &angle {
+            Drive::Array(array) => {
+                Angles::Array(Source { data: elements("angle", array)?, strides: &angle_strides })
+            }
+            Drive::Sweep(sweep) => Angles::Sweep(*sweep),
         };
-        self.lines.get().with(py, |lines| {
-            let samples =
-                Samples { shape: &shape, lines, line_strides: &line_strides, angle, load };
-            match out {
-                Out::Double(out) => {
-                    let mut out = borrow_out(&out)?;
-                    let planes = &mut planes_of(&mut out, total)?;
-                    self.execute(py, &samples, Planes::Double(planes), level, workers)
-                }
-                Out::Single(out) => {
-                    let mut out = borrow_out(&out)?;
-                    let planes = &mut planes_of(&mut out, total)?;
+        let source = |i: usize| -> PyResult<_> {
+            let (array, strides) = &load[i];
+            Ok(Source { data: elements(self.load[i].0, array)?, strides })
+        };
+        let inertia = |(i, &shaft)| Ok((shaft, source(3 + i)?));
+        let load = if load.is_empty() {
+            None
+        } else {
+            Some(Load {
+                torque: source(0)?,
+                speed: source(1)?,
+                acceleration: source(2)?,
+                inertias: self.inertias.iter().enumerate().map(inertia).collect::<PyResult<_>>()?,
+            })
+        };
+        lines.with(py, |lines| {
+            let line_strides = &line_strides;
+            let samples = Samples { shape, lines, line_strides, angle, load };
+            if self.single && self.reduction.is_none() {
+                fill(&out, total, |planes| {
                     self.execute(py, &samples, Planes::Single(planes), level, workers)
-                }
+                })
+            } else {
+                fill(&out, total, |planes| {
+                    self.execute(py, &samples, Planes::Double(planes), level, workers)
+                })
             }
         })
     }
@@ -305,61 +320,78 @@ impl Plan {
     }
 }
 
-/// The arrays to fill, of which no other call may read or write any meanwhile.
-fn borrow_out<'py, W: Element>(
-    arrays: &[Bound<'py, PyArray1<W>>],
-) -> PyResult<Vec<PyReadwriteArray1<'py, W>>> {
-    let borrow = |array: &Bound<'py, PyArray1<W>>| {
-        array.try_readwrite().map_err(|error| match error {
-            BorrowError::AlreadyBorrowed => {
-                PyRuntimeError::new_err("out is in use by another call")
-            }
-            error => PyValueError::new_err(format!("out: {error}")),
-        })
-    };
-    arrays.iter().map(borrow).collect()
-}
-
-/// The planes that lie in flat arrays one after another.
-fn planes_of<'a, W: Element>(
-    arrays: &'a mut [PyReadwriteArray1<'_, W>],
+/// Runs `body` with the planes that lie in arrays one after another, if these can be had: no other
+/// call may read or write any of them meanwhile.
+fn fill<W: Element>(
+    out: &Bound<'_, PyList>,
     length: usize,
-) -> PyResult<Vec<&'a mut [W]>> {
-    let mut planes = vec![];
-    for array in arrays {
-        planes.extend(slice_mut("out", array)?.chunks_mut(length));
+    body: impl FnOnce(&mut [&mut [W]]) -> PyResult<()>,
+) -> PyResult<bool> {
+    let mut arrays = Vec::with_capacity(out.len());
+    for array in out {
+        let Ok(array) = array.cast_into::<PyArrayDyn<W>>()?.try_readwrite() else {
+            return Ok(false);
+        };
+        arrays.push(array);
     }
-    Ok(planes)
+    let mut planes = vec![];
+    for array in &mut arrays {
+        let c_order = array.is_c_contiguous();
+        let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else { return Ok(false) };
+        planes.extend(words.chunks_mut(length));
+    }
+    body(&mut planes)?;
+    Ok(true)
 }
 
-fn borrow_load<'a>(load: &'a LoadArrays<'_>) -> PyResult<Load<'a>> {
-    let (torque, speed, acceleration, inertias) = load;
-    Ok(Load {
-        torque: source("torque", torque)?,
-        speed: source("speed", speed)?,
-        acceleration: source("acceleration", acceleration)?,
-        inertias: inertias
-            .iter()
-            .map(|(shaft, data, strides)| {
-                Ok((*shaft, Source { data: slice("inertias", data)?, strides }))
-            })
-            .collect::<PyResult<_>>()?,
-    })
+/// The elements of an array in C order.
+fn elements<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<&'a [f64]> {
+    let c_order = array.is_c_contiguous();
+    array.as_slice().ok().filter(|_| c_order).ok_or_else(|| not_contiguous(name))
 }
 
-fn source<'a>(name: &str, (data, strides): &'a Broadcast<'_>) -> PyResult<Source<'a>> {
-    Ok(Source { data: slice(name, data)?, strides })
+/// Strides, in elements, of an array in C order over the samples, if it broadcasts to their shape.
+fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
+    match (own, shape) {
+        // What small calls have needs no memory.
+        ([], [_]) => return Some(Cow::Borrowed(&[0])),
+        ([own], [count]) if own == count => return Some(Cow::Borrowed(&[1])),
+        _ => {}
+    }
+    let before = shape.len().checked_sub(own.len())?;
+    let mut strides = vec![0; shape.len()];
+    let mut step = 1_usize;
+    for (axis, &length) in own.iter().enumerate().rev() {
+        if length != 1 {
+            if length != shape[before + axis] {
+                return None;
+            }
+            strides[before + axis] = step;
+        }
+        step = step.saturating_mul(length);
+    }
+    Some(Cow::Owned(strides))
 }
 
-/// What is read from lists is read faster than what is read from any sequence.
-fn numbers(list: &Bound<'_, PyList>) -> PyResult<Vec<usize>> {
-    list.iter().map(|item| item.extract()).collect()
+fn misfit(py: Python<'_>, name: &str, own: &[usize], shape: &[usize]) -> PyErr {
+    match (PyTuple::new(py, own), PyTuple::new(py, shape)) {
+        (Ok(own), Ok(shape)) => PyValueError::new_err(format!(
+            "{name} has shape {own}, which does not broadcast to the samples' {shape}"
+        )),
+        (Err(error), _) | (_, Err(error)) => error,
+    }
 }
 
-fn end(name: &str) -> PyResult<End> {
+/// What is read from lists and tuples is read faster than what is read from any sequence.
+fn numbers<'py>(items: impl Iterator<Item = Bound<'py, PyAny>>) -> PyResult<Vec<usize>> {
+    items.map(|item| item.extract()).collect()
+}
+
+/// An end and what messages call its torque.
+fn end(name: &str) -> PyResult<(End, &'static str)> {
     match name {
-        "drive" => Ok(End::Drive),
-        "output" => Ok(End::Output),
+        "drive" => Ok((End::Drive, "drive_torque")),
+        "output" => Ok((End::Output, "output_torque")),
         other => Err(PyValueError::new_err(format!("load is {other:?}"))),
     }
 }
