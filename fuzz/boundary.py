@@ -213,7 +213,9 @@ def native(given: Input) -> None:
         plan.run(
             tuple(shape) if given.ConsumeBool() else None,
             sweep if given.ConsumeBool() else given.flat(),
-            [given.flat().astype(word) for _ in range(given.ConsumeIntInRange(0, 3))],
+            [given.flat().astype(word) for _ in range(given.ConsumeIntInRange(0, 3))]
+            if given.ConsumeBool()
+            else None,
             given.pick((None, 0, 1, 2)),
             given.pick((None, "scalar", "?")),
         )

@@ -67,7 +67,7 @@ class Plan:
         self,
         shape: tuple[int, ...] | None,
         angle: _Spread | Sweep,
-        out: list[NDArray[Any]],
+        out: list[NDArray[Any]] | None,
         workers: int | None,
         level: str | None,
-    ) -> bool: ...
+    ) -> Any: ...

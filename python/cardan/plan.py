@@ -44,6 +44,7 @@ class Plan:
         "_arguments",
         "_core",
         "_dtype",
+        "_even",
         "_labels",
         "_level",
         "_line_shape",
@@ -87,6 +88,7 @@ class Plan:
         # Nothing but the angles changes from sample to sample.
         shape = line.shape
         self._steady = not shape and not (load and _changes(*self._load, *inertias.values()))
+        self._even = self._steady and not reduce
         self._line_shape = shape
         self._workers = workers
         self._level = level
@@ -117,7 +119,7 @@ class Plan:
             self._places[name] = (first, items, vector)
             first += 3 * count if vector else count
             alone = alone and items is None and not vector
-        self._planes = (first,)
+        self._planes = first
         self._alone = alone
         threads.at_most(workers)
 
@@ -147,12 +149,11 @@ class Plan:
             angles = angle = real("angle", angle)
         shape = angle.shape if self._steady else self._sample_shape(angle.shape)
         rows = self._rows(shape) if self._reduce else shape
-        samples = None if self._steady and not self._reduce else shape
+        samples = None if self._even else shape
         workers = threads.at_most(self._workers)
         if out is not None:
             return self._into(out, angle, angles, samples, rows, workers)
-        block = np.empty(self._planes + rows, self._word)
-        self._core.run(samples, angles, [block], workers, self._level)
+        block = self._core.run(samples, angles, None, workers, self._level)
         if self._word is not self._dtype:
             block = block.astype(self._dtype)
         if self._alone:

@@ -1,15 +1,18 @@
 //! Plans: what to compute, prepared once for its drivelines; and running them over samples.
 
 use std::borrow::Cow;
+use std::ffi::c_int;
+use std::iter::once;
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
     Angles, Call, Constants, Drivelines, End, Execution, Level, Load, Output as Quantity,
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
+use numpy::npyffi::npy_intp;
 use numpy::{
-    Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyReadwriteArray1,
-    PyUntypedArrayMethods,
+    Element, PY_ARRAY_API, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
+    PyReadwriteArray1, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -80,6 +83,8 @@ pub(crate) struct Plan {
     reduction: Option<Reduction>,
     /// Whether results are in single precision.
     single: bool,
+    /// Number of planes of results.
+    results: usize,
     lines: Py<Lines>,
     /// What its load is read from, with what messages call it: torque, speed, acceleration, and the
     /// inertias of these shafts.
@@ -136,6 +141,7 @@ impl Plan {
             None => Precision::Double,
         };
         let reduction = reduction.map(self::reduction).transpose()?;
+        let results = reduction.map_or(plan.planes(), |reduction| reduction.results(&plan));
         let constants = if lines.get().is_one() {
             let fold = |arrays: Drivelines<'_>| {
                 plan.fold(&arrays, precision).map_err(|error| value_error(&error))
@@ -149,6 +155,7 @@ impl Plan {
             precision,
             reduction,
             single,
+            results,
             lines: lines.unbind(),
             load: load_arrays,
             inertias,
@@ -165,34 +172,39 @@ impl Plan {
             .with(py, |lines| self.steps.explain(&lines, call).map_err(|error| value_error(&error)))
     }
 
-    /// Fills the arrays of `out`, which hold the planes one after another; returns false where one of
-    /// them is in use, by another call or as what this one reads, or not writeable and contiguous.
+    /// Fills the arrays of `out`, which hold the planes one after another, or a new array of all planes,
+    /// and returns what is filled; `None` where an array of `out` is in use, by another call or as
+    /// what this one reads, or not writeable and contiguous.
     ///
     /// Without a shape the samples are those of the angles, and nothing else changes among them.
-    fn run(
+    fn run<'py>(
         &self,
-        py: Python<'_>,
-        shape: Option<Bound<'_, PyTuple>>,
-        angle: Bound<'_, PyAny>,
-        out: Bound<'_, PyList>,
+        py: Python<'py>,
+        shape: Option<Bound<'py, PyTuple>>,
+        angle: Bound<'py, PyAny>,
+        out: Option<Bound<'py, PyList>>,
         workers: Option<usize>,
         level: Option<&str>,
-    ) -> PyResult<bool> {
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let level = level.map(named_level).transpose()?;
         let angle = match angle.cast::<DriveSweep>() {
             Ok(sweep) => Drive::Sweep(sweep.get().0),
             Err(_) => Drive::Array(angle.extract()?),
         };
-        let flat = [match &angle {
+        let count = match &angle {
             Drive::Array(array) => array.len(),
             Drive::Sweep(sweep) => sweep.count(),
-        }];
+        };
         let own = match &angle {
-            Drive::Array(array) if shape.is_some() => array.shape(),
-            _ => &flat,
+            Drive::Array(array) => array.shape(),
+            Drive::Sweep(_) => &[count],
         };
         let shape = shape.map(|shape| numbers(shape.iter())).transpose()?;
-        let shape = shape.as_deref().unwrap_or(own);
+        // Where nothing else changes, the samples are one row, whatever the shape of the angles.
+        let (own, shape, rows) = match &shape {
+            Some(shape) => (own, shape.as_slice(), shape.as_slice()),
+            None => (&[count][..], &[count][..], own),
+        };
         let strides_of = |name: &str, own: &[usize]| {
             strides(own, shape).ok_or_else(|| misfit(py, name, own, shape))
         };
@@ -205,15 +217,11 @@ impl Plan {
             Ok((array, strides))
         };
         let load = self.load.iter().map(read).collect::<PyResult<Vec<_>>>()?;
-        if shape.contains(&0) {
-            return Ok(true);
-        }
-        let kept = match (self.reduction, shape.split_last()) {
-            (Some(_), Some((_, rows))) => rows,
-            (Some(_), None) => return Err(PyValueError::new_err("shape has no axis to reduce")),
-            (None, _) => shape,
+        let rows = match (self.reduction, shape.split_last()) {
+            (Some(_), Some((1.., rows))) => rows,
+            (Some(_), _) => return Err(PyValueError::new_err("shape has no samples to reduce")),
+            (None, _) => rows,
         };
-        let total = count(kept)?;
         let angle = match &angle {
             Drive::Array(array) => {
                 Angles::Array(Source { data: elements("angle", array)?, strides: &angle_strides })
@@ -238,14 +246,19 @@ impl Plan {
         lines.with(py, |lines| {
             let line_strides = &line_strides;
             let samples = Samples { shape, lines, line_strides, angle, load };
-            if self.single && self.reduction.is_none() {
-                fill(&out, total, |planes| {
-                    self.execute(py, &samples, Planes::Single(planes), level, workers)
-                })
-            } else {
-                fill(&out, total, |planes| {
-                    self.execute(py, &samples, Planes::Double(planes), level, workers)
-                })
+            let run = |planes: Planes<'_, '_>| {
+                if shape.contains(&0) {
+                    return Ok(());
+                }
+                self.execute(py, &samples, planes, level, workers)
+            };
+            let double = |planes: &mut [&mut [f64]]| run(Planes::Double(planes));
+            let single = |planes: &mut [&mut [f32]]| run(Planes::Single(planes));
+            match (out, self.single && self.reduction.is_none()) {
+                (None, false) => filled(py, self.results, rows, double).map(Some),
+                (None, true) => filled(py, self.results, rows, single).map(Some),
+                (Some(out), false) => fill(out, rows, double),
+                (Some(out), true) => fill(out, rows, single),
             }
         })
     }
@@ -320,28 +333,54 @@ impl Plan {
     }
 }
 
-/// Runs `body` with the planes that lie in arrays one after another, if these can be had: no other
-/// call may read or write any of them meanwhile.
-fn fill<W: Element>(
-    out: &Bound<'_, PyList>,
-    length: usize,
+/// Runs `body` with the planes that lie in arrays one after another, and returns the arrays, if they
+/// can be had: no other call may read or write any of them meanwhile.
+fn fill<'py, W: Element>(
+    out: Bound<'py, PyList>,
+    rows: &[usize],
     body: impl FnOnce(&mut [&mut [W]]) -> PyResult<()>,
-) -> PyResult<bool> {
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let length = count(rows)?;
     let mut arrays = Vec::with_capacity(out.len());
-    for array in out {
+    for array in &out {
         let Ok(array) = array.cast_into::<PyArrayDyn<W>>()?.try_readwrite() else {
-            return Ok(false);
+            return Ok(None);
         };
         arrays.push(array);
     }
     let mut planes = vec![];
     for array in &mut arrays {
         let c_order = array.is_c_contiguous();
-        let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else { return Ok(false) };
-        planes.extend(words.chunks_mut(length));
+        let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else { return Ok(None) };
+        planes.extend(words.chunks_mut(length.max(1)));
     }
     body(&mut planes)?;
-    Ok(true)
+    Ok(Some(out.into_any()))
+}
+
+/// A new array of so many planes, each of the given shape, after `body` has filled it.
+#[expect(unsafe_code, reason = "NumPy's allocator; a new array needs no look whether it is in use")]
+fn filled<'py, W: Element>(
+    py: Python<'py>,
+    planes: usize,
+    rows: &[usize],
+    body: impl FnOnce(&mut [&mut [W]]) -> PyResult<()>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let length = count(rows)?;
+    let lengths = once(&planes).chain(rows).map(|&length| npy_intp::try_from(length));
+    let mut axes = lengths.collect::<Result<Vec<_>, _>>()?;
+    let (count, word) = (c_int::try_from(axes.len())?, numpy::dtype::<W>(py).into_dtype_ptr());
+    // SAFETY: there are as many lengths as it says; NumPy takes over the reference to `word`, and
+    // the pointer is a new reference or null with an error set.
+    let array = unsafe {
+        let array = PY_ARRAY_API.PyArray_Empty(py, count, axes.as_mut_ptr(), word, 0);
+        Bound::from_owned_ptr_or_err(py, array)?.cast_into::<PyArrayDyn<W>>()?
+    };
+    // SAFETY: nobody else has the array, and its words, of which every pattern is a number, are
+    // written before they are read.
+    let words = unsafe { array.as_slice_mut()? };
+    body(&mut words.chunks_mut(length.max(1)).collect::<Vec<_>>())?;
+    Ok(array.into_any())
 }
 
 /// The elements of an array in C order.
