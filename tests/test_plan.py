@@ -614,3 +614,38 @@ def test_a_straight_driveline_over_a_single_sample_is_reduced() -> None:
     line = Driveline.from_bends([0.0])
     found = line.evaluate(Sweep(1.0, 1.0, 1), "speed_ratio", reduce="max")
     assert found.speed_ratio == 1.0
+
+
+def test_outputs_of_no_items_beside_others() -> None:
+    angle = np.linspace(0.0, 7.0, 9)
+    plan = Driveline.from_bends([0.3]).plan(("angle", "tilt_driving"), joints=[])
+    out = {"angle": np.zeros(9)}
+    result = plan(angle, out=out)
+    assert result.angle is out["angle"]
+    assert result.tilt_driving.shape == (0, 9)
+    np.testing.assert_array_equal(result.angle, plan(angle).angle)
+
+
+def test_no_outputs_need_no_memory() -> None:
+    assert not Driveline.from_bends([0.3]).plan(())(Sweep(0.0, 1.0, 2**50))
+
+
+@pytest.mark.parametrize("shape", [(), (7,), (2, 3, 4)])
+@pytest.mark.parametrize("items", [None, 0, [0, 1]])
+def test_loads_and_vectors_fill_what_is_given(shape: tuple[int, ...], items: Any) -> None:
+    load = Load(output_torque=5.0, speed=np.full(shape, 3.0), inertias=[0.1, 0.2, 0.3])
+    names = ("moment", "torque", "support_moment", "angle")
+    plan = Driveline.from_bends([0.3, 0.4], 0.1).plan(names, shafts=items, joints=items, load=load)
+    angle = np.linspace(0.0, 7.0, int(np.prod(shape))).reshape(shape)
+    wanted = plan(angle)
+    out = {name: np.zeros(np.shape(array)) for name, array in wanted.items()}
+    for name, array in plan(angle, out=out).items():
+        assert array is out[name]
+        np.testing.assert_array_equal(array, wanted[name])
+    # What is read is written over.
+    torque = np.full(shape, 5.0)
+    load = Load(drive_torque=torque, speed=2.0)
+    plan = Driveline.from_bends([0.3, 0.4], 0.1).plan("torque", load=load)
+    expected = plan(angle).torque
+    assert plan(angle, out={"torque": load.torque}).torque is load.torque
+    np.testing.assert_array_equal(load.torque, expected)

@@ -70,4 +70,4 @@ class Plan:
         out: list[NDArray[Any]] | None,
         workers: int | None,
         level: str | None,
-    ) -> Any: ...
+    ) -> Any: ...  # noqa: ANN401 - an array, or the list given

@@ -97,7 +97,7 @@ class Plan:
             names,
             shaft_items,
             joint_items,
-            load and (load.end, *self._load, [*inertias.items()]),
+            None if load is None else (load.end, *self._load, [*inertias.items()]),
             _permitted(tolerance),
             self._dtype is _SINGLE,
             reduce,
@@ -138,7 +138,7 @@ class Plan:
             ValueError: shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
         angles: FloatArray | NativeSweep
-        if type(angle) is np.ndarray and angle.dtype == _DOUBLE and angle.flags.carray:
+        if type(angle) is np.ndarray and angle.dtype == _DOUBLE:
             angles = angle
         elif isinstance(angle, Sweep):
             angles = angle._core
@@ -154,6 +154,9 @@ class Plan:
         if out is not None:
             return self._into(out, angle, angles, samples, rows, workers)
         block = self._core.run(samples, angles, None, workers, self._level)
+        if block is None:
+            # The angles do not lie one after another.
+            return self(real("angle", angle))
         if self._word is not self._dtype:
             block = block.astype(self._dtype)
         if self._alone:
@@ -172,28 +175,31 @@ class Plan:
         rows: tuple[int, ...],
         workers: int | None,
     ) -> Result:
-        """Evaluate into arrays that are there: into themselves where they are plain ones."""
-        arrays, planes = {}, []
+        """Evaluate into arrays that are there: as they are where all are plain ones."""
+        run, level, places = self._core.run, self._level, self._places
         # What is a dictionary is known at once, other mappings are looked up.
-        if isinstance(out, (dict, Mapping)) and out.keys() == self._places.keys():
-            for name, place in self._places.items():
+        if isinstance(out, (dict, Mapping)) and out.keys() == places.keys():
+            alone, dtype, wanted = self._alone, self._dtype, rows
+            arrays = {}
+            for name in places:
                 array = arrays[name] = out[name]
-                wanted = rows if self._alone else self._shape(place, rows)
-                if (
-                    type(array) is np.ndarray
-                    and array.dtype == self._dtype is self._word
-                    and array.shape == wanted
-                ):
-                    planes.append(_components_first(array, place) if place[2] else array)
-            if len(planes) == len(arrays) and self._core.run(
-                samples, angles, planes, workers, self._level
-            ):
-                return Result(arrays, self._labels, angle)
+                if not alone:
+                    wanted = self._shape(places[name], rows)
+                if type(array) is not np.ndarray or array.dtype != dtype or array.shape != wanted:
+                    break
+            else:
+                planes = [*arrays.values()]
+                if not alone:
+                    planes = [_components_first(arrays[name], places[name]) for name in places]
+                if dtype is self._word and run(samples, angles, planes, workers, level) is not None:
+                    return Result(arrays, self._labels, angle)
         given = self._checked_out(out, rows)
-        if angles is angle and any(np.may_share_memory(angle, array) for array in given.values()):
-            angles = angle = angle.copy()
+        if angles is angle:
+            angles = angle = real("angle", angle)
+            if any(np.may_share_memory(angle, array) for array in given.values()):
+                angles = angle = angle.copy()
         planes = self._planes_of(given, rows)
-        if not self._core.run(samples, angles, planes, workers, self._level):
+        if run(samples, angles, planes, workers, level) is None:
             raise RuntimeError("out is in use by another call")
         return Result(self._filled(given, planes, rows), self._labels, angle)
 

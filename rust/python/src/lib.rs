@@ -1,7 +1,7 @@
 //! The native module `cardan._core`: convert, release the interpreter, call the core, map errors.
 //!
-//! Arrays arrive flat, contiguous and of the right type: `python/cardan` broadcasts and allocates,
-//! this module checks that the lengths fit and fills.
+//! Arrays arrive contiguous and of the right type: `python/cardan` converts, this module checks that
+//! they fit, spreads them over the samples and fills.
 
 #![deny(unsafe_code)]
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]

@@ -173,8 +173,9 @@ impl Plan {
     }
 
     /// Fills the arrays of `out`, which hold the planes one after another, or a new array of all planes,
-    /// and returns what is filled; `None` where an array of `out` is in use, by another call or as
-    /// what this one reads, or not writeable and contiguous.
+    /// and returns what is filled. Returns `None` where the angles or an array of `out` are not aligned
+    /// and in C order, or one of `out` is read-only or in use, by another call or as what this one
+    /// reads.
     ///
     /// Without a shape the samples are those of the angles, and nothing else changes among them.
     fn run<'py>(
@@ -187,9 +188,9 @@ impl Plan {
         level: Option<&str>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let level = level.map(named_level).transpose()?;
-        let angle = match angle.cast::<DriveSweep>() {
-            Ok(sweep) => Drive::Sweep(sweep.get().0),
-            Err(_) => Drive::Array(angle.extract()?),
+        let angle = match angle.extract() {
+            Ok(array) => Drive::Array(array),
+            Err(error) => Drive::Sweep(angle.cast::<DriveSweep>().map_err(|_| error)?.get().0),
         };
         let count = match &angle {
             Drive::Array(array) => array.len(),
@@ -224,13 +225,15 @@ impl Plan {
         };
         let angle = match &angle {
             Drive::Array(array) => {
-                Angles::Array(Source { data: elements("angle", array)?, strides: &angle_strides })
+                let Some(data) = elements(array) else { return Ok(None) };
+                Angles::Array(Source { data, strides: &angle_strides })
             }
             Drive::Sweep(sweep) => Angles::Sweep(*sweep),
         };
         let source = |i: usize| -> PyResult<_> {
             let (array, strides) = &load[i];
-            Ok(Source { data: elements(self.load[i].0, array)?, strides })
+            let data = elements(array).ok_or_else(|| not_contiguous(self.load[i].0))?;
+            Ok(Source { data, strides })
         };
         let inertia = |(i, &shaft)| Ok((shaft, source(3 + i)?));
         let load = if load.is_empty() {
@@ -383,10 +386,10 @@ fn filled<'py, W: Element>(
     Ok(array.into_any())
 }
 
-/// The elements of an array in C order.
-fn elements<'a>(name: &str, array: &'a PyReadonlyArrayDyn<'_, f64>) -> PyResult<&'a [f64]> {
+/// The elements of an array, if it is aligned and in C order.
+fn elements<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> Option<&'a [f64]> {
     let c_order = array.is_c_contiguous();
-    array.as_slice().ok().filter(|_| c_order).ok_or_else(|| not_contiguous(name))
+    array.as_slice().ok().filter(|_| c_order)
 }
 
 /// Strides, in elements, of an array in C order over the samples, if it broadcasts to their shape.
@@ -394,7 +397,7 @@ fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
     match (own, shape) {
         // What small calls have needs no memory.
         ([], [_]) => return Some(Cow::Borrowed(&[0])),
-        ([own], [count]) if own == count => return Some(Cow::Borrowed(&[1])),
+        ([own @ 2..], [count]) if own == count => return Some(Cow::Borrowed(&[1])),
         _ => {}
     }
     let before = shape.len().checked_sub(own.len())?;
