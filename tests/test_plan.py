@@ -632,7 +632,9 @@ def test_no_outputs_need_no_memory() -> None:
 
 @pytest.mark.parametrize("shape", [(), (7,), (2, 3, 4)])
 @pytest.mark.parametrize("items", [None, 0, [0, 1]])
-def test_loads_and_vectors_fill_what_is_given(shape: tuple[int, ...], items: Any) -> None:
+def test_loads_and_vectors_fill_what_is_given(
+    shape: tuple[int, ...], items: int | list[int] | None
+) -> None:
     load = Load(output_torque=5.0, speed=np.full(shape, 3.0), inertias=[0.1, 0.2, 0.3])
     names = ("moment", "torque", "support_moment", "angle")
     plan = Driveline.from_bends([0.3, 0.4], 0.1).plan(names, shafts=items, joints=items, load=load)
