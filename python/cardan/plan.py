@@ -175,31 +175,41 @@ class Plan:
         rows: tuple[int, ...],
         workers: int | None,
     ) -> Result:
-        """Evaluate into arrays that are there: as they are where all are plain ones."""
-        run, level, places = self._core.run, self._level, self._places
+        """Evaluate into arrays that are there: as they are, if all are plain ones."""
         # What is a dictionary is known at once, other mappings are looked up.
-        if isinstance(out, (dict, Mapping)) and out.keys() == places.keys():
+        if isinstance(out, (dict, Mapping)) and out.keys() == self._places.keys():
             alone, dtype, wanted = self._alone, self._dtype, rows
-            arrays = {}
-            for name in places:
+            arrays, planes = {}, []
+            for name in self._places:
                 array = arrays[name] = out[name]
                 if not alone:
-                    wanted = self._shape(places[name], rows)
+                    wanted = self._shape(self._places[name], rows)
                 if type(array) is not np.ndarray or array.dtype != dtype or array.shape != wanted:
                     break
+                planes.append(array if alone else _components_first(array, self._places[name]))
             else:
-                planes = [*arrays.values()]
-                if not alone:
-                    planes = [_components_first(arrays[name], places[name]) for name in places]
+                run, level = self._core.run, self._level
                 if dtype is self._word and run(samples, angles, planes, workers, level) is not None:
                     return Result(arrays, self._labels, angle)
+        return self._with_care(out, angle, angles, samples, rows, workers)
+
+    def _with_care(
+        self,
+        out: Mapping[str, NDArray[Any]],
+        angle: FloatArray | Sweep,
+        angles: FloatArray | NativeSweep,
+        samples: tuple[int, ...] | None,
+        rows: tuple[int, ...],
+        workers: int | None,
+    ) -> Result:
+        """Evaluate into arrays of any layout, or say what is wrong with them."""
         given = self._checked_out(out, rows)
         if angles is angle:
             angles = angle = real("angle", angle)
             if any(np.may_share_memory(angle, array) for array in given.values()):
                 angles = angle = angle.copy()
         planes = self._planes_of(given, rows)
-        if run(samples, angles, planes, workers, level) is None:
+        if self._core.run(samples, angles, planes, workers, self._level) is None:
             raise RuntimeError("out is in use by another call")
         return Result(self._filled(given, planes, rows), self._labels, angle)
 
