@@ -136,6 +136,8 @@ class Plan:
         Raises:
             TypeError: angles that are not real numbers.
             ValueError: shapes that do not broadcast, an ``out`` of the wrong shape or type.
+            MemoryError: results that do not fit in memory.
+            RuntimeError: ``out`` is in use by another call.
         """
         angles: FloatArray | NativeSweep
         if type(angle) is np.ndarray and angle.dtype == _DOUBLE:
