@@ -1,7 +1,7 @@
 //! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
 
 use crate::atan::AtanRange;
-use crate::column::{Column, View, ViewMut, views, views_mut};
+use crate::column::{Column, View, ViewMut, columns, views, views_mut};
 use crate::fold::{Folded, Seen};
 use crate::kernel::{self, AfterArray, Number, Swing};
 use crate::moment::Pose;
@@ -72,10 +72,6 @@ impl<T: Number> Scratch<T> {
             *errors = Column::new(period);
         }
     }
-}
-
-fn columns<T: Number, const N: usize>(length: usize) -> [Column<T>; N] {
-    std::array::from_fn(|_| Column::new(length))
 }
 
 /// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all

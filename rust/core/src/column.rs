@@ -24,9 +24,11 @@ pub(crate) struct Column<T: Real> {
 }
 
 impl<T: Real> Column<T> {
+    const EMPTY: Self = Self { words: vec![], first: 0, length: 0 };
+
     pub(crate) fn new(length: usize) -> Self {
         if length == 0 {
-            return Self { words: vec![], first: 0, length };
+            return Self::EMPTY;
         }
         let line = LINE / size_of::<T::Word>();
         let words = vec![T::Word::default(); Self::low_after(length) + length + line];
@@ -83,6 +85,18 @@ impl<T: Real> Column<T> {
         let from = Self::low_after(self.length).saturating_sub(length);
         ViewMut { high, low: &mut rest[low::<T>(from..from + length)] }
     }
+}
+
+/// Columns of the same length.
+#[inline(always)]
+pub(crate) fn columns<T: Real, const N: usize>(length: usize) -> [Column<T>; N] {
+    let mut columns = [const { Column::EMPTY }; N];
+    if length > 0 {
+        for column in &mut columns {
+            *column = Column::new(length);
+        }
+    }
+    columns
 }
 
 // A loop leaves out its checks if it sees that all that it touches is as long as it runs, and the standard

@@ -6,7 +6,7 @@
 
 use crate::atan::AtanRange;
 use crate::chain::{self, Complex, Equivalent, Transfer};
-use crate::column::{Column, View, views, views_mut};
+use crate::column::{Column, View, columns, views, views_mut};
 use crate::extremes::Crest;
 use crate::geometry::Vector;
 use crate::joint::{Constants, Joint};
@@ -49,11 +49,7 @@ impl<T: Angle> FoldedShaft<T> {
         let doubled = T::DOUBLED && (moderate || !by_sample);
         let steep = !T::DOUBLED || !moderate;
         let size = |needed: bool| if needed { length } else { 0 };
-        Self {
-            bound,
-            ripples: std::array::from_fn(|_| Column::new(size(doubled))),
-            equivalents: std::array::from_fn(|_| Column::new(size(steep))),
-        }
+        Self { bound, ripples: columns(size(doubled)), equivalents: columns(size(steep)) }
     }
 
     /// The largest tangents that the samples of a chunk reach.
@@ -206,8 +202,7 @@ struct Maps {
 
 impl Maps {
     fn new(lanes: usize) -> Self {
-        let two = || std::array::from_fn(|_| Column::new(lanes));
-        Self { a: two(), b: two(), complement: Column::new(lanes) }
+        Self { a: columns(lanes), b: columns(lanes), complement: Column::new(lanes) }
     }
 
     #[inline(always)]
@@ -365,7 +360,7 @@ impl<T: Angle> Folded<T> {
     /// Room for a run of so many drivelines, of different rows or of different samples.
     pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool) -> Self {
         let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
-        let (maps, turns) = (Maps::new(lanes), Turns(std::array::from_fn(|_| Column::new(lanes))));
+        let (maps, turns) = (Maps::new(lanes), Turns(columns(lanes)));
         let mut shafts: Vec<_> = (0..=plan.joint_count).map(|_| None).collect();
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);
