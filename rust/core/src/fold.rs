@@ -426,10 +426,9 @@ impl<T: Angle> Folded<T> {
                 poses[j].extend((0..length).map(|i| {
                     let line = line_of(i);
                     let u_in = vector(lines.directions, line * (n + 1) + j);
-                    let u_out = vector(lines.directions, line * (n + 1) + j + 1);
                     let normal = vector(lines.normals, line * n + j);
                     let joint = Joint::with_error_terms(bends[i]);
-                    Pose::new(&maps.at(i), &joint, u_in, u_out, normal)
+                    Pose::new(&maps.at(i), &joint, u_in, normal)
                 }));
             }
             if j == 0

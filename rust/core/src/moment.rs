@@ -6,8 +6,8 @@
 //! `M = D [u_in + tan β sin α (sin α e_in − cos α m)]`, `e_in = m × u_in`.
 //!
 //! Its part across the driving shaft is the bracket without `u_in`; its part across the driven
-//! shaft, with `e_out = m × u_out`, is `−D [sin β cos² α e_out + tan β sin α cos α m]`. Neither is a
-//! difference of large numbers.
+//! shaft is `−D [sin β cos² α e_out + tan β sin α cos α m]`, `e_out = cos β e_in − sin β u_in`.
+//! Neither is a difference of large numbers.
 //!
 //! The power `P = D · (speed ratio)` is the same on both sides of a joint, so torques along a
 //! chain are running sums of what the inertias take.
@@ -117,15 +117,17 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// The pose of a joint that `transfer` drives, between the shafts along `u_in` and `u_out`.
+    /// The pose of a joint that `transfer` drives, behind the shaft along `u_in`. What lies across the
+    /// driven shaft follows from the bend: its own direction is of rounded numbers.
     pub(crate) fn new(
         transfer: &Transfer,
         joint: &Joint<Pair>,
         u_in: Vector,
-        u_out: Vector,
         normal: Vector,
     ) -> Self {
         let tangent = joint.sin / joint.cos;
+        let (e_in, sin_cos) = (cross(normal, u_in), joint.sin * joint.cos);
+        let out_plane = |i: usize| e_in[i] * sin_cos - joint.sin2 * Pair::exact(u_in[i]);
         let times = |vector: [Pair; 3], factor: Pair| vector.map(|x| T::from_pair(x * factor));
         Self {
             matrix: transfer.matrix().map(T::from_pair),
@@ -133,9 +135,9 @@ impl<T: Real> Pose<T> {
             cosine: T::from_pair(joint.cos),
             tangent: T::from_pair(tangent),
             along: [u_in.x, u_in.y, u_in.z].map(T::from_f64),
-            in_plane: times(cross(normal, u_in), tangent),
+            in_plane: times(e_in, tangent),
             across: times([normal.x, normal.y, normal.z].map(Pair::exact), -tangent),
-            out_plane: times(cross(normal, u_out), joint.sin),
+            out_plane: [out_plane(0), out_plane(1), out_plane(2)].map(T::from_pair),
         }
     }
 
