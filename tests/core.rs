@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use cardan::{
-    Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Request,
-    Samples, Source, Vector, level, trig,
+    Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Reduction,
+    Request, Samples, Source, Vector, level, trig,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -267,6 +267,34 @@ fn what_does_not_fill_the_samples_is_named() {
         let problem = format!("{name} has 2 elements, which do not fill the samples");
         assert_eq!(run.unwrap_err().to_string(), problem);
     }
+}
+
+#[test]
+fn reductions_want_a_number_for_each_row() {
+    let lines = Drivelines {
+        bends: &[0.1],
+        twists: &[],
+        phases: &[],
+        directions: &[1.0; 6],
+        normals: &[0.0; 3],
+    };
+    let reduce = |outputs: &[Output], shape: [usize; 2], planes: &mut [&mut [f64]]| {
+        let plan = plan(1, outputs, &[1]);
+        let angle = Angles::Array(Source { data: &[0.0; 6], strides: &[3, 1] });
+        let samples = Samples { shape: &shape, lines, line_strides: &[0, 0], angle, load: None };
+        let (how, execution) = (Reduction::Peak, Execution::default());
+        plan.reduce(&samples, None, Precision::Double, how, planes, execution)
+    };
+    for planes in [&mut [][..], &mut [&mut [0.0; 3][..]]] {
+        let problem = format!("planes has {} planes; it needs 1 of 2 rows", planes.len());
+        let error = reduce(&[Output::Angle], [2, 3], planes).unwrap_err();
+        assert_eq!(error.to_string(), problem);
+    }
+    let mut untouched = [7.0; 2];
+    reduce(&[], [2, 3], &mut []).unwrap();
+    reduce(&[Output::Angle], [0, 3], &mut [&mut []]).unwrap();
+    reduce(&[Output::Angle], [2, 0], &mut [&mut untouched]).unwrap();
+    assert_eq!(untouched, [7.0; 2]);
 }
 
 #[test]
