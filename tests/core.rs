@@ -298,6 +298,62 @@ fn reductions_want_a_number_for_each_row() {
 }
 
 #[test]
+fn elements_lie_as_far_apart_as_the_strides_say() {
+    const LENGTH: usize = 1500;
+    let run = |strides: [usize; 2], load: Option<End>| {
+        let all = |value: fn(usize) -> f64| {
+            let mut data = vec![0.5; strides[0] + LENGTH * strides[1]];
+            for i in 0..2 * LENGTH {
+                data[i / LENGTH * strides[0] + i % LENGTH * strides[1]] = value(i);
+            }
+            data
+        };
+        let (bends, angle) = (all(|i| 0.1 + 3e-4 * i as f64), all(|i| 0.01 * i as f64));
+        let (torque, still) = (all(|i| i as f64), || Source { data: &[1.0], strides: &[0, 0] });
+        let (directions, normals) = (vec![1.0; 6 * bends.len()], vec![0.0; 3 * bends.len()]);
+        let with_load = load.map(|_| Load {
+            torque: Source { data: &torque, strides: &strides },
+            speed: still(),
+            acceleration: still(),
+            inertias: vec![],
+        });
+        let samples = Samples {
+            shape: &[2, LENGTH],
+            lines: Drivelines {
+                bends: &bends,
+                twists: &[],
+                phases: &[],
+                directions: &directions,
+                normals: &normals,
+            },
+            line_strides: &strides,
+            angle: Angles::Array(Source { data: &angle, strides: &strides }),
+            load: with_load,
+        };
+        let output = load.map_or(Output::AngleError, |_| Output::Torque);
+        let plan = Plan::new(&Request {
+            largest_bends: &[1.0],
+            outputs: &[output],
+            shafts: &[1],
+            joints: &[],
+            load,
+            inertias: &[],
+        })
+        .unwrap();
+        let mut plane = vec![0.0; 2 * LENGTH];
+        let planes = Planes::Double(&mut [&mut plane]);
+        plan.run(&samples, None, Precision::Double, planes, Execution::default()).unwrap();
+        plane
+    };
+    for load in [None, Some(End::Drive)] {
+        let side_by_side = run([LENGTH, 1], load);
+        for strides in [[LENGTH + 1, 1], [2 * LENGTH, 2]] {
+            assert_eq!(run(strides, load), side_by_side);
+        }
+    }
+}
+
+#[test]
 fn directions_may_be_subnormal() {
     let tiny = 5e-324;
     let spans = [Vector::new(tiny, 0.0, 0.0), Vector::new(tiny, tiny, 0.0)];

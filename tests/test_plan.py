@@ -245,6 +245,38 @@ def test_a_sweep_broadcasts_against_a_batch() -> None:
             assert np.array_equal(got[name][i], alone[name])
 
 
+def test_sweeps_of_turns_repeat_in_parts() -> None:
+    # The threads' parts of such a sweep begin within a turn, and the last one is shorter than one.
+    sweep = Sweep.revolutions(20, 5000)
+    got = CHAIN.evaluate(sweep, MOTION)
+    want = CHAIN.evaluate(np.asarray(sweep), MOTION)
+    for name in MOTION:
+        np.testing.assert_allclose(got[name], want[name], rtol=0, atol=1e-13 * peak(CHAIN, name))
+
+
+@pytest.mark.parametrize("reduce", [None, "min", "mean"])
+def test_sweeps_beside_what_changes_from_sample_to_sample(reduce: Reduction | None) -> None:
+    sweep = Sweep.revolutions(2, 5000)
+    change = np.linspace(0.1, 1.0, sweep.num)
+    for line, name, load in (
+        (Driveline.from_bends(change[:, None]), "speed_ratio", None),
+        (STEEP, "torque", Load(drive_torque=change)),
+    ):
+        samples = line.evaluate(np.asarray(sweep), name, load=load)[name]
+        got = line.evaluate(sweep, name, load=load, reduce=reduce)[name]
+        want = PLAIN[reduce](samples) if reduce else samples
+        np.testing.assert_allclose(got, want, rtol=0, atol=1e-12 * np.abs(samples).max())
+
+
+@pytest.mark.parametrize("sweep", [Sweep.revolutions(4, 721), Sweep.revolutions(1, 20_000)])
+def test_sweeps_in_single_precision(sweep: Sweep) -> None:
+    got = CHAIN.evaluate(sweep, MOTION, dtype=np.float32)
+    want = CHAIN.evaluate(np.asarray(sweep), MOTION)
+    for name in MOTION:
+        atol = 2e-6 * np.abs(want[name]).max()
+        np.testing.assert_allclose(got[name], want[name], rtol=0, atol=atol)
+
+
 def test_sweeps_as_values() -> None:
     sweep = Sweep(0.0, 1.0, 5)
     assert np.allclose(np.asarray(sweep), np.linspace(0, 1, 5), rtol=1e-16)
@@ -608,6 +640,14 @@ def test_a_far_angle_leaves_its_neighbours_alone(tolerance: float | None) -> Non
     for name in MOTION:
         ulp = np.spacing(np.abs(alone[name]))
         assert np.all(np.abs(beside[name][:-1] - alone[name]) <= (1 if tolerance == 0 else 4) * ulp)
+
+
+def test_far_angles_in_single_precision() -> None:
+    line = Driveline.from_bends([0.5])
+    far = np.linspace(-2e7, 2e7, 2001)
+    got = line.evaluate(far, "speed_ratio", dtype=np.float32).speed_ratio
+    want = line.evaluate(far, "speed_ratio").speed_ratio
+    np.testing.assert_allclose(got, want, rtol=1e-6)
 
 
 def test_a_straight_driveline_over_a_single_sample_is_reduced() -> None:
