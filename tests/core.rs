@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use cardan::{
     Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Reduction,
-    Request, Samples, Source, Vector, level, trig,
+    Request, Samples, Source, Sweep, Vector, level, trig,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -260,7 +260,11 @@ fn what_does_not_fill_the_samples_is_named() {
             acceleration: source(3),
             inertias: vec![(0, Source { data: &[0.0; 3], strides: &[1] }), (1, source(4))],
         };
-        let (angle, load) = (Angles::Array(source(0)), Some(load));
+        let angle = match short {
+            0 => Angles::Array(source(0)),
+            _ => Angles::Sweep(Sweep::new(0.0, 1.0, 3).unwrap()),
+        };
+        let load = Some(load);
         let samples = Samples { shape: &[3], lines, line_strides: &[0], angle, load };
         let planes = Planes::Double(&mut [&mut [0.0; 3]]);
         let run = plan.run(&samples, None, Precision::Double, planes, Execution::default());
