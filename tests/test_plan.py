@@ -18,6 +18,7 @@ from oracle import mp
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
 CHAIN = Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2])
 STEEP = Driveline.from_bends([1.55])
+LOAD_OF_TWO = Load(drive_torque=1.0, speed=1.0, inertias=[0.0, 1.0])
 LOAD = Load(drive_torque=7.0, speed=30.0, inertias=[0.1, 0.0, 0.3, 0.2])
 ANGLE = np.linspace(-7.0, 20.0, 3000)
 
@@ -164,6 +165,14 @@ def test_explain_counts_what_runs() -> None:
         (STEEP, "speed_ratio", {"reduce": "peak"}, ["no sample is stored", "0 bytes written"]),
         (STEEP, "speed_ratio", {"dtype": np.float32}, ["single precision", "4 bytes written"]),
         (STEEP, "angle", {"tolerance": 0}, ["double precision with error terms"]),
+        (STEEP, "angle", {}, ["shaft 1: angle (inverse tangent of"]),
+        (CHAIN, "torque", {"load": LOAD}, ["shaft 2: speed ratio, acceleration ratio\n"]),
+        (
+            STEEP,
+            "support_moment",
+            {"load": LOAD_OF_TWO, "shafts": 1},
+            ["part of shaft 1's support"],
+        ),
     ],
 )
 def test_explain_says_what_is_skipped_and_why(
@@ -175,6 +184,12 @@ def test_explain_says_what_is_skipped_and_why(
     text = line.plan(names, **options).explain()
     for part in words:
         assert part in text, text
+
+
+def test_explain_leaves_nothing_out_that_runs() -> None:
+    text = STEEP.plan("speed_ratio").explain()
+    assert "angle to sine and cosine" in text
+    assert "everything turns with" not in text
 
 
 def test_what_vanishes_is_zero_and_nan_stays_nan() -> None:
@@ -486,6 +501,27 @@ def test_loads_follow_the_tolerance() -> None:
 # --- indexing a batch ------------------------------------------------------------------------
 
 
+def test_long_runs_of_rows_of_one_driveline() -> None:
+    batch = Driveline.from_bends([[0.4], [0.7]])
+    angle = ANGLE[:1400].reshape(2, 70, 10)
+    got = batch[:, None, None].evaluate(angle, "speed_ratio").speed_ratio
+    for i in range(2):
+        assert np.array_equal(got[i], batch[i].evaluate(angle[i], "speed_ratio").speed_ratio)
+
+
+def test_moments_in_every_plane_of_the_axes() -> None:
+    directions = np.array([[1.0, 0.0, 0.0], [3.0, 1.0, 0.0], [1.0, 2.0, 0.0]])
+    names = ("moment", "support_moment")
+    want = Driveline.from_directions(directions).evaluate(ANGLE, names, load=LOAD_OF_ONE)
+    for turn in (1, 2):
+        line = Driveline.from_directions(np.roll(directions, turn, axis=1))
+        got = line.evaluate(ANGLE, names, load=LOAD_OF_ONE)
+        for name in names:
+            scale = np.abs(want[name]).max()
+            turned = np.roll(want[name], turn, axis=-1)
+            np.testing.assert_allclose(got[name], turned, rtol=0, atol=1e-13 * scale)
+
+
 def test_a_batch_is_indexed() -> None:
     batch = Driveline.from_bends(np.linspace(0.1, 1.2, 24).reshape(4, 3, 2), 0.3, 0.2)
     assert batch[1].shape == (3,)
@@ -532,6 +568,22 @@ def test_extremes_of_sweeps_are_those_of_all_samples(
             scale = np.abs(samples[name]).max(axis=-1)
             bound = 2e-6 if tolerance == 1e-6 else 1e-11
             np.testing.assert_allclose(found[name], wanted, rtol=0, atol=bound * scale.max())
+
+
+@pytest.mark.parametrize(("name", "load"), [("torque", LOAD_OF_TWO), ("tilt_driving", None)])
+def test_extremes_of_what_is_no_motion(name: str, load: Load | None) -> None:
+    sweep = Sweep.revolutions(2, 5000)
+    samples = STEEP.evaluate(sweep, name, load=load)[name]
+    reduced = {how: STEEP.evaluate(sweep, name, load=load, reduce=how)[name] for how in REDUCTIONS}
+    assert np.array_equal(reduced["min"], samples.min(axis=-1))
+    assert np.array_equal(reduced["max"], samples.max(axis=-1))
+
+
+def test_extremes_past_the_end_of_a_sweep_do_not_count() -> None:
+    line = Driveline.from_bends([0.5])
+    sweep = Sweep(1.6, np.pi - 2e-4, 7001)
+    samples = line.evaluate(sweep, "speed_ratio").speed_ratio
+    assert line.evaluate(sweep, "speed_ratio", reduce="max").speed_ratio == samples[-1]
 
 
 def test_extremes_of_sweeps_are_samples() -> None:
