@@ -216,12 +216,3 @@ def test_the_catalogue_rule_can_miss_altogether() -> None:
     line = Driveline.from_bends([20, 25, 15], degrees=True)
     assert math.degrees(line.catalogue_bend([1, -1, 1])) == pytest.approx(0.0, abs=1e-6)
     assert math.degrees(line.equivalent().bend) == pytest.approx(3.143, abs=5e-4)
-
-
-def test_long_batches_are_shared_among_threads() -> None:
-    bends = np.linspace([0.1, 0.2, 0.3], [0.4, 0.5, 0.6], 2500)
-    twists = np.linspace([-1.0, 0.5], [2.0, 1.0], 2500)
-    phases = np.linspace([0.1, 0.0], [-0.3, 0.7], 2500)
-    batch = Driveline.from_bends(bends, twists, phases)
-    each = [batch[i].optimal_phases() for i in range(0, 2500, 97)]
-    assert np.array_equal(batch.optimal_phases()[::97], each)

@@ -504,9 +504,9 @@ def test_loads_follow_the_tolerance() -> None:
 def test_long_runs_of_rows_of_one_driveline() -> None:
     batch = Driveline.from_bends([[0.4], [0.7]])
     angle = ANGLE[:1400].reshape(2, 70, 10)
-    got = batch[:, None, None].evaluate(angle, "speed_ratio").speed_ratio
+    got = batch[:, None, None].evaluate(angle, "speed_ratio", reduce="max").speed_ratio
     for i in range(2):
-        assert np.array_equal(got[i], batch[i].evaluate(angle[i], "speed_ratio").speed_ratio)
+        assert np.array_equal(got[i], batch[i].evaluate(angle[i]).speed_ratio.max(-1))
 
 
 def test_moments_in_every_plane_of_the_axes() -> None:
