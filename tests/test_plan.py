@@ -509,6 +509,15 @@ def test_long_runs_of_rows_of_one_driveline() -> None:
         assert np.array_equal(got[i], batch[i].evaluate(angle[i]).speed_ratio.max(-1))
 
 
+@pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
+def test_straight_joints_among_steep_ones_have_no_error(tolerance: float | None) -> None:
+    bends = np.where(np.arange(40) % 2, 0.0, 1.569)
+    got = Driveline.from_bends(bends[:, None]).evaluate(
+        np.linspace(0.0, 3.0, 40), "angle_error", tolerance=tolerance
+    )
+    assert not got.angle_error[1::2].any()
+
+
 def test_moments_in_every_plane_of_the_axes() -> None:
     directions = np.array([[1.0, 0.0, 0.0], [3.0, 1.0, 0.0], [1.0, 2.0, 0.0]])
     names = ("moment", "support_moment")
