@@ -302,6 +302,28 @@ fn reductions_want_a_number_for_each_row() {
 }
 
 #[test]
+fn means_over_turns_count_every_turn() {
+    let line = Geometry::from_bends(&[1.2], &[], &[]).unwrap();
+    let plan = plan(1, &[Output::SpeedRatio], &[1]);
+    let lines = Drivelines {
+        bends: &line.bends,
+        twists: &[],
+        phases: &[],
+        directions: &[1.0; 6],
+        normals: &[0.0; 3],
+    };
+    for (turns, per_turn) in [(1, 720), (5, 721), (100, 720)] {
+        let count = turns * per_turn;
+        let angle = Angles::Sweep(Sweep::of_turns(count, per_turn).unwrap());
+        let samples = Samples { shape: &[count], lines, line_strides: &[0], angle, load: None };
+        let (mut mean, execution) = ([0.0], Execution::default());
+        let planes: &mut [&mut [f64]] = &mut [&mut mean];
+        plan.reduce(&samples, None, Precision::Double, Reduction::Mean, planes, execution).unwrap();
+        assert!((mean[0] - 1.0).abs() < 1e-14, "{}", mean[0]);
+    }
+}
+
+#[test]
 fn elements_lie_as_far_apart_as_the_strides_say() {
     const LENGTH: usize = 1500;
     let run = |strides: [usize; 2], load: Option<End>| {

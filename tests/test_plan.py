@@ -367,6 +367,17 @@ def test_reductions_are_those_of_the_samples(how: Any, angle: Any) -> None:  # n
         assert np.all(np.abs(got[name] - want) <= (0.0 if exact else 4e-15 * scale)), name
 
 
+@pytest.mark.parametrize("how", REDUCTIONS)
+@pytest.mark.parametrize("turns", [1, 5, 50])
+def test_reductions_of_turns_count_every_one(how: Any, turns: int) -> None:  # noqa: ANN401
+    sweep = Sweep.revolutions(turns, 720)
+    for name, load in (("speed_ratio", None), ("torque", LOAD), ("tilt_driving", None)):
+        samples = CHAIN.evaluate(np.asarray(sweep), name, load=load)[name]
+        got = CHAIN.evaluate(sweep, name, load=load, reduce=how)[name]
+        atol = 1e-13 * np.abs(samples).max()
+        np.testing.assert_allclose(got, PLAIN[how](samples), rtol=0, atol=atol)
+
+
 def test_reductions_of_vectors() -> None:
     samples = CHAIN.evaluate(ANGLE, "moment", load=LOAD).moment
     got = {how: CHAIN.evaluate(ANGLE, "moment", load=LOAD, reduce=how).moment for how in REDUCTIONS}
