@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use cardan::{
-    Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Request,
-    Samples, Source, Vector, level, trig,
+    Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Reduction,
+    Request, Samples, Source, Sweep, Vector, level, trig,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -260,12 +260,122 @@ fn what_does_not_fill_the_samples_is_named() {
             acceleration: source(3),
             inertias: vec![(0, Source { data: &[0.0; 3], strides: &[1] }), (1, source(4))],
         };
-        let (angle, load) = (Angles::Array(source(0)), Some(load));
+        let angle = match short {
+            0 => Angles::Array(source(0)),
+            _ => Angles::Sweep(Sweep::new(0.0, 1.0, 3).unwrap()),
+        };
+        let load = Some(load);
         let samples = Samples { shape: &[3], lines, line_strides: &[0], angle, load };
         let planes = Planes::Double(&mut [&mut [0.0; 3]]);
         let run = plan.run(&samples, None, Precision::Double, planes, Execution::default());
         let problem = format!("{name} has 2 elements, which do not fill the samples");
         assert_eq!(run.unwrap_err().to_string(), problem);
+    }
+}
+
+#[test]
+fn reductions_want_a_number_for_each_row() {
+    let lines = Drivelines {
+        bends: &[0.1],
+        twists: &[],
+        phases: &[],
+        directions: &[1.0; 6],
+        normals: &[0.0; 3],
+    };
+    let reduce = |outputs: &[Output], shape: [usize; 2], planes: &mut [&mut [f64]]| {
+        let plan = plan(1, outputs, &[1]);
+        let angle = Angles::Array(Source { data: &[0.0; 6], strides: &[3, 1] });
+        let samples = Samples { shape: &shape, lines, line_strides: &[0, 0], angle, load: None };
+        let (how, execution) = (Reduction::Peak, Execution::default());
+        plan.reduce(&samples, None, Precision::Double, how, planes, execution)
+    };
+    for planes in [&mut [][..], &mut [&mut [0.0; 3][..]]] {
+        let problem = format!("planes has {} planes; it needs 1 of 2 rows", planes.len());
+        let error = reduce(&[Output::Angle], [2, 3], planes).unwrap_err();
+        assert_eq!(error.to_string(), problem);
+    }
+    let mut untouched = [7.0; 2];
+    reduce(&[], [2, 3], &mut []).unwrap();
+    reduce(&[Output::Angle], [0, 3], &mut [&mut []]).unwrap();
+    reduce(&[Output::Angle], [2, 0], &mut [&mut untouched]).unwrap();
+    assert_eq!(untouched, [7.0; 2]);
+}
+
+#[test]
+fn means_over_turns_count_every_turn() {
+    let line = Geometry::from_bends(&[1.2], &[], &[]).unwrap();
+    let plan = plan(1, &[Output::SpeedRatio], &[1]);
+    let lines = Drivelines {
+        bends: &line.bends,
+        twists: &[],
+        phases: &[],
+        directions: &[1.0; 6],
+        normals: &[0.0; 3],
+    };
+    for (turns, per_turn) in [(1, 720), (5, 721), (100, 720)] {
+        let count = turns * per_turn;
+        let angle = Angles::Sweep(Sweep::of_turns(count, per_turn).unwrap());
+        let samples = Samples { shape: &[count], lines, line_strides: &[0], angle, load: None };
+        let (mut mean, execution) = ([0.0], Execution::default());
+        let planes: &mut [&mut [f64]] = &mut [&mut mean];
+        plan.reduce(&samples, None, Precision::Double, Reduction::Mean, planes, execution).unwrap();
+        assert!((mean[0] - 1.0).abs() < 1e-14, "{}", mean[0]);
+    }
+}
+
+#[test]
+fn elements_lie_as_far_apart_as_the_strides_say() {
+    const LENGTH: usize = 1500;
+    let run = |strides: [usize; 2], load: Option<End>| {
+        let all = |value: fn(usize) -> f64| {
+            let mut data = vec![0.5; strides[0] + LENGTH * strides[1]];
+            for i in 0..2 * LENGTH {
+                data[i / LENGTH * strides[0] + i % LENGTH * strides[1]] = value(i);
+            }
+            data
+        };
+        let (bends, angle) = (all(|i| 0.1 + 3e-4 * i as f64), all(|i| 0.01 * i as f64));
+        let (torque, still) = (all(|i| i as f64), || Source { data: &[1.0], strides: &[0, 0] });
+        let (directions, normals) = (vec![1.0; 6 * bends.len()], vec![0.0; 3 * bends.len()]);
+        let with_load = load.map(|_| Load {
+            torque: Source { data: &torque, strides: &strides },
+            speed: still(),
+            acceleration: still(),
+            inertias: vec![],
+        });
+        let samples = Samples {
+            shape: &[2, LENGTH],
+            lines: Drivelines {
+                bends: &bends,
+                twists: &[],
+                phases: &[],
+                directions: &directions,
+                normals: &normals,
+            },
+            line_strides: &strides,
+            angle: Angles::Array(Source { data: &angle, strides: &strides }),
+            load: with_load,
+        };
+        let output = load.map_or(Output::AngleError, |_| Output::Torque);
+        let plan = Plan::new(&Request {
+            largest_bends: &[1.0],
+            outputs: &[output],
+            shafts: &[1],
+            joints: &[],
+            load,
+            inertias: &[],
+        })
+        .unwrap();
+        let mut plane = vec![0.0; 2 * LENGTH];
+        let planes = Planes::Double(&mut [&mut plane]);
+        plan.run(&samples, None, Precision::Double, planes, Execution::default()).unwrap();
+        plane
+    };
+    for load in [None, Some(End::Drive)] {
+        let side_by_side = run([LENGTH, 1], load);
+        for strides in [[LENGTH + 1, 1], [2 * LENGTH, 2]] {
+            assert_eq!(run(strides, load), side_by_side);
+        }
     }
 }
 

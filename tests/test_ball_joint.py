@@ -440,6 +440,21 @@ def test_no_clearance_is_a_fit() -> None:
             assert getattr(tight, name)(load, 0.1) == pytest.approx(want, rel=16 * EPS)
 
 
+def test_a_clearance_beyond_measure_is_a_fit() -> None:
+    tight = BallJoint(0.2, 1.0).with_clearance(1e-310, compliance=3e-12)
+    assert tight.contact_angle(1e9) == 1.0
+
+
+def test_no_load_presses_nowhere() -> None:
+    # Memory of every size that a result could take holds other numbers before.
+    for size in range(1, 40):
+        used = [np.full(size, 7.0) for _ in range(40)]
+        none = np.zeros(size)
+        del used
+        for joint in (BallJoint(0.2), BallJoint(0.2).with_clearance(1e-4, compliance=3e-12)):
+            assert not joint.peak_pressure(none).any()
+
+
 def test_the_contact_grows_with_the_load_up_to_the_seat() -> None:
     joint = BallJoint(0.2, 0.9).with_clearance(1e-4, compliance=1e-11)
     _, full = loose_at(0.9, 0.2)

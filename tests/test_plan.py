@@ -18,6 +18,7 @@ from oracle import mp
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
 CHAIN = Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2])
 STEEP = Driveline.from_bends([1.55])
+LOAD_OF_TWO = Load(drive_torque=1.0, speed=1.0, inertias=[0.0, 1.0])
 LOAD = Load(drive_torque=7.0, speed=30.0, inertias=[0.1, 0.0, 0.3, 0.2])
 ANGLE = np.linspace(-7.0, 20.0, 3000)
 
@@ -164,6 +165,14 @@ def test_explain_counts_what_runs() -> None:
         (STEEP, "speed_ratio", {"reduce": "peak"}, ["no sample is stored", "0 bytes written"]),
         (STEEP, "speed_ratio", {"dtype": np.float32}, ["single precision", "4 bytes written"]),
         (STEEP, "angle", {"tolerance": 0}, ["double precision with error terms"]),
+        (STEEP, "angle", {}, ["shaft 1: angle (inverse tangent of"]),
+        (CHAIN, "torque", {"load": LOAD}, ["shaft 2: speed ratio, acceleration ratio\n"]),
+        (
+            STEEP,
+            "support_moment",
+            {"load": LOAD_OF_TWO, "shafts": 1},
+            ["part of shaft 1's support"],
+        ),
     ],
 )
 def test_explain_says_what_is_skipped_and_why(
@@ -175,6 +184,12 @@ def test_explain_says_what_is_skipped_and_why(
     text = line.plan(names, **options).explain()
     for part in words:
         assert part in text, text
+
+
+def test_explain_leaves_nothing_out_that_runs() -> None:
+    text = STEEP.plan("speed_ratio").explain()
+    assert "angle to sine and cosine" in text
+    assert "everything turns with" not in text
 
 
 def test_what_vanishes_is_zero_and_nan_stays_nan() -> None:
@@ -243,6 +258,42 @@ def test_a_sweep_broadcasts_against_a_batch() -> None:
         alone = batch[i].evaluate(sweep, MOTION)
         for name in MOTION:
             assert np.array_equal(got[name][i], alone[name])
+
+
+@pytest.mark.parametrize("sweep", [Sweep.revolutions(20, 5000), Sweep.revolutions(15, 7001)])
+def test_sweeps_of_turns_repeat_in_parts(sweep: Sweep) -> None:
+    # The threads' parts of such a sweep begin within a turn, and the last one may be shorter.
+    want = CHAIN.evaluate(np.asarray(sweep), MOTION)
+    for workers in (3, None):
+        got = CHAIN.evaluate(sweep, MOTION, workers=workers)
+        for name in MOTION:
+            atol = 1e-13 * peak(CHAIN, name)
+            np.testing.assert_allclose(got[name], want[name], rtol=0, atol=atol)
+
+
+@pytest.mark.parametrize("reduce", [None, "min", "mean"])
+def test_sweeps_beside_what_changes_from_sample_to_sample(reduce: Reduction | None) -> None:
+    sweep = Sweep.revolutions(2, 5000)
+    change = np.linspace(0.1, 1.0, sweep.num)
+    for line, name, load in (
+        (Driveline.from_bends(change[:, None]), "speed_ratio", None),
+        (STEEP, "torque", Load(drive_torque=change)),
+    ):
+        samples = line.evaluate(np.asarray(sweep), name, load=load)[name]
+        got = line.evaluate(sweep, name, load=load, reduce=reduce)[name]
+        want = PLAIN[reduce](samples) if reduce else samples
+        np.testing.assert_allclose(got, want, rtol=0, atol=1e-12 * np.abs(samples).max())
+
+
+@pytest.mark.parametrize("options", [{"dtype": np.float32}, {"tolerance": 1e-6}])
+@pytest.mark.parametrize("per_turn", [721, 3000])
+def test_sweeps_in_single_precision(options: Any, per_turn: int) -> None:  # noqa: ANN401
+    sweep = Sweep.revolutions(4, per_turn)
+    got = CHAIN.evaluate(sweep, MOTION, **options)
+    want = CHAIN.evaluate(np.asarray(sweep), MOTION)
+    for name in MOTION:
+        atol = 2e-6 * np.abs(want[name]).max()
+        np.testing.assert_allclose(got[name], want[name], rtol=0, atol=atol)
 
 
 def test_sweeps_as_values() -> None:
@@ -314,6 +365,17 @@ def test_reductions_are_those_of_the_samples(how: Any, angle: Any) -> None:  # n
         scale = np.abs(samples[name]).max()
         exact = how in ("min", "max", "peak")
         assert np.all(np.abs(got[name] - want) <= (0.0 if exact else 4e-15 * scale)), name
+
+
+@pytest.mark.parametrize("how", REDUCTIONS)
+@pytest.mark.parametrize("turns", [1, 5, 50])
+def test_reductions_of_turns_count_every_one(how: Any, turns: int) -> None:  # noqa: ANN401
+    sweep = Sweep.revolutions(turns, 720)
+    for name, load in (("speed_ratio", None), ("torque", LOAD), ("tilt_driving", None)):
+        samples = CHAIN.evaluate(np.asarray(sweep), name, load=load)[name]
+        got = CHAIN.evaluate(sweep, name, load=load, reduce=how)[name]
+        atol = 1e-13 * np.abs(samples).max()
+        np.testing.assert_allclose(got, PLAIN[how](samples), rtol=0, atol=atol)
 
 
 def test_reductions_of_vectors() -> None:
@@ -450,6 +512,36 @@ def test_loads_follow_the_tolerance() -> None:
 # --- indexing a batch ------------------------------------------------------------------------
 
 
+def test_long_runs_of_rows_of_one_driveline() -> None:
+    batch = Driveline.from_bends([[0.4], [0.7]])
+    angle = ANGLE[:1400].reshape(2, 70, 10)
+    got = batch[:, None, None].evaluate(angle, "speed_ratio", reduce="max").speed_ratio
+    for i in range(2):
+        assert np.array_equal(got[i], batch[i].evaluate(angle[i]).speed_ratio.max(-1))
+
+
+@pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
+def test_straight_joints_among_steep_ones_have_no_error(tolerance: float | None) -> None:
+    bends = np.where(np.arange(40) % 2, 0.0, 1.569)
+    got = Driveline.from_bends(bends[:, None]).evaluate(
+        np.linspace(0.0, 3.0, 40), "angle_error", tolerance=tolerance
+    )
+    assert not got.angle_error[1::2].any()
+
+
+def test_moments_in_every_plane_of_the_axes() -> None:
+    directions = np.array([[1.0, 0.0, 0.0], [3.0, 1.0, 0.0], [1.0, 2.0, 0.0]])
+    names = ("moment", "support_moment")
+    want = Driveline.from_directions(directions).evaluate(ANGLE, names, load=LOAD_OF_ONE)
+    for turn in (1, 2):
+        line = Driveline.from_directions(np.roll(directions, turn, axis=1))
+        got = line.evaluate(ANGLE, names, load=LOAD_OF_ONE)
+        for name in names:
+            scale = np.abs(want[name]).max()
+            turned = np.roll(want[name], turn, axis=-1)
+            np.testing.assert_allclose(got[name], turned, rtol=0, atol=1e-13 * scale)
+
+
 def test_a_batch_is_indexed() -> None:
     batch = Driveline.from_bends(np.linspace(0.1, 1.2, 24).reshape(4, 3, 2), 0.3, 0.2)
     assert batch[1].shape == (3,)
@@ -496,6 +588,22 @@ def test_extremes_of_sweeps_are_those_of_all_samples(
             scale = np.abs(samples[name]).max(axis=-1)
             bound = 2e-6 if tolerance == 1e-6 else 1e-11
             np.testing.assert_allclose(found[name], wanted, rtol=0, atol=bound * scale.max())
+
+
+@pytest.mark.parametrize(("name", "load"), [("torque", LOAD_OF_TWO), ("tilt_driving", None)])
+def test_extremes_of_what_is_no_motion(name: str, load: Load | None) -> None:
+    sweep = Sweep.revolutions(2, 5000)
+    samples = STEEP.evaluate(sweep, name, load=load)[name]
+    reduced = {how: STEEP.evaluate(sweep, name, load=load, reduce=how)[name] for how in REDUCTIONS}
+    assert np.array_equal(reduced["min"], samples.min(axis=-1))
+    assert np.array_equal(reduced["max"], samples.max(axis=-1))
+
+
+def test_extremes_past_the_end_of_a_sweep_do_not_count() -> None:
+    line = Driveline.from_bends([0.5])
+    sweep = Sweep(1.6, np.pi - 2e-4, 7001)
+    samples = line.evaluate(sweep, "speed_ratio").speed_ratio
+    assert line.evaluate(sweep, "speed_ratio", reduce="max").speed_ratio == samples[-1]
 
 
 def test_extremes_of_sweeps_are_samples() -> None:
@@ -608,6 +716,15 @@ def test_a_far_angle_leaves_its_neighbours_alone(tolerance: float | None) -> Non
     for name in MOTION:
         ulp = np.spacing(np.abs(alone[name]))
         assert np.all(np.abs(beside[name][:-1] - alone[name]) <= (1 if tolerance == 0 else 4) * ulp)
+
+
+@pytest.mark.parametrize("far", [3.4e6, -3.4e6, 8e6, -8e6, 2e7])
+def test_far_angles_in_single_precision(far: float) -> None:
+    line = Driveline.from_bends([0.5])
+    angle = far + np.linspace(0.0, 7.0, 100)
+    got = line.evaluate(angle, "speed_ratio", dtype=np.float32).speed_ratio
+    want = line.evaluate(angle, "speed_ratio").speed_ratio
+    np.testing.assert_allclose(got, want, rtol=1e-6)
 
 
 def test_a_straight_driveline_over_a_single_sample_is_reduced() -> None:

@@ -312,7 +312,7 @@ impl<'a, 's> Run<'a, 's> {
         let rows_per_block = (BLOCK / length).max(1);
         let results = groups.len();
         let mut partials = vec![reduction.start(); rows * parts * results];
-        let per_block = if parts > 1 { results } else { rows_per_block * results };
+        let per_block = rows_per_block * results;
         let group = Block::<T, f64>::group(self.plan, self.table, self.level);
         let run = |(i, partials): (usize, &mut [Pair])| {
             let samples = if parts > 1 {

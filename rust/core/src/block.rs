@@ -267,10 +267,16 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
             self.chunk(part, at..next, None, unit, target);
             at = next;
         }
-        if stop < end
-            && let Target::Planes(planes) = target
-        {
-            self.repeat(part, stop - start, planes);
+        if stop < end {
+            match target {
+                Target::Planes(planes) => self.repeat(part, stop - start, planes),
+                Target::Reduced(reduction, groups, partials) => {
+                    let times = (end - start) / (stop - start);
+                    for partial in &mut partials[unit * groups.len()..(unit + 1) * groups.len()] {
+                        reduction.repeat(partial, times);
+                    }
+                }
+            }
         }
     }
 
@@ -282,7 +288,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
         let repeats = steady && one && period <= REPEATED && 2 * period <= part.samples.len();
         match target {
             Target::Planes(_) => repeats.then_some(period),
-            // Every sample counts once: whole periods of what repeats are as good as one.
+            // Whole periods of what repeats are as good as one that counts as often.
             Target::Reduced(..) => {
                 let whole = part.samples.len().is_multiple_of(period);
                 (repeats && whole && !self.plan.needs_angle()).then_some(period)

@@ -348,6 +348,19 @@ mod tests {
 
     /// Yokes beside a straight joint share a turn, and each counts.
     #[test]
+    fn threads_share_a_batch() {
+        let all = |each: usize, step: f64| -> Vec<f64> {
+            (0..2500 * each).map(|i| 0.1 + step * i as f64).collect()
+        };
+        let (bends, twists) = (all(3, 1e-4), all(2, -3e-4));
+        let mut phases = [all(2, 2e-4), all(2, 2e-4)];
+        for (phases, workers) in phases.iter_mut().zip([Some(1), None]) {
+            optimal_phases_of_batch(3, &bends, &twists, phases, workers);
+        }
+        assert_eq!(phases[0], phases[1]);
+    }
+
+    #[test]
     fn no_closed_string_nearby_turns_the_yokes_less() {
         let bends = [0.2, 0.17, 0.0, 0.0, 0.15, 0.19];
         let twists = [0.1, -0.3, 0.4, 0.0, 0.2];

@@ -99,6 +99,13 @@ impl Reduction {
         }
     }
 
+    /// What it is after so many times the samples that it has taken in.
+    pub(crate) fn repeat(self, partial: &mut Pair, times: usize) {
+        if !self.is_extreme() {
+            *partial = *partial * Pair::exact(times as f64);
+        }
+    }
+
     /// The result of a row of so many samples from those of its parts.
     pub(crate) fn finish(self, parts: impl Iterator<Item = Pair>, length: usize) -> f64 {
         let count = length as f64;

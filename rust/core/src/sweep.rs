@@ -291,6 +291,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn high_word_and_rest_make_the_number() {
+        let third = Pair::exact(1.0) / Pair::exact(3.0);
+        assert_eq!(words::<Pair>(third), [third.high, third.low]);
+        let [high, rest] = words::<f32>(third).map(f64::from);
+        assert!((high + rest - third.value()).abs() < 1e-15);
+        assert_ne!(rest, 0.0);
+    }
+
+    #[test]
+    fn sweeps_have_samples() {
+        for count in [0, Sweep::LONGEST + 1] {
+            let error = Sweep::new(0.0, 1.0, count).unwrap_err().to_string();
+            assert!(error.contains(&format!("makes {count} samples; a sweep has 1 to")), "{error}");
+        }
+    }
+
+    #[test]
     fn pins_stand_as_before_after_a_period() {
         for per_turn in [720, 721, 722, 9, 2, 1] {
             let sweep = Sweep::of_turns(10, per_turn).unwrap();
