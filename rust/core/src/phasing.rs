@@ -8,14 +8,18 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use std::sync::atomic::Ordering;
+
 use nalgebra::Complex;
 use rayon::prelude::*;
 
+use crate::batch::Execution;
 use crate::joint::Joint;
 use crate::trig;
 
-/// Drivelines that repay a thread.
-const BLOCK: usize = 1024;
+/// Drivelines that a thread takes at a time, and how many such pieces repay threads.
+const PIECE: usize = 64;
+const REPAID: usize = 16;
 
 /// Steps of a search, and how often one is halved; most need a handful.
 const STEPS: usize = 60;
@@ -27,35 +31,35 @@ const LONGEST: f64 = 4.0;
 /// A polygon with a smaller gap than this is closed.
 const CLOSED: f64 = 1e-12;
 
-/// [`optimal_phases`] for a batch, `joints` to a driveline, on at most so many threads; results in
-/// place of the phases.
+/// [`optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases. It is stopped
+/// between drivelines.
 pub fn optimal_phases_of_batch(
     joints: usize,
     bends: &[f64],
     twists: &[f64],
     phases: &mut [f64],
-    workers: Option<usize>,
+    execution: Execution<'_>,
 ) {
     let between = joints.saturating_sub(1);
     if between == 0 {
         return;
     }
-    let run = |phases: &mut [f64], twists: &[f64], bends: &[f64]| {
-        let lines = phases.chunks_mut(between).zip(twists.chunks(between));
-        for ((phases, twists), bends) in lines.zip(bends.chunks(joints)) {
-            phases.copy_from_slice(&optimal_phases(bends, twists, phases));
+    let Execution { workers, stop, .. } = execution;
+    let run = |(i, phases): (usize, &mut [f64])| {
+        let lines = phases.chunks_mut(between).zip(twists.chunks(between).skip(i * PIECE));
+        for ((phases, twists), bends) in lines.zip(bends.chunks(joints).skip(i * PIECE)) {
+            if !stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                phases.copy_from_slice(&optimal_phases(bends, twists, phases));
+            }
         }
     };
-    let count = phases.len() / between;
-    let size = workers.map_or(BLOCK, |workers| count.div_ceil(workers.max(1)).max(BLOCK));
-    if size >= count {
-        run(phases, twists, bends);
+    let size = PIECE.saturating_mul(between);
+    let pieces = phases.len().div_ceil(size);
+    if workers == Some(1) || pieces < REPAID {
+        phases.chunks_mut(size).enumerate().for_each(run);
     } else {
-        phases
-            .par_chunks_mut(size * between)
-            .zip(twists.par_chunks(size * between))
-            .zip(bends.par_chunks(size * joints))
-            .for_each(|((phases, twists), bends)| run(phases, twists, bends));
+        let least = workers.map_or(1, |workers| pieces.div_ceil(workers.max(1)));
+        phases.par_chunks_mut(size).enumerate().with_min_len(least).for_each(run);
     }
 }
 
@@ -339,6 +343,8 @@ impl Polygon {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicBool;
+
     use super::*;
 
     fn turned(from: &[f64], to: &[f64]) -> f64 {
@@ -346,20 +352,27 @@ mod tests {
         from.iter().zip(to).map(|(from, to)| wrapped(to - from).powi(2)).sum()
     }
 
-    /// Yokes beside a straight joint share a turn, and each counts.
     #[test]
     fn threads_share_a_batch() {
         let all = |each: usize, step: f64| -> Vec<f64> {
             (0..2500 * each).map(|i| 0.1 + step * i as f64).collect()
         };
         let (bends, twists) = (all(3, 1e-4), all(2, -3e-4));
-        let mut phases = [all(2, 2e-4), all(2, 2e-4)];
-        for (phases, workers) in phases.iter_mut().zip([Some(1), None]) {
-            optimal_phases_of_batch(3, &bends, &twists, phases, workers);
-        }
-        assert_eq!(phases[0], phases[1]);
+        let given = all(2, 2e-4);
+        let run = |workers: Option<usize>, stop: Option<&AtomicBool>| {
+            let mut phases = given.clone();
+            let execution = Execution { workers, stop, ..Execution::default() };
+            optimal_phases_of_batch(3, &bends, &twists, &mut phases, execution);
+            phases
+        };
+        let alone = run(Some(1), None);
+        assert_eq!(alone[4998..], optimal_phases(&bends[7497..], &twists[4998..], &given[4998..]));
+        assert_eq!(alone, run(None, None));
+        assert_eq!(alone, run(Some(2), Some(&AtomicBool::new(false))));
+        assert_eq!(given, run(None, Some(&AtomicBool::new(true))));
     }
 
+    /// Yokes beside a straight joint share a turn, and each counts.
     #[test]
     fn no_closed_string_nearby_turns_the_yokes_less() {
         let bends = [0.2, 0.17, 0.0, 0.0, 0.15, 0.19];

@@ -3,11 +3,10 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use cardan::phasing::optimal_phases_of_batch;
-use cardan::{Equivalent, Error, Geometry, Vector};
+use cardan::{Equivalent, Error, Execution, Geometry, Vector};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use rayon::prelude::*;
 
 use crate::convert::{Input, check_length, count, slice, unravel, value_error, vectors};
 use crate::watch::{reserve, room, threads, watched};
@@ -20,7 +19,7 @@ type Flat<'py> = (
     Bound<'py, PyArray1<f64>>,
 );
 
-/// Drivelines between two looks whether to go on, each up to some milliseconds.
+/// Drivelines between two looks whether to go on.
 const PIECE: usize = 64;
 
 /// Drivelines from which going through them takes so long that it is watched, and from which the
@@ -228,31 +227,18 @@ pub(crate) fn optimal_phases<'py>(
     let mut best = vec![];
     reserve(&mut best, phases.len())?;
     best.extend_from_slice(phases);
-    let between = joints - 1;
-    if between == 0 {
-        return Ok(best.into_pyarray(py));
-    }
     let workers = if lines < SOUGHT { Some(1) } else { threads(workers) };
-    let mut run = |stop: &AtomicBool| {
-        let piece = |(i, best): (usize, &mut [f64])| {
-            if !stop.load(Ordering::Relaxed) {
-                let (bends, twists) =
-                    (&bends[i * PIECE * joints..], &twists[i * PIECE * between..]);
-                optimal_phases_of_batch(joints, bends, twists, best, Some(1));
-            }
-        };
-        if workers == Some(1) {
-            best.chunks_mut(PIECE.saturating_mul(between)).enumerate().for_each(piece);
-        } else {
-            best.par_chunks_mut(PIECE.saturating_mul(between)).enumerate().for_each(piece);
-        }
-        Ok(())
+    let mut run = |stop: Option<&AtomicBool>| {
+        let execution = Execution { workers, stop, ..Execution::default() };
+        optimal_phases_of_batch(joints, bends, twists, &mut best, execution);
     };
     if lines < SOUGHT {
-        let result = py.detach(|| run(&AtomicBool::new(false)));
-        result.map_err(|error| value_error(&error))?;
+        py.detach(|| run(None));
     } else {
-        watched(py, workers, &mut run)?;
+        watched(py, workers, &mut |stop| {
+            run(Some(stop));
+            Ok(())
+        })?;
     }
     Ok(best.into_pyarray(py))
 }
