@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cardan import _core, approximations, threads
-from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
+from cardan import _core, approximations, geometry, threads
+from cardan.arrays import FloatArray
 from cardan.check import Check, check
-from cardan.equivalent import EquivalentJoint, Harmonics
+from cardan.equivalent import EquivalentJoint, Harmonics, equivalent, harmonics
+from cardan.geometry import Geometry
 from cardan.lazy import lazily
 from cardan.load import Load
-from cardan.plan import Items, Plan, Reduction, item_index
+from cardan.plan import Items, Plan, Reduction
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -36,24 +36,11 @@ class Driveline:
     shafts 0 and 1. All rotations are right-handed about ``u_i``.
     """
 
-    __slots__ = (
-        "_bends",
-        "_directions",
-        "_lines",
-        "_n_joints",
-        "_normals",
-        "_phases",
-        "_shape",
-        "_twists",
-    )
-    _bends: FloatArray
-    _twists: FloatArray
-    _phases: FloatArray
-    _directions: FloatArray
-    _normals: FloatArray
-    _shape: tuple[int, ...]
-    _n_joints: int
+    __slots__ = ("_geometry", "_lines", "_n_joints", "_shape")
+    _geometry: Geometry
     _lines: _core.Lines
+    _n_joints: int
+    _shape: tuple[int, ...]
 
     def __init__(self) -> None:
         """Refuse: a driveline is made from bends, points, directions or slopes."""
@@ -84,27 +71,7 @@ class Driveline:
             TypeError: values that are not real numbers.
             ValueError: a bend outside [0, 90°), a value that is not finite, shapes that do not fit.
         """
-        bend_array = np.atleast_1d(real("bends", bends))
-        n = bend_array.shape[-1]
-        if degrees:
-            # Here and not in radians, so that the message shows what was given.
-            wrong = ~((bend_array >= 0.0) & (bend_array < 90.0))
-            if wrong.any():
-                place = at_place("bends", bend_array, wrong)
-                raise ValueError(f"{place} deg; a bend must lie in [0, 90) deg")
-            bend_array = np.radians(bend_array)
-        twist_array = _per_shaft("twists", twists, n, degrees)
-        phase_array = _per_shaft("phases", phases, n, degrees)
-        shape = common_shape(
-            bends=bend_array.shape[:-1],
-            twists=twist_array.shape[:-1],
-            phases=phase_array.shape[:-1],
-        )
-        flat = [
-            _flat(array, (*shape, array.shape[-1]))
-            for array in (bend_array, twist_array, phase_array)
-        ]
-        return cls._laid_out(n, shape, _core.from_bends(n, list(shape), *flat), flat[2])
+        return cls._of(geometry.from_bends(bends, twists, phases, degrees))
 
     @classmethod
     @lazily(ends=1, directions=2, phases=1)
@@ -126,9 +93,7 @@ class Driveline:
             ValueError: a direction that is zero or not finite, a bend of 90° or more, shapes that
                 do not fit.
         """
-        array = _vectors("directions", directions, 2)
-        n = array.shape[-2] - 1
-        return cls._along(_core.from_directions, array, n, _per_shaft("phases", phases, n, degrees))
+        return cls._of(geometry.from_directions(directions, phases, degrees))
 
     @classmethod
     @lazily(ends=2, points=2, phases=1)
@@ -148,9 +113,7 @@ class Driveline:
             ValueError: two equal successive points, a point that is not finite, a bend of 90° or
                 more, shapes that do not fit.
         """
-        array = _vectors("points", points, 3)
-        n = array.shape[-2] - 2
-        return cls._along(_core.from_points, array, n, _per_shaft("phases", phases, n, degrees))
+        return cls._of(geometry.from_points(points, phases, degrees))
 
     @classmethod
     @lazily(ends=1, vertical=1, horizontal=1, phases=1)
@@ -177,10 +140,7 @@ class Driveline:
             TypeError: values that are not real numbers.
             ValueError: a slope outside (-90°, 90°), a bend of 90° or more, shapes that do not fit.
         """
-        directions = _sloping(
-            _slopes("vertical", vertical, degrees), _slopes("horizontal", horizontal, degrees)
-        )
-        return cls.from_directions(directions, phases, degrees=degrees)
+        return cls._of(geometry.from_slopes(vertical, horizontal, phases, degrees))
 
     @classmethod
     @lazily(ends=0, vertical=1, horizontal=1, phases=1)
@@ -211,70 +171,23 @@ class Driveline:
             TypeError: values that are not real numbers.
             ValueError: not two joints, an unknown reference, and as for ``from_slopes``.
         """
-        views = []
-        for name, value in (("vertical", vertical), ("horizontal", horizontal)):
-            bend = _slopes(name, value, degrees, "projected bend")
-            if bend.shape[-1] != 2:
-                raise ValueError(f"{name} has shape {bend.shape}; two joints need (..., 2)")
-            first, second = np.moveaxis(bend, -1, 0)
-            zero = np.zeros_like(first)
-            slopes = {
-                "common": (-first, zero, second),
-                "input": (zero, first, first + second),
-                "output": (-first - second, -second, zero),
-            }
-            if reference not in slopes:
-                known = ", ".join(map(repr, slopes))
-                raise ValueError(f"reference is {reference!r}; it must be one of {known}")
-            view = np.stack(slopes[reference], axis=-1)
-            if np.any(np.abs(view) >= np.pi / 2):
-                raise ValueError(f"{name} adds up to 90 deg or more against the {reference} shaft")
-            views.append(view)
-        up, right = views
-        return cls.from_directions(_sloping(up, right), phases, degrees=degrees)
-
-    @classmethod
-    def _along(
-        cls,
-        lay_out: Any,  # noqa: ANN401 - one of the two functions of the native module
-        array: FloatArray,
-        n: int,
-        phases: FloatArray,
-    ) -> Self:
-        shape = common_shape(vectors=array.shape[:-2], phases=phases.shape[:-1])
-        flat_phases = _flat(phases, (*shape, max(n - 1, 0)))
-        flat = _flat(array, (*shape, *array.shape[-2:]))
-        return cls._laid_out(n, shape, lay_out(n, list(shape), flat, flat_phases), flat_phases)
-
-    @classmethod
-    def _laid_out(
-        cls, n: int, shape: tuple[int, ...], flat: Sequence[FloatArray], phases: FloatArray
-    ) -> Self:
-        bends, twists, directions, normals = flat
         return cls._of(
-            bends.reshape(*shape, n),
-            twists.reshape(*shape, n - 1),
-            # The others are new; this may be the caller's own array.
-            np.array(phases).reshape(*shape, n - 1),
-            directions.reshape(*shape, n + 1, 3),
-            normals.reshape(*shape, n, 3),
+            geometry.from_projected_bends(vertical, horizontal, phases, degrees, reference)
         )
 
     @classmethod
-    def _of(cls, *arrays: FloatArray) -> Self:
+    def _of(cls, own: Geometry) -> Self:
         self = object.__new__(cls)
-        self._bends, self._twists, self._phases, self._directions, self._normals = arrays
-        for array in arrays:
+        self._geometry = own
+        self._n_joints, self._shape = own.n_joints, own.shape
+        for array in own:
             array.flags.writeable = False
-        *shape, self._n_joints = self._bends.shape
-        self._shape = tuple(shape)
-        self._lines = _core.Lines(self._n_joints, shape, [array.reshape(-1) for array in arrays])
+        self._lines = _core.Lines(self._n_joints, self._shape, own.flat())
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the five arrays."""
-        arrays = (self._bends, self._twists, self._phases, self._directions, self._normals)
-        return (_unpickled, arrays)
+        return (_unpickled, tuple(self._geometry))
 
     def __copy__(self) -> Self:
         """Return the driveline itself: it never changes."""
@@ -289,7 +202,7 @@ class Driveline:
         joints = f"{self.n_joints} joint{'s' if self.n_joints > 1 else ''}"
         if self.shape:
             return f"<Driveline batch {self.shape} of {joints}>"
-        bends = ", ".join(f"{bend:.6g}" for bend in np.degrees(self._bends))
+        bends = ", ".join(f"{bend:.6g}" for bend in np.degrees(self.bends))
         return f"<Driveline of {joints}, bent by {bends} deg>"
 
     @property
@@ -305,27 +218,27 @@ class Driveline:
     @property
     def bends(self) -> FloatArray:
         """Bend of each joint in rad, ``(..., n)``."""
-        return self._bends
+        return self._geometry.bends
 
     @property
     def twists(self) -> FloatArray:
         """Twist of each intermediate shaft in rad, ``(..., n - 1)``."""
-        return self._twists
+        return self._geometry.twists
 
     @property
     def phases(self) -> FloatArray:
         """Phase of each intermediate shaft in rad, ``(..., n - 1)``."""
-        return self._phases
+        return self._geometry.phases
 
     @property
     def directions(self) -> FloatArray:
         """Unit vector along each shaft, ``(..., n + 1, 3)``."""
-        return self._directions
+        return self._geometry.directions
 
     @property
     def normals(self) -> FloatArray:
         """Unit normal of each joint's bend plane, ``(..., n, 3)``."""
-        return self._normals
+        return self._geometry.normals
 
     def with_phases(self, phases: ArrayLike, *, degrees: bool = False) -> Driveline:
         """Return the driveline with its yokes set anew.
@@ -339,20 +252,7 @@ class Driveline:
             TypeError: values that are not real numbers.
             ValueError: a phase that is not finite, shapes that do not fit.
         """
-        array = _per_shaft("phases", phases, self.n_joints, degrees)
-        shape = common_shape(driveline=self.shape, phases=array.shape[:-1])
-
-        def spread(own: FloatArray, core: int) -> FloatArray:
-            full = (*shape, *own.shape[own.ndim - core :])
-            return own if full == own.shape else np.ascontiguousarray(np.broadcast_to(own, full))
-
-        return Driveline._of(
-            spread(self._bends, 1),
-            spread(self._twists, 1),
-            np.array(np.broadcast_to(array, (*shape, array.shape[-1]))),
-            spread(self._directions, 2),
-            spread(self._normals, 2),
-        )
+        return Driveline._of(self._geometry.with_phases(phases, degrees))
 
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
         """Return the one joint that moves a shaft exactly as the whole chain does.
@@ -370,10 +270,7 @@ class Driveline:
             IndexError: a shaft that does not exist.
             TypeError: a shaft that is not an integer.
         """
-        index = item_index("shaft", shaft, self.n_joints + 1)
-        bends, twists, phases = (a.reshape(-1) for a in (self._bends, self._twists, self._phases))
-        columns = _core.equivalent(self.n_joints, index, bends, twists, phases)
-        return EquivalentJoint(*(scalar_or_array(c.reshape(self.shape)) for c in columns))
+        return equivalent(self, shaft)
 
     def harmonics(self, orders: ArrayLike, shaft: int = -1) -> Harmonics:
         """Return the amplitudes of a shaft's motion at orders of the drive's rotation.
@@ -393,15 +290,7 @@ class Driveline:
             TypeError: orders that are not integers.
             ValueError: an order below 1.
         """
-        order = np.atleast_1d(np.asarray(orders))
-        if order.dtype.kind not in "iu":
-            raise TypeError(f"orders has dtype {order.dtype}; an order is an integer")
-        if np.any(order < 1):
-            raise ValueError(f"{at_place('orders', order, order < 1)}; an order is at least 1")
-        n = order / 2
-        k = np.asarray(self.equivalent(shaft).k)[..., np.newaxis]
-        power = np.where(order % 2 == 0, k**n, 0.0)
-        return Harmonics(order.astype(np.int64), power / n, 2.0 * power)
+        return harmonics(self, orders, shaft)
 
     def optimal_phases(self) -> FloatArray:
         """Return the phases that bring the last shaft closest to constant velocity.
@@ -419,9 +308,9 @@ class Driveline:
         Returns:
             phases in rad, ``(..., n - 1)``, for ``with_phases``.
         """
-        bends, twists, phases = (a.reshape(-1) for a in (self._bends, self._twists, self._phases))
+        bends, twists, phases, *_ = self._geometry.flat()
         best = _core.optimal_phases(self.n_joints, bends, twists, phases, threads.at_most(None))
-        return best.reshape(self._phases.shape)
+        return best.reshape(self.phases.shape)
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
@@ -441,7 +330,7 @@ class Driveline:
             TypeError: signs that are not real numbers.
             ValueError: a sign other than +1 and -1, shapes that do not fit.
         """
-        return np.asarray(approximations.catalogue_bend(self._bends, fork_signs))[()]
+        return np.asarray(approximations.catalogue_bend(self.bends, fork_signs))[()]
 
     def reversed(self) -> Driveline:
         """Return the driveline driven from its other end; reversing inverts its motion.
@@ -449,13 +338,7 @@ class Driveline:
         Bends, twists and phases keep their values and change their order; directions and
         bend-plane normals change their sign as well.
         """
-        return Driveline._of(
-            np.array(self._bends[..., ::-1]),
-            np.array(self._twists[..., ::-1]),
-            np.array(self._phases[..., ::-1]),
-            -self._directions[..., ::-1, :],
-            -self._normals[..., ::-1, :],
-        )
+        return Driveline._of(self._geometry.reversed())
 
     def check(self, speed: ArrayLike | None = None) -> Check:
         """Check the catalogues' tolerance and, at a drive speed, the limits of practice.
@@ -591,73 +474,9 @@ class Driveline:
             IndexError: an index that does not fit the batch.
             TypeError: a single driveline has nothing to index.
         """
-        if not self.shape:
-            raise TypeError("a single driveline has no batch to index")
-        places = np.arange(math.prod(self.shape)).reshape(self.shape)[index]
-        shape = np.shape(places)
-
-        def taken(own: FloatArray) -> FloatArray:
-            core = own.shape[len(self.shape) :]
-            flat = own.reshape(math.prod(self.shape), *core)
-            return np.ascontiguousarray(flat[np.ravel(places)]).reshape(*shape, *core)
-
-        return Driveline._of(
-            taken(self._bends),
-            taken(self._twists),
-            taken(self._phases),
-            taken(self._directions),
-            taken(self._normals),
-        )
+        return Driveline._of(self._geometry.taken(index))
 
 
 def _unpickled(*arrays: FloatArray) -> Driveline:
     # What came in a message lies anywhere in it.
-    return Driveline._of(*(np.require(array, requirements=["C", "A"]) for array in arrays))
-
-
-def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
-    """Twists or phases as ``(..., n - 1)``; one number stands for all shafts."""
-    array = real(name, value)
-    between = max(n - 1, 0)
-    if array.ndim == 0:
-        array = np.full(between, array)
-    if array.shape[-1] != between:
-        raise ValueError(f"{name} has shape {array.shape}; {n} joints need (..., {between})")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{at_place(name, array, ~np.isfinite(array))}; it must be finite")
-    return np.radians(array) if degrees else array
-
-
-def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
-    array = real(name, value)
-    if array.ndim < 2 or array.shape[-1] != 3 or array.shape[-2] < fewest:
-        wanted = f"(..., {fewest} or more, 3)"
-        raise ValueError(f"{name} has shape {array.shape}; it must be {wanted}")
-    return array
-
-
-def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> FloatArray:
-    array = np.atleast_1d(real(name, value))
-    right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
-    wrong = ~(np.abs(array) < right_angle)
-    if wrong.any():
-        place = at_place(name, array, wrong)
-        raise ValueError(f"{place}; a {what} must lie between -{unit} and {unit}")
-    return np.radians(array) if degrees else array
-
-
-def _sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
-    """Directions from the slopes in side view and top view."""
-    if vertical.shape[-1] != horizontal.shape[-1]:
-        raise ValueError(
-            f"vertical has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
-            "they must be the same"
-        )
-    common_shape(vertical=vertical.shape, horizontal=horizontal.shape)
-    up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))
-    return np.stack([np.ones_like(up), up, right], axis=-1)
-
-
-def _flat(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
-    """The array spread to a shape, as one run of elements."""
-    return np.ascontiguousarray(np.broadcast_to(array, shape)).reshape(-1)
+    return Driveline._of(Geometry(*(np.require(a, requirements=["C", "A"]) for a in arrays)))

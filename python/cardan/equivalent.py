@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+
+from cardan import _core
+from cardan.arrays import at_place, scalar_or_array
+from cardan.plan import item_index
+
+if TYPE_CHECKING:
+    from cardan.driveline import Driveline
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,3 +70,24 @@ class Harmonics:
     orders: NDArray[np.int64]
     angle_error: NDArray[np.float64]
     speed_ratio: NDArray[np.float64]
+
+
+def equivalent(line: Driveline, shaft: int) -> EquivalentJoint:
+    """Find the equivalent joint as ``Driveline.equivalent`` does."""
+    index = item_index("shaft", shaft, line.n_joints + 1)
+    bends, twists, phases, *_ = line._geometry.flat()
+    columns = _core.equivalent(line.n_joints, index, bends, twists, phases)
+    return EquivalentJoint(*(scalar_or_array(c.reshape(line.shape)) for c in columns))
+
+
+def harmonics(line: Driveline, orders: ArrayLike, shaft: int) -> Harmonics:
+    """Find the amplitudes as ``Driveline.harmonics`` does."""
+    order = np.atleast_1d(np.asarray(orders))
+    if order.dtype.kind not in "iu":
+        raise TypeError(f"orders has dtype {order.dtype}; an order is an integer")
+    if np.any(order < 1):
+        raise ValueError(f"{at_place('orders', order, order < 1)}; an order is at least 1")
+    n = order / 2
+    k = np.asarray(line.equivalent(shaft).k)[..., np.newaxis]
+    power = np.where(order % 2 == 0, k**n, 0.0)
+    return Harmonics(order.astype(np.int64), power / n, 2.0 * power)

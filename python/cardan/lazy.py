@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import common_shape, library, module, real
 from cardan.equivalent import EquivalentJoint
+from cardan.geometry import Geometry
 from cardan.load import Load
 from cardan.plan import Plan, _view, item_index
 from cardan.result import Result
@@ -151,8 +152,7 @@ def evaluate(
     line: Driveline = plan._arguments[0]
     if not line.shape:
         return _evaluated(plan, None, (), (), angle, out)
-    arrays = (line.bends, line.twists, line.phases, line.directions, line.normals)
-    parts = [_Part(array, array.ndim - len(line.shape)) for array in arrays]
+    parts = [_Part(array, array.ndim - len(line.shape)) for array in line._geometry]
     return _evaluated(plan, functools.partial(_copied, type(line)), parts, line.shape, angle, out)
 
 
@@ -296,7 +296,7 @@ def _made(
 
 def _copied(cls: type[Driveline], *arrays: NDArray[Any]) -> Driveline:
     # A driveline makes its arrays read-only, and these may be dask's.
-    return cls._of(*(np.array(array) for array in arrays))
+    return cls._of(Geometry(*map(np.array, arrays)))
 
 
 def _load_parts(load: Load) -> dict[str, _Part]:

@@ -1,0 +1,224 @@
+"""The geometry of drivelines: five arrays, the ways to lay them out and to rearrange them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan import _core
+from cardan.arrays import FloatArray, at_place, common_shape, real
+
+
+class Geometry(NamedTuple):
+    """What makes a batch of drivelines: angles in rad and unit vectors, as ``Driveline`` has them.
+
+    Attributes:
+        bends: ``(..., n)``.
+        twists: ``(..., n - 1)``.
+        phases: ``(..., n - 1)``.
+        directions: ``(..., n + 1, 3)``.
+        normals: ``(..., n, 3)``.
+    """
+
+    bends: FloatArray
+    twists: FloatArray
+    phases: FloatArray
+    directions: FloatArray
+    normals: FloatArray
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+        return self.bends.shape[:-1]
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints of each driveline."""
+        n: int = self.bends.shape[-1]
+        return n
+
+    def flat(self) -> list[FloatArray]:
+        """Return each array as one run of elements, which the native module takes."""
+        return [array.reshape(-1) for array in self]
+
+    def with_phases(self, phases: ArrayLike, degrees: bool) -> Geometry:
+        """Set the yokes as ``Driveline.with_phases`` does."""
+        # A copy, since it may be the caller's own array.
+        new = np.array(_per_shaft("phases", phases, self.n_joints, degrees))
+        shape = common_shape(driveline=self.shape, phases=new.shape[:-1])
+        batch = len(self.shape)
+        spread = Geometry(*(_spread(array, shape, array.ndim - batch) for array in self))
+        return spread._replace(phases=_spread(new, shape, 1))
+
+    def reversed(self) -> Geometry:
+        """Turn round as ``Driveline.reversed`` does."""
+        return Geometry(
+            np.array(self.bends[..., ::-1]),
+            np.array(self.twists[..., ::-1]),
+            np.array(self.phases[..., ::-1]),
+            -self.directions[..., ::-1, :],
+            -self.normals[..., ::-1, :],
+        )
+
+    def taken(self, index: Any) -> Geometry:  # noqa: ANN401 - whatever NumPy takes
+        """Take drivelines of the batch as ``Driveline.__getitem__`` does."""
+        if not self.shape:
+            raise TypeError("a single driveline has no batch to index")
+        size, batch = math.prod(self.shape), len(self.shape)
+        places = np.arange(size).reshape(self.shape)[index]
+        rows = (array.reshape(size, *array.shape[batch:]) for array in self)
+        return Geometry(*(array.take(places, axis=0) for array in rows))
+
+
+def from_bends(bends: ArrayLike, twists: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:
+    """Lay out as ``Driveline.from_bends`` does."""
+    array = _bends(bends, degrees)
+    n = array.shape[-1]
+    return _laid_out(
+        _core.from_bends,
+        n,
+        bends=(array, 1),
+        twists=(_per_shaft("twists", twists, n, degrees), 1),
+        phases=(_per_shaft("phases", phases, n, degrees), 1),
+    )
+
+
+def from_directions(directions: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:
+    """Lay out as ``Driveline.from_directions`` does."""
+    array = _vectors("directions", directions, 2)
+    n = array.shape[-2] - 1
+    turned = _per_shaft("phases", phases, n, degrees)
+    return _laid_out(_core.from_directions, n, vectors=(array, 2), phases=(turned, 1))
+
+
+def from_points(points: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:
+    """Lay out as ``Driveline.from_points`` does."""
+    array = _vectors("points", points, 3)
+    n = array.shape[-2] - 2
+    turned = _per_shaft("phases", phases, n, degrees)
+    return _laid_out(_core.from_points, n, vectors=(array, 2), phases=(turned, 1))
+
+
+def from_slopes(
+    vertical: ArrayLike, horizontal: ArrayLike, phases: ArrayLike, degrees: bool
+) -> Geometry:
+    """Lay out as ``Driveline.from_slopes`` does."""
+    up = _slopes("vertical", vertical, degrees)
+    right = _slopes("horizontal", horizontal, degrees)
+    return from_directions(_sloping(up, right), phases, degrees)
+
+
+def from_projected_bends(
+    vertical: ArrayLike, horizontal: ArrayLike, phases: ArrayLike, degrees: bool, reference: str
+) -> Geometry:
+    """Lay out as ``Driveline.from_projected_bends`` does."""
+    up = _slopes_against(reference, "vertical", vertical, degrees)
+    right = _slopes_against(reference, "horizontal", horizontal, degrees)
+    return from_directions(_sloping(up, right), phases, degrees)
+
+
+def _laid_out(
+    lay_out: Callable[..., tuple[FloatArray, ...]], n: int, **arrays: tuple[FloatArray, int]
+) -> Geometry:
+    """Broadcast the arrays, phases last, and let a function of the native module do the rest.
+
+    With each array comes how many axes of it belong to one driveline.
+    """
+    shape = common_shape(**{name: a.shape[: a.ndim - own] for name, (a, own) in arrays.items()})
+    spread = [_spread(array, shape, own) for array, own in arrays.values()]
+    flat = (array.reshape(-1) for array in spread)
+    bends, twists, directions, normals = lay_out(n, list(shape), *flat)
+    return Geometry(
+        bends.reshape(*shape, n),
+        twists.reshape(*shape, n - 1),
+        # The others are new; this may be the caller's own array.
+        np.array(spread[-1]),
+        directions.reshape(*shape, n + 1, 3),
+        normals.reshape(*shape, n, 3),
+    )
+
+
+def _spread(array: FloatArray, shape: tuple[int, ...], own: int) -> FloatArray:
+    """The array for a batch of that shape; its last ``own`` axes belong to one driveline."""
+    full = (*shape, *array.shape[array.ndim - own :])
+    return array if full == array.shape else np.ascontiguousarray(np.broadcast_to(array, full))
+
+
+def _bends(bends: ArrayLike, degrees: bool) -> FloatArray:
+    array = np.atleast_1d(real("bends", bends))
+    if not degrees:
+        return array
+    # Here and not in radians, so that the message shows what was given.
+    wrong = ~((array >= 0.0) & (array < 90.0))
+    if wrong.any():
+        place = at_place("bends", array, wrong)
+        raise ValueError(f"{place} deg; a bend must lie in [0, 90) deg")
+    return np.radians(array)
+
+
+def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
+    """Twists or phases as ``(..., n - 1)``; one number stands for all shafts."""
+    array = real(name, value)
+    between = max(n - 1, 0)
+    if array.ndim == 0:
+        array = np.full(between, array)
+    if array.shape[-1] != between:
+        raise ValueError(f"{name} has shape {array.shape}; {n} joints need (..., {between})")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{at_place(name, array, ~np.isfinite(array))}; it must be finite")
+    return np.radians(array) if degrees else array
+
+
+def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
+    array = real(name, value)
+    if array.ndim < 2 or array.shape[-1] != 3 or array.shape[-2] < fewest:
+        wanted = f"(..., {fewest} or more, 3)"
+        raise ValueError(f"{name} has shape {array.shape}; it must be {wanted}")
+    return array
+
+
+def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> FloatArray:
+    array = np.atleast_1d(real(name, value))
+    right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
+    wrong = ~(np.abs(array) < right_angle)
+    if wrong.any():
+        place = at_place(name, array, wrong)
+        raise ValueError(f"{place}; a {what} must lie between -{unit} and {unit}")
+    return np.radians(array) if degrees else array
+
+
+def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) -> FloatArray:
+    """Slopes of three shafts from the two bends between them, the shaft of reference level."""
+    bend = _slopes(name, value, degrees, "projected bend")
+    if bend.shape[-1] != 2:
+        raise ValueError(f"{name} has shape {bend.shape}; two joints need (..., 2)")
+    first, second = np.moveaxis(bend, -1, 0)
+    level = np.zeros_like(first)
+    slopes = {
+        "common": (-first, level, second),
+        "input": (level, first, first + second),
+        "output": (-first - second, -second, level),
+    }
+    if reference not in slopes:
+        known = ", ".join(map(repr, slopes))
+        raise ValueError(f"reference is {reference!r}; it must be one of {known}")
+    view = np.stack(slopes[reference], axis=-1)
+    if np.any(np.abs(view) >= np.pi / 2):
+        raise ValueError(f"{name} adds up to 90 deg or more against the {reference} shaft")
+    return view
+
+
+def _sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
+    """Directions from the slopes in side view and top view."""
+    if vertical.shape[-1] != horizontal.shape[-1]:
+        raise ValueError(
+            f"vertical has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
+            "they must be the same"
+        )
+    common_shape(vertical=vertical.shape, horizontal=horizontal.shape)
+    up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))
+    return np.stack([np.ones_like(up), up, right], axis=-1)
