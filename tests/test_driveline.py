@@ -286,8 +286,9 @@ def test_orders_of_harmonics() -> None:
 def test_drivelines_do_not_change() -> None:
     phases = np.array([0.5])
     line = Driveline.from_bends([0.1, 0.2], phases=phases)
+    set_anew = line.with_phases(phases)
     phases[0] = 9.0
-    assert line.phases.tolist() == [0.5]
+    assert line.phases.tolist() == set_anew.phases.tolist() == [0.5]
     for name in ("bends", "twists", "phases", "directions", "normals"):
         with pytest.raises(ValueError, match="read-only"):
             getattr(line, name)[...] = 0.0
