@@ -158,6 +158,8 @@ def _place(name: str, columns: Sequence[str]) -> int:
 
 
 def _short(text: str) -> str:
+    # A quoted heading may go over several lines.
+    text = " ".join(text.splitlines())
     return text if len(text) <= 300 else f"{text[:297]}..."
 
 
