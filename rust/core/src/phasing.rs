@@ -8,7 +8,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use nalgebra::Complex;
 use rayon::prelude::*;
@@ -31,8 +31,7 @@ const LONGEST: f64 = 4.0;
 /// A polygon with a smaller gap than this is closed.
 const CLOSED: f64 = 1e-12;
 
-/// [`optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases. It is stopped
-/// between drivelines.
+/// [`optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases.
 pub fn optimal_phases_of_batch(
     joints: usize,
     bends: &[f64],
@@ -48,8 +47,8 @@ pub fn optimal_phases_of_batch(
     let run = |(i, phases): (usize, &mut [f64])| {
         let lines = phases.chunks_mut(between).zip(twists.chunks(between).skip(i * PIECE));
         for ((phases, twists), bends) in lines.zip(bends.chunks(joints).skip(i * PIECE)) {
-            if !stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-                phases.copy_from_slice(&optimal_phases(bends, twists, phases));
+            if !is_set(stop) {
+                phases.copy_from_slice(&find(bends, twists, phases, stop));
             }
         }
     };
@@ -78,7 +77,12 @@ pub fn optimal_phases_of_batch(
 /// assert!(equivalent.joint.k < 1e-16);
 /// ```
 pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64> {
-    let mut polygon = Polygon::default();
+    find(bends, twists, phases, None)
+}
+
+/// The same, or what has been found when `stop` is set.
+fn find(bends: &[f64], twists: &[f64], phases: &[f64], stop: Option<&AtomicBool>) -> Vec<f64> {
+    let mut polygon = Polygon { stop, ..Polygon::default() };
     let mut members: Vec<Vec<usize>> = vec![];
     let mut group = vec![];
     let mut turn = 0.0;
@@ -110,6 +114,10 @@ pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64>
     best
 }
 
+fn is_set(stop: Option<&AtomicBool>) -> bool {
+    stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+}
+
 /// An angle less whole turns, exactly: those of one far from zero hold all its digits.
 fn within_a_turn(angle: f64) -> f64 {
     if angle.abs() <= PI {
@@ -139,14 +147,16 @@ impl Side {
 
 /// A chain of bent joints with the present turns `p` between them.
 #[derive(Default)]
-struct Polygon {
+struct Polygon<'a> {
     sides: Vec<Side>,
     turns: Vec<f64>,
     /// Number of shafts that share a turn.
     weights: Vec<f64>,
+    /// Whether to search no further.
+    stop: Option<&'a AtomicBool>,
 }
 
-impl Polygon {
+impl Polygon<'_> {
     /// What to add to each turn.
     fn smallest_change(&self) -> Vec<f64> {
         let lengths = || self.sides.iter().map(|side| side.length);
@@ -294,6 +304,9 @@ impl Polygon {
         let mut size = self.size(&change);
         let mut last: Option<[Vec<f64>; 2]> = None;
         for _ in 0..STEPS {
+            if is_set(self.stop) {
+                return change;
+            }
             let (_, derivatives) = self.slope(&change);
             let along: Complex<f64> = derivatives.iter().zip(&change).map(|(d, x)| d * *x).sum();
             let shortest = self.smallest_solution(&derivatives, along);
@@ -343,8 +356,6 @@ impl Polygon {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
     use super::*;
 
     fn turned(from: &[f64], to: &[f64]) -> f64 {
@@ -400,7 +411,8 @@ mod tests {
     #[test]
     fn the_smallest_turn_of_a_family_is_across_it() {
         let sides = [0.2, 0.17, 0.15, 0.19].map(|bend| Side::new(&Joint::new(bend)));
-        let mut polygon = Polygon { sides: sides.into(), turns: vec![], weights: vec![1.0; 3] };
+        let mut polygon =
+            Polygon { sides: sides.into(), weights: vec![1.0; 3], ..Polygon::default() };
         for turns in [[0.3, 0.2, -0.5], [-1.2, 0.7, 0.2], [1.1, -0.4, 0.9], [0.1, 0.1, 0.2]] {
             polygon.turns = turns.into();
             let change = polygon.smallest_change();

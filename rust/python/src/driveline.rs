@@ -22,8 +22,8 @@ type Flat<'py> = (
 /// Drivelines between two looks whether to go on.
 const PIECE: usize = 64;
 
-/// Drivelines from which going through them takes so long that it is watched, and from which the
-/// search for phases does.
+/// Drivelines from which going through them takes so long that it is watched, and joints in all from
+/// which the search for phases does.
 const WATCHED: usize = 1 << 14;
 const SOUGHT: usize = 1 << 10;
 
@@ -227,12 +227,12 @@ pub(crate) fn optimal_phases<'py>(
     let mut best = vec![];
     reserve(&mut best, phases.len())?;
     best.extend_from_slice(phases);
-    let workers = if lines < SOUGHT { Some(1) } else { threads(workers) };
+    let workers = if bends.len() < SOUGHT { Some(1) } else { threads(workers) };
     let mut run = |stop: Option<&AtomicBool>| {
         let execution = Execution { workers, stop, ..Execution::default() };
         optimal_phases_of_batch(joints, bends, twists, &mut best, execution);
     };
-    if lines < SOUGHT {
+    if bends.len() < SOUGHT {
         py.detach(|| run(None));
     } else {
         watched(py, workers, &mut |stop| {

@@ -21,7 +21,7 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::convert::{count, not_contiguous, slice_mut, value_error};
 use crate::lines::Lines;
-use crate::watch::{room, threads, watched};
+use crate::watch::{no_memory, room, threads, watched};
 
 /// Samples that are done before it is worth giving the interpreter away.
 const BRIEF: usize = 1000;
@@ -370,6 +370,10 @@ fn filled<'py, W: Element>(
     body: impl FnOnce(&mut [&mut [W]]) -> PyResult<()>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let length = count(rows)?;
+    let bytes = length.saturating_mul(planes.max(1)).saturating_mul(size_of::<W>());
+    if isize::try_from(bytes).is_err() {
+        return Err(no_memory(bytes));
+    }
     let lengths = once(&planes).chain(rows).map(|&length| npy_intp::try_from(length));
     let mut axes = lengths.collect::<Result<Vec<_>, _>>()?;
     let (count, word) = (c_int::try_from(axes.len())?, numpy::dtype::<W>(py).into_dtype_ptr());
@@ -379,8 +383,8 @@ fn filled<'py, W: Element>(
         let array = PY_ARRAY_API.PyArray_Empty(py, count, axes.as_mut_ptr(), word, 0);
         Bound::from_owned_ptr_or_err(py, array)?.cast_into::<PyArrayDyn<W>>()?
     };
-    // SAFETY: nobody else has the array, and its words, of which every pattern is a number, are
-    // written before they are read.
+    // SAFETY: nobody else has the array. What its words hold is what NumPy's allocator gave, as in an
+    // array that a caller makes by `numpy.empty` and gives to be filled; they are written before they are read.
     let words = unsafe { array.as_slice_mut()? };
     body(&mut words.chunks_mut(length.max(1)).collect::<Vec<_>>())?;
     Ok(array.into_any())

@@ -95,6 +95,6 @@ pub(crate) fn reserve(array: &mut Vec<f64>, count: usize) -> PyResult<()> {
     array.try_reserve_exact(count).map_err(|_| no_memory(count.saturating_mul(8)))
 }
 
-fn no_memory(bytes: usize) -> PyErr {
+pub(crate) fn no_memory(bytes: usize) -> PyErr {
     PyMemoryError::new_err(format!("there is no room for {bytes} bytes"))
 }
