@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, study
+from cardan import Driveline, Load, axes, study
 from cardan.curves import study_columns
 from cardan.scene import Scene
 from cardan.study import Axis, Column, StudyResult
@@ -243,9 +243,9 @@ def test_figures_of_one_driveline(driveline: str, line: Driveline) -> None:
 
 def test_rows_up_to_the_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     text = TWO + "[study]\nbends_deg.0 = [1, 2, 3]\nphases_deg = [0, 5]\n"
-    monkeypatch.setattr(study, "MOST_ROWS", 6)
+    monkeypatch.setattr(axes, "MOST_ROWS", 6)
     assert run(text).rows == 6
-    monkeypatch.setattr(study, "MOST_ROWS", 5)
+    monkeypatch.setattr(axes, "MOST_ROWS", 5)
     with pytest.raises(ValueError, match=r"bends_deg\.0 makes the study 3 x 2 = 6 rows"):
         Scene.parse(text)
 

@@ -1,16 +1,7 @@
 """The ball joint of Marcus (1902): how its pressure is spread, what size it needs, its friction.
 
 M. Marcus, "Beitrag zur Berechnung eines Kugelgelenks", Schweizerische Bauzeitung 39/40 (1902),
-Heft 6, takes the normal compression of ball and seat as proportional to the pressure, ``(alpha_1 +
-alpha_2) N`` in his (1). A ball that sinks by the approach ``zeta`` into a seat of its own shape is
-compressed by ``zeta cos(theta)`` at the angle ``theta`` from the load, his (2), so that ``N = N_0
-cos(theta)``, his (9). A seat that ends before the equator keeps the law and only bounds the
-integral of the load, his (7), which in print has lost its ``d psi``.
-
-With a radial clearance ``e`` the gap ``e (1 - cos(theta))`` closes first: the compression is
-``(zeta + e) cos(theta) - e``, and the contact ends where that is zero. This adds one unknown, the
-angle of the contact, but the model stays Marcus's: each point yields like a spring of its own. It
-is meant for clearances that are small beside the radius.
+Heft 6; numbers in brackets are those of his equations. Where the ball touches is in contact.py.
 """
 
 from __future__ import annotations
@@ -24,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
+from cardan.contact import Contact, elliptic, fitting, loose
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -166,7 +158,7 @@ class BallJoint:
             ValueError: a negative load, shapes that do not broadcast.
         """
         force = self._force(load)
-        return scalar_or_array(self._peak(force, self._contact(force)))
+        return scalar_or_array(self._contact(force).peak(force, self.radius))
 
     def pressure(self, theta: ArrayLike, load: ArrayLike) -> Any:  # noqa: ANN401
         """Return the pressure in Pa, Marcus's (9); outside the contact it is 0.
@@ -182,7 +174,7 @@ class BallJoint:
         angle, force = real("theta", theta), self._force(load)
         common_shape(joint=self.shape, theta=angle.shape, load=force.shape)
         contact = self._contact(force)
-        return scalar_or_array(self._peak(force, contact) * contact.profile(angle))
+        return scalar_or_array(contact.peak(force, self.radius) * contact.profile(angle))
 
     def pressure_at(self, directions: ArrayLike, load_vector: ArrayLike) -> Any:  # noqa: ANN401
         """Return the pressure in Pa at points of the ball for a load in any direction.
@@ -204,7 +196,7 @@ class BallJoint:
         # angles (W. Kahan, "How Futile are Mindless Assessments of Roundoff", 2006, section 12).
         angle = 2.0 * np.arctan2(_length(normal - axis), _length(normal + axis))
         contact = self._contact(force)
-        return scalar_or_array(self._peak(force, contact) * contact.profile(angle))
+        return scalar_or_array(contact.peak(force, self.radius) * contact.profile(angle))
 
     def approach(self, load: ArrayLike, compliance: ArrayLike | None = None) -> Any:  # noqa: ANN401
         """Return how far the ball sinks into its seat, Marcus's ``zeta`` in (8), in m.
@@ -225,7 +217,7 @@ class BallJoint:
         own = self.compliance if compliance is None else _positive("compliance", compliance)
         force = self._force(load)
         common_shape(joint=self.shape, load=force.shape, compliance=own.shape)
-        return scalar_or_array(own * self._peak(force, self._contact(force)))
+        return scalar_or_array(own * self._contact(force).peak(force, self.radius))
 
     def friction_moment(self, load: ArrayLike, friction: ArrayLike) -> Any:  # noqa: ANN401
         """Return the moment in N m that turns the ball about the line of the load.
@@ -272,11 +264,11 @@ class BallJoint:
         # integral of cos² over the root in E's denominator form. Unlike the usual (1 + s²) E -
         # (1 - s²) K it has no difference in it. s² cancels against 1 - c³ as in the other moment.
         def closed(_: FloatArray, c: FloatArray) -> FloatArray:
-            return 2.0 / math.pi * (1.0 + c) / (1.0 + c + c * c) * _elliptic(c, 2.0, c * c)
+            return 2.0 / math.pi * (1.0 + c) / (1.0 + c + c * c) * elliptic(c, 2.0, c * c)
 
         def arm(theta: FloatArray) -> FloatArray:
             c = np.cos(theta)
-            return 2.0 / math.pi * _elliptic(c, 1.0, c * c)
+            return 2.0 / math.pi * elliptic(c, 1.0, c * c)
 
         return self._friction(load, friction, closed, arm)
 
@@ -295,13 +287,10 @@ class BallJoint:
             ratio = self._contact(force).mean(arm)
         return scalar_or_array(mu * force * self.radius * ratio)
 
-    def _contact(self, load: FloatArray) -> _Contact:
+    def _contact(self, load: FloatArray) -> Contact:
         if self.compliance is None:
-            return _fitting(self.half_angle)
-        return _loose(self.radius, self.half_angle, self.clearance, self.compliance, load)
-
-    def _peak(self, load: FloatArray, contact: _Contact) -> FloatArray:
-        return _quotient(3.0 * load, math.pi * self.radius**2 * contact.share)
+            return fitting(self.half_angle)
+        return loose(self.radius, self.half_angle, self.clearance, self.compliance, load)
 
     def _force(self, load: ArrayLike) -> FloatArray:
         force = _not_negative("load", load)
@@ -336,140 +325,6 @@ def _restored(
     if compliance is None:
         return joint
     return joint.with_clearance(clearance, compliance=compliance)
-
-
-# --- the contact -----------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class _Contact:
-    """Where a ball touches, and how the pressure falls off from its peak.
-
-    Attributes:
-        angle: from the load to the edge of the contact.
-        free: from the load to where the pressure would be zero; beyond ``angle`` if the seat ends
-            before. None stands for a right angle.
-        share: ``3 D/(pi r² N_0)``.
-    """
-
-    angle: FloatArray
-    free: FloatArray | None
-    share: FloatArray
-
-    def profile(self, theta: FloatArray) -> FloatArray:
-        """Return the pressure over its peak."""
-        theta = np.where(np.isinf(theta), np.nan, theta)
-        inside = np.where(np.abs(theta) <= self.angle, self._law(theta), 0.0)
-        return np.where(np.isnan(theta), np.nan, inside)
-
-    def _law(self, theta: FloatArray) -> FloatArray:
-        if self.free is None:
-            return np.cos(theta)
-        # (cos(theta) - c)/(1 - c) with c = cos(free) as products: exact up to the edge.
-        rise = np.sin((self.free + theta) / 2.0) * np.sin((self.free - theta) / 2.0)
-        return _quotient(rise, np.sin(self.free / 2.0) ** 2)
-
-    def mean(self, arm: Callable[[FloatArray], FloatArray]) -> FloatArray:
-        """Return the integral of pressure times arm over the surface, per load."""
-        total = np.zeros(np.shape(self.angle))
-        nodes, weights = np.polynomial.legendre.leggauss(_NODES)
-        for node, weight in zip((nodes + 1.0) / 2.0, weights, strict=True):
-            # Clustering the nodes towards the edge tames the logarithm in the derivatives of E at
-            # the equator, where a contact may end; nothing else is less than analytic.
-            theta = self.angle * (node * (2.0 - node))
-            total += weight * (1.0 - node) * self._law(theta) * np.sin(theta) * arm(theta)
-        return _quotient(6.0 * self.angle * total, self.share)
-
-
-# Enough for rounding in contacts of all sizes; 16 leave 30 ulp.
-_NODES = 24
-
-
-def _fitting(half_angle: FloatArray) -> _Contact:
-    """A ball that fits its seat: ``share = 2 (1 - c³)``, without cancellation."""
-    c, versine = np.cos(half_angle), _versine(half_angle)
-    return _Contact(half_angle, None, 2.0 * versine * (1.0 + c + c * c))
-
-
-def _loose(
-    radius: FloatArray,
-    half_angle: FloatArray,
-    clearance: FloatArray,
-    compliance: FloatArray,
-    load: FloatArray,
-) -> _Contact:
-    """A ball in a wider seat; see the head of this file for the law.
-
-    With ``z`` the approach over the clearance, ``c = 1/(1 + z)`` and ``q = 3 compliance load/(pi r²
-    clearance)``, the load of a contact that ends freely is ``(1 - c)² (2 + c) = q c``. Where the
-    seat ends before, at the cosine ``c_0``, the balance is linear in ``z``.
-    """
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        q = 3.0 * compliance * load / (math.pi * radius**2 * clearance)
-    # A perfect fit touches everywhere under any load.
-    q = np.where(np.asarray(clearance) == 0.0, np.inf, q)
-    seat_c, seat_versine = np.cos(half_angle), _versine(half_angle)
-    full = q * seat_c >= seat_versine**2 * (2.0 + seat_c)
-
-    bounded = q + seat_versine**2 * (1.0 + 2.0 * seat_c)
-    bounded = bounded / (2.0 * seat_versine * (1.0 + seat_c + seat_c**2))
-    z = np.where(full, bounded, _sunk(np.where(full, 1.0, q)))
-    c = 1.0 / (1.0 + z)
-    versine = np.where(z > 1.0, 1.0 - c, np.minimum(z, 1.0) * c)
-
-    free = 2.0 * np.arcsin(np.sqrt(versine / 2.0))
-    edge_c, edge_versine = np.where(full, seat_c, c), np.where(full, seat_versine, versine)
-    cut = np.divide(seat_versine, versine, out=np.ones_like(versine), where=full)
-    share = edge_versine * (3.0 * (1.0 + edge_c) - cut * (1.0 + 2.0 * edge_c))
-    return _Contact(np.where(full, half_angle, np.minimum(free, half_angle)), free, share)
-
-
-def _sunk(q: FloatArray) -> FloatArray:
-    """Solve ``z² (2 z + 3) = q (1 + z)²`` for ``z >= 0`` with full relative accuracy.
-
-    That is the balance of a contact that ends freely, with positive terms only. The logarithm of
-    the left over the right rises with that of ``z`` at a slope from 1 to 2 everywhere, so ``z`` is
-    as well conditioned as ``q``, and Newton's method in these logarithms cannot go astray. The
-    start is within 30 % and exact at both ends; the error then falls to rounding in four steps.
-    """
-    z = np.sqrt(q) / math.sqrt(3.0) + q / 2.0
-    for _ in range(4):
-        c = 1.0 / (1.0 + z)
-        versine = z * c
-        slope = 2.0 + 2.0 * z / (2.0 * z + 3.0) - 2.0 * versine
-        # Divided in turn, the smallest numbers do not underflow.
-        excess = _quotient(_quotient(q, z), versine * (2.0 + c)) - 1.0
-        z = z * (1.0 + excess / slope)
-    return z
-
-
-def _elliptic(c: FloatArray, a: FloatArray | float, b: FloatArray | float) -> FloatArray:
-    """Return the integral of ``(a cos² + b sin²)/sqrt(cos² + c² sin²)`` from 0 to pi/2.
-
-    Bulirsch's ``cel`` with ``p = 1`` (DLMF 19.2.11), by Gauss's arithmetic-geometric mean: with
-    each step of ``m`` and ``n``, the factors of cos² and sin² in the root, ``a`` and ``b`` take
-    means of their own. Sums of positive terms only, so nothing cancels; ``c`` must be positive.
-    """
-    m, n = np.ones_like(c), c
-    for _ in range(_MEANS):
-        a, b = (a + b) / 2.0, (a * n + b * m) / (m + n)
-        m, n = (m + n) / 2.0, np.sqrt(m * n)
-    return np.asarray(math.pi / 2.0 * a / m)
-
-
-# Enough for the smallest cosine there is, that of the double pi/2.
-_MEANS = 10
-
-
-def _versine(angle: FloatArray) -> FloatArray:
-    """``1 - cos(angle)`` without cancellation."""
-    return np.asarray(2.0 * np.sin(angle / 2.0) ** 2)
-
-
-def _quotient(over: FloatArray, under: FloatArray) -> FloatArray:
-    """Divide, with 0/0 = 0: no load, no contact."""
-    over, under = np.broadcast_arrays(over, under)
-    return np.divide(over, under, out=np.zeros(under.shape), where=under != 0.0)
 
 
 # --- arguments -------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ import numpy as np
 
 from cardan import scene_format
 from cardan.arrays import FloatArray
+from cardan.axes import axes_of
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
@@ -23,7 +24,7 @@ from cardan.scene_document import Document
 from cardan.scene_format import BEND_COLUMNS, FORMAT, FORMS, Form, describe
 from cardan.scene_parts import check_load, form_of, make_driveline, make_load
 from cardan.scene_values import shown
-from cardan.study import Progress, Study, StudyResult, axes_of
+from cardan.study import Progress, Study, StudyResult
 
 _MOST_STEPS = 10_000_000
 
