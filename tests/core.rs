@@ -324,6 +324,34 @@ fn means_over_turns_count_every_turn() {
 }
 
 #[test]
+fn a_sweep_of_one_sample_is_one_angle_for_all() {
+    let bends = [0.3, 0.5, 0.7];
+    let lines = Drivelines {
+        bends: &bends,
+        twists: &[],
+        phases: &[],
+        directions: &[1.0; 18],
+        normals: &[0.0; 9],
+    };
+    let plan = plan(1, &[Output::SpeedRatio], &[1]);
+    let shapes: [(&[usize], &[usize]); 3] = [(&[3], &[1]), (&[3, 1], &[1, 0]), (&[1, 3], &[0, 1])];
+    for (shape, line_strides) in shapes {
+        for sweep in [Sweep::new(1.0, 2.0, 1).unwrap(), Sweep::of_turns(1, 720).unwrap()] {
+            let angle = Angles::Sweep(sweep);
+            let samples = Samples { shape, lines, line_strides, angle, load: None };
+            let mut ratio = [0.0; 3];
+            let planes = Planes::Double(&mut [&mut ratio]);
+            plan.run(&samples, None, Precision::Double, planes, Execution::default()).unwrap();
+            for (bend, ratio) in bends.into_iter().zip(ratio) {
+                let line = Geometry::from_bends(&[bend], &[], &[]).unwrap();
+                let want = plan.evaluate(&line, &[sweep.at(0)]).unwrap()[0][0];
+                assert!((ratio - want).abs() < 1e-15, "{shape:?}: {ratio}, {want}");
+            }
+        }
+    }
+}
+
+#[test]
 fn elements_lie_as_far_apart_as_the_strides_say() {
     const LENGTH: usize = 1500;
     let run = |strides: [usize; 2], load: Option<End>| {

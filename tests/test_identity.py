@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, Result, _core
+from cardan import Driveline, Load, Result, Sweep, _core
 from cardan.plan import Plan
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
@@ -82,6 +82,14 @@ def test_every_number_of_threads(workers: int | None) -> None:
     for name in names:
         axis = -2 if name == "moment" else -1
         assert np.array_equal(got[name], np.concatenate([once[name]] * 50, axis=axis)), name
+
+
+@pytest.mark.parametrize("per_turn", [4500, 8191])
+def test_turns_on_every_number_of_threads(line: Driveline, per_turn: int) -> None:
+    sweep, names = Sweep.revolutions(24, per_turn), ("angle", "speed_ratio", "tilt_driven")
+    want = evaluate(line, sweep, names, workers=1)
+    for workers in (2, 3, -1):
+        same(evaluate(line, sweep, names, workers=workers), want)
 
 
 def test_strided_angles(line: Driveline) -> None:

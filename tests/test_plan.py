@@ -313,6 +313,7 @@ def test_sweeps_as_values() -> None:
     with pytest.raises(ValueError, match=r"^a sweep holds no array; one must be made$"):
         sweep.__array__(copy=False)
     assert len(turns) == turns.num == 72
+    assert all(len(Sweep.revolutions(num / 720, 720)) == num for num in range(1, 1440))
     with pytest.raises(AttributeError, match="cannot change"):
         sweep.num = 3
 
@@ -376,6 +377,30 @@ def test_reductions_of_turns_count_every_one(how: Any, turns: int) -> None:  # n
         got = CHAIN.evaluate(sweep, name, load=load, reduce=how)[name]
         atol = 1e-13 * np.abs(samples).max()
         np.testing.assert_allclose(got, PLAIN[how](samples), rtol=0, atol=atol)
+
+
+def test_one_sample_is_the_same_for_a_whole_batch() -> None:
+    lines = Driveline.from_bends([[0.3], [0.5], [0.7]])
+    for sweep in (Sweep(1.0, 2.0, 1), Sweep.revolutions(1, 1)):
+        for batch in (lines, lines[:, np.newaxis], lines[np.newaxis]):
+            for names, load in ((MOTION, None), (("torque", "tilt_driven"), LOAD_OF_TWO)):
+                got = batch.evaluate(sweep, names, load=load)
+                want = batch.evaluate(np.asarray(sweep), names, load=load)
+                for name in names:
+                    assert np.array_equal(got[name], want[name]), name
+
+
+@pytest.mark.parametrize("start", [1e12 - 7, -1e12])
+def test_extremes_of_far_sweeps(start: float) -> None:
+    names = ("angle_error", "speed_ratio", "acceleration_ratio")
+    sweep = Sweep(start, start + 6, 100_000)
+    samples = CHAIN.evaluate(sweep, names)
+    extremes: tuple[Reduction, ...] = ("min", "max", "peak")
+    for how in extremes:
+        got = CHAIN.evaluate(sweep, names, reduce=how)
+        for name in names:
+            atol = 1e-14 * np.abs(samples[name]).max()
+            np.testing.assert_allclose(got[name], PLAIN[how](samples[name]), rtol=0, atol=atol)
 
 
 def test_reductions_of_vectors() -> None:

@@ -59,7 +59,11 @@ class Sweep:
             ValueError: no samples, a part of one, or more than 2**50.
         """
         per_turn = _whole("samples", samples)
-        count = _end("turns", turns) * per_turn
+        asked = _end("turns", turns)
+        count = asked * per_turn
+        # A part of a turn is rounded, and so is its product: 0.7 turns of 720 samples are 504.
+        if math.isfinite(count) and round(count) / per_turn == asked:
+            count = float(round(count))
         if not count.is_integer() or count < 1.0:
             raise ValueError(
                 f"turns is {turns} of {per_turn} samples each; together that must be a whole "

@@ -139,9 +139,11 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
     /// A group of samples for a sweep whose rows are long enough and do not just repeat themselves.
     pub(crate) fn group(plan: &Plan, table: &Table<'_>, level: Level) -> Option<Group<T>> {
         let sweep = table.sweep?;
-        let period = sweep.period(plan.needs_sense()).filter(|&period| period <= REPEATED);
-        let samples = period.map_or(table.row_length(), |period| period.min(table.row_length()));
-        let group = compiled_for!(level, Group::new(&sweep, samples, SHORT_CHUNK));
+        // A sum depends on its middle in the last bit, and a repeated period on where its block begins.
+        if sweep.period(plan.needs_sense()).is_some_and(|period| period <= REPEATED) {
+            return None;
+        }
+        let group = compiled_for!(level, Group::new(&sweep, table.row_length(), SHORT_CHUNK));
         group.filter(|_| plan.needs_poses() || plan.moving().next().is_some())
     }
 

@@ -8,7 +8,7 @@
 //! * angle error: `cos 2a = k`, which is `tan² a = cos β` (catalogue, Bild 12)
 //! * acceleration ratio: `2k cos² 2a + (1 + k²) cos 2a = 4k`, which is [`crate::Joint::steepest`]
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 
 use crate::plan::ShaftStep;
@@ -62,6 +62,9 @@ pub(crate) fn beside<'a>(
     if found.len() * REPAID > samples.len() {
         return None;
     }
+    // Half turns do not matter, and the remainder has more digits than a far angle.
+    let (remainder, quadrant) = sweep.reduction().of(samples.start as f64);
+    let first = remainder.value() + (quadrant & 1) as f64 * FRAC_PI_2;
     for (step, crest) in shafts {
         if (half_turns * EXTREMES * 2 + found.len()) * REPAID > samples.len() {
             return None;

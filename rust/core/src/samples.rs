@@ -152,21 +152,25 @@ impl<'a> Column<'a> {
 
 impl<'a> Table<'a> {
     /// The samples in as few and long rows as they have.
-    pub(crate) fn new(plan: &Plan, samples: &Samples<'a>) -> Result<Self> {
+    pub(crate) fn new(plan: &Plan, samples: &'a Samples<'a>) -> Result<Self> {
         Self::merged(plan, samples, samples.shape.len())
     }
 
     /// The same with the last axis as the row.
-    pub(crate) fn by_rows(plan: &Plan, samples: &Samples<'a>) -> Result<Self> {
+    pub(crate) fn by_rows(plan: &Plan, samples: &'a Samples<'a>) -> Result<Self> {
         Self::merged(plan, samples, samples.shape.len().saturating_sub(1))
     }
 
-    fn merged(plan: &Plan, samples: &Samples<'a>, mergeable: usize) -> Result<Self> {
+    fn merged(plan: &Plan, samples: &'a Samples<'a>, mergeable: usize) -> Result<Self> {
         let n = plan.joint_count;
         let lines = samples.lines;
         let count = lines.check(n)?;
         let (angle, sweep) = match &samples.angle {
             Angles::Array(source) => (Column::of(source), None),
+            // One angle that all samples see, as an array's would be.
+            Angles::Sweep(sweep) if sweep.count() == 1 || samples.shape.last() == Some(&1) => {
+                (Column { data: sweep.first(), strides: vec![0; samples.shape.len()].into() }, None)
+            }
             Angles::Sweep(sweep) => {
                 // An array whose elements are their own numbers.
                 let last = samples.shape.len().saturating_sub(1);

@@ -1,6 +1,7 @@
 //! Uniform sweeps of the drive: angles that need no array.
 
 use std::f64::consts::TAU;
+use std::slice::from_ref;
 
 use crate::column::ViewMut;
 use crate::error::{Error, Result};
@@ -66,6 +67,11 @@ impl Sweep {
     /// Number of angles.
     pub fn count(&self) -> usize {
         self.count
+    }
+
+    /// The first angle, an exact double.
+    pub(crate) fn first(&self) -> &[f64] {
+        from_ref(&self.start.high)
     }
 
     /// The step, the nearest double.
