@@ -137,6 +137,14 @@ def test_what_is_smooth_already_stays() -> None:
     assert np.max(np.abs(line.optimal_phases() - line.phases)) < 1e-9
 
 
+def test_what_is_nearly_smooth_turns_little() -> None:
+    bends = np.random.default_rng(3).uniform(0.2, 0.5, (50, 6))
+    smooth = phased(Driveline.from_bends(bends))
+    pushed = smooth.with_phases(smooth.phases + 0.01)
+    turns = pushed.optimal_phases() - pushed.phases
+    assert np.all((turns**2).sum(axis=-1) <= 1.01 * 5 * 0.01**2)
+
+
 def test_shafts_beside_a_straight_joint_share_the_turn() -> None:
     line = Driveline.from_bends([20, 0, 20], twists=[10, 20], degrees=True)
     change = np.degrees(line.optimal_phases())
