@@ -137,6 +137,26 @@ def test_what_is_smooth_already_stays() -> None:
     assert np.max(np.abs(line.optimal_phases() - line.phases)) < 1e-9
 
 
+def test_three_joints_turn_to_the_nearer_of_both_triangles() -> None:
+    rng = np.random.default_rng(4)
+    line = Driveline.from_bends(rng.uniform(0.2, 1.2, (2000, 3)), 0, rng.uniform(-3, 3, (2000, 2)))
+    best = line.optimal_phases()
+
+    def turn(phases: np.ndarray) -> np.ndarray:
+        turns = phases - line.phases
+        return np.asarray(((turns - np.pi * np.round(turns / np.pi)) ** 2).sum(axis=-1))
+
+    assert np.all(turn(best) <= turn(-best) + 1e-9)
+
+
+def test_what_is_nearly_smooth_turns_little() -> None:
+    bends = np.random.default_rng(3).uniform(0.2, 0.5, (50, 6))
+    smooth = phased(Driveline.from_bends(bends))
+    pushed = smooth.with_phases(smooth.phases + 0.01)
+    turns = pushed.optimal_phases() - pushed.phases
+    assert np.all((turns**2).sum(axis=-1) <= 1.01 * 5 * 0.01**2)
+
+
 def test_shafts_beside_a_straight_joint_share_the_turn() -> None:
     line = Driveline.from_bends([20, 0, 20], twists=[10, 20], degrees=True)
     change = np.degrees(line.optimal_phases())

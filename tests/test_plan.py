@@ -46,6 +46,19 @@ def test_a_plan_gives_what_evaluate_gives() -> None:
             assert np.array_equal(plan(angle)[name], want[name]), name
 
 
+def test_a_load_beside_all_of_the_motion() -> None:
+    line = Driveline.from_bends([0.3, 0.2], 0.4)
+    names = ("angle", "speed_ratio", "acceleration_ratio", "torque")
+    got = line.evaluate(ANGLE, names, load=Load(drive_torque=7.0))
+    assert np.allclose(got.torque[-1] * got.speed_ratio[-1], 7.0, rtol=1e-14)
+
+
+def test_moments_of_zero_have_no_error() -> None:
+    quarters = Sweep.revolutions(1, 4)
+    got = STEEP.evaluate(quarters, "bending_driven", load=Load(drive_torque=1.0), tolerance=0)
+    assert np.all(np.abs(got.bending_driven[0, 1::2]) < 1e-15)
+
+
 def test_a_plan_fills_out() -> None:
     plan = CHAIN.plan(("angle", "moment"), joints=0, load=LOAD)
     want = plan(ANGLE)
@@ -162,7 +175,12 @@ def test_explain_counts_what_runs() -> None:
             ["3 of 6 terms of its part of shaft 0's support, zero because"],
         ),
         (Driveline.from_bends([0.0]), MOTION, {}, ["sine and cosine: everything turns with"]),
-        (STEEP, "speed_ratio", {"reduce": "peak"}, ["no sample is stored", "0 bytes written"]),
+        (
+            STEEP,
+            "speed_ratio",
+            {"reduce": "peak"},
+            ["no sample is stored", "8 bytes read, 0 bytes written"],
+        ),
         (STEEP, "speed_ratio", {"dtype": np.float32}, ["single precision", "4 bytes written"]),
         (STEEP, "angle", {"tolerance": 0}, ["double precision with error terms"]),
         (STEEP, "angle", {}, ["shaft 1: angle (inverse tangent of"]),
@@ -278,6 +296,7 @@ def test_sweeps_beside_what_changes_from_sample_to_sample(reduce: Reduction | No
     for line, name, load in (
         (Driveline.from_bends(change[:, None]), "speed_ratio", None),
         (STEEP, "torque", Load(drive_torque=change)),
+        (STEEP, "torque", Load(drive_torque=change, speed=change, acceleration=change)),
     ):
         samples = line.evaluate(np.asarray(sweep), name, load=load)[name]
         got = line.evaluate(sweep, name, load=load, reduce=reduce)[name]
@@ -629,6 +648,14 @@ def test_extremes_past_the_end_of_a_sweep_do_not_count() -> None:
     sweep = Sweep(1.6, np.pi - 2e-4, 7001)
     samples = line.evaluate(sweep, "speed_ratio").speed_ratio
     assert line.evaluate(sweep, "speed_ratio", reduce="max").speed_ratio == samples[-1]
+
+
+def test_means_of_sweeps_count_every_sample() -> None:
+    sweep = Sweep(2.9, -9.3, 20_011)
+    samples = CHAIN.evaluate(sweep, "speed_ratio").speed_ratio
+    for how in ("mean", "rms"):
+        got = CHAIN.evaluate(sweep, "speed_ratio", reduce=how).speed_ratio
+        np.testing.assert_allclose(got, PLAIN[how](samples), rtol=1e-13)
 
 
 def test_extremes_of_sweeps_are_samples() -> None:

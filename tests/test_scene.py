@@ -179,6 +179,11 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "projected_bends_vertical_deg with projected_bends_horizontal_deg",
     ),
     (
+        JOINT + "points_mm = [[0, 0, 0]]\ndirections = [[1, 0, 0]]",
+        2,
+        "[driveline] bends_deg and points_mm are both given; describe the driveline in one way",
+    ),
+    (
         JOINT + "points_mm = [[0, 0, 0]]",
         2,
         "[driveline] bends_deg and points_mm are both given; describe the driveline in one way",
