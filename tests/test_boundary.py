@@ -345,6 +345,8 @@ def test_fork_during_a_call() -> None:
         lambda: evaluate(np.broadcast_to(1.0, (10**15,))),
         lambda: evaluate(np.broadcast_to(1.0, (10**6, 1, 10**9))),
         lambda: evaluate(np.zeros((10**6, 1)), line=Driveline.from_bends(np.ones((10**6, 2)))),
+        lambda: evaluate(np.broadcast_to(True, (2**40, 2**20))),
+        lambda: Driveline.from_bends(np.full((4096, 1, 1), 0.3)).evaluate(Sweep(0.0, 1.0, 2**50)),
         lambda: Driveline.from_bends(np.broadcast_to(0.5, (10**15, 1))),
         lambda: Driveline.from_bends(np.broadcast_to(0.5, (1, 10**15))),
         lambda: LINE.evaluate(Sweep(0.0, 1.0, 10**12)),

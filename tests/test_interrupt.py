@@ -72,6 +72,10 @@ CASES = {
         "lines = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, (100_000, 32)))\n"
         "interrupted(lines.optimal_phases)"
     ),
+    "best phases of one long driveline": (
+        "line = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, 20_000))\n"
+        "interrupted(line.optimal_phases)"
+    ),
 }
 
 

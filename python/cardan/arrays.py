@@ -18,12 +18,15 @@ def real(name: str, value: ArrayLike) -> FloatArray:
     Raises:
         TypeError: complex numbers, objects, text or anything else that is not a real number; arrays
             that carry what would be lost, as a mask or a unit; arrays of another library.
+        MemoryError: more numbers than can be counted in bytes.
     """
     if type(value) is not np.ndarray:
         _refuse_more_than_numbers(name, value)
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         raise TypeError(f"{name} has dtype {array.dtype}; it must hold real numbers")
+    if array.size > sys.maxsize // 8:
+        raise MemoryError(f"{name} has shape {array.shape}; there is no room for so many numbers")
     array = np.asarray(array, dtype=np.float64, order="C")
     return array if array.flags.aligned else array.copy()
 
