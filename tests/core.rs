@@ -241,15 +241,17 @@ fn arrays_that_do_not_fit_are_refused() {
     assert_eq!(error.to_string(), "planes has 0 planes; it needs 1 of 3 samples");
 }
 
+const ONE_JOINT: Drivelines<'static> = Drivelines {
+    bends: &[0.1],
+    twists: &[],
+    phases: &[],
+    directions: &[1.0; 6],
+    normals: &[0.0; 3],
+};
+
 #[test]
 fn what_does_not_fill_the_samples_is_named() {
-    let lines = Drivelines {
-        bends: &[0.1],
-        twists: &[],
-        phases: &[],
-        directions: &[1.0; 6],
-        normals: &[0.0; 3],
-    };
+    let lines = ONE_JOINT;
     let plan = plan(1, &[Output::Angle], &[1]);
     let names = ["angle", "torque", "speed", "acceleration", "inertias"];
     for (short, name) in names.into_iter().enumerate() {
@@ -275,13 +277,7 @@ fn what_does_not_fill_the_samples_is_named() {
 
 #[test]
 fn reductions_want_a_number_for_each_row() {
-    let lines = Drivelines {
-        bends: &[0.1],
-        twists: &[],
-        phases: &[],
-        directions: &[1.0; 6],
-        normals: &[0.0; 3],
-    };
+    let lines = ONE_JOINT;
     let reduce = |outputs: &[Output], shape: [usize; 2], planes: &mut [&mut [f64]]| {
         let plan = plan(1, outputs, &[1]);
         let angle = Angles::Array(Source { data: &[0.0; 6], strides: &[3, 1] });
