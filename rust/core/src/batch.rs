@@ -6,19 +6,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use fearless_simd::Level;
 use rayon::prelude::*;
 
-use crate::block::{Block, CHUNK, Deliver, Shared, Target};
+use crate::block::{Block, CHUNK, Deliver, SHORT_CHUNK, Shared, Target};
 use crate::count::{self, Counted};
 use crate::error::{Error, Result};
 use crate::fold::Folded;
 use crate::geometry::{Geometry, Vector};
 use crate::kernel::Number;
 use crate::level::compiled_for;
+use crate::long_sweep::LongSweep;
 use crate::pair::Pair;
 use crate::plan::Plan;
 use crate::real::Word;
 use crate::reduction::Reduction;
 use crate::samples::{Angles, Drivelines, Geometries, Load, Samples, Source, Table};
-use crate::sweep::Group;
 
 /// Samples per block of a threaded run, at most: some 20 µs of work. A multiple of the chunk.
 const BLOCK: usize = 16 * CHUNK;
@@ -191,7 +191,7 @@ impl Plan {
 
 /// The first driveline folded.
 fn folded<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
-    let mut folded = Folded::new(plan, 1, false);
+    let mut folded = Folded::new(plan, 1, false, T::DOUBLED);
     compiled_for!(Level::new(), folded.fold(plan, lines, 1, |_| 0));
     folded
 }
@@ -230,8 +230,8 @@ impl Plan {
         let mut plane = vec![[0.0]; self.planes];
         let mut planes: Vec<&mut [f64]> = plane.iter_mut().map(|word| &mut word[..]).collect();
         let level = Level::new();
-        let shared =
-            Shared { plan: self, table: &table, level, kept: None, group: None, stop: None };
+        let (plan, table, long_sweep) = (self, &table, &LongSweep::NONE);
+        let shared = Shared { plan, table, level, kept: None, long_sweep, stop: None };
         let mut block = Block::<Counted<TYPE>, f64>::new(&shared, &(0..1), false);
         Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
     }
@@ -273,10 +273,9 @@ impl<'a, 's> Run<'a, 's> {
             return Ok(());
         }
         let size = block_size(total, workers);
-        let group = Block::<T, W>::group(self.plan, self.table, self.level);
-        let group = group.as_ref();
+        let long_sweep = self.long_sweep();
         if size >= total {
-            self.block::<T, W>(group, 0..total, Target::Planes(planes));
+            self.block::<T, W>(&long_sweep, 0..total, Target::Planes(planes));
             return Ok(());
         }
         let mut rests: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
@@ -285,7 +284,7 @@ impl<'a, 's> Run<'a, 's> {
             .collect();
         blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
             let samples = i * size..total.min((i + 1) * size);
-            self.block::<T, W>(group, samples, Target::Planes(&mut block));
+            self.block::<T, W>(&long_sweep, samples, Target::Planes(&mut block));
         });
         Ok(())
     }
@@ -313,7 +312,7 @@ impl<'a, 's> Run<'a, 's> {
         let results = groups.len();
         let mut partials = vec![reduction.start(); rows * parts * results];
         let per_block = rows_per_block * results;
-        let group = Block::<T, f64>::group(self.plan, self.table, self.level);
+        let long_sweep = self.long_sweep();
         let run = |(i, partials): (usize, &mut [Pair])| {
             let samples = if parts > 1 {
                 let (row, part) = (i / parts, i % parts);
@@ -323,7 +322,7 @@ impl<'a, 's> Run<'a, 's> {
                 first * length..(first + partials.len() / results) * length
             };
             self.block::<T, f64>(
-                group.as_ref(),
+                &long_sweep,
                 samples,
                 Target::Reduced(reduction, &groups, partials),
             );
@@ -348,10 +347,14 @@ impl<'a, 's> Run<'a, 's> {
         Ok(())
     }
 
+    fn long_sweep<T: Number>(&self) -> LongSweep<T> {
+        LongSweep::new(self.plan, self.table, SHORT_CHUNK, self.level)
+    }
+
     /// Runs a range of the samples, compiled for the level.
     fn block<T: Deliver<W>, W: Word>(
         &self,
-        group: Option<&Group<T>>,
+        long_sweep: &LongSweep<T>,
         samples: Range<usize>,
         mut target: Target<'_, '_, W>,
     ) {
@@ -359,13 +362,16 @@ impl<'a, 's> Run<'a, 's> {
             return;
         }
         let one = self.table.geometries() == Geometries::One;
-        let kept = self.constants.and_then(T::kept).filter(|_| one);
+        let kept = self
+            .constants
+            .and_then(T::kept)
+            .filter(|_| one && (T::DOUBLED || long_sweep.twice.is_none()));
         let spare = match &mut target {
             Target::Planes(planes) => T::direct(planes).is_none(),
             Target::Reduced(..) => true,
         };
         let (plan, table, level, stop) = (self.plan, self.table, self.level, self.stop);
-        let shared = Shared { plan, table, level, kept, group, stop };
+        let shared = Shared { plan, table, level, kept, long_sweep, stop };
         let mut block = Block::<T, W>::new(&shared, &samples, spare);
         block.run(samples, &mut target);
     }

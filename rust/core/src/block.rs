@@ -5,32 +5,33 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::{Constants, Kept};
-use crate::chunk::{self, Scratch};
+use crate::chunk;
 use crate::count::Counted;
 use crate::extremes;
 use crate::fold::{Folded, Seen};
 use crate::kernel::Number;
 use crate::level::{Level, compiled_for};
+use crate::long_sweep::{self, LongSweep};
 use crate::pair::Pair;
 use crate::pins::Drive;
 use crate::plan::Plan;
 use crate::real::Word;
 use crate::reduction::Reduction;
 use crate::samples::{ANGLE, Geometries, TORQUE, Table};
-use crate::sweep::Group;
+use crate::scratch::{Scratch, Way};
 
 /// Samples per chunk: what is kept of so many stays in the first-level cache, or nearly.
 pub(crate) const CHUNK: usize = 1024;
 
 /// Samples per chunk with a load, which keeps more of each, and the most in a group of a sweep: those do
 /// not depend on the load.
-const SHORT_CHUNK: usize = CHUNK / 2;
+pub(crate) const SHORT_CHUNK: usize = CHUNK / 2;
+
+/// Samples per chunk of a long sweep that goes by groups and keeps nothing of its samples.
+const LONG_CHUNK: usize = 16 * CHUNK;
 
 /// Rows whose drivelines are folded together.
 const GROUP: usize = 64;
-
-/// The longest period of a sweep that is kept and repeated.
-const REPEATED: usize = 8 * CHUNK;
 
 /// A number type and the words that its results are delivered in.
 pub(crate) trait Deliver<W: Word>: Number {
@@ -99,8 +100,7 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) level: Level,
     /// The only driveline, folded before.
     pub(crate) kept: Option<&'a Folded<T>>,
-    /// How to find the pins of a long sweep.
-    pub(crate) group: Option<&'a Group<T>>,
+    pub(crate) long_sweep: &'a LongSweep<T>,
     /// Whether to leave out the rest.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
@@ -110,7 +110,7 @@ pub(crate) struct Block<'a, 's, T: Deliver<W>, W: Word> {
     plan: &'a Plan,
     table: &'a Table<'s>,
     level: Level,
-    group: Option<&'a Group<T>>,
+    long_sweep: &'a LongSweep<T>,
     stop: Option<&'a AtomicBool>,
     /// The only driveline, or those of these rows, or of the samples of one chunk.
     folded: Cow<'a, Folded<T>>,
@@ -136,21 +136,23 @@ struct Part {
 }
 
 impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
-    /// A group of samples for a sweep whose rows are long enough and do not just repeat themselves.
-    pub(crate) fn group(plan: &Plan, table: &Table<'_>, level: Level) -> Option<Group<T>> {
-        let sweep = table.sweep?;
-        // A sum depends on its middle in the last bit, and a repeated period on where its block begins.
-        if sweep.period(plan.needs_sense()).is_some_and(|period| period <= REPEATED) {
-            return None;
-        }
-        let group = compiled_for!(level, Group::new(&sweep, table.row_length(), SHORT_CHUNK));
-        group.filter(|_| plan.needs_poses() || plan.moving().next().is_some())
-    }
-
     pub(crate) fn new(shared: &Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
-        let Shared { plan, table, level, kept, group, stop } = *shared;
+        let Shared { plan, table, level, kept, long_sweep, stop } = *shared;
         let row_length = table.row_length();
-        let chunk_length = if plan.load.is_some() { SHORT_CHUNK } else { CHUNK };
+        let way = match long_sweep.twice {
+            _ if T::DOUBLED => Way::Twice,
+            Some(_) => Way::Rotations,
+            None => Way::Pins,
+        };
+        let chunk_length = if plan.load.is_some() {
+            SHORT_CHUNK
+        } else if way == Way::Rotations && plan.moderate && !plan.needs_poses() && !spare {
+            LONG_CHUNK
+        } else if T::LOW {
+            2 * CHUNK
+        } else {
+            CHUNK
+        };
         let longest = chunk_length.min(row_length);
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let room = || {
@@ -159,18 +161,18 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
                 Geometries::ByRow => (GROUP.min(rows), false),
                 Geometries::BySample => (longest, true),
             };
-            Cow::Owned(Folded::new(plan, lines, by_sample))
+            Cow::Owned(Folded::new(plan, lines, by_sample, way != Way::Pins))
         };
         Self {
             plan,
             table,
             level,
-            group,
+            long_sweep,
             stop,
             folded: kept.map_or_else(room, Cow::Borrowed),
             rows: 0..0,
             chunk_length,
-            scratch: Scratch::new(plan, table, longest),
+            scratch: Scratch::new(plan, table, longest, way),
             spare: if spare {
                 vec![vec![T::Plane::default(); longest]; plan.planes]
             } else {
@@ -253,7 +255,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
             None => end,
         };
         if stop < end {
-            self.scratch.keep_errors(stop - start);
+            self.scratch.keep_errors(self.plan, stop - start);
         }
         if let Target::Reduced(reduction, ..) = target
             && let Some(picked) = self.extremes(part.row, start..stop, *reduction)
@@ -284,10 +286,10 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
 
     /// After how many samples the results of a row repeat themselves, if they are to be repeated.
     fn period(&self, part: &Part, target: &Target<'_, '_, W>) -> Option<usize> {
-        let period = self.table.sweep?.period(self.plan.needs_sense())?;
+        let period = long_sweep::repeated(self.plan, self.table)?;
         let steady = self.scratch.cursors.iter().skip(1).all(|&(_, step)| step == 0);
         let one = self.table.geometries() != Geometries::BySample;
-        let repeats = steady && one && period <= REPEATED && 2 * period <= part.samples.len();
+        let repeats = steady && one && 2 * period <= part.samples.len();
         match target {
             Target::Planes(_) => repeats.then_some(period),
             // Whole periods of what repeats are as good as one that counts as often.
@@ -329,7 +331,8 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
         target: &mut Target<'_, '_, W>,
     ) {
         let loads = self.loads();
-        let Self { plan, table, level, scratch, .. } = self;
+        let Self { plan, table, level, long_sweep, scratch, .. } = self;
+        let rotations = long_sweep.twice.as_ref();
         let level = *level;
         let size = samples.len();
         let (origin, step) = scratch.cursors[ANGLE];
@@ -359,11 +362,12 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
         let place = picked.is_none().then_some((begin, step, size));
         let [pinned, doubled] = chunk::ways(plan, folded, seen);
         if pinned && (place.is_none() || self.pins != place) {
-            compiled_for!(level, chunk::find_pins(plan, drive, self.group, scratch, size));
+            let group = long_sweep.pins.as_ref();
+            compiled_for!(level, chunk::find_pins(plan, drive, group, scratch, size));
             self.pins = place;
         }
         if doubled && (place.is_none() || self.twice != place) {
-            compiled_for!(level, chunk::find_twice(drive, scratch, size));
+            compiled_for!(level, chunk::find_twice(drive, rotations, scratch, size));
             self.twice = place;
         }
         // Picked samples have no place in the row: they are reduced at once.
@@ -380,7 +384,9 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
         };
         compiled_for!(
             level,
-            chunk::run_motion(plan, drive, folded, seen, scratch, &mut views, size, kept_from)
+            chunk::run_motion(
+                plan, drive, rotations, folded, seen, scratch, &mut views, size, kept_from
+            )
         );
         if let Some(load) = &plan.load {
             for index in loads {

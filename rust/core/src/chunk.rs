@@ -1,78 +1,18 @@
 //! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
 
 use crate::atan::AtanRange;
-use crate::column::{Column, View, ViewMut, columns, views, views_mut};
+use crate::column::{Column, View, ViewMut, views, views_mut};
 use crate::fold::{Folded, Seen};
-use crate::kernel::{self, AfterArray, Number, Swing};
+use crate::kernel::{self, Number, Swing};
 use crate::moment::Pose;
-use crate::pins::{self, Drive, Line, Pins, Sense, Twice};
+use crate::out::{AfterArray, AfterSteps, AfterSweep};
+use crate::pins::{self, Drive, Line, Pins, Sense, Source, Twice};
 use crate::plan::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::real::Word;
+use crate::rotations::{Rotations, Swept};
 use crate::samples::{ACCELERATION, Drivelines, SPEED, TORQUE, Table};
+use crate::scratch::Scratch;
 use crate::sweep::Group;
-
-/// The buffers of one block, each as long as its longest chunk.
-pub(crate) struct Scratch<T: Number> {
-    /// Where the current row begins in each column of the table, and its step.
-    pub(crate) cursors: Vec<(usize, usize)>,
-    /// The load's columns at the current chunk.
-    pub(crate) gathered: Vec<Vec<f64>>,
-    pins: [Column<T>; 2],
-    twice: [Column<T>; 2],
-    turned: [Column<T>; 2],
-    /// Speed ratio and acceleration ratio of each shaft that the load needs.
-    rates: Vec<[Column<T>; 2]>,
-    power: Column<T>,
-    torsion: Column<T>,
-    parts: [Column<T>; 3],
-    /// The first part of the support moment of the shaft that the load has come to.
-    support: [Column<T>; 3],
-    /// Angle errors of a chunk or a whole period, for each shaft whose angle is wanted, if they are.
-    errors: Vec<Column<T>>,
-}
-
-impl<T: Number> Scratch<T> {
-    pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize) -> Self {
-        let size = |needed: bool| if needed { longest } else { 0 };
-        let rates = (0..=plan.joint_count).map(|shaft| {
-            let kept = plan.shafts.iter().find(|step| step.shaft == shaft);
-            [
-                Column::new(size(kept.is_some_and(|step| step.keep_ratio))),
-                Column::new(size(kept.is_some_and(|step| step.keep_acceleration))),
-            ]
-        });
-        let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let pinned = !T::DOUBLED || steep || plan.needs_poses();
-        let loaded = plan.load.is_some();
-        let moments = plan.joints.iter().any(JointStep::needs_torsion);
-        let supports = plan.joints.iter().any(JointStep::needs_support);
-        Self {
-            cursors: vec![(0, 0); table.columns.len()],
-            gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
-            pins: columns(size(pinned)),
-            twice: columns(size(T::DOUBLED)),
-            turned: columns(size(pinned && plan.moving().any(|step| step.shaft > 1))),
-            rates: rates.collect(),
-            power: Column::new(size(loaded)),
-            torsion: Column::new(size(moments)),
-            parts: columns(size(supports)),
-            support: columns(size(supports)),
-            errors: plan
-                .shafts
-                .iter()
-                .filter(|step| step.angle.is_some() && table.sweep.is_some())
-                .map(|_| Column::new(longest))
-                .collect(),
-        }
-    }
-
-    /// Makes room for the angle errors of so many samples: of a period that is to be repeated.
-    pub(crate) fn keep_errors(&mut self, period: usize) {
-        for errors in &mut self.errors {
-            *errors = Column::new(period);
-        }
-    }
-}
 
 /// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all
 /// samples share, so that they stay in registers, and once for constants of their own.
@@ -111,11 +51,33 @@ pub(crate) fn find_pins<T: Number>(
     }
 }
 
-/// Those of twice the drive angle.
+/// Those of twice the drive angle, or the groups that stand for them.
 #[inline(always)]
-pub(crate) fn find_twice<T: Number>(drive: Drive<'_>, scratch: &mut Scratch<T>, size: usize) {
-    let [sine, cosine] = views_mut(&mut scratch.twice, 0, size);
-    pins::find::<Twice, T>(drive, false, sine, cosine);
+pub(crate) fn find_twice<T: Number>(
+    drive: Drive<'_>,
+    rotations: Option<&Rotations<T>>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    let [sine, cosine] = &mut scratch.twice;
+    let (sine, cosine) = (sine.window_mut(0, size), cosine.window_mut(0, size));
+    let Some(rotations) = rotations else {
+        return pins::find::<Twice, T>(drive, false, sine, cosine);
+    };
+    let groups = &mut scratch.groups;
+    groups.clear();
+    match drive {
+        Drive::Sweep(sweep, first) => rotations.group(sweep, first, size, 0, groups),
+        Drive::Picked(sweep, samples) => {
+            for (i, &sample) in samples.iter().enumerate() {
+                rotations.group(sweep, sample as usize, 1, i, groups);
+            }
+        }
+        Drive::Array(_) => {}
+    }
+    if T::LOW {
+        rotations.twice(groups, sine, cosine);
+    }
 }
 
 /// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
@@ -123,7 +85,7 @@ pub(crate) fn find_twice<T: Number>(drive: Drive<'_>, scratch: &mut Scratch<T>, 
 pub(crate) fn ways<T: Number>(plan: &Plan, folded: &Folded<T>, seen: Seen) -> [bool; 2] {
     let mut ways = [plan.needs_poses(), false];
     for folded in plan.moving().filter_map(|step| folded.shafts[step.shaft].as_ref()) {
-        ways[usize::from(T::DOUBLED && folded.range(seen).is_moderate())] = true;
+        ways[usize::from(folded.is_doubled() && folded.range(seen).is_moderate())] = true;
     }
     ways
 }
@@ -134,6 +96,7 @@ pub(crate) fn ways<T: Number>(plan: &Plan, folded: &Folded<T>, seen: Seen) -> [b
 pub(crate) fn run_motion<T: Number, W: Word>(
     plan: &Plan,
     drive: Drive<'_>,
+    rotations: Option<&Rotations<T>>,
     folded: &Folded<T>,
     seen: Seen,
     scratch: &mut Scratch<T>,
@@ -141,7 +104,7 @@ pub(crate) fn run_motion<T: Number, W: Word>(
     size: usize,
     kept_from: usize,
 ) {
-    let Scratch { pins, twice, turned, rates, errors, .. } = scratch;
+    let Scratch { pins, twice, groups, turned, rates, errors, .. } = scratch;
     let pins = pins_of(pins, size);
     let twice = pins_of(twice, size);
     let mut errors = errors.iter_mut();
@@ -156,7 +119,7 @@ pub(crate) fn run_motion<T: Number, W: Word>(
             continue;
         };
         let range = shaft.range(seen);
-        if !(T::DOUBLED && range.is_moderate()) {
+        if !(shaft.is_doubled() && range.is_moderate()) {
             let equivalents = shaft.equivalents(seen, size);
             with_constants!(seen, |i| equivalents.get(i), at => {
                 let mut pins = pins;
@@ -171,11 +134,18 @@ pub(crate) fn run_motion<T: Number, W: Word>(
             continue;
         }
         let ripples = shaft.ripples(seen, size);
+        if let (false, Some(rotations), Seen::One(index)) = (T::LOW, rotations, seen) {
+            let ripple = ripples.get(index);
+            let swept = Swept::new(rotations, groups, ripple.q);
+            let at = |_| ripple.with_parts::<0>();
+            run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
+            continue;
+        }
         if !T::DOUBLED {
             continue;
         }
         if step.shaft == 1 {
-            with_constants!(seen, |i| ripples.get(i).unturned(), at => {
+            with_constants!(seen, |i| ripples.get(i).with_parts::<1>(), at => {
                 run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
             });
         } else {
@@ -249,12 +219,12 @@ fn run_drive_shaft<T: Number, W: Word>(
 /// reads as well goes by way of a buffer.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
-fn run_shaft<T: Number, W: Word, S: Swing<T>>(
+fn run_shaft<T: Number, W: Word, S: Swing<T>, P: Source<T>>(
     step: &ShaftStep,
     range: AtanRange,
     at: impl Fn(usize) -> S + Copy,
     drive: Drive<'_>,
-    pins: Pins<'_, T>,
+    pins: P,
     [ratio, acceleration]: [&mut Column<T>; 2],
     mut errors: ViewMut<'_, T>,
     planes: &mut [&mut [W]],
@@ -268,29 +238,47 @@ fn run_shaft<T: Number, W: Word, S: Swing<T>>(
         let rates: [&mut [W]; 2] = [ratio, acceleration];
         match drive {
             _ if step.angle.is_none() => {
-                kernel::motion::<T, S>(range, at, pins, &mut **rotation, rates);
+                kernel::motion(range, at, pins, &mut **rotation, rates);
             }
             Drive::Array(angle) => {
                 let out = AfterArray(&angle[..size], rotation);
-                kernel::motion::<T, S>(range, at, pins, out, rates);
+                kernel::motion(range, at, pins, out, rates);
+            }
+            Drive::Sweep(sweep, first) if P::SWEPT => {
+                let out = AfterSteps::new(sweep, first, pins.turns(), rotation);
+                kernel::motion(range, at, pins, out, rates);
+            }
+            Drive::Sweep(sweep, first) if errors.is_empty() => {
+                let out = AfterSweep(sweep, first, rotation);
+                kernel::motion(range, at, pins, out, rates);
             }
             _ => {
-                kernel::motion::<T, S>(range, at, pins, errors.again(), rates);
+                kernel::motion(range, at, pins, errors.again(), rates);
                 kernel::add_drive(drive, errors.view(), rotation);
             }
         }
         return;
     }
     if let Some(plane) = step.angle_error {
-        kernel::angle_error::<T, S>(range, at, pins, &mut *planes[plane]);
+        kernel::angle_error(range, at, pins, &mut *planes[plane]);
     }
     if let Some(plane) = step.angle {
         let out = &mut *planes[plane];
-        if let Drive::Array(angle) = drive {
-            kernel::angle_error::<T, S>(range, at, pins, AfterArray(&angle[..size], out));
-        } else {
-            kernel::angle_error(range, at, pins, errors.again());
-            kernel::add_drive(drive, errors.view(), out);
+        match drive {
+            Drive::Array(angle) => {
+                kernel::angle_error(range, at, pins, AfterArray(&angle[..size], out));
+            }
+            Drive::Sweep(sweep, first) if P::SWEPT => {
+                let out = AfterSteps::new(sweep, first, pins.turns(), out);
+                kernel::angle_error(range, at, pins, out);
+            }
+            Drive::Sweep(sweep, first) if errors.is_empty() => {
+                kernel::angle_error(range, at, pins, AfterSweep(sweep, first, out));
+            }
+            _ => {
+                kernel::angle_error(range, at, pins, errors.again());
+                kernel::add_drive(drive, errors.view(), out);
+            }
         }
     }
     let mut wanted = (step.speed_ratio, step.acceleration_ratio);
@@ -308,15 +296,15 @@ fn run_shaft<T: Number, W: Word, S: Swing<T>>(
         kernel::copy::<T>(ratio.view(size), &mut *planes[plane]);
     }
     match wanted {
-        (Some(ratio), None) => kernel::speed_ratio::<T, S>(at, pins, &mut *planes[ratio]),
+        (Some(ratio), None) => kernel::speed_ratio(at, pins, &mut *planes[ratio]),
         (None, Some(acceleration)) => {
-            kernel::acceleration_ratio::<T, S>(at, pins, &mut *planes[acceleration]);
+            kernel::acceleration_ratio(at, pins, &mut *planes[acceleration]);
         }
         (Some(ratio), Some(acceleration)) => {
             let [ratio, acceleration] = planes
                 .get_disjoint_mut([ratio, acceleration])
                 .expect("a plan gives every output planes of its own");
-            kernel::rates::<T, S>(at, pins, &mut **ratio, &mut **acceleration);
+            kernel::rates(at, pins, &mut **ratio, &mut **acceleration);
         }
         (None, None) => {}
     }
@@ -499,7 +487,7 @@ fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> 
 impl Plan {
     /// Terms of vectors that vanish all over the first driveline, because of where it lies.
     pub(crate) fn vanishing(&self, lines: &Drivelines<'_>) -> Vec<String> {
-        let mut folded = Folded::<f64>::new(self, 1, false);
+        let mut folded = Folded::<f64>::new(self, 1, false, false);
         folded.fold(self, lines, 1, |_| 0);
         let mut vanishing = vec![];
         for (j, step) in self.joints.iter().enumerate() {

@@ -40,6 +40,10 @@ impl<T: Real> Column<T> {
         self.length == 0
     }
 
+    pub(crate) fn len(&self) -> usize {
+        self.length
+    }
+
     /// How far behind the first high word the first low word lies.
     fn low_after(length: usize) -> usize {
         let line = LINE / size_of::<T::Word>();
@@ -109,7 +113,7 @@ pub(crate) fn views<T: Real, const N: usize>(
     columns: &[Column<T>; N],
     length: usize,
 ) -> [View<'_, T>; N] {
-    let mut views = [View { high: &[], low: &[] }; N];
+    let mut views = [View::EMPTY; N];
     for (view, column) in views.iter_mut().zip(columns) {
         *view = column.view(length).cut(length);
     }
@@ -143,11 +147,20 @@ pub(crate) struct View<'a, T: Real> {
     low: &'a [T::Word],
 }
 
-impl<T: Real> View<'_, T> {
+impl<'a, T: Real> View<'a, T> {
+    pub(crate) const EMPTY: Self = Self { high: &[], low: &[] };
+
     /// The first numbers: loops cut what they read to the length of what they write.
     #[inline(always)]
     pub(crate) fn cut(self, length: usize) -> Self {
         Self { high: &self.high[..length], low: &self.low[low::<T>(0..length)] }
+    }
+
+    /// A part of it.
+    #[inline(always)]
+    pub(crate) fn part(self, start: usize, length: usize) -> View<'a, T> {
+        let low = low::<T>(start..start + length);
+        View { high: &self.high[start..start + length], low: &self.low[low] }
     }
 
     #[inline(always)]
@@ -205,6 +218,24 @@ impl<T: Real> ViewMut<'_, T> {
         if T::LOW {
             self.low[i] = low;
         }
+    }
+
+    /// Only the high word; the low one is left as it is.
+    #[inline(always)]
+    pub(crate) fn set_high(&mut self, i: usize, number: T) {
+        let [high, _] = number.words();
+        self.high[i] = high;
+    }
+
+    /// The high word by itself.
+    #[inline(always)]
+    pub(crate) fn get_high(&self, i: usize) -> T {
+        T::from_words(self.high[i], T::Word::default())
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.high.is_empty()
     }
 
     #[inline(always)]

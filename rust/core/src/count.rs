@@ -106,6 +106,10 @@ impl<const TYPE: usize> Real for Counted<TYPE> {
         Self::after_operations(self.0 / divisor.0, [3, 3, 4])
     }
 
+    fn both_over(a: Self, b: Self, divisor: Self) -> [Self; 2] {
+        [Self::after_operations(a.0 / divisor.0, [2, 2, 11]), Self(b.0 / divisor.0)]
+    }
+
     fn sqrt(self) -> Self {
         Self::after_operations(self.0.sqrt(), [1, 1, 5])
     }

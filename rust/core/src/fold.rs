@@ -32,22 +32,22 @@ pub(crate) struct Folded<T: Angle> {
     turns: Turns,
 }
 
-/// The constants of one shaft, one set per driveline: an equivalent joint, or what number types that
-/// go by twice the drive angle need as long as bends are moderate.
+/// The constants of one shaft, one set per driveline: an equivalent joint, or what goes by twice the drive
+/// angle as long as bends are moderate.
 #[derive(Clone, Debug)]
 pub(crate) struct FoldedShaft<T: Angle> {
     /// The largest tangents in reach.
     bound: AtanRange,
-    ripples: [Column<T>; 4],
+    ripples: [Column<T>; 5],
     equivalents: [Column<T>; 7],
 }
 
 impl<T: Angle> FoldedShaft<T> {
     /// Room for so many; a geometry `by_sample` goes one way at all samples.
-    fn new(bound: AtanRange, length: usize, by_sample: bool) -> Self {
+    fn new(bound: AtanRange, length: usize, by_sample: bool, doubled: bool) -> Self {
         let moderate = bound.is_moderate();
-        let doubled = T::DOUBLED && (moderate || !by_sample);
-        let steep = !T::DOUBLED || !moderate;
+        let steep = !doubled || !moderate;
+        let doubled = doubled && (moderate || !by_sample);
         let size = |needed: bool| if needed { length } else { 0 };
         Self { bound, ripples: columns(size(doubled)), equivalents: columns(size(steep)) }
     }
@@ -56,7 +56,7 @@ impl<T: Angle> FoldedShaft<T> {
     #[inline(always)]
     pub(crate) fn range(&self, seen: Seen) -> AtanRange {
         match seen {
-            Seen::One(index) if T::DOUBLED => {
+            Seen::One(index) if self.is_doubled() => {
                 self.ripples(seen, 0).get(index).range().min(self.bound)
             }
             Seen::One(index) => self.equivalents(seen, 0).get(index).0.range(),
@@ -64,10 +64,16 @@ impl<T: Angle> FoldedShaft<T> {
         }
     }
 
+    /// Whether moderate bends go by twice the drive angle.
+    #[inline(always)]
+    pub(crate) fn is_doubled(&self) -> bool {
+        !self.ripples[0].is_empty()
+    }
+
     /// What the extremes of one of them need.
     pub(crate) fn crest(&self, index: usize) -> Crest {
         let seen = Seen::One(index);
-        if T::DOUBLED {
+        if self.is_doubled() {
             let [re, im]: [f64; 2] = self.ripples(seen, 0).get(index).q.map(|x| x.value().into());
             return Crest { twice_offset: -im.atan2(re), k: re.hypot(im) };
         }
@@ -111,9 +117,10 @@ impl<T: Angle> FoldedShaft<T> {
         L: Lane<Ripple<Pair>> + Lane<Equivalent<Pair>>,
     {
         if !self.ripples[0].is_empty() {
-            let [re, im, mean, complement] = views_mut(&mut self.ripples, start, length);
+            let [re, im, mean, complement, gain] = views_mut(&mut self.ripples, start, length);
             let (mut re, mut im) = (re.cut(length), im.cut(length));
             let (mut mean, mut complement) = (mean.cut(length), complement.cut(length));
+            let mut gain = gain.cut(length);
             for i in 0..length {
                 let ripple: Ripple<Pair> = source.at(i);
                 let ripple = Ripple::<T>::nearest(&ripple);
@@ -121,6 +128,7 @@ impl<T: Angle> FoldedShaft<T> {
                 im.set(i, ripple.q[1]);
                 mean.set(i, ripple.mean);
                 complement.set(i, ripple.complement);
+                gain.set(i, ripple.gain);
             }
         }
         if self.equivalents[0].is_empty() {
@@ -168,13 +176,13 @@ impl Seen {
 
 /// A run of constants by twice the drive angle to read.
 #[derive(Clone, Copy)]
-pub(crate) struct Ripples<'a, T: Real>([View<'a, T>; 4]);
+pub(crate) struct Ripples<'a, T: Real>([View<'a, T>; 5]);
 
 impl<T: Real> Ripples<'_, T> {
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> Ripple<T> {
-        let [re, im, mean, complement] = self.0.each_ref().map(|view| view.get(i));
-        Ripple { q: [re, im], mean, complement }
+        let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
+        Ripple { q: [re, im], mean, complement, gain }
     }
 }
 
@@ -357,14 +365,15 @@ impl Turns {
 }
 
 impl<T: Angle> Folded<T> {
-    /// Room for a run of so many drivelines, of different rows or of different samples.
-    pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool) -> Self {
+    /// Room for a run of so many drivelines, of different rows or of different samples; moderate bends
+    /// may go by twice the drive angle.
+    pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool, doubled: bool) -> Self {
         let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
         let (maps, turns) = (Maps::new(lanes), Turns(columns(lanes)));
         let mut shafts: Vec<_> = (0..=plan.joint_count).map(|_| None).collect();
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);
-            shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample));
+            shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample, doubled));
         }
         Self { shafts, poses: vec![vec![]; plan.joint_count], maps, turns }
     }
@@ -434,7 +443,7 @@ impl<T: Angle> Folded<T> {
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                if shaft.bound.is_moderate() && !T::DOUBLED {
+                if shaft.bound.is_moderate() && !shaft.is_doubled() {
                     shaft.set_moderate(start, bends);
                 } else {
                     shaft.set(start, length, &First(bends));

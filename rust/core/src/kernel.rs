@@ -17,8 +17,9 @@ use crate::atan::{Atan, AtanRange};
 use crate::column::{View, ViewMut};
 use crate::joint;
 use crate::moment::{self, Parts, Pose};
+use crate::out::Out;
 use crate::pair::Pair;
-use crate::pins::{Drive, Pins, number};
+use crate::pins::{Drive, Part, Pins, Source, number};
 use crate::real::{Real, Word};
 use crate::ripple::Ripple;
 use crate::trig::Angle;
@@ -26,73 +27,6 @@ use crate::trig::Angle;
 /// What a number type needs for kernels.
 pub(crate) trait Number: Angle + Atan {}
 impl<T: Angle + Atan> Number for T {}
-
-/// Where a loop puts its results: a column of numbers, or words of a plane.
-pub(crate) trait Out<T> {
-    /// How many there are.
-    fn room(&self) -> usize;
-
-    /// The first ones.
-    #[must_use]
-    fn cut(self, length: usize) -> Self;
-
-    /// Puts result `i`.
-    fn put(&mut self, i: usize, number: T);
-}
-
-impl<T: Real> Out<T> for ViewMut<'_, T> {
-    #[inline(always)]
-    fn room(&self) -> usize {
-        self.len()
-    }
-
-    #[inline(always)]
-    fn cut(self, length: usize) -> Self {
-        self.cut(length)
-    }
-
-    #[inline(always)]
-    fn put(&mut self, i: usize, number: T) {
-        self.set(i, number);
-    }
-}
-
-impl<T: Real, W: Word> Out<T> for &mut [W] {
-    #[inline(always)]
-    fn room(&self) -> usize {
-        self.len()
-    }
-
-    #[inline(always)]
-    fn cut(self, length: usize) -> Self {
-        &mut self[..length]
-    }
-
-    #[inline(always)]
-    fn put(&mut self, i: usize, number: T) {
-        self[i] = W::near(number.value().into());
-    }
-}
-
-/// Takes angle errors and puts angles: drive angle plus error.
-pub(crate) struct AfterArray<'a, 'b, W>(pub(crate) &'a [f64], pub(crate) &'b mut [W]);
-
-impl<T: Number, W: Word> Out<T> for AfterArray<'_, '_, W> {
-    #[inline(always)]
-    fn room(&self) -> usize {
-        self.1.len()
-    }
-
-    #[inline(always)]
-    fn cut(self, length: usize) -> Self {
-        Self(&self.0[..length], &mut self.1[..length])
-    }
-
-    #[inline(always)]
-    fn put(&mut self, i: usize, error: T) {
-        self.1[i] = error.after(Pair::exact(self.0[i]));
-    }
-}
 
 /// The drive angle plus an angle error.
 #[inline(always)]
@@ -177,7 +111,7 @@ impl<T: Angle> Swing<T> for joint::Constants<T> {
 }
 
 /// From twice the drive angle.
-impl<T: Angle, const TURNED: bool> Swing<T> for Ripple<T, TURNED> {
+impl<T: Angle, const PARTS: usize> Swing<T> for Ripple<T, PARTS> {
     const MODERATE: bool = true;
     const STEEP: bool = false;
 
@@ -209,7 +143,7 @@ impl<T: Angle, const TURNED: bool> Swing<T> for Ripple<T, TURNED> {
 pub(crate) fn angle_error<T: Number, S: Swing<T>>(
     range: AtanRange,
     at: impl Fn(usize) -> S,
-    pins: Pins<'_, T>,
+    pins: impl Source<T>,
     out: impl Out<T>,
 ) {
     let tangent = S::error_tangent;
@@ -234,14 +168,16 @@ fn error_by<T: Number, S: Swing<T>>(
     tangent: impl Fn(&S, T, T) -> (T, T),
     atan: impl Fn(T, T) -> T,
     at: impl Fn(usize) -> S,
-    pins: Pins<'_, T>,
-    out: impl Out<T>,
+    pins: impl Source<T>,
+    mut out: impl Out<T>,
 ) {
-    let mut out = out.cut(pins.len());
-    for i in 0..pins.len() {
-        let (s, c) = pins.get(i);
-        let (y, x) = tangent(&at(i), s, c);
-        out.put(i, atan(y, x));
+    for (start, pins) in pins.parts() {
+        let mut out = out.part(start, pins.len());
+        for i in 0..pins.len() {
+            let (s, c) = pins.get(i);
+            let (y, x) = tangent(&at(start + i), s, c);
+            out.put(i, atan(y, x));
+        }
     }
 }
 
@@ -251,7 +187,7 @@ fn error_by<T: Number, S: Swing<T>>(
 pub(crate) fn motion<T: Number, S: Swing<T>>(
     range: AtanRange,
     at: impl Fn(usize) -> S,
-    pins: Pins<'_, T>,
+    pins: impl Source<T>,
     rotations: impl Out<T>,
     rates: [impl Out<T>; 2],
 ) {
@@ -266,18 +202,22 @@ pub(crate) fn motion<T: Number, S: Swing<T>>(
 fn motion_by<T: Number, S: Swing<T>>(
     atan: impl Fn(T, T) -> T,
     at: impl Fn(usize) -> S,
-    pins: Pins<'_, T>,
-    rotations: impl Out<T>,
-    rates: [impl Out<T>; 2],
+    pins: impl Source<T>,
+    mut rotations: impl Out<T>,
+    [mut ratios, mut accelerations]: [impl Out<T>; 2],
 ) {
-    let (mut rotations, [ratios, accelerations]) = (rotations.cut(pins.len()), rates);
-    let (mut ratios, mut accelerations) = (ratios.cut(pins.len()), accelerations.cut(pins.len()));
-    for i in 0..pins.len() {
-        let (s, c) = pins.get(i);
-        let ((y, x), (ratio, acceleration)) = at(i).motion(s, c);
-        rotations.put(i, atan(y, x));
-        ratios.put(i, ratio);
-        accelerations.put(i, acceleration);
+    for (start, pins) in pins.parts() {
+        let length = pins.len();
+        let mut rotations = rotations.part(start, length);
+        let mut ratios = ratios.part(start, length);
+        let mut accelerations = accelerations.part(start, length);
+        for i in 0..length {
+            let (s, c) = pins.get(i);
+            let ((y, x), (ratio, acceleration)) = at(start + i).motion(s, c);
+            rotations.put(i, atan(y, x));
+            ratios.put(i, ratio);
+            accelerations.put(i, acceleration);
+        }
     }
 }
 
@@ -285,13 +225,15 @@ fn motion_by<T: Number, S: Swing<T>>(
 #[inline(always)]
 pub(crate) fn speed_ratio<T: Real, S: Swing<T>>(
     at: impl Fn(usize) -> S,
-    pins: Pins<'_, T>,
-    out: impl Out<T>,
+    pins: impl Source<T>,
+    mut out: impl Out<T>,
 ) {
-    let mut out = out.cut(pins.len());
-    for i in 0..pins.len() {
-        let (s, c) = pins.get(i);
-        out.put(i, at(i).rates(s, c).0);
+    for (start, pins) in pins.parts() {
+        let mut out = out.part(start, pins.len());
+        for i in 0..pins.len() {
+            let (s, c) = pins.get(i);
+            out.put(i, at(start + i).rates(s, c).0);
+        }
     }
 }
 
@@ -299,13 +241,15 @@ pub(crate) fn speed_ratio<T: Real, S: Swing<T>>(
 #[inline(always)]
 pub(crate) fn acceleration_ratio<T: Real, S: Swing<T>>(
     at: impl Fn(usize) -> S,
-    pins: Pins<'_, T>,
-    out: impl Out<T>,
+    pins: impl Source<T>,
+    mut out: impl Out<T>,
 ) {
-    let mut out = out.cut(pins.len());
-    for i in 0..pins.len() {
-        let (s, c) = pins.get(i);
-        out.put(i, at(i).rates(s, c).1);
+    for (start, pins) in pins.parts() {
+        let mut out = out.part(start, pins.len());
+        for i in 0..pins.len() {
+            let (s, c) = pins.get(i);
+            out.put(i, at(start + i).rates(s, c).1);
+        }
     }
 }
 
@@ -313,23 +257,26 @@ pub(crate) fn acceleration_ratio<T: Real, S: Swing<T>>(
 #[inline(always)]
 pub(crate) fn rates<T: Real, S: Swing<T>>(
     at: impl Fn(usize) -> S,
-    pins: Pins<'_, T>,
-    ratios: impl Out<T>,
-    accelerations: impl Out<T>,
+    pins: impl Source<T>,
+    mut ratios: impl Out<T>,
+    mut accelerations: impl Out<T>,
 ) {
-    let (mut ratios, mut accelerations) = (ratios.cut(pins.len()), accelerations.cut(pins.len()));
-    for i in 0..pins.len() {
-        let (s, c) = pins.get(i);
-        let (ratio, acceleration) = at(i).rates(s, c);
-        ratios.put(i, ratio);
-        accelerations.put(i, acceleration);
+    for (start, pins) in pins.parts() {
+        let mut ratios = ratios.part(start, pins.len());
+        let mut accelerations = accelerations.part(start, pins.len());
+        for i in 0..pins.len() {
+            let (s, c) = pins.get(i);
+            let (ratio, acceleration) = at(start + i).rates(s, c);
+            ratios.put(i, ratio);
+            accelerations.put(i, acceleration);
+        }
     }
 }
 
 /// A column to where it is wanted.
 #[inline(always)]
-pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Out<T>) {
-    let mut out = out.cut(column.len());
+pub(crate) fn copy<T: Real>(column: View<'_, T>, mut out: impl Out<T>) {
+    let mut out = out.part(0, column.len());
     for i in 0..column.len() {
         out.put(i, column.get(i));
     }
@@ -360,9 +307,9 @@ pub(crate) fn absorb<T: Real>(
 
 /// Element by element `a / b`.
 #[inline(always)]
-pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Out<T>) {
+pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, mut out: impl Out<T>) {
     let length = a.len();
-    let (b, mut out) = (b.cut(length), out.cut(length));
+    let (b, mut out) = (b.cut(length), out.part(0, length));
     for i in 0..length {
         out.put(i, a.get(i) / b.get(i));
     }
@@ -415,11 +362,11 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     pins: Pins<'_, T>,
     torsion: View<'_, T>,
-    [x, y, z]: [impl Out<T>; 3],
+    [mut x, mut y, mut z]: [impl Out<T>; 3],
 ) {
     let length = pins.len();
     let torsion = torsion.cut(length);
-    let (mut x, mut y, mut z) = (x.cut(length), y.cut(length), z.cut(length));
+    let (mut x, mut y, mut z) = (x.part(0, length), y.part(0, length), z.part(0, length));
     for i in 0..length {
         let (s, c) = pins.get(i);
         let [along_x, along_y, along_z] = at(i).moment::<PLANAR>(torsion.get(i), s, c);
@@ -437,10 +384,10 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
     driving: bool,
     [square, product]: [View<'_, T>; 2],
     before: impl Fn(usize) -> Option<T>,
-    out: impl Out<T>,
+    mut out: impl Out<T>,
 ) {
     let length = square.len();
-    let (product, mut out) = (product.cut(length), out.cut(length));
+    let (product, mut out) = (product.cut(length), out.part(0, length));
     for i in 0..length {
         let numbers = [square.get(i), product.get(i)];
         out.put(i, at(i).support::<PLANAR, COMPONENT>(driving, numbers, before(i)));
@@ -454,9 +401,9 @@ pub(crate) fn size<T: Real>(
     size_of: impl Fn(&Pose<T>, T, T, T) -> T,
     pins: Pins<'_, T>,
     torsion: View<'_, T>,
-    out: impl Out<T>,
+    mut out: impl Out<T>,
 ) {
-    let (torsion, mut out) = (torsion.cut(pins.len()), out.cut(pins.len()));
+    let (torsion, mut out) = (torsion.cut(pins.len()), out.part(0, pins.len()));
     for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         out.put(i, size_of(&at(i), torsion.get(i), s, c));
@@ -469,9 +416,9 @@ pub(crate) fn tilt<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     tilt_of: impl Fn(&Pose<T>, T, T) -> T,
     pins: Pins<'_, T>,
-    out: impl Out<T>,
+    mut out: impl Out<T>,
 ) {
-    let mut out = out.cut(pins.len());
+    let mut out = out.part(0, pins.len());
     for i in 0..pins.len() {
         let (s, c) = pins.get(i);
         out.put(i, tilt_of(&at(i), s, c));
@@ -487,9 +434,9 @@ pub(crate) fn drive_angle<T: Number, W: Word>(drive: Drive<'_>, out: &mut [W]) {
 
 /// A constant, NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, out: impl Out<T>) {
+pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, mut out: impl Out<T>) {
     let length = out.room();
-    let mut out = out.cut(length);
+    let mut out = out.part(0, length);
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..length];

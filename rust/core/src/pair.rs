@@ -77,6 +77,14 @@ impl Pair {
         Self { high: self.high * power, low: self.low * power }
     }
 
+    /// `self/divisor`, given the inverse of the divisor's high word.
+    #[inline(always)]
+    fn divided(self, divisor: Self, inverse: f64) -> Self {
+        let high = self.high * inverse;
+        let rest = (-high).mul_add(divisor.high, self.high) + self.low;
+        Self { high, low: (-high).mul_add(divisor.low, rest) * inverse }
+    }
+
     /// `self + other` where `self` is not the smaller one.
     #[inline(always)]
     #[must_use]
@@ -129,10 +137,7 @@ impl Div for Pair {
 
     #[inline(always)]
     fn div(self, divisor: Self) -> Self {
-        let inverse = 1.0 / divisor.high;
-        let high = self.high * inverse;
-        let rest = (-high).mul_add(divisor.high, self.high) + self.low;
-        Self { high, low: (-high).mul_add(divisor.low, rest) * inverse }
+        self.divided(divisor, 1.0 / divisor.high)
     }
 }
 
@@ -186,6 +191,12 @@ impl Real for Pair {
     #[inline(always)]
     fn over(self, _: Self, inverse: Self) -> Self {
         self * inverse
+    }
+
+    #[inline(always)]
+    fn both_over(a: Self, b: Self, divisor: Self) -> [Self; 2] {
+        let inverse = 1.0 / divisor.high;
+        [a.divided(divisor, inverse), b.divided(divisor, inverse)]
     }
 
     #[inline(always)]

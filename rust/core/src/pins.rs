@@ -1,7 +1,10 @@
 //! The pins of a chunk: sines and cosines of its drive angles, by the reduction that serves them.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
+use std::iter::once;
+
 use crate::column::{View, ViewMut};
+use crate::pair::Pair;
 use crate::real::Real;
 use crate::reduce::{self, Far};
 use crate::sweep::{Reduction, Sweep};
@@ -41,6 +44,50 @@ impl<T: Real> Pins<'_, T> {
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> (T, T) {
         (self.sine.get(i), self.cosine.get(i))
+    }
+}
+
+/// Where a loop takes sines and cosines from: from parts of the chunk, one after the other.
+pub(crate) trait Source<T>: Copy {
+    type Part: Part<T>;
+
+    /// Whether they are those of a sweep by groups of samples.
+    const SWEPT: bool = false;
+
+    /// The turns of whole steps of such a sweep, as many as a part may take.
+    fn turns(&self) -> View<'_, Pair> {
+        View::EMPTY
+    }
+
+    /// Each part and the sample that it begins with.
+    fn parts(self) -> impl Iterator<Item = (usize, Self::Part)>;
+}
+
+/// Sines and cosines of samples side by side.
+pub(crate) trait Part<T> {
+    fn len(&self) -> usize;
+
+    fn get(&self, i: usize) -> (T, T);
+}
+
+impl<T: Real> Source<T> for Pins<'_, T> {
+    type Part = Self;
+
+    #[inline(always)]
+    fn parts(self) -> impl Iterator<Item = (usize, Self)> {
+        once((0, self))
+    }
+}
+
+impl<T: Real> Part<T> for Pins<'_, T> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> (T, T) {
+        self.get(i)
     }
 }
 
@@ -150,7 +197,7 @@ pub(crate) fn find<K: Kind, T: Angle>(
     }
     if T::APART {
         for i in 0..length {
-            let reduced = (sine.get(i), cosine.get(i).bits());
+            let reduced = (sine.get(i), cosine.get_high(i).bits());
             set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
         }
     }
@@ -169,13 +216,13 @@ fn coarse_pins<K: Kind, T: Angle>(
     for i in 0..length {
         let phase = reduce::phase(angle[i]);
         far.watch(phase);
-        cosine.set(i, T::of_bits(phase));
+        cosine.set_high(i, T::of_bits(phase));
     }
     if far.any() {
         return false;
     }
     for i in 0..length {
-        let reduced = T::of_phase(cosine.get(i).bits());
+        let reduced = T::of_phase(cosine.get_high(i).bits());
         set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
     }
     true
@@ -192,7 +239,7 @@ fn set_reduced<K: Kind, T: Angle>(
 ) {
     if T::APART {
         sine.set(i, remainder);
-        cosine.set(i, T::of_bits(quadrant));
+        cosine.set_high(i, T::of_bits(quadrant));
     } else {
         set_pin::<K, T>(sine, cosine, i, (remainder, quadrant));
     }

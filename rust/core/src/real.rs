@@ -102,6 +102,9 @@ pub trait Real:
     #[must_use]
     fn over(self, divisor: Self, inverse: Self) -> Self;
 
+    /// `a/divisor` and `b/divisor`.
+    fn both_over(a: Self, b: Self, divisor: Self) -> [Self; 2];
+
     /// `√self`.
     #[must_use]
     fn sqrt(self) -> Self;
@@ -174,6 +177,11 @@ macro_rules! plain {
                     return quotient;
                 }
                 $float::mul_add($float::mul_add(-quotient, divisor, self), inverse, quotient)
+            }
+
+            #[inline(always)]
+            fn both_over(a: Self, b: Self, divisor: Self) -> [Self; 2] {
+                [a / divisor, b / divisor]
             }
 
             #[inline(always)]

@@ -5,7 +5,7 @@
 //! With `p = q e^{−2iα}`:
 //!
 //! `tan Δ = −Im p/(1 − Re p)`, speed ratio `r = (1 − k²)/(1 + k² − 2 Re p)`, acceleration ratio
-//! `4 Im p r/(1 + k² − 2 Re p)`.
+//! `4 Im p r/(1 + k² − 2 Re p)`, or `4 Im p r²/(1 − k²)`.
 //!
 //! Here all but `Im p` is a small number beside 1, and so are its roundings. For steep bends
 //! `1 + k² − 2 Re p` nearly vanishes; they have the formulas of [`crate::joint`].
@@ -15,16 +15,19 @@ use crate::pair::Pair;
 use crate::real::Real;
 use crate::trig::Angle;
 
-/// How a shaft swings about the drive, twice in a turn. `TURNED` shafts have an imaginary part:
-/// all but the one behind the first joint, whose pin is that of the drive.
+/// How a shaft swings about the drive, twice in a turn, and how many parts of `q` are left to multiply by: the
+/// shaft behind the first joint has a real one, as its pin is that of the drive, and pins that hold `p`
+/// itself leave none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ripple<T, const TURNED: bool = true> {
+pub(crate) struct Ripple<T, const PARTS: usize = 2> {
     /// Real and imaginary part of `q`.
     pub(crate) q: [T; 2],
     /// `(1 + k²)/2`.
     pub(crate) mean: T,
     /// `(1 − k²)/2`.
     pub(crate) complement: T,
+    /// `−4/(1 − k²)`.
+    pub(crate) gain: T,
 }
 
 impl Ripple<Pair> {
@@ -35,6 +38,7 @@ impl Ripple<Pair> {
             q,
             mean: Pair::exact(0.5).plus_smaller(square.scaled(0.5)),
             complement: complement.scaled(0.5),
+            gain: Pair::exact(-4.0) / complement,
         }
     }
 
@@ -56,6 +60,7 @@ impl<T: Real> Ripple<T> {
             q: ripple.q.map(T::from_pair),
             mean: T::from_pair(ripple.mean),
             complement: T::from_pair(ripple.complement),
+            gain: T::from_pair(ripple.gain),
         }
     }
 
@@ -67,11 +72,11 @@ impl<T: Real> Ripple<T> {
         AtanRange::holding_squares(re * re + im * im, 2.0 * complement)
     }
 
-    /// The same for a pin that is that of the drive.
+    /// The same with so many parts of `q` left.
     #[inline(always)]
-    pub(crate) fn unturned(self) -> Ripple<T, false> {
-        let Self { q, mean, complement } = self;
-        Ripple { q, mean, complement }
+    pub(crate) fn with_parts<const PARTS: usize>(self) -> Ripple<T, PARTS> {
+        let Self { q, mean, complement, gain } = self;
+        Ripple { q, mean, complement, gain }
     }
 }
 
@@ -86,33 +91,40 @@ pub(crate) struct Parts<T> {
     across: T,
     /// `(1 − k²)/2`.
     complement: T,
+    /// `−4/(1 − k²)`.
+    gain: T,
 }
 
-impl<T: Real, const TURNED: bool> Ripple<T, TURNED> {
-    /// The parts from sine and cosine of `2α`.
+impl<T: Angle, const PARTS: usize> Ripple<T, PARTS> {
+    /// The parts from sine and cosine of `2α`, or from `−Im p` and `Re p`.
     #[inline(always)]
     pub(crate) fn parts(&self, s: T, c: T) -> Parts<T> {
         let [re, im] = self.q;
-        let (along, p) = if TURNED {
-            (re.mul_add(s, -(im * c)), re.mul_add(c, im * s))
-        } else {
-            (re * s, re * c)
+        let (along, p) = match PARTS {
+            0 => (s, c),
+            1 => (re * s, re * c),
+            _ => (re.mul_add(s, -(im * c)), re.mul_add(c, im * s)),
         };
         Parts {
             along,
             beside: T::from_f64(1.0).plus_smaller(-p),
             across: self.mean.plus_smaller(-p),
             complement: self.complement,
+            gain: self.gain,
         }
     }
 }
 
-impl<T: Real> Parts<T> {
+impl<T: Angle> Parts<T> {
     /// Speed ratio and acceleration ratio.
     #[inline(always)]
     pub(crate) fn rates(&self) -> (T, T) {
-        let inverse = self.across.recip();
-        let ratio = self.complement.over(self.across, inverse);
-        (ratio, (self.along * inverse * ratio).scaled(-2.0))
+        if T::DOUBLED {
+            // By one inverse, two quotients cost less than one and products.
+            let [ratio, swing] = T::both_over(self.complement, self.along, self.across);
+            return (ratio, (swing * ratio).scaled(-2.0));
+        }
+        let ratio = self.complement / self.across;
+        (ratio, (self.along * ratio) * (self.gain * ratio))
     }
 }

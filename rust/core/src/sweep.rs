@@ -93,7 +93,7 @@ impl Sweep {
     /// Sample `i`, a whole number.
     #[inline(always)]
     pub(crate) fn angle(&self, i: f64) -> Pair {
-        if self.starts_at_zero() { self.turned(i) } else { self.start + self.turned(i) }
+        self.start + self.turned(i)
     }
 
     #[inline(always)]
@@ -106,6 +106,12 @@ impl Sweep {
     pub(crate) fn turned(&self, i: f64) -> Pair {
         let Pair { high, low } = Pair::product(i, self.step.high);
         Pair { high, low: i.mul_add(self.step.low, low) }
+    }
+
+    /// The samples in a quarter turn, and the number of the sample at zero, both with their fractions.
+    #[inline(always)]
+    pub(crate) fn quarter_and_zero(&self) -> [Pair; 2] {
+        [Pair::new(HALF_PI[0], HALF_PI[1]) / self.step, -self.start / self.step]
     }
 
     /// The sweep of twice the angles.
@@ -185,16 +191,15 @@ impl<T: Angle> Group<T> {
     /// cancels more than its error terms make good.
     const CANCELLED: f64 = 1.0 / 1024.0;
 
-    /// The fewest samples that repay a group, and the fewest that repay its table.
+    /// The fewest samples that repay a group.
     const FEWEST: usize = 32;
-    const REPAID: usize = 4096;
 
-    /// A group for so many samples of a sweep, if one repays its making; at most `longest`.
+    /// A group of at most so many samples of a sweep, if its steps are short enough to repay one.
     #[inline(always)]
-    pub(crate) fn new(sweep: &Sweep, samples: usize, longest: usize) -> Option<Self> {
+    pub(crate) fn new(sweep: &Sweep, longest: usize) -> Option<Self> {
         let half = (Self::WIDEST / sweep.step.high.abs()).min(longest as f64 / 2.0) as usize;
         let length = 2 * half / 16 * 16;
-        if length < Self::FEWEST || samples < Self::REPAID {
+        if length < Self::FEWEST {
             return None;
         }
         let mut tangents = [vec![T::Word::default(); length], vec![T::Word::default(); length]];
