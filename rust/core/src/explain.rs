@@ -161,7 +161,9 @@ impl Plan {
         skipped.extend(self.vanishing(lines));
         if call.sweep {
             skipped.push(
-                "array of angles: a sweep needs none; whole turns of a sweep are repeated".into(),
+                "array of angles: a sweep needs none; whole turns of it are repeated, and long ones \
+                 that are not turn from sample to sample, without a sine each"
+                    .into(),
             );
         }
         skipped
