@@ -686,6 +686,23 @@ def test_sweeps_keep_their_digits_beside_quarter_turns(tolerance: float | None) 
             assert abs(mp.mpf(float(got[i])) - exact) <= (1 if tolerance == 0 else 6) * ulp
 
 
+def test_steep_sweeps_keep_their_digits_where_another_formula_takes_over() -> None:
+    bend = 1.5682764756065442
+    line = Driveline.from_bends([bend])
+    cosine = mp.cos(mp.mpf(bend))
+    for ends, sample in (
+        ((-0.7328297099337939, 0.6954648299268009), 2104),
+        ((-0.5423011150334709, 0.5436042182318741), 2041),
+    ):
+        result = line.evaluate(Sweep(*ends, 4096), ("angle", "angle_error"), tolerance=0)
+        first, last = (mp.mpf(end) for end in ends)
+        drive = first + (last - first) * sample / 4095
+        tangent = mp.tan(drive)
+        error = mp.atan((1 - cosine) * tangent / (cosine + tangent**2))
+        for got, exact in ((result.angle, drive + error), (result.angle_error, error)):
+            assert abs(mp.mpf(float(got[sample])) - exact) <= np.spacing(abs(float(exact)))
+
+
 def test_steep_chains_keep_their_tolerance() -> None:
     angle = np.linspace(0.0, 2 * np.pi, 20_001)
     for degrees in (60.0, 84.27, 89.0, 89.99):

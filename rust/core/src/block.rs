@@ -149,6 +149,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
         } else if way == Way::Rotations && plan.moderate && !plan.needs_poses() && !spare {
             LONG_CHUNK
         } else if T::LOW {
+            // Loops so long take longer to begin than what leaves the cache takes to come back.
             2 * CHUNK
         } else {
             CHUNK

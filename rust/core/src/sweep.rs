@@ -300,6 +300,7 @@ fn check_count(argument: &'static str, count: usize) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::column::{Column, columns, views, views_mut};
 
     #[test]
     fn high_word_and_rest_make_the_number() {
@@ -315,6 +316,26 @@ mod tests {
         for count in [0, Sweep::LONGEST + 1] {
             let error = Sweep::new(0.0, 1.0, count).unwrap_err().to_string();
             assert!(error.contains(&format!("makes {count} samples; a sweep has 1 to")), "{error}");
+        }
+    }
+
+    #[test]
+    fn sums_of_tangents_keep_their_digits_beside_quarter_turns() {
+        for (start, stop, count) in [(-0.3, 0.2, 5000), (1.0, 20.0, 20_000), (9.7, -5.3, 8191)] {
+            let sweep = Sweep::new(start, stop, count).unwrap();
+            let group = Group::<Pair>::new(&sweep, 512).unwrap();
+            let mut pins: [Column<Pair>; 2] = columns(count);
+            let [sine, cosine] = views_mut(&mut pins, 0, count);
+            group.pins(&sweep, 0, sine, cosine);
+            let [sine, cosine] = views(&pins, count);
+            for i in 0..count {
+                let (s, c) = trig::sin_cos_in_two(sweep.reduction().of(i as f64));
+                let (y, x) = (sine.get(i), cosine.get(i));
+                let length = (y * s + x * c).value();
+                let least = s.value().abs().min(c.value().abs());
+                let error = (y * c - x * s).value() / length;
+                assert!(error.abs() < 2_f64.powi(-54) * least, "{i}: {error:e} of {least:e}");
+            }
         }
     }
 

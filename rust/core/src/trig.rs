@@ -277,7 +277,8 @@ impl Angle for Pair {
         let (a, b) = (Self::new(a, a_low), Self::new(b, b_low));
         let product = a * b;
         let Self { high, low } = Self::ordered_sum(1.0, -product.high);
-        (a + b, Self { high, low: low - product.low })
+        // Where the sum cancels its error term is large, of which an inverse tangent keeps too little.
+        ((a + b).rounded(), Self { high, low: low - product.low })
     }
 }
 
