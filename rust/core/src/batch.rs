@@ -362,6 +362,7 @@ impl<'a, 's> Run<'a, 's> {
             return;
         }
         let one = self.table.geometries() == Geometries::One;
+        // What is kept has no constants for twice the angle, but where the number type needs them.
         let kept = self
             .constants
             .and_then(T::kept)

@@ -398,6 +398,7 @@ mod tests {
             let error = (y * turned_cosine - x * turned_sine).value();
             assert!(error.abs() < 2_f64.powi(-58), "{error:e}");
             assert!(y.value().hypot(x.value()) > 0.5);
+            assert_eq!(y.rounded().high, y.high);
         }
     }
 }

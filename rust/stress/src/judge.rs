@@ -97,6 +97,12 @@ impl Tier {
         };
         LIMITS[&(section, key)]
     }
+
+    /// The same behind a chain.
+    pub(crate) fn chain_limit(self, quantity: Quantity) -> f64 {
+        let own = LIMITS.get(&("chains", quantity.name())).filter(|_| self == Self::Default);
+        own.copied().unwrap_or_else(|| self.limit(quantity))
+    }
 }
 
 type Limits = BTreeMap<(&'static str, &'static str), f64>;

@@ -84,7 +84,7 @@ impl Report<'_> {
             for tier in Tier::ALL {
                 for (q, quantity) in Quantity::ALL[..4].iter().enumerate() {
                     let off = chains.off[tier as usize][q];
-                    if off > tier.limit(*quantity) {
+                    if off > tier.chain_limit(*quantity) {
                         let place = &chains.place[tier as usize][q];
                         lines.push(format!("{} {off:.3e} units: {place}", tier.name()));
                     }
