@@ -14,7 +14,7 @@ from click.testing import CliRunner
 
 from cardan.command import commands
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 SNIPPETS = re.findall(r"```(\w+)\n(.*?)```", README, re.DOTALL)
 

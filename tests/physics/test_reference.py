@@ -23,7 +23,7 @@ import pytest
 from cardan import reference
 from cardan.reference import Shafts, Vector
 
-DATA = Path(__file__).parent / "data"
+DATA = Path(__file__).parents[1] / "data"
 EPS = 2.0**-52
 PI = Fraction("3.14159265358979323846264338327950288419716939937510582")
 

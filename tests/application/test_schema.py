@@ -21,7 +21,7 @@ from cardan.scene_format import FORMAT
 from cardan.starters import STARTERS
 from cardan.summary import study_data, study_text, summary, summary_data, summary_text
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 VALIDATOR = jsonschema.Draft202012Validator(Scene.schema())
 

@@ -1,7 +1,7 @@
 """Motion and moments against multibody engines that know nothing of universal joints.
 
 Opt-in: ``pip install '.[physics]' && pytest -m physics``; without an engine its tests are skipped.
-``python tests/test_physics.py`` prints the table that ``docs/physics.md`` keeps.
+``python tests/physics/test_multibody.py`` prints the table that ``docs/physics.md`` keeps.
 
 The engines get shafts, crosses and hinges laid out from the points of a drawing. A cross hangs in
 the output-side pin of its driving shaft, and the loop is cut at its other pin, where the next

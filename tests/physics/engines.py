@@ -1,4 +1,4 @@
-"""Two multibody engines behind one interface, for the driveline models of ``test_physics.py``.
+"""Two multibody engines behind one interface, for the driveline models of ``test_multibody.py``.
 
 A model is a tree of rigid bodies, each held by its parent (or by the fixed frame) in one hinge or
 slide through its origin; coordinate ``i`` is that of body ``i``, and a body stands in the list

@@ -26,7 +26,7 @@ from cardan.scene import Scene
 from cardan.scene_format import FORMAT
 from cardan.starters import STARTERS
 
-EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
 
 
@@ -259,7 +259,7 @@ TRUCK = next(path for path in EXAMPLES if path.stem == "truck")
 
 
 def test_check_says_pass_or_fail(tmp_path: Path) -> None:
-    """The four joints of the workshop books, whose figures tests/test_check.py knows."""
+    """The four joints of the workshop books, whose figures test_check.py knows."""
     failed = run("check", TRUCK)
     assert failed.exit_code == 1
     assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60)}\n"

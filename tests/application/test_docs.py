@@ -19,7 +19,7 @@ from click.testing import CliRunner
 import cardan
 from cardan.command import commands
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
 

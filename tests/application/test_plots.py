@@ -34,7 +34,7 @@ from cardan.plots import plot_scene, write_picture
 from cardan.scene import Scene, SceneResult
 from cardan.study import StudyResult
 
-EXAMPLES = sorted((Path(__file__).parents[1] / "examples").glob("*.toml"))
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 
 TALL = """\
 title = "A title longer than a column is wide, which costs $_{5$ and breaks into three lines"

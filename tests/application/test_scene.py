@@ -13,7 +13,7 @@ from cardan.scene import Scene
 from cardan.scene_format import FORMAT, FORMS, describe
 from cardan.summary import Row, summary, summary_text
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 JOINT = "[driveline]\nbends_deg = [8.5]\n"
 
 
