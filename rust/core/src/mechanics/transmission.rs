@@ -123,7 +123,7 @@ impl<T: Angle> DoubleAngleTerms<T> {
     /// Speed ratio and acceleration ratio.
     #[inline(always)]
     pub(crate) fn rates(&self) -> (T, T) {
-        if T::DOUBLED {
+        if T::PRECISION.costs().double_angle {
             // By one inverse, two quotients cost less than one and products.
             let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
             return (ratio, (swing * ratio).scaled(-2.0));

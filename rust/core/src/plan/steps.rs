@@ -5,8 +5,6 @@
 //! along the driveline. [`crate::run`] runs it.
 
 use crate::error::{Error, Result};
-use crate::input::drivelines::Drivelines;
-use crate::mechanics::chain::Equivalent;
 use crate::mechanics::joint::Joint;
 use crate::number::Precision;
 use crate::number::atan::AtanRange;
@@ -293,17 +291,6 @@ impl Plan {
     /// The inverse tangent that serves a shaft of every driveline.
     pub(crate) fn range(&self, shaft: usize) -> AtanRange {
         range(self.least_cosines[shaft])
-    }
-
-    /// The same for the first of the drivelines.
-    pub(crate) fn range_of_first(lines: &Drivelines<'_>, shaft: usize) -> AtanRange {
-        let between = shaft - 1;
-        let equivalent = Equivalent::of_chain(
-            &lines.bends[..shaft],
-            &lines.twists[..between],
-            &lines.phases[..between],
-        );
-        equivalent.range()
     }
 
     fn step(&mut self, shaft: usize) -> &mut ShaftStep {

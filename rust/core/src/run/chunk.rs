@@ -1,12 +1,12 @@
 //! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
 
-use crate::input::drivelines::Drivelines;
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
+use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::run::fold::{Folded, GeometryIndex};
 use crate::run::map::{self, MotionFormula};
@@ -77,23 +77,28 @@ pub(crate) fn find_twice<T: Number>(
         }
         Drive::Array(_) => {}
     }
-    if T::LOW {
+    if T::PRECISION.costs().double_angle {
         rotations.twice(groups, sine, cosine);
     }
 }
 
-/// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
+/// Whether any route of the chunk reads pins, and whether any reads twice the drive angle.
 #[inline(always)]
-pub(crate) fn ways<T: Number>(
+pub(crate) fn sines_needed<T: Number>(
     plan: &Plan,
+    routes: &Routes,
     folded: &Folded<T>,
     geometry: GeometryIndex,
 ) -> [bool; 2] {
-    let mut ways = [plan.needs_poses(), false];
-    for folded in plan.moving().filter_map(|step| folded.shafts[step.shaft].as_ref()) {
-        ways[usize::from(folded.is_doubled() && folded.range(geometry).is_moderate())] = true;
+    let mut needed = [plan.needs_poses(), false];
+    for step in &plan.shafts {
+        match folded.route(routes, step.shaft, geometry).0 {
+            Route::Drive => {}
+            Route::Tangent => needed[0] = true,
+            Route::DoubleAngle | Route::Rotation => needed[1] = true,
+        }
     }
-    ways
+    needed
 }
 
 /// Angles and rates of every shaft of the plan at one chunk.
@@ -101,6 +106,7 @@ pub(crate) fn ways<T: Number>(
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
 pub(crate) fn run_motion<T: Number, W: Float>(
     plan: &Plan,
+    routes: &Routes,
     drive: Drive<'_>,
     rotations: Option<&Rotations<T>>,
     folded: &Folded<T>,
@@ -119,13 +125,15 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         let errors = step.angle.and_then(|_| errors.next()).unwrap_or(&mut none);
         let errors = errors.window_mut(kept_from, size);
         let rates = rates[step.shaft].each_mut();
-        let bent = step.shaft > plan.first_bent();
-        let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| bent) else {
+        let (route, range) = folded.route(routes, step.shaft, geometry);
+        #[cfg(test)]
+        crate::run::taken::note(step.shaft, route, range);
+        let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| route != Route::Drive)
+        else {
             run_drive_shaft::<T, W>(step, drive, rates, planes, size);
             continue;
         };
-        let range = shaft.range(geometry);
-        if !(shaft.is_doubled() && range.is_moderate()) {
+        if route == Route::Tangent {
             let equivalents = shaft.equivalents(geometry, size);
             with_constants!(geometry, |i| equivalents.get(i), at => {
                 let mut pins = pins;
@@ -140,26 +148,22 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             continue;
         }
         let ideals = shaft.ideals(geometry, size);
-        if let (false, Some(rotations), GeometryIndex::Shared(index)) =
-            (T::LOW, rotations, geometry)
-        {
+        // Each number type has one of the two routes, so only that one is compiled for it.
+        if T::PRECISION.costs().double_angle {
+            if step.shaft == 1 {
+                with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
+                    run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+                });
+            } else {
+                with_constants!(geometry, |i| ideals.get(i), at => {
+                    run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+                });
+            }
+        } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
             let ideal = ideals.get(index);
             let swept = Swept::new(rotations, groups, ideal.q);
             let at = |_| ideal.with_parts::<0>();
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
-            continue;
-        }
-        if !T::DOUBLED {
-            continue;
-        }
-        if step.shaft == 1 {
-            with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
-                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
-            });
-        } else {
-            with_constants!(geometry, |i| ideals.get(i), at => {
-                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
-            });
         }
     }
     for (step, poses) in plan.joints.iter().zip(&folded.poses) {
@@ -490,29 +494,4 @@ fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
 fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> [&'a mut [W]; 3] {
     let found = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
     found.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
-}
-
-impl Plan {
-    /// Terms of vectors that vanish all over the first driveline, because of where it lies.
-    pub(crate) fn vanishing(&self, lines: &Drivelines<'_>) -> Vec<String> {
-        let mut folded = Folded::<f64>::new(self, 1, false, false);
-        folded.fold(self, lines, 1, |_| 0);
-        let mut vanishing = vec![];
-        for (j, step) in self.joints.iter().enumerate() {
-            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane) else {
-                continue;
-            };
-            let plane = ["yz", "zx", "xy"][normal];
-            let why = format!("zero because its shafts lie along the {plane} plane");
-            if step.moment.is_some() {
-                vanishing.push(format!("joint {j}: 4 of the moment's 9 terms, {why}"));
-            }
-            for support in step.support.iter().flatten() {
-                let shaft = if support.driving { j } else { j + 1 };
-                let what = format!("3 of 6 terms of its part of shaft {shaft}'s support");
-                vanishing.push(format!("joint {j}: {what}, {why}"));
-            }
-        }
-        vanishing
-    }
 }

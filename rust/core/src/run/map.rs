@@ -83,7 +83,7 @@ pub(crate) trait MotionFormula<T: Real>: Copy {
 
 /// From the pins of the joint's driving angle.
 impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
-    const MODERATE: bool = !T::DOUBLED;
+    const MODERATE: bool = !T::PRECISION.costs().double_angle;
     const STEEP: bool = true;
 
     #[inline(always)]
