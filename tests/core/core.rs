@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use cardan::{
     Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Reduction,
-    Request, Samples, Source, Sweep, Vector, level, trig,
+    Request, Samples, Source, Sweep, Vector, level, number::trig,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
