@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import platform
-from pathlib import Path
 
 import pytest
 
 from bits import differences
+from oracle import DATA
 
-RECORD = Path(__file__).parent / "data" / "bits.json"
+RECORD = DATA / "bits.json"
 
 
 @pytest.mark.skipif(
