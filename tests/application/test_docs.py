@@ -112,6 +112,7 @@ def test_contributing_names_what_ci_runs() -> None:
         "fuzz/run geometry 3600",
         "python fuzz/scene.py 3600",
         "python tests/load.py --minutes 60",
+        "python benches/pairwise.py --base before/bin/python --new after/bin/python",
         "cargo deny --exclude-dev check",
         "pip-audit",
     }
