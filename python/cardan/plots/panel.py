@@ -9,8 +9,9 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.rounding import flat_limits
 from cardan.outputs import Output
-from cardan.plots.style import degree_ticks, flat_limits, line_style, value_ticks
+from cardan.plots.style import degree_ticks, line_style, value_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

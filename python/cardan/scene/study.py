@@ -4,33 +4,31 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, module
-from cardan.axes import Axis as Axis
-from cardan.axes import per_row, put, values_at
+from cardan.arrays import FloatArray, import_optional
 from cardan.driveline import Driveline
+from cardan.files.progress import Progress
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
-from cardan.plan import Reduction
 from cardan.reductions import CLOSED_FORMS, reduced
-from cardan.scene_format import FORMAT, Form
-from cardan.scene_parts import make_driveline, make_load
-from cardan.scene_values import VECTORS
+from cardan.request import Reduction
+from cardan.scene.axes import Axis as Axis
+from cardan.scene.axes import per_row, put, values_at
+from cardan.scene.format import FORMAT, Form
+from cardan.scene.parts import make_driveline, make_load
+from cardan.scene.values import VECTORS
 
 if TYPE_CHECKING:
     import xarray
 
 # Doubles of one block: enough to hide the overhead of a call, few enough for any machine.
 _BLOCK = 1 << 21
-
-Progress = Callable[[int, int], None]
-"""Takes the number of rows done and of all rows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +79,7 @@ class StudyResult:
         Raises:
             ImportError: xarray is missing.
         """
-        library = module("xarray", "xarray")
+        library = import_optional("xarray", "xarray")
         keys = tuple(axis.key for axis in self.axes)
         figures = {
             column.name: (keys, self.values[column.name], {"units": column.unit})

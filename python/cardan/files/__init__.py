@@ -1,0 +1,1 @@
+"""Tables of numbers as files: recordings read, columns written, Parquet in chunks, whole files."""
