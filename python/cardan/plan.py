@@ -225,10 +225,9 @@ class Plan:
         return Request(*self._arguments)
 
     def explain(self) -> str:
-        """Return the steps taken, the steps skipped and why, operations and bytes per sample.
+        """Return the steps taken, the steps skipped and why, and bytes per sample.
 
-        Operations are additions, multiplications (a multiplication and addition together is one),
-        divisions and roots; for a batch they are counted on its first driveline.
+        For a batch the steps are those of its first driveline.
         """
         request = self.request
         line, names = request.line, request.names
