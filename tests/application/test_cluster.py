@@ -19,9 +19,8 @@ from click.testing import CliRunner
 pytest.importorskip("distributed")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from cardan import cluster, curves  # noqa: E402
 from cardan.command import commands  # noqa: E402
-from cardan.scene import Scene  # noqa: E402
+from cardan.scene import Scene, cluster, curves  # noqa: E402
 
 SCENE = """\
 [driveline]
@@ -52,8 +51,7 @@ import time
 
 import distributed
 
-from cardan import cluster
-from cardan.scene import Scene
+from cardan.scene import Scene, cluster
 
 
 class Slow(distributed.WorkerPlugin):

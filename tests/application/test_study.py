@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, axes, study
-from cardan.curves import study_columns
-from cardan.scene import Scene
-from cardan.study import Axis, Column, StudyResult
-from cardan.summary import study_data, study_text
+from cardan import Driveline, Load
+from cardan.figures.extremes import study_data
+from cardan.scene import Scene, axes, study
+from cardan.scene.curves import study_columns
+from cardan.scene.study import Axis, Column, StudyResult
+from cardan.words.summary import study_text
 
 TWO = "[driveline]\nbends_deg = [10, 20]\nphases_deg = [30]\n"
 SWEEP = "[sweep]\nsamples_per_turn = 24\n"
@@ -539,7 +540,7 @@ def test_explain_says_what_the_study_costs(monkeypatch: pytest.MonkeyPatch) -> N
     ]
     assert "plan for angle_error; 2 joints of 6 drivelines" in lines
     assert any("to its rms; no sample is stored" in line for line in lines)
-    monkeypatch.setattr("cardan.study._BLOCK", 4 * 720)
+    monkeypatch.setattr("cardan.scene.study._BLOCK", 4 * 720)
     assert scene.explain().splitlines()[-len(lines)] == "study of 6 drivelines in blocks of 4"
     # Closed forms alone need no plan.
     alone = Scene.parse(f"{TWO}[output]\nclosed_forms = ['k']\n")

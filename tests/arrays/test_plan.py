@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Plan, Sweep
-from cardan.plan import REDUCTIONS, Reduction
+from cardan.request import REDUCTIONS, Reduction
 from oracle import mp
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")

@@ -33,7 +33,7 @@ from cardan.plots import write_picture
 from cardan.report import write_report
 from cardan.scene import starters
 from cardan.scene.scene import Scene
-from cardan.scene.stream import stream as stream_curves
+from cardan.scene.streaming import stream as stream_curves
 from cardan.words.summary import study_text, summary_text
 from cardan.words.yokes import yoke_text
 
