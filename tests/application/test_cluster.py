@@ -170,7 +170,8 @@ def test_the_command_writes_a_folder_and_goes_on(
     client: Any,  # noqa: ANN401
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cluster, "_SAMPLES", 72 * 9 * 50)
+    # A speed ratio and two moments of three components, each by three reductions.
+    monkeypatch.setattr(cluster, "_SAMPLES", 72 * 7 * 3 * 50)
     folder = tmp_path / "study.parquet"
     arguments = ["run", str(scene), "--into", str(tmp_path), "--scheduler"]
     arguments.append(client.scheduler.address)

@@ -340,6 +340,17 @@ def test_memory_does_not_grow_with_the_grid() -> None:
     assert load is not None
 
 
+@pytest.mark.parametrize("shafts", ["", "shafts = [0, 1, 2]\n"])
+@pytest.mark.parametrize("quantities", [("torque",), ("moment",), ("angle", "support_moment")])
+def test_the_components_of_vectors_are_counted(quantities: tuple[str, ...], shafts: str) -> None:
+    scene = Scene.parse(
+        f"{TWO}[load]\noutput_torque_Nm = 1\n[output]\nreduce = 'mean'\n{shafts}"
+        f"quantities = {list(quantities)}\n"
+    )
+    assert scene.study is not None
+    assert scene.study.planes == scene.plan().planes
+
+
 STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
 
 

@@ -13,6 +13,7 @@ from cardan.arrays import FloatArray
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import first_peak, is_cancelled
 from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.units import in_degrees
 
 
 @dataclass(frozen=True)
@@ -113,9 +114,7 @@ def _recorded_motion(result: SceneResult, shaft: int, of_shaft: str) -> Iterable
     for output, item, values in result.curves():
         if item != shaft or output.per != "shaft" or output.needs_load:
             continue
-        in_unit = np.degrees(values) if output.unit == "rad" else values
-        unit = "deg" if output.unit == "rad" else ""
-        yield _extent(f"{output.label}{of_shaft}", in_unit, unit)
+        yield _extent(f"{output.label}{of_shaft}", *in_degrees(values, output.unit))
 
 
 def _extent(label: str, values: FloatArray, unit: str = "") -> Row:

@@ -21,7 +21,7 @@ from cardan.plots.style import (
     value_ticks,
 )
 from cardan.scene.study import StudyResult
-from cardan.scene.units import ENDINGS, split
+from cardan.scene.units import ENDINGS, in_degrees, split
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,9 +71,8 @@ def plot_study(
     if limit is None and column == "equivalent_bend":
         limit = float(MAX_EQUIVALENT_BEND)
     if unit == "rad":
-        values, unit = np.degrees(values), "deg"
         limit = None if limit is None else float(np.degrees(limit))
-    unit = "" if unit == "1" else unit
+    values, unit = in_degrees(values, unit)
     marked = "" if limit is None else f"limit {number(limit)} {unit}".strip()
     heading = f"{column.replace('_', ' ')}{unit and f' [{unit}]'}"
     keys = [axis.key for axis in varied]

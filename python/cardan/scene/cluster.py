@@ -26,7 +26,6 @@ from cardan.arrays import import_optional
 from cardan.files.columns import write_columns
 from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
-from cardan.outputs import OUTPUTS
 from cardan.scene.curves import study_columns
 from cardan.scene.study import Study
 
@@ -183,12 +182,11 @@ def _file(folder: Path, number: int) -> Path:
 
 
 def _part_rows(study: Study) -> int:
-    items = {"shaft": len(study.shafts or [-1]), "joint": len(study.joints)}
-    planes = sum(items[OUTPUTS[name].per] for name in study.quantities) * len(study.reductions)
+    planes = study.planes * len(study.reductions)
     return min(_MOST_ROWS, max(1, _SAMPLES // max(1, planes * np.size(study.angle))))
 
 
-def _open_manifest(folder: Path, told: dict[str, Any], part_rows: int) -> dict[str, Any]:
+def _open_manifest(folder: Path, fingerprint: dict[str, Any], part_rows: int) -> dict[str, Any]:
     """The manifest of a folder, which is made if it is not there."""
     path = folder / MANIFEST
     folder.mkdir(exist_ok=True)
@@ -196,10 +194,12 @@ def _open_manifest(folder: Path, told: dict[str, Any], part_rows: int) -> dict[s
         if any(not name.startswith(".") for name in os.listdir(folder)):
             raise ValueError(f"{folder} holds other files; a study needs a folder of its own")
         with whole_file(path) as file:
-            file.write(json.dumps({"study": told, "part_rows": part_rows}, indent=1).encode())
+            file.write(
+                json.dumps({"study": fingerprint, "part_rows": part_rows}, indent=1).encode()
+            )
     try:
         manifest: dict[str, Any] = json.loads(path.read_bytes())
-        differ = [key for key in told if manifest["study"].get(key) != told[key]]
+        differ = [key for key in fingerprint if manifest["study"].get(key) != fingerprint[key]]
     except (ValueError, LookupError, TypeError, AttributeError):
         raise ValueError(f"{path} does not say which study the folder holds") from None
     if differ:
@@ -218,7 +218,7 @@ def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
             return hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return np.asarray(value).tolist()
 
-    told = {
+    fingerprint = {
         "axes": {axis.key: axis.values for axis in study.axes},
         "driveline": study.driveline,
         "load": study.load,
@@ -232,5 +232,5 @@ def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
         "angle unit": "rad" if radians else "deg",
         "version": __version__,
     }
-    as_read: dict[str, Any] = json.loads(json.dumps(told, default=plain))
+    as_read: dict[str, Any] = json.loads(json.dumps(fingerprint, default=plain))
     return as_read

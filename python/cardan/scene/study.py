@@ -146,6 +146,13 @@ class Study:
         """Number of values of each axis."""
         return tuple(len(axis.values) for axis in self.axes)
 
+    @property
+    def planes(self) -> int:
+        """Numbers that the quantities take for one drive angle of one driveline."""
+        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
+        outputs = (OUTPUTS[name] for name in self.quantities)
+        return sum(items[output.per] * output.components for output in outputs)
+
     def run(self, progress: Progress | None = None) -> StudyResult:
         """Evaluate every driveline of the grid, block by block.
 
@@ -219,12 +226,9 @@ class Study:
     def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
         """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows."""
         rows = range(math.prod(self.shape)) if rows is None else rows
-        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
-        outputs = [OUTPUTS[name] for name in self.quantities]
-        planes = sum(items[output.per] * (3 if output.vector else 1) for output in outputs)
         # The geometry of one joint takes some 30 doubles itself, several times over.
         geometry = 64 * len(self.driveline[self.form.keys[0]])
-        block = max(1, _BLOCK // max(geometry, planes * np.size(self.angle)))
+        block = max(1, _BLOCK // max(geometry, self.planes * np.size(self.angle)))
         for first in rows[::block]:
             yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
 

@@ -74,6 +74,13 @@ def units_of(key: str, known: Iterable[str]) -> str:
     return f"the unit stands in the name: {held}" if held else ""
 
 
+def in_degrees(values: FloatArray, unit: str) -> tuple[FloatArray, str]:
+    """Return values in an SI unit with angles in degrees, and the unit to print, "" for a ratio."""
+    if unit == "rad":
+        return np.degrees(values), "deg"
+    return values, "" if unit == "1" else unit
+
+
 def converted(values: FloatArray, unit: str, radians: bool) -> tuple[str, FloatArray]:
     """Return the ending of a column's name and its values, angles in the unit asked for."""
     if unit == "rad" and not radians:
