@@ -71,10 +71,11 @@ class Harmonics:
 
 def equivalent(geometry: Geometry, shaft: int) -> EquivalentJoint:
     """Find the equivalent joint as ``Driveline.equivalent`` does."""
-    index = item_index("shaft", shaft, geometry.n_joints + 1)
+    *shape, n_joints = geometry.bends.shape
+    index = item_index("shaft", shaft, n_joints + 1)
     bends, twists, phases, *_ = geometry.flat()
-    columns = _core.equivalent(geometry.n_joints, index, bends, twists, phases)
-    return EquivalentJoint(*(scalar_or_array(c.reshape(geometry.shape)) for c in columns))
+    columns = _core.equivalent(n_joints, index, bends, twists, phases)
+    return EquivalentJoint(*(scalar_or_array(c.reshape(shape)) for c in columns))
 
 
 def harmonics(geometry: Geometry, orders: ArrayLike, shaft: int) -> Harmonics:
