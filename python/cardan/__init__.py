@@ -7,7 +7,7 @@ so. A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft
 >>> joint = cardan.Driveline.from_bends([30], degrees=True)
 >>> result = joint.evaluate([0.0, 0.5, 1.0], outputs=("angle_error", "speed_ratio"))
 >>> result.speed_ratio.round(6)
-array([1.154701, 1.072288, 0.934235])
+array([1.154701, 1.072527, 0.934205])
 """
 
 from importlib import import_module as _import_module

@@ -105,7 +105,7 @@ class Check:
         return "\n".join([verdict, *(f"- {f}" for f in self.findings)])
 
 
-class Line(Protocol):
+class Checkable(Protocol):
     """What a check needs of a driveline."""
 
     @property
@@ -119,11 +119,11 @@ class Line(Protocol):
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
         """Return the joint that moves a shaft as the whole chain does."""
 
-    def reversed(self) -> Line:
+    def reversed(self) -> Checkable:
         """Return the driveline driven from its other end."""
 
 
-def check(line: Line, speed: ArrayLike | None = None) -> Check:
+def check(line: Checkable, speed: ArrayLike | None = None) -> Check:
     """Check as ``Driveline.check`` does."""
     last = line.equivalent()
     findings = [
@@ -162,7 +162,7 @@ def check(line: Line, speed: ArrayLike | None = None) -> Check:
     return Check(tuple(findings))
 
 
-def _inertia_excitation(line: Line) -> FloatArray:
+def _inertia_excitation(line: Checkable) -> FloatArray:
     """Second-order amplitude of the accelerations of all intermediate shafts together.
 
     Practice sums ``(n - i) theta_i**2`` with signs over the joints ``i``: every joint shakes each

@@ -18,7 +18,7 @@ from cardan.request import (
     DOUBLE,
     SINGLE,
     Items,
-    Line,
+    Plannable,
     Reduction,
     Request,
     checked_dtype,
@@ -59,7 +59,7 @@ class Plan:
 
     def __init__(
         self,
-        line: Line,
+        line: Plannable,
         names: str | Iterable[str],
         shafts: Items = None,
         joints: Items = None,

@@ -21,7 +21,7 @@ REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
 """What rows of samples can be reduced to."""
 
 
-class Line(Protocol):
+class Plannable(Protocol):
     """What a plan needs of a driveline."""
 
     _lines: _core.Lines
@@ -39,7 +39,7 @@ class Line(Protocol):
 class Request:
     """The arguments of ``Driveline.plan`` and the driveline; names of outputs are checked."""
 
-    line: Line
+    line: Plannable
     names: tuple[str, ...]
     shafts: Items = None
     joints: Items = None

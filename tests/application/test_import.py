@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import pickle
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import sys
 import pytest
 
 import cardan
+from cardan.scene import units
 
 LATER = (
     "cardan.command",
@@ -82,3 +84,8 @@ def test_public_classes_are_pickled_by_their_names() -> None:
         kind = getattr(cardan, name)
         if isinstance(kind, type):
             assert pickle.loads(pickle.dumps(kind)) is kind
+
+
+def test_the_examples_in_docstrings_are_right() -> None:
+    assert doctest.testmod(cardan) == (0, 4)
+    assert doctest.testmod(units) == (0, 2)
