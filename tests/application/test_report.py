@@ -32,7 +32,7 @@ from cardan.report.charts import chart
 from cardan.report.page import embedded
 from cardan.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.scene import Scene
-from cardan.summary import figure_text
+from cardan.words.summary import figure_text
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 HOSTILE = "</title><script>document.title = 'taken'</script>&amp;\"'<!-- $title ${x}"

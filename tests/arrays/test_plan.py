@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Plan, Sweep
-from cardan.plan import REDUCTIONS, Reduction
+from cardan.request import REDUCTIONS, Reduction
 from limits import limits
 from oracle import mp
 

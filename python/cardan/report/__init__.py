@@ -6,10 +6,10 @@ import os
 from os import PathLike
 from pathlib import Path
 
-from cardan.curves import whole_file
+from cardan.files.progress import Progress
+from cardan.files.whole_file import whole_file
 from cardan.report.page import page
-from cardan.scene import Scene
-from cardan.study import Progress
+from cardan.scene.scene import Scene
 
 SUFFIXES = (".html", ".htm")
 """Suffixes of a report."""

@@ -7,11 +7,14 @@ from html import escape
 
 import numpy as np
 
-from cardan.answers import check_scene, phases_text, yoke_lines, yoke_settings
 from cardan.check import Check
+from cardan.figures.limits import check_scene
+from cardan.figures.rounding import equivalent_bend_deg
+from cardan.figures.yokes import yoke_settings
 from cardan.report.samples import NOMINAL_TORQUE, Samples
-from cardan.scene import Scene
-from cardan.summary import equivalent_bend_deg, figure_text, range_ends
+from cardan.scene.scene import Scene
+from cardan.words.summary import figure_text, range_ends
+from cardan.words.yokes import phases_text, yoke_lines
 
 # Shafts that one reads in a list.
 _MOST = 8

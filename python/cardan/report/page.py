@@ -13,15 +13,16 @@ from typing import Any
 
 import numpy as np
 
+import cardan.report.answer as answer
+import cardan.report.tables as tables
 from cardan import __version__
 from cardan.arrays import FloatArray
-from cardan.report import answer, tables
+from cardan.files.progress import Progress
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
 from cardan.report.samples import NOMINAL_TORQUE, Panel, Samples, evaluated
 from cardan.report.study import study_section
-from cardan.scene import Scene
-from cardan.study import Progress
+from cardan.scene.scene import Scene
 
 
 def page(scene: Scene, progress: Progress | None = None) -> str:

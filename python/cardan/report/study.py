@@ -8,12 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.curves import converted
+from cardan.figures.extremes import study_data
+from cardan.figures.rounding import alike
 from cardan.report.charts import chart, number
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import table
-from cardan.study import StudyResult
-from cardan.summary import alike, figure_text, range_ends, study_data
+from cardan.scene.study import StudyResult
+from cardan.scene.units import converted
+from cardan.words.summary import figure_text, range_ends
 
 _MOST_CHARTS, _MOST_CURVES, _MOST_POINTS = 12, 5, 1000
 

@@ -9,9 +9,11 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.rounding import equivalent_bend_deg
+from cardan.figures.summary import summary
 from cardan.report.samples import Samples
-from cardan.scene import Scene, SceneResult
-from cardan.summary import equivalent_bend_deg, figure_text, row_text, summary
+from cardan.scene.scene import Scene, SceneResult
+from cardan.words.summary import figure_text, row_text
 from cardan.workshop import turn
 
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from cardan import curves, plots, recording
-from cardan import scene_values as kinds
+import cardan.scene.values as kinds
 from cardan.driveline import Driveline
+from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
 from cardan.reductions import CLOSED_FORMS, REDUCTIONS
 
@@ -211,10 +211,12 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "curves": Key(
                     kinds.CURVES_FILE,
                     "file for the quantities over the drive angle; its name ends in "
-                    + ", ".join(curves.SUFFIXES),
+                    + ", ".join(columns.SUFFIXES),
                 ),
                 "table": Key(kinds.TABLE_FILE, "file for the table, likewise"),
-                "picture": Key(kinds.PICTURE_FILE, f"its name ends in {', '.join(plots.SUFFIXES)}"),
+                "picture": Key(
+                    kinds.PICTURE_FILE, f"its name ends in {', '.join(pictures.SUFFIXES)}"
+                ),
                 "tolerance": Key(
                     kinds.TOLERANCE,
                     "error permitted, relative to the largest magnitude of each quantity; 0 for "
@@ -326,43 +328,3 @@ def _not_both(*keys: str) -> dict[str, Any]:
 
 def _only(*keys: str) -> dict[str, Any]:
     return {"propertyNames": {"enum": list(keys)}}
-
-
-def units_of(key: str, known: Iterable[str]) -> str:
-    """Say which known keys hold the quantity of a key in their own units; "" if there is none.
-
-    >>> units_of("bends_rad", ["bends_deg", "phases_deg"])
-    'the unit stands in the name: bends_deg holds degrees'
-    """
-    stem = _without_unit(key)
-    meant = [name for name in known if name != stem and _without_unit(name) == stem]
-    held = ", ".join(f"{name} holds {_UNITS[name[len(stem) + 1 :]]}" for name in meant)
-    return f"the unit stands in the name: {held}" if held else ""
-
-
-_UNITS = {
-    "deg": "degrees",
-    "rad": "radians",
-    "m": "metres",
-    "mm": "millimetres",
-    "rpm": "revolutions per minute",
-    "rad_s": "rad/s",
-    "rad_s2": "rad/s²",
-    "Nm": "N m",
-    "kgm2": "kg m²",
-}
-
-# What people write in place of a unit of the format.
-_OTHER_UNITS = (
-    *("degree", "degrees", "radian", "radians", "mrad", "gon", "turns"),
-    *("cm", "metre", "metres", "meters", "in", "inch", "inches", "ft"),
-    *("rps", "hz", "1_min", "1_s", "deg_s", "deg_s2", "rpm_s", "m_s2"),
-    *("knm", "nmm", "n_m", "lbft", "lbf_ft", "gm2", "kg_m2", "kgmm2", "kgcm2"),
-)
-
-
-def _without_unit(key: str) -> str:
-    for unit in sorted((*_UNITS, *_OTHER_UNITS), key=len, reverse=True):
-        if key.lower().endswith(f"_{unit.lower()}"):
-            return key[: -len(unit) - 1]
-    return key

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-from cardan import curves, plots, recording
+from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS, nearest
 from cardan.reductions import CLOSED_FORMS, REDUCTIONS
 
@@ -322,9 +322,9 @@ INDICES = Kind(
 TOLERANCE = Kind("number", _tolerance, {"type": "number", "minimum": 0, "exclusiveMaximum": 1})
 DTYPE = Kind("name", _one_of(("float64", "float32")), {"enum": ["float64", "float32"]})
 WORKERS = Kind("whole number", _workers, {"type": "integer", "minimum": -1, "not": {"const": 0}})
-CURVES_FILE = Kind("curves file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIXES))
-TABLE_FILE = Kind("table file", _file(curves.SUFFIXES), _ends_in(curves.SUFFIXES))
-PICTURE_FILE = Kind("picture file", _file(plots.SUFFIXES), _ends_in(plots.SUFFIXES))
+CURVES_FILE = Kind("curves file", _file(columns.SUFFIXES), _ends_in(columns.SUFFIXES))
+TABLE_FILE = Kind("table file", _file(columns.SUFFIXES), _ends_in(columns.SUFFIXES))
+PICTURE_FILE = Kind("picture file", _file(pictures.SUFFIXES), _ends_in(pictures.SUFFIXES))
 RECORDING = Kind("file", _recording, _ends_in(recording.SUFFIXES, folder=True))
 COLUMNS = Kind("texts", _distinct(_text, "texts"), {**_array({"type": "string"}, 1)})
 AXIS = Kind("values", _single_axis, _AXIS)

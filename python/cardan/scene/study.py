@@ -4,33 +4,31 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, module
-from cardan.axes import Axis as Axis
-from cardan.axes import per_row, put, values_at
+from cardan.arrays import FloatArray, import_optional
 from cardan.driveline import Driveline
+from cardan.files.progress import Progress
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
-from cardan.plan import Reduction
 from cardan.reductions import CLOSED_FORMS, reduced
-from cardan.scene_format import FORMAT, Form
-from cardan.scene_parts import make_driveline, make_load
-from cardan.scene_values import VECTORS
+from cardan.request import Reduction
+from cardan.scene.axes import Axis as Axis
+from cardan.scene.axes import per_row, put, values_at
+from cardan.scene.format import FORMAT, Form
+from cardan.scene.parts import make_driveline, make_load
+from cardan.scene.values import VECTORS
 
 if TYPE_CHECKING:
     import xarray
 
 # Doubles of one block: enough to hide the overhead of a call, few enough for any machine.
 _BLOCK = 1 << 21
-
-Progress = Callable[[int, int], None]
-"""Takes the number of rows done and of all rows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +79,7 @@ class StudyResult:
         Raises:
             ImportError: xarray is missing.
         """
-        library = module("xarray", "xarray")
+        library = import_optional("xarray", "xarray")
         keys = tuple(axis.key for axis in self.axes)
         figures = {
             column.name: (keys, self.values[column.name], {"units": column.unit})
@@ -147,6 +145,13 @@ class Study:
     def shape(self) -> tuple[int, ...]:
         """Number of values of each axis."""
         return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def planes(self) -> int:
+        """Numbers that the quantities take for one drive angle of one driveline."""
+        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
+        outputs = (OUTPUTS[name] for name in self.quantities)
+        return sum(items[output.per] * output.components for output in outputs)
 
     def run(self, progress: Progress | None = None) -> StudyResult:
         """Evaluate every driveline of the grid, block by block.
@@ -221,12 +226,9 @@ class Study:
     def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
         """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows."""
         rows = range(math.prod(self.shape)) if rows is None else rows
-        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
-        outputs = [OUTPUTS[name] for name in self.quantities]
-        planes = sum(items[output.per] * (3 if output.vector else 1) for output in outputs)
         # The geometry of one joint takes some 30 doubles itself, several times over.
         geometry = 64 * len(self.driveline[self.form.keys[0]])
-        block = max(1, _BLOCK // max(geometry, planes * np.size(self.angle)))
+        block = max(1, _BLOCK // max(geometry, self.planes * np.size(self.angle)))
         for first in rows[::block]:
             yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import importlib
 import sys
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 FloatArray = NDArray[np.float64]
 
 
-def real(name: str, value: ArrayLike) -> FloatArray:
+def as_float64(name: str, value: ArrayLike) -> FloatArray:
     """Return the argument as a contiguous array of doubles, without a copy where it is one.
 
     Raises:
@@ -43,33 +42,6 @@ def _refuse_more_than_numbers(name: str, value: ArrayLike) -> None:
         raise TypeError(f"{name} is a {full} in {unit}; give plain numbers in the unit asked for")
     if not isinstance(value, np.ndarray):
         raise TypeError(f"{name} is a {full}; make it an array of NumPy first")
-
-
-def library(value: object) -> Literal["", "dask", "xarray"]:
-    """Return whose array it is, where it is one of a library that is handled beside NumPy.
-
-    Nothing is imported for that: what is not imported has made no arrays.
-    """
-    if not hasattr(value, "__array__"):
-        return ""
-    for name, kind in (("xarray", "DataArray"), ("dask.array", "Array")):
-        found = sys.modules.get(name)
-        if found is not None and isinstance(value, getattr(found, kind, ())):
-            return "dask" if name == "dask.array" else "xarray"
-    return ""
-
-
-def module(name: str, extra: str) -> Any:  # noqa: ANN401 - a module
-    """Import an optional module, or say which extra brings it.
-
-    Raises:
-        ImportError: it is missing.
-    """
-    try:
-        return importlib.import_module(name)
-    except ModuleNotFoundError:
-        hint = f"this needs {name}: pip install 'cardan[{extra}]'"
-        raise ModuleNotFoundError(hint) from None
 
 
 def scalar_or_array(array: FloatArray) -> Any:  # noqa: ANN401 - as NumPy's own functions

@@ -6,27 +6,24 @@ Each piece of a result is one task, and a task keeps to one thread: the parallel
 from __future__ import annotations
 
 import functools
-import inspect
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from dataclasses import fields, replace
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import common_shape, library, module, real
+from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
+from cardan.arrays.planes import components_first, view
+from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
 from cardan.geometry import Geometry
 from cardan.load import Load
-from cardan.plan import Plan, _view, item_index
+from cardan.plan import Plan
+from cardan.request import Request, item_index
 from cardan.result import Result
 from cardan.sweep import Sweep
-
-if TYPE_CHECKING:
-    from cardan.driveline import Driveline
-
-_Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 class _Part(NamedTuple):
@@ -104,38 +101,40 @@ class LazyDriveline:
         Raises:
             ValueError: a value out of range, as of the constructor.
         """
-        arrays = module("dask", "dask").compute(*(part.array for part in self._parts), **options)
+        arrays = import_optional("dask", "dask").compute(
+            *(part.array for part in self._parts), **options
+        )
         return self._make(*arrays)
 
 
-def lazily(ends: int, **whole: int) -> Callable[[_Function], _Function]:
-    """Let a constructor of drivelines take dask arrays and return a ``LazyDriveline`` then.
+def construct(
+    cls: type[Driveline],
+    constructor: str,
+    ends: int,
+    whole: Mapping[str, int],
+    given: dict[str, Any],
+) -> LazyDriveline:
+    """Make drivelines of dask arrays by the name of a constructor of ``Driveline``.
 
     Args:
+        cls: the class that has it.
+        constructor: its name.
         ends: how many entries the first of its arrays has beyond one per joint.
         whole: its arrays in order, and how many axes of each belong to one driveline.
+        given: its arguments by name.
+
+    Raises:
+        TypeError, ValueError: as of the constructor, for what is known before computing.
     """
-
-    def decorate(constructor: _Function) -> _Function:
-        @functools.wraps(constructor)
-        def either(cls: type[Driveline], *arrays: Any, **named: Any) -> Any:  # noqa: ANN401
-            given = {**dict(zip(whole, arrays, strict=False)), **named}
-            if not any(map(_is_lazy, given.values())):
-                return constructor(cls, *arrays, **named)
-            inspect.signature(constructor).bind(cls, *arrays, **named)
-            parts = {
-                name: _part(name, given.pop(name), axes)
-                for name, axes in whole.items()
-                if name in given and np.ndim(given[name])
-            }
-            first = next(iter(parts.values()))
-            stand_in = cls.from_bends(np.zeros(first.array.shape[-first.whole] - ends))
-            make = functools.partial(_made, cls, constructor.__name__, tuple(parts), given)
-            return LazyDriveline(make, list(parts.values()), stand_in)
-
-        return either  # type: ignore[return-value]
-
-    return decorate
+    parts = {
+        name: _part(name, given.pop(name), axes)
+        for name, axes in whole.items()
+        if name in given and np.ndim(given[name])
+    }
+    first = next(iter(parts.values()))
+    stand_in = cls.from_bends(np.zeros(first.array.shape[-first.whole] - ends))
+    make = functools.partial(_made, cls, constructor, tuple(parts), given)
+    return LazyDriveline(make, list(parts.values()), stand_in)
 
 
 def evaluate(
@@ -149,7 +148,7 @@ def evaluate(
         TypeError: arrays to fill; angles that are not real numbers.
         ValueError: shapes that do not broadcast, chunks of unknown size.
     """
-    line: Driveline = plan._arguments[0]
+    line = cast(Driveline, plan.request.line)
     if not line.shape:
         return _evaluated(plan, None, (), (), angle, out)
     parts = [_Part(array, array.ndim - len(line.shape)) for array in line._geometry]
@@ -166,8 +165,9 @@ def _evaluated(
 ) -> Result:
     if out is not None:
         raise TypeError("out does not go with dask arrays; their results are new arrays")
-    line, names, shafts, joints, load, reduce, dtype, tolerance, workers = plan._arguments
-    plan = Plan(line, names, shafts, joints, load, reduce, dtype, tolerance, workers or 1)
+    request = plan.request
+    plan = _plan(replace(request, workers=request.workers or 1))
+    load, reduce = request.load, request.reduce
     sweep = angle if isinstance(angle, Sweep) else None
     more = {} if sweep else {"angle": _part("angle", angle, 0)}
     if load is not None:
@@ -180,14 +180,14 @@ def _evaluated(
         raise ValueError(f"the load has more samples than drivelines and angles, {shape}")
     task = functools.partial(_task, plan=plan, make=make, sweep=sweep, more=tuple(more))
     length = 1 if reduce else shape[-1] if sweep else None
-    planes, lengths = _planes(task, every, shape, plan._planes, plan._dtype, length, bool(sweep))
+    planes, lengths = _planes(task, every, shape, plan.planes, plan.dtype, length, bool(sweep))
     if reduce and len(lengths) == 1:
         planes = planes[..., 0]
     elif reduce:
         shares = np.array(lengths) / sum(lengths)
-        planes = _OF_PIECES[reduce](planes, shares).astype(plan._dtype)
-    arrays = {name: _view(planes, place) for name, place in plan._places.items()}
-    return Result(arrays, (*plan._labels[:2], line_shape, reduce), angle)
+        planes = _OF_PIECES[reduce](planes, shares).astype(plan.dtype)
+    arrays = {name: view(planes, place) for name, place in plan.places.items()}
+    return Result(arrays, (*plan.labels[:2], line_shape, reduce), angle)
 
 
 # One figure from those of the pieces of a row and their shares of it.
@@ -220,7 +220,7 @@ def _planes(
         length: what a task makes of each piece of a row, if that has another length.
         whole_rows: whether rows are not to be cut.
     """
-    dask_array = module("dask.array", "dask")
+    dask_array = import_optional("dask.array", "dask")
     # Axes are told by their number from the last one on; those that stay whole by larger ones.
     pairs: list[Any] = []
     for number, (array, whole) in enumerate(parts):
@@ -257,22 +257,23 @@ def _task(
     """The planes of one piece of the samples."""
     named = dict(zip(more, pieces[len(pieces) - len(more) :], strict=True))
     angle = sweep or named.pop("angle")
-    line, *_, load, reduce, _, _, _ = plan._arguments
+    request = plan.request
     if make or named:
-        line = make(*pieces[: len(pieces) - len(more)]) if make else line
-        load = _loaded(load, named)
-        arguments = (line, *plan._arguments[1:4], load, *plan._arguments[5:])
-        plan = Plan(*arguments)
+        line = make(*pieces[: len(pieces) - len(more)]) if make else request.line
+        request = replace(request, line=line, load=_loaded(request.load, named))
+        plan = _plan(request)
     result = plan(angle)
-    rows = np.broadcast_shapes(line.shape, angle.shape)
-    rows = (*rows[:-1], 1) if reduce else rows
-    planes = []
-    for name, (_, items, vector) in plan._places.items():
-        array = result[name]
-        if vector:
-            array = np.moveaxis(array, -1, 0 if items is None else 1)
-        planes.append(np.reshape(array, (-1, *rows)))
+    rows = np.broadcast_shapes(request.line.shape, angle.shape)
+    rows = (*rows[:-1], 1) if request.reduce else rows
+    planes = [
+        np.reshape(components_first(np.asarray(result[name]), place), (-1, *rows))
+        for name, place in plan.places.items()
+    ]
     return np.concatenate(planes)
+
+
+def _plan(request: Request) -> Plan:
+    return Plan(*(getattr(request, field.name) for field in fields(request)))
 
 
 def _equivalent(
@@ -320,17 +321,12 @@ def _loaded(load: Load | None, pieces: Mapping[str, NDArray[Any]]) -> Load | Non
 
 
 def _part(name: str, value: Any, whole: int) -> _Part:  # noqa: ANN401 - an array of any library
-    array = value.data if library(value) == "xarray" else value
-    if library(array) != "dask":
-        return _Part(real(name, array), whole)
-    real(name, np.empty(0, array.dtype))
+    array = value.data if array_namespace_of(value) == "xarray" else value
+    if array_namespace_of(array) != "dask":
+        return _Part(as_float64(name, array), whole)
+    as_float64(name, np.empty(0, array.dtype))
     if any(math.isnan(size) for size in array.shape):
         raise ValueError(f"{name} has chunks of unknown size; call its compute_chunk_sizes first")
     if array.ndim < whole:
         raise ValueError(f"{name} has shape {array.shape}; it needs {whole} dimensions or more")
     return _Part(array, whole)
-
-
-def _is_lazy(value: object) -> bool:
-    whose = library(value)
-    return library(getattr(value, "data", None)) == "dask" if whose == "xarray" else whose == "dask"

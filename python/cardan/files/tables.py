@@ -11,18 +11,17 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from cardan.arrays import module
-from cardan.curves import columns, whole_file
-from cardan.recording import read_chunks
+from cardan.arrays import import_optional
+from cardan.files.progress import Progress
+from cardan.files.recording import read_chunks
+from cardan.files.whole_file import whole_file
 from cardan.result import Result
-from cardan.scene import Scene, SceneResult
-from cardan.study import Progress
 
 ROWS = 1 << 20
 """Rows of a chunk: enough to keep all threads busy, some 100 MB at most scenes."""
 
 
-def through(
+def map_parquet(
     source: str | PathLike[str],
     target: str | PathLike[str],
     names: Sequence[str],
@@ -49,57 +48,10 @@ def through(
         ValueError: as for ``recording.read_columns``; a file that is not Parquet.
     """
     pieces = ((function(*chunk.columns), chunk.total) for chunk in read_chunks(source, names, rows))
-    return _write(target, pieces, progress)
+    return write_pieces(target, pieces, progress)
 
 
-def stream(
-    scene: str | PathLike[str],
-    into: str | PathLike[str] = ".",
-    *,
-    radians: bool = False,
-    rows: int = ROWS,
-    progress: Progress | None = None,
-) -> tuple[Path, int]:
-    """Write the curves of a scene with recorded angles, whose files may be of any length.
-
-    The file has the rows and columns that ``cardan run`` writes, to the same bits; only where bends
-    are recorded too, the steepest of those in a chunk decide on its inverse tangent, which may move
-    last digits.
-
-    Args:
-        scene: a scene file with ``[angles]`` from a Parquet file and ``curves`` into one.
-        into: folder for the curves.
-        radians: whether angles are written in radians.
-        rows: at most so many at a time.
-        progress: called after each chunk with the rows done and all rows.
-
-    Returns:
-        the file written and its rows.
-
-    Raises:
-        ImportError: pyarrow is missing.
-        OSError: a file cannot be read or written.
-        ValueError: as for ``Scene.load``; keys of the scene that need all samples at once.
-    """
-    parts = Scene.parts(scene, rows)
-    first, total = next(parts)
-    assert first.curves_file
-    path = Path(into) / first.curves_file
-    if first.recording and path.exists() and path.samefile(first.recording):
-        raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
-
-    def pieces() -> Iterable[tuple[Mapping[str, NDArray[Any]], int]]:
-        yield curves(first), total
-        for part, _ in parts:
-            yield curves(part), total
-
-    def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
-        return columns(SceneResult(part, part.evaluate()), radians=radians)
-
-    return path, _write(path, pieces(), progress)
-
-
-def _write(
+def write_pieces(
     target: str | PathLike[str],
     pieces: Iterable[tuple[Mapping[str, NDArray[Any]], int]],
     progress: Progress | None,
@@ -107,7 +59,10 @@ def _write(
     """Write pieces of a table, each with the rows of the whole, and return the rows."""
     if Path(target).suffix != ".parquet":
         raise ValueError(f"{os.fspath(target)} must end in .parquet")
-    pyarrow, parquet = module("pyarrow", "table"), module("pyarrow.parquet", "table")
+    pyarrow, parquet = (
+        import_optional("pyarrow", "table"),
+        import_optional("pyarrow.parquet", "table"),
+    )
     done = 0
     writer = None
     pieces = iter(pieces)

@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Self
 
-import numpy as np
-
-from cardan import scene_format
+import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
-from cardan.axes import axes_of
 from cardan.driveline import Driveline
+from cardan.files.progress import Progress
+from cardan.files.recording import read_chunks
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
-from cardan.recording import read_chunks, read_columns
 from cardan.result import Result
-from cardan.scene_document import Document
-from cardan.scene_format import BEND_COLUMNS, FORMAT, FORMS, Form, describe
-from cardan.scene_parts import check_load, form_of, make_driveline, make_load
-from cardan.scene_values import shown
-from cardan.study import Progress, Study, StudyResult
-
-_MOST_STEPS = 10_000_000
+from cardan.scene.angles import Angles
+from cardan.scene.axes import axes_of
+from cardan.scene.document import Document
+from cardan.scene.format import BEND_COLUMNS, FORMS, Form, describe
+from cardan.scene.parts import check_load, form_of, make_driveline, make_load
+from cardan.scene.study import Study, StudyResult
 
 _OPTIONS = ("tolerance", "dtype", "workers")
 
@@ -130,13 +126,13 @@ class Scene:
             for key in ("reduce", "closed_forms", "table", "picture"):
                 if key in output:
                     raise ValueError(f"{key} does not go with streaming; it needs all angles")
-        chunks = read_chunks(folder / recorded["file"], _Angles.columns(recorded), rows)
+        chunks = read_chunks(folder / recorded["file"], Angles.columns(recorded), rows)
         while True:
             with document.within("angles"):
                 chunk = next(chunks, None)
                 if chunk is None:
                     return
-                angle = _Angles.of(recorded, folder, chunk.columns, chunk.first)
+                angle = Angles.of(recorded, folder, chunk.columns, chunk.first)
             yield cls._of(document, folder, angle), chunk.total
 
     @classmethod
@@ -164,7 +160,7 @@ class Scene:
         return scene_format.schema()
 
     @classmethod
-    def _of(cls, document: Document, folder: Path, angle: _Angles | None = None) -> Self:
+    def _of(cls, document: Document, folder: Path, angle: Angles | None = None) -> Self:
         given = document.sections
         output, recorded = given.get("output", {}), given.get("angles", {})
         driveline, loaded = given.get("driveline", {}), given.get("load")
@@ -177,9 +173,9 @@ class Scene:
                 raise ValueError("sections [sweep] and [angles] are both given; give one of them")
         with document.within("angles"):
             if recorded and angle is None:
-                angle = _Angles.recorded(recorded, folder)
+                angle = Angles.recorded(recorded, folder)
         with document.within("sweep"):
-            angle = angle or _Angles.swept(given.get("sweep", {}))
+            angle = angle or Angles.swept(given.get("sweep", {}))
         with document.within("driveline"):
             form, driveline = _filled(driveline, angle)
             line = make_driveline(form, driveline)
@@ -331,74 +327,7 @@ Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textw
 )
 
 
-@dataclass(frozen=True, eq=False)
-class _Angles:
-    """Drive angles in both units, those to take figures over, and the bends recorded with them."""
-
-    degrees: FloatArray
-    radians: FloatArray
-    to_reduce: FloatArray
-    bends: FloatArray | None = None
-
-    @classmethod
-    def swept(cls, values: Mapping[str, Any]) -> Self:
-        keys = FORMAT["sweep"].keys
-        turns, per_turn, start = (
-            values.get(key, keys[key].default) for key in ("turns", "samples_per_turn", "start_deg")
-        )
-        # Cut off, because no float holds every whole number of the file.
-        steps = turns * min(per_turn, 1 << 60)
-        if steps > _MOST_STEPS:
-            raise ValueError(
-                f"samples_per_turn is {shown(per_turn)} over turns = {turns:g}; "
-                f"a sweep takes at most {_MOST_STEPS} steps"
-            )
-        steps = max(1, round(steps))
-        # Dividing last keeps round degrees round.
-        degrees: FloatArray = start + 360.0 * turns * np.arange(steps + 1) / steps
-        radians = np.radians(degrees)
-        # The last angle of whole turns is the first one again: in a mean it would count twice.
-        return cls(degrees, radians, radians[:-1] if float(turns).is_integer() else radians)
-
-    @classmethod
-    def recorded(cls, values: Mapping[str, Any], folder: Path) -> Self:
-        return cls.of(values, folder, read_columns(folder / values["file"], cls.columns(values)), 0)
-
-    @staticmethod
-    def columns(values: Mapping[str, Any]) -> list[str]:
-        in_degrees = "angle_column_deg" in values
-        angles = values["angle_column_deg" if in_degrees else "angle_column_rad"]
-        return [angles, *_bend_columns(values)]
-
-    @classmethod
-    def of(
-        cls, values: Mapping[str, Any], folder: Path, read: Sequence[FloatArray], first: int
-    ) -> Self:
-        """Take columns as they were read, from some row on."""
-        column, *bend_columns = read
-        end, unit = (math.pi / 2, "pi/2) rad") if BEND_COLUMNS[1] in values else (90.0, "90) deg")
-        for name, bend in zip(_bend_columns(values), bend_columns, strict=True):
-            wrong = np.flatnonzero(~((bend >= 0.0) & (bend < end)))
-            if wrong.size:
-                row = first + wrong[0]
-                raise ValueError(
-                    f"{folder / values['file']}: row {row}, counted from 0, column {name!r} "
-                    f"is {bend[wrong[0]]}; a bend must lie in [0, {unit}"
-                )
-        in_degrees = "angle_column_deg" in values
-        radians = np.radians(column) if in_degrees else column
-        degrees = column if in_degrees else np.degrees(column)
-        bends = np.stack(bend_columns, -1) if bend_columns else None
-        if bends is not None and BEND_COLUMNS[1] in values:
-            bends = np.degrees(bends)
-        return cls(degrees, radians, radians, bends)
-
-
-def _bend_columns(values: Mapping[str, Any]) -> list[str]:
-    return next((values[key] for key in BEND_COLUMNS if key in values), [])
-
-
-def _filled(values: Mapping[str, Any], angle: _Angles) -> tuple[Form, dict[str, Any]]:
+def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, Any]]:
     """Form and keys of the driveline, with twists and phases that are left out as zeros."""
     filled = dict(values)
     if angle.bends is not None:

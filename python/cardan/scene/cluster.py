@@ -22,10 +22,12 @@ from typing import Any
 import numpy as np
 
 from cardan._core import __version__
-from cardan.arrays import module
-from cardan.curves import study_columns, whole_file, write_columns
-from cardan.outputs import OUTPUTS
-from cardan.study import Progress, Study
+from cardan.arrays import import_optional
+from cardan.files.columns import write_columns
+from cardan.files.progress import Progress
+from cardan.files.whole_file import whole_file
+from cardan.scene.curves import study_columns
+from cardan.scene.study import Study
 
 MANIFEST = "_study.json"
 """File of the folder that says which study it holds; Parquet readers pass over it."""
@@ -64,7 +66,7 @@ def connect(scheduler: str | None = None, processes: int | None = None) -> Itera
         ImportError: dask.distributed is missing.
         OSError: no scheduler answers there.
     """
-    distributed = module("distributed", "dask")
+    distributed = import_optional("distributed", "dask")
     with contextlib.ExitStack() as stack:
         cluster: Any = scheduler
         if scheduler is None:
@@ -84,7 +86,9 @@ def connect(scheduler: str | None = None, processes: int | None = None) -> Itera
         stack.enter_context(client)
         # The default for this thread and as long as it lasts, however the cluster ends.
         stack.enter_context(client.as_current())
-        stack.enter_context(module("dask", "dask").config.set(scheduler="dask.distributed"))
+        stack.enter_context(
+            import_optional("dask", "dask").config.set(scheduler="dask.distributed")
+        )
         yield client
 
 
@@ -99,8 +103,8 @@ def write_study(
 ) -> Written:
     """Evaluate a study on a cluster into a folder of Parquet files, or what it lacks of them.
 
-    Together the files hold the rows and columns that ``curves.write_study`` writes, to the same
-    bits on machines of one kind; read them with ``pyarrow.parquet.read_table(folder)``.
+    Together the files hold the rows and columns that ``scene.curves.write_study`` writes, to the
+    same bits on machines of one kind; read them with ``pyarrow.parquet.read_table(folder)``.
 
     Args:
         study: the study.
@@ -118,11 +122,11 @@ def write_study(
         ValueError: a point of the grid that makes no driveline; a folder that holds another study
             or none.
     """
-    module("pyarrow", "table")
-    distributed = module("distributed", "dask")
+    import_optional("pyarrow", "table")
+    distributed = import_optional("distributed", "dask")
     folder = Path(folder).absolute()
     rows = math.prod(study.shape)
-    manifest = _begun(folder, _told(study, radians), part_rows or _part_rows(study))
+    manifest = _open_manifest(folder, _fingerprint(study, radians), part_rows or _part_rows(study))
     parts = [
         range(rows)[i : i + manifest["part_rows"]] for i in range(0, rows, manifest["part_rows"])
     ]
@@ -178,12 +182,11 @@ def _file(folder: Path, number: int) -> Path:
 
 
 def _part_rows(study: Study) -> int:
-    items = {"shaft": len(study.shafts or [-1]), "joint": len(study.joints)}
-    planes = sum(items[OUTPUTS[name].per] for name in study.quantities) * len(study.reductions)
+    planes = study.planes * len(study.reductions)
     return min(_MOST_ROWS, max(1, _SAMPLES // max(1, planes * np.size(study.angle))))
 
 
-def _begun(folder: Path, told: dict[str, Any], part_rows: int) -> dict[str, Any]:
+def _open_manifest(folder: Path, fingerprint: dict[str, Any], part_rows: int) -> dict[str, Any]:
     """The manifest of a folder, which is made if it is not there."""
     path = folder / MANIFEST
     folder.mkdir(exist_ok=True)
@@ -191,10 +194,12 @@ def _begun(folder: Path, told: dict[str, Any], part_rows: int) -> dict[str, Any]
         if any(not name.startswith(".") for name in os.listdir(folder)):
             raise ValueError(f"{folder} holds other files; a study needs a folder of its own")
         with whole_file(path) as file:
-            file.write(json.dumps({"study": told, "part_rows": part_rows}, indent=1).encode())
+            file.write(
+                json.dumps({"study": fingerprint, "part_rows": part_rows}, indent=1).encode()
+            )
     try:
         manifest: dict[str, Any] = json.loads(path.read_bytes())
-        differ = [key for key in told if manifest["study"].get(key) != told[key]]
+        differ = [key for key in fingerprint if manifest["study"].get(key) != fingerprint[key]]
     except (ValueError, LookupError, TypeError, AttributeError):
         raise ValueError(f"{path} does not say which study the folder holds") from None
     if differ:
@@ -205,7 +210,7 @@ def _begun(folder: Path, told: dict[str, Any], part_rows: int) -> dict[str, Any]
     return manifest
 
 
-def _told(study: Study, radians: bool) -> dict[str, Any]:
+def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
     """All that the figures depend on, as plain data; long arrays by their hash."""
 
     def plain(value: object) -> object:
@@ -213,7 +218,7 @@ def _told(study: Study, radians: bool) -> dict[str, Any]:
             return hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return np.asarray(value).tolist()
 
-    told = {
+    fingerprint = {
         "axes": {axis.key: axis.values for axis in study.axes},
         "driveline": study.driveline,
         "load": study.load,
@@ -227,5 +232,5 @@ def _told(study: Study, radians: bool) -> dict[str, Any]:
         "angle unit": "rad" if radians else "deg",
         "version": __version__,
     }
-    as_read: dict[str, Any] = json.loads(json.dumps(told, default=plain))
+    as_read: dict[str, Any] = json.loads(json.dumps(fingerprint, default=plain))
     return as_read

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import module
+from cardan.arrays import import_optional
 from cardan.outputs import OUTPUTS, Output
+from cardan.plan import Plan
 from cardan.result import Result
 
 if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
-
-    from cardan.plan import Plan
 
 # By the names of the CF conventions, appendix E.
 _CELL_METHODS = {
@@ -60,7 +59,7 @@ def dataset(result: Result) -> xarray.Dataset:
 
 
 def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
-    library = module("xarray", "xarray")
+    library = import_optional("xarray", "xarray")
     samples = _Samples.of(result, given)
     taken = set() if given is None else {*map(str, given.dims), *map(str, given.coords)}
     coordinates: dict[str, Any] = {}
@@ -158,7 +157,7 @@ class _Column(NamedTuple):
 
 def frame(result: Result) -> pandas.DataFrame:
     """Return what ``Result.to_pandas`` does."""
-    library = module("pandas", "xarray")
+    library = import_optional("pandas", "xarray")
     index, figures = _columns(result)
     columns = {column.name: column.values for column in (*index, *figures)}
     made: pandas.DataFrame = library.DataFrame(columns)
@@ -168,7 +167,7 @@ def frame(result: Result) -> pandas.DataFrame:
 
 def table(result: Result) -> pyarrow.Table:
     """Return what ``Result.to_arrow`` does."""
-    pyarrow = module("pyarrow", "table")
+    pyarrow = import_optional("pyarrow", "table")
     index, figures = _columns(result)
     fields = [
         pyarrow.field(

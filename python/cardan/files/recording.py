@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cardan.arrays import FloatArray, module
+from cardan.arrays import FloatArray, import_optional
 from cardan.outputs import nearest
 
 MOST_ROWS = 100_000_000
@@ -176,7 +176,10 @@ def _parquet(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray
 @contextmanager
 def _parquet_file(path: str | PathLike[str], names: Sequence[str]) -> Iterator[Any]:
     """An open Parquet file that has the columns, of numbers."""
-    pyarrow, parquet = module("pyarrow", "table"), module("pyarrow.parquet", "table")
+    pyarrow, parquet = (
+        import_optional("pyarrow", "table"),
+        import_optional("pyarrow.parquet", "table"),
+    )
     # Opened here, because pyarrow's own message for a missing file names no file.
     with open(path, "rb") as source:
         try:

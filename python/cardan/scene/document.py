@@ -9,8 +9,9 @@ from contextlib import contextmanager
 from typing import Any
 
 from cardan.outputs import nearest
-from cardan.scene_format import FORMAT, Section, units_of
-from cardan.scene_values import shown
+from cardan.scene.format import FORMAT, Section
+from cardan.scene.units import units_of
+from cardan.scene.values import shown
 
 
 class Document:

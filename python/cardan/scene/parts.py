@@ -11,7 +11,7 @@ import numpy as np
 
 from cardan.driveline import Driveline
 from cardan.load import Load
-from cardan.scene_format import FORMAT, FORMS, Form
+from cardan.scene.format import FORMAT, FORMS, Form
 
 
 def form_of(values: Mapping[str, Any]) -> Form:

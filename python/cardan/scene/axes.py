@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
-from cardan.scene_format import FORMAT
-from cardan.scene_values import Spread, shown
+from cardan.scene.format import FORMAT
+from cardan.scene.values import Spread, shown
 
 MOST_ROWS = 10_000_000
 """Rows that a study takes at most."""

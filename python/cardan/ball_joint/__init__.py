@@ -14,8 +14,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
-from cardan.contact import Contact, elliptic, fitting, loose
+from cardan.arrays import FloatArray, as_float64, at_place, common_shape, scalar_or_array
+from cardan.ball_joint.contact import Contact, elliptic, fitting, loose
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -56,7 +56,7 @@ class BallJoint:
 
     def __init__(self, radius: ArrayLike, half_angle: ArrayLike = math.pi / 2) -> None:
         """Make joints without clearance."""
-        angle = real("half_angle", half_angle)
+        angle = as_float64("half_angle", half_angle)
         wrong = ~((angle > 0.0) & (angle <= math.pi / 2))
         if wrong.any():
             place = at_place("half_angle", angle, wrong)
@@ -79,15 +79,15 @@ class BallJoint:
             ValueError: a clearance that is negative or not finite, a compliance that is not
                 positive and finite, shapes that do not broadcast.
         """
-        gap = real("clearance", clearance)
+        gap = as_float64("clearance", clearance)
         wrong = ~((gap >= 0.0) & (gap < np.inf))
         if wrong.any():
             place = at_place("clearance", gap, wrong)
             raise ValueError(f"{place} m; a clearance must be finite and not negative")
         joint = object.__new__(type(self))
         joint._set(
-            real("radius", self.radius),
-            real("half_angle", self.half_angle),
+            as_float64("radius", self.radius),
+            as_float64("half_angle", self.half_angle),
             gap,
             _positive("compliance", compliance),
         )
@@ -171,7 +171,7 @@ class BallJoint:
             TypeError: values that are not real numbers.
             ValueError: a negative load, shapes that do not broadcast.
         """
-        angle, force = real("theta", theta), self._force(load)
+        angle, force = as_float64("theta", theta), self._force(load)
         common_shape(joint=self.shape, theta=angle.shape, load=force.shape)
         contact = self._contact(force)
         return scalar_or_array(contact.peak(force, self.radius) * contact.profile(angle))
@@ -331,7 +331,7 @@ def _restored(
 
 
 def _positive(name: str, value: ArrayLike) -> FloatArray:
-    array = real(name, value)
+    array = as_float64(name, value)
     wrong = ~((array > 0.0) & (array < np.inf))
     if wrong.any():
         raise ValueError(f"{at_place(name, array, wrong)}; it must be positive and finite")
@@ -340,7 +340,7 @@ def _positive(name: str, value: ArrayLike) -> FloatArray:
 
 def _not_negative(name: str, value: ArrayLike) -> FloatArray:
     """What is evaluated, unlike what makes a joint, may be NaN."""
-    array = real(name, value)
+    array = as_float64(name, value)
     wrong = (array < 0.0) | np.isinf(array)
     if wrong.any():
         raise ValueError(f"{at_place(name, array, wrong)}; it must be finite and not negative")
@@ -349,7 +349,7 @@ def _not_negative(name: str, value: ArrayLike) -> FloatArray:
 
 def _unit(name: str, value: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Vectors made unit ones, and their lengths."""
-    array = real(name, value)
+    array = as_float64(name, value)
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"{name} has shape {array.shape}; vectors need (..., 3)")
     length = _length(array)
