@@ -36,4 +36,5 @@ def write_report(scene: Scene, path: str | PathLike[str], progress: Progress | N
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
     text = page(scene, progress)
     with whole_file(path) as file:
-        file.write(text.encode())
+        # Names of files need not be text.
+        file.write(text.encode(errors="replace"))
