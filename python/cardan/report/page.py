@@ -6,7 +6,7 @@ import base64
 import hashlib
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from cardan.report.study import study
 from cardan.scene import Scene
 from cardan.study import Progress
 
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
 
 def page(scene: Scene, progress: Progress | None = None) -> str:
     """Return the whole page as HTML; arguments and errors as of ``write_report``."""
@@ -29,35 +32,33 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
     samples = evaluated(scene)
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
-    return str(
-        template.render(
-            answer(scene, samples),
-            version=__version__,
-            style=_part("page.css"),
-            script=_part("page.js"),
-            title=scene.title or Path(scene.name).name,
-            name=Path(scene.name).name,
-            joints=scene.line.n_joints,
-            varied=bool(scene.study and scene.study.axes),
-            recorded=scene.recording is not None,
-            nominal=f"{NOMINAL_TORQUE:g} N m" if samples.nominal else "",
-            every=samples.every,
-            inputs=tables.inputs(scene),
-            results=tables.results(result, samples),
-            study=study(result.study) if result.study else None,
-            charts=[
-                chart(panel, x, x_label, int(first))
-                for panel, first in zip(panels, firsts, strict=False)
-            ],
-            plan=scene.explain(),
-            catalogue=tables.catalogue(scene),
-            data=_data(samples, panels),
-        )
+    return template.render(
+        answer(scene, samples),
+        version=__version__,
+        style=_part("page.css"),
+        script=_part("page.js"),
+        title=scene.title or Path(scene.name).name,
+        name=Path(scene.name).name,
+        joints=scene.line.n_joints,
+        varied=bool(scene.study and scene.study.axes),
+        recorded=scene.recording is not None,
+        nominal=f"{NOMINAL_TORQUE:g} N m" if samples.nominal else "",
+        every=samples.every,
+        inputs=tables.inputs(scene),
+        results=tables.results(result, samples),
+        study=study(result.study) if result.study else None,
+        charts=[
+            chart(panel, x, x_label, int(first))
+            for panel, first in zip(panels, firsts[:-1], strict=True)
+        ],
+        plan=scene.explain(),
+        catalogue=tables.catalogue(scene),
+        data=_data(samples, panels),
     )
 
 
-def environment() -> Any:  # noqa: ANN401 - of a module that may be missing
-    """Return what the page is made by: it escapes every text and knows no missing name.
+def environment() -> Environment:
+    """Return what renders the templates: it escapes every text and refuses a missing name.
 
     Raises:
         ImportError: jinja2 is missing.
@@ -84,7 +85,7 @@ def _part(name: str) -> str:
 
 
 def _digest(text: str) -> str:
-    """What lets this text alone be a script or a style, whatever else the page may hold."""
+    """The source by which the page's policy lets this text alone be a script or a style."""
     digest = base64.b64encode(hashlib.sha256(text.encode()).digest())
     return f"sha256-{digest.decode()}"
 

@@ -49,9 +49,9 @@ def study(result: StudyResult) -> dict[str, Any]:
 
 
 def _charts(result: StudyResult) -> tuple[list[dict[str, Any]], str]:
-    """Figures over the axis with most values, a curve for each of some values of the next one.
+    """Charts over the axis with most values, with a curve for each of some values of the next one.
 
-    And the values at which they hold the other axes, in words.
+    Also returns the values at which the other axes are held, in words.
     """
     order = sorted(range(len(result.axes)), key=lambda i: -len(result.axes[i].values))
     along = result.axes[order[0]]
