@@ -127,7 +127,7 @@ proptest! {
         line in drivelines(),
         angle in prop::collection::vec(prop_oneof![-9.0..9.0, -1e9..1e9], 60),
         precision in prop_oneof![
-            Just(Precision::Single), Just(Precision::Double), Just(Precision::InTwo),
+            Just(Precision::Single), Just(Precision::Double), Just(Precision::DoubleDouble),
         ],
     ) {
         let array = Angles::Array(Source { data: &angle, strides: &[1] });

@@ -3,7 +3,7 @@
 use crate::input::drivelines::Drivelines;
 use crate::input::sweep::Sweep;
 
-/// A flat array seen through broadcasting: sample `(i_0, i_1, …)` holds element `Σ i_k stride_k`.
+/// A flat array broadcast over the samples: sample `(i_0, i_1, …)` holds element `Σ i_k stride_k`.
 #[derive(Clone, Debug)]
 pub struct Source<'a> {
     /// The elements.

@@ -4,15 +4,15 @@ use std::f64::consts::TAU;
 use std::slice::from_ref;
 
 use crate::error::{Error, Result};
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::reduction::{self, HALF_PI, ROUNDING};
 
 /// Drive angles at equal steps, exact: sample `i` is at `start + i · step` itself and not at a
 /// double beside it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
-    start: Pair,
-    pub(crate) step: Pair,
+    start: DoubleDouble,
+    pub(crate) step: DoubleDouble,
     count: usize,
     /// Samples per turn, if a turn is a whole number of steps from 0.
     per_turn: Option<f64>,
@@ -38,9 +38,9 @@ impl Sweep {
             }
         }
         check_count("num", count)?;
-        let steps = Pair::exact((count - 1).max(1) as f64);
-        let step = Pair::sum(stop, -start) / steps;
-        Ok(Self { start: Pair::exact(start), step: step.rounded(), count, per_turn: None })
+        let steps = DoubleDouble::exact((count - 1).max(1) as f64);
+        let step = DoubleDouble::two_sum(stop, -start) / steps;
+        Ok(Self { start: DoubleDouble::exact(start), step: step.rounded(), count, per_turn: None })
     }
 
     /// `count` angles from 0 on, `per_turn` to a turn.
@@ -56,9 +56,9 @@ impl Sweep {
     pub fn of_turns(count: usize, per_turn: usize) -> Result<Self> {
         check_count("turns", count)?;
         check_count("samples", per_turn)?;
-        let step = Pair::new(TAU, 4.0 * HALF_PI[1]) / Pair::exact(per_turn as f64);
+        let step = DoubleDouble::new(TAU, 4.0 * HALF_PI[1]) / DoubleDouble::exact(per_turn as f64);
         let per_turn = Some(per_turn as f64);
-        Ok(Self { start: Pair::default(), step: step.rounded(), count, per_turn })
+        Ok(Self { start: DoubleDouble::default(), step: step.rounded(), count, per_turn })
     }
 
     /// Number of angles.
@@ -89,7 +89,7 @@ impl Sweep {
 
     /// Sample `i`, a whole number.
     #[inline(always)]
-    pub(crate) fn angle(&self, i: f64) -> Pair {
+    pub(crate) fn angle(&self, i: f64) -> DoubleDouble {
         self.start + self.turned(i)
     }
 
@@ -100,15 +100,15 @@ impl Sweep {
 
     /// What the drive has turned from the start to sample `i`.
     #[inline(always)]
-    pub(crate) fn turned(&self, i: f64) -> Pair {
-        let Pair { high, low } = Pair::product(i, self.step.high);
-        Pair { high, low: i.mul_add(self.step.low, low) }
+    pub(crate) fn turned(&self, i: f64) -> DoubleDouble {
+        let DoubleDouble { high, low } = DoubleDouble::two_product(i, self.step.high);
+        DoubleDouble { high, low: i.mul_add(self.step.low, low) }
     }
 
     /// The samples in a quarter turn, and the number of the sample at zero, both with their fractions.
     #[inline(always)]
-    pub(crate) fn quarter_and_zero(&self) -> [Pair; 2] {
-        [Pair::new(HALF_PI[0], HALF_PI[1]) / self.step, -self.start / self.step]
+    pub(crate) fn quarter_and_zero(&self) -> [DoubleDouble; 2] {
+        [DoubleDouble::new(HALF_PI[0], HALF_PI[1]) / self.step, -self.start / self.step]
     }
 
     /// The sweep of twice the angles.
@@ -124,45 +124,50 @@ impl Sweep {
 
     /// How to find the remainder of sample `i` to the nearest multiple of π/2, and the multiple.
     #[inline(always)]
-    pub(crate) fn reduction(&self) -> Reduction {
+    pub(crate) fn reduction(&self) -> AngleReduction {
         match self.per_turn {
-            Some(per_turn) => Reduction::OfTurns {
+            Some(per_turn) => AngleReduction::OfTurns {
                 per_turn,
                 inverse: 1.0 / per_turn,
                 quarter: self.step.scaled(0.25),
             },
-            None => Reduction::OfAngles(*self),
+            None => AngleReduction::OfAngles(*self),
         }
     }
 }
 
 /// A way from sample numbers to remainders.
 #[derive(Clone, Copy)]
-pub(crate) enum Reduction {
+pub(crate) enum AngleReduction {
     /// In halves of a quarter of a step at the least, so that nothing is rounded before the end.
-    OfTurns { per_turn: f64, inverse: f64, quarter: Pair },
+    OfTurns { per_turn: f64, inverse: f64, quarter: DoubleDouble },
     /// By way of the angle.
     OfAngles(Sweep),
 }
 
-impl Reduction {
+impl AngleReduction {
     #[inline(always)]
-    pub(crate) fn of_turns(per_turn: f64, inverse: f64, quarter: Pair, i: f64) -> (Pair, u64) {
+    pub(crate) fn of_turns(
+        per_turn: f64,
+        inverse: f64,
+        quarter: DoubleDouble,
+        i: f64,
+    ) -> (DoubleDouble, u64) {
         let quarters = 4.0 * i;
         let shifted = quarters.mul_add(inverse, ROUNDING);
         let steps = (shifted - ROUNDING).mul_add(-per_turn, quarters);
-        let Pair { high, low } = Pair::product(steps, quarter.high);
-        (Pair { high, low: steps.mul_add(quarter.low, low) }, shifted.to_bits())
+        let DoubleDouble { high, low } = DoubleDouble::two_product(steps, quarter.high);
+        (DoubleDouble { high, low: steps.mul_add(quarter.low, low) }, shifted.to_bits())
     }
 
     #[inline(always)]
-    pub(crate) fn of_angles(sweep: &Sweep, i: f64) -> (Pair, u64) {
-        reduction::reduce_in_two(sweep.angle(i))
+    pub(crate) fn of_angles(sweep: &Sweep, i: f64) -> (DoubleDouble, u64) {
+        reduction::reduce_double_double(sweep.angle(i))
     }
 
     /// The same for one sample, whichever way.
     #[inline(always)]
-    pub(crate) fn of(&self, i: f64) -> (Pair, u64) {
+    pub(crate) fn of(&self, i: f64) -> (DoubleDouble, u64) {
         match *self {
             Self::OfTurns { per_turn, inverse, quarter } => {
                 Self::of_turns(per_turn, inverse, quarter, i)

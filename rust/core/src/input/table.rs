@@ -17,8 +17,8 @@ pub(crate) struct Table<'a> {
     pub(crate) line: Cow<'a, [usize]>,
     /// The sweep that stands for the column of angles.
     pub(crate) sweep: Option<Sweep>,
-    pub(crate) columns: Vec<Column<'a>>,
-    /// Column of each shaft's inertia, if there is a load.
+    pub(crate) columns: Vec<TableColumn<'a>>,
+    /// TableColumn of each shaft's inertia, if there is a load.
     pub(crate) inertia: Vec<Option<usize>>,
 }
 
@@ -33,7 +33,7 @@ const NAMES: [&str; 4] = ["angle", "torque", "speed", "acceleration"];
 
 /// How the geometry changes over the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Geometries {
+pub(crate) enum GeometryVariation {
     /// Not at all.
     One,
     /// From row to row.
@@ -43,12 +43,12 @@ pub(crate) enum Geometries {
 }
 
 /// One quantity over the samples.
-pub(crate) struct Column<'a> {
+pub(crate) struct TableColumn<'a> {
     pub(crate) data: &'a [f64],
     pub(crate) strides: Cow<'a, [usize]>,
 }
 
-impl<'a> Column<'a> {
+impl<'a> TableColumn<'a> {
     fn of(source: &Source<'a>) -> Self {
         Self { data: source.data, strides: Cow::Borrowed(source.strides) }
     }
@@ -70,22 +70,23 @@ impl<'a> Table<'a> {
         let lines = samples.lines;
         let count = lines.check(n)?;
         let (angle, sweep) = match &samples.angle {
-            Angles::Array(source) => (Column::of(source), None),
+            Angles::Array(source) => (TableColumn::of(source), None),
             // One angle that all samples see, as an array's would be.
-            Angles::Sweep(sweep) if sweep.count() == 1 || samples.shape.last() == Some(&1) => {
-                (Column { data: sweep.first(), strides: vec![0; samples.shape.len()].into() }, None)
-            }
+            Angles::Sweep(sweep) if sweep.count() == 1 || samples.shape.last() == Some(&1) => (
+                TableColumn { data: sweep.first(), strides: vec![0; samples.shape.len()].into() },
+                None,
+            ),
             Angles::Sweep(sweep) => {
                 // An array whose elements are their own numbers.
                 let last = samples.shape.len().saturating_sub(1);
                 let strides = (0..samples.shape.len()).map(|axis| usize::from(axis == last));
-                (Column { data: &[], strides: strides.collect() }, Some(*sweep))
+                (TableColumn { data: &[], strides: strides.collect() }, Some(*sweep))
             }
         };
         let mut columns = vec![angle];
         let mut inertia = vec![];
         if let Some(load) = &samples.load {
-            columns.extend([&load.torque, &load.speed, &load.acceleration].map(Column::of));
+            columns.extend([&load.torque, &load.speed, &load.acceleration].map(TableColumn::of));
             inertia.resize(n + 1, None);
             for (shaft, source) in &load.inertias {
                 if *shaft > n {
@@ -93,7 +94,7 @@ impl<'a> Table<'a> {
                     return Err(Error::new("inertias", &[], problem));
                 }
                 inertia[*shaft] = Some(columns.len());
-                columns.push(Column::of(source));
+                columns.push(TableColumn::of(source));
             }
         } else if loaded {
             return Err(Error::new("load", &[], "is missing; the outputs need one"));
@@ -120,11 +121,11 @@ impl<'a> Table<'a> {
     }
 
     /// How the geometry changes over the samples.
-    pub(crate) fn geometries(&self) -> Geometries {
+    pub(crate) fn geometry_variation(&self) -> GeometryVariation {
         match self.line.split_last() {
-            Some((&along, _)) if along != 0 => Geometries::BySample,
-            Some((_, outer)) if outer.iter().any(|&stride| stride != 0) => Geometries::ByRow,
-            _ => Geometries::One,
+            Some((&along, _)) if along != 0 => GeometryVariation::BySample,
+            Some((_, outer)) if outer.iter().any(|&stride| stride != 0) => GeometryVariation::ByRow,
+            _ => GeometryVariation::One,
         }
     }
 

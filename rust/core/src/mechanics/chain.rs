@@ -9,9 +9,9 @@
 use std::ops::{Mul, Sub};
 
 use crate::mechanics::joint::Joint;
-use crate::mechanics::transmission::Ripple;
+use crate::mechanics::transmission::Ideal;
 use crate::number::atan::AtanRange;
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction;
 use crate::number::trig;
@@ -19,13 +19,13 @@ use crate::number::trig;
 /// A complex number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Complex {
-    pub(crate) re: Pair,
-    pub(crate) im: Pair,
+    pub(crate) re: DoubleDouble,
+    pub(crate) im: DoubleDouble,
 }
 
 impl Complex {
     #[inline(always)]
-    pub(crate) fn new(re: Pair, im: Pair) -> Self {
+    pub(crate) fn new(re: DoubleDouble, im: DoubleDouble) -> Self {
         Self { re, im }
     }
 
@@ -39,16 +39,19 @@ impl Complex {
     #[inline(always)]
     fn apart(self) -> Self {
         let Self { re, im } = self;
-        Self { re: Pair::sum(re.high, re.low), im: Pair::sum(im.high, im.low) }
+        Self {
+            re: DoubleDouble::two_sum(re.high, re.low),
+            im: DoubleDouble::two_sum(im.high, im.low),
+        }
     }
 
     #[inline(always)]
-    fn times(self, factor: Pair) -> Self {
+    fn times(self, factor: DoubleDouble) -> Self {
         Self { re: self.re * factor, im: self.im * factor }
     }
 
     #[inline(always)]
-    fn norm_squared(self) -> Pair {
+    fn norm_squared(self) -> DoubleDouble {
         self.re.square() + self.im.square()
     }
 }
@@ -80,13 +83,13 @@ pub(crate) struct Transfer {
     pub(crate) a: Complex,
     pub(crate) b: Complex,
     /// `|A|² − |B|²`.
-    pub(crate) complement: Pair,
+    pub(crate) complement: DoubleDouble,
 }
 
 impl Default for Transfer {
     fn default() -> Self {
-        let a = Complex::new(Pair::ONE, Pair::default());
-        Self { a, b: Complex::default(), complement: Pair::ONE }
+        let a = Complex::new(DoubleDouble::ONE, DoubleDouble::default());
+        Self { a, b: Complex::default(), complement: DoubleDouble::ONE }
     }
 }
 
@@ -112,7 +115,7 @@ impl Transfer {
 
     /// Follows a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
     #[inline(always)]
-    pub(crate) fn pass_joint(&mut self, joint: &Joint<Pair>) {
+    pub(crate) fn pass_joint(&mut self, joint: &Joint<DoubleDouble>) {
         let (a, b) = (self.a, self.b);
         self.a = a - b.conj().times(joint.k);
         self.b = b - a.conj().times(joint.k);
@@ -121,7 +124,7 @@ impl Transfer {
 
     /// The one joint that moves the shaft exactly as the whole chain does, branch-free.
     #[inline(always)]
-    pub(crate) fn equivalent(&self) -> Equivalent<Pair> {
+    pub(crate) fn equivalent(&self) -> Equivalent<DoubleDouble> {
         // −q/|q| = e^{−2iφ} for q = B/A, up to a positive factor.
         let z = (Complex::default() - self.b * self.a.conj()).apart();
         // Times a power of two, so that no square of a small number is lost.
@@ -140,16 +143,16 @@ impl Transfer {
 
     /// The shaft's motion in twice the drive angle.
     #[inline(always)]
-    pub(crate) fn ripple(&self) -> Ripple<Pair> {
+    pub(crate) fn ideal(&self) -> Ideal<DoubleDouble> {
         let a2 = self.a.norm_squared();
         let inverse = a2.recip();
         let q = (self.b * self.a.conj()).apart().times(-inverse);
-        Ripple::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
+        Ideal::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
     }
 
     /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`: the rows give the cosine and the sine of
     /// the joint's own driving angle, both times the same positive length.
-    pub(crate) fn matrix(&self) -> [Pair; 4] {
+    pub(crate) fn matrix(&self) -> [DoubleDouble; 4] {
         let (a, b) = (self.a, self.b);
         [a.re + b.re, b.im - a.im, a.im + b.im, a.re - b.re]
     }
@@ -159,7 +162,7 @@ impl Transfer {
 pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
     if trig::any_far([phase, twist].into_iter()) {
         let turn = |angle: f64| {
-            let (sine, cosine) = trig::sin_cos_in_two(reduction::reduce_any(angle));
+            let (sine, cosine) = trig::sin_cos_double_double(reduction::reduce_any(angle));
             Complex::new(cosine, sine)
         };
         let Complex { re, im } = turn(phase) * turn(-twist);
@@ -171,8 +174,8 @@ pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
 /// The same, branch-free, for angles that [`trig::any_far`] does not call far.
 #[inline(always)]
 pub(crate) fn near_shaft_turn(phase: f64, twist: f64) -> Complex {
-    let reduced = reduction::reduce_in_two(Pair::sum(phase, -twist));
-    let (sine, cosine) = trig::sin_cos_in_two(reduced);
+    let reduced = reduction::reduce_double_double(DoubleDouble::two_sum(phase, -twist));
+    let (sine, cosine) = trig::sin_cos_double_double(reduced);
     Complex::new(-sine, cosine)
 }
 
@@ -187,8 +190,8 @@ fn inverse_power_of_two(x: f64) -> f64 {
 
 /// Cosine and sine of `φ` in `(−90°, 90°]` from those of `2φ`.
 #[inline(always)]
-fn half_turn(cos_2: Pair, sin_2: Pair) -> (Pair, Pair) {
-    let half = (Pair::ONE + cos_2.abs()).scaled(0.5);
+fn half_turn(cos_2: DoubleDouble, sin_2: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
+    let half = (DoubleDouble::ONE + cos_2.abs()).scaled(0.5);
     let large = half.sqrt();
     let small = sin_2.abs().scaled(0.5) / large;
     if cos_2.high >= 0.0 { (large, small.copysign(sin_2)) } else { (small, large.copysign(sin_2)) }
@@ -205,13 +208,16 @@ pub struct Equivalent<T = f64> {
     pub turn_sin: T,
 }
 
-impl Equivalent<Pair> {
-    pub(crate) const STRAIGHT: Self =
-        Self { joint: Joint::STRAIGHT, turn_cos: Pair::ONE, turn_sin: Pair::exact(0.0) };
+impl Equivalent<DoubleDouble> {
+    pub(crate) const STRAIGHT: Self = Self {
+        joint: Joint::STRAIGHT,
+        turn_cos: DoubleDouble::ONE,
+        turn_sin: DoubleDouble::exact(0.0),
+    };
 
     /// A joint on the drive shaft itself.
     #[inline(always)]
-    pub(crate) fn of_joint(joint: Joint<Pair>) -> Self {
+    pub(crate) fn of_joint(joint: Joint<DoubleDouble>) -> Self {
         Self { joint, ..Self::STRAIGHT }
     }
 }
@@ -239,7 +245,7 @@ impl Equivalent {
 }
 
 impl Equivalent {
-    fn nearest(equivalent: &Equivalent<Pair>) -> Self {
+    fn nearest(equivalent: &Equivalent<DoubleDouble>) -> Self {
         Self {
             joint: Joint::nearest(&equivalent.joint),
             turn_cos: equivalent.turn_cos.value(),

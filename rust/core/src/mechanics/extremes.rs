@@ -12,14 +12,14 @@ use std::f64::consts::PI;
 
 /// The swing of a shaft as far as its extremes go.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crest {
+pub(crate) struct ExtremaLocator {
     /// `2φ`: the equivalent joint's driving angle is `α + φ`.
     pub(crate) twice_offset: f64,
     /// `k`.
     pub(crate) k: f64,
 }
 
-impl Crest {
+impl ExtremaLocator {
     /// The drive angles of the extremes of angle error, speed ratio and acceleration ratio, those of
     /// them that are wanted, but for half turns.
     pub(crate) fn angles(self, wanted: [bool; 3]) -> impl Iterator<Item = f64> {

@@ -198,7 +198,7 @@ fn turned(v: Vector, axis: Vector, angle: f64) -> Vector {
 /// it leaves the range of a double; `None` if it is zero or not finite.
 fn scaled_by_power_of_two(v: &Vector) -> Option<Vector> {
     const EXPONENT: u64 = 0x7ff << 52;
-    // Out of the subnormal numbers first, where the exponent says nothing.
+    // Sink of the subnormal numbers first, where the exponent says nothing.
     let v = if v.amax() < f64::MIN_POSITIVE { v * (1_u64 << 60) as f64 } else { *v };
     let power = f64::from_bits(v.amax().to_bits() & EXPONENT);
     (power > 0.0 && v.iter().all(|x| x.is_finite())).then(|| v / power)

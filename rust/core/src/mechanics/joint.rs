@@ -4,7 +4,7 @@
 //! plain functions of one sample; the kernel runs them over slices.
 
 use crate::number::atan::AtanRange;
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::HALF_PI;
 use crate::number::trig;
@@ -31,16 +31,16 @@ pub struct Joint<T = f64> {
     pub k: T,
 }
 
-impl Joint<Pair> {
+impl Joint<DoubleDouble> {
     /// The straight joint, which passes its rotation on unchanged.
     pub const STRAIGHT: Self = Self {
-        cos: Pair::ONE,
-        cos2: Pair::ONE,
-        sin: Pair::exact(0.0),
-        sin2: Pair::exact(0.0),
-        versine: Pair::exact(0.0),
-        inverse_exsecant: Pair::exact(f64::INFINITY),
-        k: Pair::exact(0.0),
+        cos: DoubleDouble::ONE,
+        cos2: DoubleDouble::ONE,
+        sin: DoubleDouble::exact(0.0),
+        sin2: DoubleDouble::exact(0.0),
+        versine: DoubleDouble::exact(0.0),
+        inverse_exsecant: DoubleDouble::exact(f64::INFINITY),
+        k: DoubleDouble::exact(0.0),
     };
 
     /// The joint with a bend in `[0, π/2)`, in radians.
@@ -48,10 +48,11 @@ impl Joint<Pair> {
     pub fn with_error_terms(bend: f64) -> Self {
         let steep = bend > 0.5 * HALF_PI[0];
         // The difference is exact: the bend is more than half of π/2.
-        let complement = Pair::ordered_sum(HALF_PI[0] - bend, HALF_PI[1]);
-        let (s, c) = trig::sin_cos_of_remainder(if steep { complement } else { Pair::exact(bend) });
+        let complement = DoubleDouble::fast_two_sum(HALF_PI[0] - bend, HALF_PI[1]);
+        let (s, c) =
+            trig::sin_cos_of_remainder(if steep { complement } else { DoubleDouble::exact(bend) });
         let (sin, cos) = if steep { (c, s) } else { (s, c) };
-        let (half_sine, _) = trig::sin_cos_of_remainder(Pair::exact(0.5 * bend));
+        let (half_sine, _) = trig::sin_cos_of_remainder(DoubleDouble::exact(0.5 * bend));
         let versine = half_sine.square().scaled(2.0);
         Self {
             cos,
@@ -60,15 +61,15 @@ impl Joint<Pair> {
             sin2: sin.square(),
             versine,
             inverse_exsecant: inverse_exsecant(cos, versine),
-            k: versine / Pair::ONE.plus_smaller(cos),
+            k: versine / DoubleDouble::ONE.fast_add(cos),
         }
     }
 
     /// The joint with the given `k = tan²(β/2)` and `1 − k²`, the latter known without
     /// cancellation.
     #[inline(always)]
-    pub(crate) fn from_k(k: Pair, complement: Pair) -> Self {
-        let one_plus = Pair::ONE.plus_smaller(k);
+    pub(crate) fn from_k(k: DoubleDouble, complement: DoubleDouble) -> Self {
+        let one_plus = DoubleDouble::ONE.fast_add(k);
         let square = one_plus.square();
         let cos = complement / square;
         let versine = k.scaled(2.0) / one_plus;
@@ -86,7 +87,7 @@ impl Joint<Pair> {
 
 /// What the formulas per angle take of a joint.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Constants<T> {
+pub(crate) struct JointConstants<T> {
     pub(crate) cos: T,
     pub(crate) cos2: T,
     pub(crate) sin2: T,
@@ -94,13 +95,13 @@ pub(crate) struct Constants<T> {
     pub(crate) inverse_exsecant: T,
 }
 
-impl<T: Real> Constants<T> {
+impl<T: Real> JointConstants<T> {
     /// The nearest numbers of a kernel.
     #[inline(always)]
-    pub(crate) fn nearest(joint: &Joint<Pair>) -> Self {
+    pub(crate) fn nearest(joint: &Joint<DoubleDouble>) -> Self {
         let [cos, cos2, sin2, versine, inverse_exsecant] =
             [joint.cos, joint.cos2, joint.sin2, joint.versine, joint.inverse_exsecant]
-                .map(T::from_pair);
+                .map(T::from_double_double);
         Self { cos, cos2, sin2, versine, inverse_exsecant }
     }
 
@@ -112,19 +113,19 @@ impl<T: Real> Constants<T> {
     #[inline(always)]
     pub(crate) fn of_moderate_bend(bend: f64) -> Self {
         let half = 0.5 * bend;
-        let Pair { high: square, low } = Pair::product(half, half);
+        let DoubleDouble { high: square, low } = DoubleDouble::two_product(half, half);
         let rest = half * square * trig::sine_tail(square);
         let rest = bend.mul_add(rest, rest.mul_add(rest, low));
-        let versine = Pair::ordered_sum(square, rest).scaled(2.0);
-        let cos = Pair::ONE.plus_smaller(-versine).rounded();
-        let sin2 = versine * Pair::exact(2.0).plus_smaller(-versine);
-        let [cos2, sin2] = [cos.square(), sin2].map(T::from_pair);
+        let versine = DoubleDouble::fast_two_sum(square, rest).scaled(2.0);
+        let cos = DoubleDouble::ONE.fast_add(-versine).rounded();
+        let sin2 = versine * DoubleDouble::exact(2.0).fast_add(-versine);
+        let [cos2, sin2] = [cos.square(), sin2].map(T::from_double_double);
         let inverse_exsecant = T::from_f64(0.0);
         Self {
-            cos: T::from_pair(cos),
+            cos: T::from_double_double(cos),
             cos2,
             sin2,
-            versine: T::from_pair(versine),
+            versine: T::from_double_double(versine),
             inverse_exsecant,
         }
     }
@@ -138,10 +139,10 @@ impl<T: Real> Constants<T> {
 }
 
 #[inline(always)]
-fn inverse_exsecant(cos: Pair, versine: Pair) -> Pair {
+fn inverse_exsecant(cos: DoubleDouble, versine: DoubleDouble) -> DoubleDouble {
     let quotient = cos / versine;
     let finite = versine.high > f64::MIN_POSITIVE;
-    if finite { quotient } else { Pair::exact(f64::INFINITY) }
+    if finite { quotient } else { DoubleDouble::exact(f64::INFINITY) }
 }
 
 impl<T: Real> Joint<T> {
@@ -165,7 +166,7 @@ impl Joint {
     }
 
     /// The nearest doubles.
-    pub(crate) fn nearest(joint: &Joint<Pair>) -> Self {
+    pub(crate) fn nearest(joint: &Joint<DoubleDouble>) -> Self {
         Self {
             cos: joint.cos.value(),
             cos2: joint.cos2.value(),
@@ -221,7 +222,7 @@ impl Joint {
     pub fn max_acceleration_ratio(&self) -> f64 {
         let (c, s) = self.steepest();
         let Self { cos, cos2, sin2, versine, inverse_exsecant, .. } = *self;
-        let constants = Constants { cos, cos2, sin2, versine, inverse_exsecant };
+        let constants = JointConstants { cos, cos2, sin2, versine, inverse_exsecant };
         let (_, acceleration) = rates(&constants, s, c);
         acceleration
     }
@@ -230,7 +231,7 @@ impl Joint {
 /// Numerator and (positive) denominator of the tangent of the angle error,
 /// `(1 − cos β) s c` over `c² cos β + s²`; a common length of sine and cosine drops out.
 #[inline(always)]
-pub(crate) fn error_tangent<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T) {
+pub(crate) fn error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     (joint.versine * (s * c), c.square().mul_add(joint.cos, s.square()))
 }
 
@@ -238,7 +239,7 @@ pub(crate) fn error_tangent<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T)
 /// exsecant `a`. For bends that are far from straight it has two roundings fewer where they matter
 /// most, where the shaft turns many times as far as the drive.
 #[inline(always)]
-pub(crate) fn steep_error_tangent<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T) {
+pub(crate) fn steep_error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let s2 = s.square();
     (s * c, joint.inverse_exsecant.mul_add(c.mul_add(c, s2), s2))
 }
@@ -246,7 +247,7 @@ pub(crate) fn steep_error_tangent<T: Real>(joint: &Constants<T>, s: T, c: T) -> 
 /// Everything that the last shaft's motion needs, with the squares and the product shared: numerator
 /// and denominator of the error's tangent, speed ratio, acceleration ratio.
 #[inline(always)]
-pub(crate) fn motion<T: Real>(joint: &Constants<T>, s: T, c: T) -> ((T, T), (T, T)) {
+pub(crate) fn motion<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> ((T, T), (T, T)) {
     let (s2, c2, product) = (s.square(), c.square(), s * c);
     let tangent = (joint.versine * product, c2.mul_add(joint.cos, s2));
     let across = c2.mul_add(joint.cos2, s2);
@@ -263,7 +264,7 @@ pub(crate) fn motion<T: Real>(joint: &Constants<T>, s: T, c: T) -> ((T, T), (T, 
 /// is right to the last bend below 90°, where `1 − sin² β cos² α` is not. A straight joint gives
 /// exactly 1, as the quotient of a number by itself.
 #[inline(always)]
-pub(crate) fn rates<T: Real>(joint: &Constants<T>, s: T, c: T) -> (T, T) {
+pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let s2 = s.square();
     let c_cos = c * joint.cos;
     let across = c_cos.mul_add(c_cos, s2);

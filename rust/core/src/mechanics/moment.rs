@@ -16,7 +16,7 @@ use crate::mechanics::chain::Transfer;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 use crate::number::atan::Atan;
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
 /// One joint of a driveline in space, and how the drive turns it.
@@ -44,7 +44,7 @@ pub(crate) struct Pose<T> {
 /// A torsion `D` times the squares and the product of sine and cosine of the joint's own driving
 /// angle: what every moment at the joint is made of.
 #[derive(Clone, Copy)]
-pub(crate) struct Parts<T> {
+pub(crate) struct TorsionParts<T> {
     /// `D sin² α`.
     pub(crate) sine2: T,
     /// `D cos² α`.
@@ -82,7 +82,7 @@ impl<T: Real> Pose<T> {
     /// axis.
     #[inline(always)]
     pub(crate) fn moment<const PLANAR: bool>(&self, torsion: T, s: T, c: T) -> [T; 3] {
-        let Parts { sine2, product, .. } = self.parts(torsion, s, c);
+        let TorsionParts { sine2, product, .. } = self.parts(torsion, s, c);
         let in_plane = |i: usize| self.in_plane[i].mul_add(sine2, self.along[i] * torsion);
         if PLANAR {
             [in_plane(0), in_plane(1), self.across[2] * product]
@@ -121,23 +121,25 @@ impl<T: Real> Pose<T> {
     /// driven shaft follows from the bend: its own direction is of rounded numbers.
     pub(crate) fn new(
         transfer: &Transfer,
-        joint: &Joint<Pair>,
+        joint: &Joint<DoubleDouble>,
         u_in: Vector,
         normal: Vector,
     ) -> Self {
         let tangent = joint.sin / joint.cos;
         let (e_in, sin_cos) = (cross(normal, u_in), joint.sin * joint.cos);
-        let out_plane = |i: usize| e_in[i] * sin_cos - joint.sin2 * Pair::exact(u_in[i]);
-        let times = |vector: [Pair; 3], factor: Pair| vector.map(|x| T::from_pair(x * factor));
+        let out_plane = |i: usize| e_in[i] * sin_cos - joint.sin2 * DoubleDouble::exact(u_in[i]);
+        let times = |vector: [DoubleDouble; 3], factor: DoubleDouble| {
+            vector.map(|x| T::from_double_double(x * factor))
+        };
         Self {
-            matrix: transfer.matrix().map(T::from_pair),
-            sine: T::from_pair(joint.sin),
-            cosine: T::from_pair(joint.cos),
-            tangent: T::from_pair(tangent),
+            matrix: transfer.matrix().map(T::from_double_double),
+            sine: T::from_double_double(joint.sin),
+            cosine: T::from_double_double(joint.cos),
+            tangent: T::from_double_double(tangent),
             along: [u_in.x, u_in.y, u_in.z].map(T::from_f64),
             in_plane: times(e_in, tangent),
-            across: times([normal.x, normal.y, normal.z].map(Pair::exact), -tangent),
-            out_plane: [out_plane(0), out_plane(1), out_plane(2)].map(T::from_pair),
+            across: times([normal.x, normal.y, normal.z].map(DoubleDouble::exact), -tangent),
+            out_plane: [out_plane(0), out_plane(1), out_plane(2)].map(T::from_double_double),
         }
     }
 
@@ -151,11 +153,15 @@ impl<T: Real> Pose<T> {
 
     /// The parts of a torsion from a pin of the drive.
     #[inline(always)]
-    pub(crate) fn parts(&self, torsion: T, s: T, c: T) -> Parts<T> {
+    pub(crate) fn parts(&self, torsion: T, s: T, c: T) -> TorsionParts<T> {
         let (sine, cosine) = self.turn(s, c);
         let (sine2, cosine2) = (sine.square(), cosine.square());
         let scale = torsion * (sine2 + cosine2).recip();
-        Parts { sine2: sine2 * scale, cosine2: cosine2 * scale, product: sine * cosine * scale }
+        TorsionParts {
+            sine2: sine2 * scale,
+            cosine2: cosine2 * scale,
+            product: sine * cosine * scale,
+        }
     }
 
     /// Size of the bending moment in the driving shaft, `D tan β |sin α|` (Grossmann (6)).
@@ -196,8 +202,10 @@ impl<T: Atan> Pose<T> {
     }
 }
 
-fn cross(a: Vector, b: Vector) -> [Pair; 3] {
-    let part = |i: usize, j: usize| Pair::product(a[i], b[j]) - Pair::product(a[j], b[i]);
+fn cross(a: Vector, b: Vector) -> [DoubleDouble; 3] {
+    let part = |i: usize, j: usize| {
+        DoubleDouble::two_product(a[i], b[j]) - DoubleDouble::two_product(a[j], b[i])
+    };
     [part(1, 2), part(2, 0), part(0, 1)]
 }
 

@@ -11,7 +11,7 @@
 //! `1 + k² − 2 Re p` nearly vanishes; they have the formulas of [`crate::mechanics::joint`].
 
 use crate::number::atan::AtanRange;
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::trig::Angle;
 
@@ -19,7 +19,7 @@ use crate::number::trig::Angle;
 /// shaft behind the first joint has a real one, as its pin is that of the drive, and pins that hold `p`
 /// itself leave none.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ripple<T, const PARTS: usize = 2> {
+pub(crate) struct Ideal<T, const PARTS: usize = 2> {
     /// Real and imaginary part of `q`.
     pub(crate) q: [T; 2],
     /// `(1 + k²)/2`.
@@ -30,37 +30,41 @@ pub(crate) struct Ripple<T, const PARTS: usize = 2> {
     pub(crate) gain: T,
 }
 
-impl Ripple<Pair> {
+impl Ideal<DoubleDouble> {
     /// That of `q`, given `|q|²` and `1 − |q|²`.
     #[inline(always)]
-    pub(crate) fn new(q: [Pair; 2], square: Pair, complement: Pair) -> Self {
+    pub(crate) fn new(
+        q: [DoubleDouble; 2],
+        square: DoubleDouble,
+        complement: DoubleDouble,
+    ) -> Self {
         Self {
             q,
-            mean: Pair::exact(0.5).plus_smaller(square.scaled(0.5)),
+            mean: DoubleDouble::exact(0.5).fast_add(square.scaled(0.5)),
             complement: complement.scaled(0.5),
-            gain: Pair::exact(-4.0) / complement,
+            gain: DoubleDouble::exact(-4.0) / complement,
         }
     }
 
     /// That of a joint on the drive shaft.
     #[inline(always)]
     pub(crate) fn of_joint(bend: f64) -> Self {
-        let (numerator, denominator) = Pair::tangent(Pair::exact(0.5 * bend));
+        let (numerator, denominator) = DoubleDouble::tangent(DoubleDouble::exact(0.5 * bend));
         let k = (numerator / denominator).square();
         let square = k.square();
-        Self::new([k, Pair::exact(0.0)], square, Pair::ONE.plus_smaller(-square))
+        Self::new([k, DoubleDouble::exact(0.0)], square, DoubleDouble::ONE.fast_add(-square))
     }
 }
 
-impl<T: Real> Ripple<T> {
+impl<T: Real> Ideal<T> {
     /// The nearest numbers of a kernel.
     #[inline(always)]
-    pub(crate) fn nearest(ripple: &Ripple<Pair>) -> Self {
+    pub(crate) fn nearest(ideal: &Ideal<DoubleDouble>) -> Self {
         Self {
-            q: ripple.q.map(T::from_pair),
-            mean: T::from_pair(ripple.mean),
-            complement: T::from_pair(ripple.complement),
-            gain: T::from_pair(ripple.gain),
+            q: ideal.q.map(T::from_double_double),
+            mean: T::from_double_double(ideal.mean),
+            complement: T::from_double_double(ideal.complement),
+            gain: T::from_double_double(ideal.gain),
         }
     }
 
@@ -74,57 +78,57 @@ impl<T: Real> Ripple<T> {
 
     /// The same with so many parts of `q` left.
     #[inline(always)]
-    pub(crate) fn with_parts<const PARTS: usize>(self) -> Ripple<T, PARTS> {
+    pub(crate) fn with_parts<const PARTS: usize>(self) -> Ideal<T, PARTS> {
         let Self { q, mean, complement, gain } = self;
-        Ripple { q, mean, complement, gain }
+        Ideal { q, mean, complement, gain }
     }
 }
 
 /// The parts of a swing.
 #[derive(Clone, Copy)]
-pub(crate) struct Parts<T> {
+pub(crate) struct DoubleAngleTerms<T> {
     /// `−Im p`.
-    pub(crate) along: T,
+    pub(crate) neg_im: T,
     /// `1 − Re p`.
-    pub(crate) beside: T,
+    pub(crate) one_minus_re: T,
     /// `(1 + k²)/2 − Re p`.
-    across: T,
+    mean_minus_re: T,
     /// `(1 − k²)/2`.
     complement: T,
     /// `−4/(1 − k²)`.
     gain: T,
 }
 
-impl<T: Angle, const PARTS: usize> Ripple<T, PARTS> {
+impl<T: Angle, const PARTS: usize> Ideal<T, PARTS> {
     /// The parts from sine and cosine of `2α`, or from `−Im p` and `Re p`.
     #[inline(always)]
-    pub(crate) fn parts(&self, s: T, c: T) -> Parts<T> {
+    pub(crate) fn terms(&self, s: T, c: T) -> DoubleAngleTerms<T> {
         let [re, im] = self.q;
-        let (along, p) = match PARTS {
+        let (neg_im, p) = match PARTS {
             0 => (s, c),
             1 => (re * s, re * c),
             _ => (re.mul_add(s, -(im * c)), re.mul_add(c, im * s)),
         };
-        Parts {
-            along,
-            beside: T::from_f64(1.0).plus_smaller(-p),
-            across: self.mean.plus_smaller(-p),
+        DoubleAngleTerms {
+            neg_im,
+            one_minus_re: T::from_f64(1.0).fast_add(-p),
+            mean_minus_re: self.mean.fast_add(-p),
             complement: self.complement,
             gain: self.gain,
         }
     }
 }
 
-impl<T: Angle> Parts<T> {
+impl<T: Angle> DoubleAngleTerms<T> {
     /// Speed ratio and acceleration ratio.
     #[inline(always)]
     pub(crate) fn rates(&self) -> (T, T) {
         if T::DOUBLED {
             // By one inverse, two quotients cost less than one and products.
-            let [ratio, swing] = T::both_over(self.complement, self.along, self.across);
+            let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
             return (ratio, (swing * ratio).scaled(-2.0));
         }
-        let ratio = self.complement / self.across;
-        (ratio, (self.along * ratio) * (self.gain * ratio))
+        let ratio = self.complement / self.mean_minus_re;
+        (ratio, (self.neg_im * ratio) * (self.gain * ratio))
     }
 }

@@ -4,7 +4,7 @@
 //! the bends that occur in practice: `atan t = t + t z P(z)`, `z = t²`, minimax fits to the stated
 //! relative error (Remez exchange in 50-digit arithmetic).
 
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::HALF_PI;
 use crate::number::trig::polynomial;
@@ -206,13 +206,13 @@ fn by_polynomial<T: Real>(t: T, coefficients: &[T]) -> T {
 /// The polynomial is small beside the tangent: only the latter needs its error term, of which the
 /// inverse tangent passes on `1/(1 + t²)`.
 #[inline(always)]
-fn beside_tangent(t: Pair, coefficients: &[f64]) -> Pair {
+fn beside_tangent(t: DoubleDouble, coefficients: &[f64]) -> DoubleDouble {
     let z = t.high * t.high;
     let low = (-z).mul_add(t.low, t.low);
-    Pair { high: t.high, low: (t.high * z).mul_add(polynomial(z, coefficients), low) }
+    DoubleDouble { high: t.high, low: (t.high * z).mul_add(polynomial(z, coefficients), low) }
 }
 
-impl Atan for Pair {
+impl Atan for DoubleDouble {
     #[inline(always)]
     fn atan_hundredth(y: Self, x: Self) -> Self {
         beside_tangent(y / x, &ATAN_0_008)

@@ -3,7 +3,7 @@
 //! Products and quotients find their error with a fused multiply-add, sums with Knuth's two-sum;
 //! errors of errors are dropped (M. Lange and S. M. Rump, Faithfully rounded floating-point
 //! computations, ACM TOMS 46, 2020). The error term need not be below half an ulp of the double:
-//! [`Pair::value`] rounds.
+//! [`DoubleDouble::value`] rounds.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -11,14 +11,14 @@ use crate::number::float::Real;
 
 /// The unevaluated sum of a double and a much smaller one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pair {
+pub struct DoubleDouble {
     /// The double.
     pub high: f64,
     /// Its error term.
     pub low: f64,
 }
 
-impl Pair {
+impl DoubleDouble {
     /// One.
     pub const ONE: Self = Self::exact(1.0);
 
@@ -43,7 +43,7 @@ impl Pair {
 
     /// The exact sum of two doubles.
     #[inline(always)]
-    pub fn sum(a: f64, b: f64) -> Self {
+    pub fn two_sum(a: f64, b: f64) -> Self {
         let high = a + b;
         let part = high - a;
         Self { high, low: (a - (high - part)) + (b - part) }
@@ -51,14 +51,14 @@ impl Pair {
 
     /// The exact sum of two doubles of which the first is not the smaller one.
     #[inline(always)]
-    pub fn ordered_sum(large: f64, small: f64) -> Self {
+    pub fn fast_two_sum(large: f64, small: f64) -> Self {
         let high = large + small;
         Self { high, low: small - (high - large) }
     }
 
     /// The exact product of two doubles.
     #[inline(always)]
-    pub fn product(a: f64, b: f64) -> Self {
+    pub fn two_product(a: f64, b: f64) -> Self {
         let high = a * b;
         Self { high, low: a.mul_add(b, -high) }
     }
@@ -67,7 +67,7 @@ impl Pair {
     #[inline(always)]
     #[must_use]
     pub fn rounded(self) -> Self {
-        Self::ordered_sum(self.high, self.low)
+        Self::fast_two_sum(self.high, self.low)
     }
 
     /// Times a power of two.
@@ -88,23 +88,23 @@ impl Pair {
     /// `self + other` where `self` is not the smaller one.
     #[inline(always)]
     #[must_use]
-    pub fn plus_smaller(self, other: Self) -> Self {
-        let Self { high, low } = Self::ordered_sum(self.high, other.high);
+    pub fn fast_add(self, other: Self) -> Self {
+        let Self { high, low } = Self::fast_two_sum(self.high, other.high);
         Self { high, low: low + (self.low + other.low) }
     }
 }
 
-impl Add for Pair {
+impl Add for DoubleDouble {
     type Output = Self;
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        let Self { high, low } = Self::sum(self.high, other.high);
+        let Self { high, low } = Self::two_sum(self.high, other.high);
         Self { high, low: low + (self.low + other.low) }
     }
 }
 
-impl Neg for Pair {
+impl Neg for DoubleDouble {
     type Output = Self;
 
     #[inline(always)]
@@ -113,7 +113,7 @@ impl Neg for Pair {
     }
 }
 
-impl Sub for Pair {
+impl Sub for DoubleDouble {
     type Output = Self;
 
     #[inline(always)]
@@ -122,17 +122,17 @@ impl Sub for Pair {
     }
 }
 
-impl Mul for Pair {
+impl Mul for DoubleDouble {
     type Output = Self;
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        let Self { high, low } = Self::product(self.high, other.high);
+        let Self { high, low } = Self::two_product(self.high, other.high);
         Self { high, low: self.high.mul_add(other.low, self.low.mul_add(other.high, low)) }
     }
 }
 
-impl Div for Pair {
+impl Div for DoubleDouble {
     type Output = Self;
 
     #[inline(always)]
@@ -141,8 +141,8 @@ impl Div for Pair {
     }
 }
 
-impl Real for Pair {
-    type Word = f64;
+impl Real for DoubleDouble {
+    type Float = f64;
 
     const LOW: bool = true;
 
@@ -157,7 +157,7 @@ impl Real for Pair {
     }
 
     #[inline(always)]
-    fn from_pair(pair: Self) -> Self {
+    fn from_double_double(pair: Self) -> Self {
         pair
     }
 
@@ -172,8 +172,8 @@ impl Real for Pair {
     }
 
     #[inline(always)]
-    fn plus_smaller(self, other: Self) -> Self {
-        Self::plus_smaller(self, other)
+    fn fast_add(self, other: Self) -> Self {
+        Self::fast_add(self, other)
     }
 
     #[inline(always)]

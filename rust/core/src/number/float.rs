@@ -5,37 +5,37 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 
 /// What arrays hold: doubles or singles.
-pub trait Word: Copy + Debug + Default + PartialEq + Send + Sync + Into<f64> + 'static {
+pub trait Float: Copy + Debug + Default + PartialEq + Send + Sync + Into<f64> + 'static {
     /// The nearest one.
     fn near(x: f64) -> Self;
 
     /// An angle plus a small one, in this precision.
-    fn sum(angle: Pair, small: f64) -> Self;
+    fn sum(angle: DoubleDouble, small: f64) -> Self;
 }
 
-impl Word for f64 {
+impl Float for f64 {
     #[inline(always)]
     fn near(x: f64) -> Self {
         x
     }
 
     #[inline(always)]
-    fn sum(angle: Pair, small: f64) -> Self {
+    fn sum(angle: DoubleDouble, small: f64) -> Self {
         angle.high + (angle.low + small)
     }
 }
 
-impl Word for f32 {
+impl Float for f32 {
     #[inline(always)]
     fn near(x: f64) -> Self {
         x as Self
     }
 
     #[inline(always)]
-    fn sum(angle: Pair, small: f64) -> Self {
+    fn sum(angle: DoubleDouble, small: f64) -> Self {
         angle.high as Self + (angle.low as Self + small as Self)
     }
 }
@@ -55,23 +55,23 @@ pub trait Real:
     + Neg<Output = Self>
 {
     /// What columns and planes hold: one word to a number, or two.
-    type Word: Word;
+    type Float: Float;
 
     /// Whether a number has a low word.
     const LOW: bool;
 
     /// The number with these words; without a low word, the high one alone.
-    fn from_words(high: Self::Word, low: Self::Word) -> Self;
+    fn from_words(high: Self::Float, low: Self::Float) -> Self;
 
     /// Its words; the low one is zero where there is none.
-    fn words(self) -> [Self::Word; 2];
+    fn words(self) -> [Self::Float; 2];
 
     /// The nearest number to a double with its error term.
-    fn from_pair(pair: Pair) -> Self;
+    fn from_double_double(pair: DoubleDouble) -> Self;
 
     /// The nearest word.
     #[inline(always)]
-    fn value(self) -> Self::Word {
+    fn value(self) -> Self::Float {
         let [high, _] = self.words();
         high
     }
@@ -79,7 +79,7 @@ pub trait Real:
     /// A double, rounded where the number is shorter.
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
-        Self::from_words(Self::Word::near(x), Self::Word::default())
+        Self::from_words(Self::Float::near(x), Self::Float::default())
     }
 
     /// `self · a + b`.
@@ -88,7 +88,7 @@ pub trait Real:
 
     /// `self + other` where `self` is not the smaller one.
     #[must_use]
-    fn plus_smaller(self, other: Self) -> Self;
+    fn fast_add(self, other: Self) -> Self;
 
     /// Times a power of two.
     #[must_use]
@@ -131,7 +131,7 @@ pub trait Real:
 macro_rules! plain {
     ($($float:ident, short: $short:literal;)*) => {$(
         impl Real for $float {
-            type Word = Self;
+            type Float = Self;
 
             const LOW: bool = false;
 
@@ -146,7 +146,7 @@ macro_rules! plain {
             }
 
             #[inline(always)]
-            fn from_pair(pair: Pair) -> Self {
+            fn from_double_double(pair: DoubleDouble) -> Self {
                 pair.value() as Self
             }
 
@@ -156,7 +156,7 @@ macro_rules! plain {
             }
 
             #[inline(always)]
-            fn plus_smaller(self, other: Self) -> Self {
+            fn fast_add(self, other: Self) -> Self {
                 self + other
             }
 

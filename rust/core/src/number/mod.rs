@@ -8,7 +8,7 @@ pub(crate) mod reduction;
 pub(crate) mod storage;
 pub mod trig;
 
-pub use double_double::Pair;
+pub use double_double::DoubleDouble;
 pub use precision::Precision;
 
 use atan::Atan;

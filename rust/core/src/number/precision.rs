@@ -9,7 +9,7 @@ pub enum Precision {
     #[default]
     Double,
     /// Double with error terms: results are within one ulp.
-    InTwo,
+    DoubleDouble,
 }
 
 impl Precision {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 
 /// π/2 as an unevaluated sum of three doubles.
 pub(crate) const HALF_PI: [f64; 3] =
@@ -37,7 +37,7 @@ const TWO_OVER_PI: [u64; 21] = [
 ];
 
 /// The remainder of an angle to the nearest multiple of π/2, and the multiple in the low bits;
-/// branch-free. NaN gives NaN; an angle that does not pass [`Far`] gives numbers without meaning.
+/// branch-free. NaN gives NaN; an angle that does not pass [`LargeAngleFlag`] gives numbers without meaning.
 ///
 /// `x − n·P1` is exact and the error of the three-part π/2 stays far below one rounding of the
 /// remainder as long as `n` fits in 40 bits. The remainder is within half an ulp, however small.
@@ -53,29 +53,29 @@ pub(crate) fn reduce(x: f64) -> (f64, u64) {
 
 /// The same for an angle with an error term; the remainder with its own.
 #[inline(always)]
-pub(crate) fn reduce_in_two(x: Pair) -> (Pair, u64) {
+pub(crate) fn reduce_double_double(x: DoubleDouble) -> (DoubleDouble, u64) {
     let shifted = x.high.mul_add(FRAC_2_PI, ROUNDING);
     let n = shifted - ROUNDING;
     let near = (-n).mul_add(HALF_PI[0], x.high);
-    let product = Pair::product(n, HALF_PI[1]);
-    let remainder = Pair::sum(near, -product.high);
+    let product = DoubleDouble::two_product(n, HALF_PI[1]);
+    let remainder = DoubleDouble::two_sum(near, -product.high);
     let low = (-n).mul_add(HALF_PI[2], remainder.low - product.low) + x.low;
-    (Pair::ordered_sum(remainder.high, low), shifted.to_bits())
+    (DoubleDouble::fast_two_sum(remainder.high, low), shifted.to_bits())
 }
 
 /// Adding 1.5·2²² rounds to a multiple of 2⁻³⁰ and leaves it in the low bits.
-const PHASE_ROUNDING: f64 = 6_291_456.0;
+const TURN_FRACTION_ROUNDING: f64 = 6_291_456.0;
 
 /// An angle in units of 2⁻³⁰ quarter turns, in the low 32 bits: in one operation, to an error of 7e-10
 /// that does not shrink with the remainder.
 #[inline(always)]
-pub(crate) fn phase(x: f64) -> u64 {
-    x.mul_add(FRAC_2_PI, PHASE_ROUNDING).to_bits()
+pub(crate) fn turn_fraction_q30(x: f64) -> u64 {
+    x.mul_add(FRAC_2_PI, TURN_FRACTION_ROUNDING).to_bits()
 }
 
 /// Remainder and quadrant of a phase.
 #[inline(always)]
-pub(crate) fn of_phase(phase: u32) -> (f32, u64) {
+pub(crate) fn from_turn_fraction(phase: u32) -> (f32, u64) {
     const UNIT: f32 = (FRAC_PI_2 / (1_u64 << 32) as f64) as f32;
     let quadrant = phase.wrapping_add(1 << 29) >> 30;
     ((phase << 2) as i32 as f32 * UNIT, u64::from(quadrant))
@@ -83,45 +83,45 @@ pub(crate) fn of_phase(phase: u32) -> (f32, u64) {
 
 /// Watches a run of reductions for angles that are too far for them.
 #[derive(Clone, Copy)]
-pub(crate) struct Far {
+pub(crate) struct LargeAngleFlag {
     least: u64,
     span: u64,
-    seen: u64,
+    found: u64,
 }
 
-impl Far {
+impl LargeAngleFlag {
     /// For quadrants: angles from about 1.7e12.
     pub(crate) const fn for_quadrants() -> Self {
-        Self { least: ROUNDING.to_bits() - (1 << 40), span: 1 << 41, seen: 0 }
+        Self { least: ROUNDING.to_bits() - (1 << 40), span: 1 << 41, found: 0 }
     }
 
     /// For phases: angles from about 3.2e6.
-    pub(crate) const fn for_phases() -> Self {
-        Self { least: PHASE_ROUNDING.to_bits() - (1 << 51), span: 1 << 52, seen: 0 }
+    pub(crate) const fn for_turn_fractions() -> Self {
+        Self { least: TURN_FRACTION_ROUNDING.to_bits() - (1 << 51), span: 1 << 52, found: 0 }
     }
 
     /// Takes note of one reduction: two integer operations.
     #[inline(always)]
-    pub(crate) fn watch(&mut self, bits: u64) {
-        self.seen |= bits.wrapping_sub(self.least);
+    pub(crate) fn accumulate(&mut self, bits: u64) {
+        self.found |= bits.wrapping_sub(self.least);
     }
 
     /// Whether any angle was too far, or not a number.
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
-        self.seen >= self.span
+        self.found >= self.span
     }
 }
 
-/// [`reduce_in_two`] for any angle; infinite angles and NaN give NaN.
-pub(crate) fn reduce_any(x: f64) -> (Pair, u64) {
-    let near = reduce_in_two(Pair::exact(x));
-    let mut far = Far::for_quadrants();
-    far.watch(near.1);
+/// [`reduce_double_double`] for any angle; infinite angles and NaN give NaN.
+pub(crate) fn reduce_any(x: f64) -> (DoubleDouble, u64) {
+    let near = reduce_double_double(DoubleDouble::exact(x));
+    let mut far = LargeAngleFlag::for_quadrants();
+    far.accumulate(near.1);
     if !far.any() || x.is_nan() {
         near
     } else if x.is_infinite() {
-        (Pair::exact(f64::NAN), 0)
+        (DoubleDouble::exact(f64::NAN), 0)
     } else {
         let (r, n) = reduce_exactly(x.abs());
         if x > 0.0 { (r, n) } else { (-r, n.wrapping_neg()) }
@@ -129,9 +129,9 @@ pub(crate) fn reduce_any(x: f64) -> (Pair, u64) {
 }
 
 /// The same for twice the angle.
-pub(crate) fn twice((remainder, quadrant): (Pair, u64)) -> (Pair, u64) {
+pub(crate) fn twice((remainder, quadrant): (DoubleDouble, u64)) -> (DoubleDouble, u64) {
     let (double, quadrants) = (remainder.scaled(2.0), quadrant.wrapping_mul(2));
-    let quarter = Pair::ordered_sum(HALF_PI[0], HALF_PI[1]);
+    let quarter = DoubleDouble::fast_two_sum(HALF_PI[0], HALF_PI[1]);
     if double.high > 0.5 * HALF_PI[0] {
         (double - quarter, quadrants.wrapping_add(1))
     } else if double.high < -0.5 * HALF_PI[0] {
@@ -146,7 +146,7 @@ pub(crate) fn twice((remainder, quadrant): (Pair, u64)) -> (Pair, u64) {
 ///
 /// `x = m·2ᵉ`, so of the digits of 2/π only a window matters: those before it give whole turns,
 /// those behind it less than 2⁻²⁰⁰.
-fn reduce_exactly(x: f64) -> (Pair, u64) {
+fn reduce_exactly(x: f64) -> (DoubleDouble, u64) {
     let bits = x.to_bits();
     let exponent = ((bits >> 52) as i64) - 1075;
     let mantissa = u128::from((bits & ((1 << 52) - 1)) | (1 << 52));
@@ -193,7 +193,7 @@ fn reduce_exactly(x: f64) -> (Pair, u64) {
     let product = high * HALF_PI[0];
     let error = high.mul_add(HALF_PI[0], -product);
     let rest = low.mul_add(HALF_PI[0], high.mul_add(HALF_PI[1], error));
-    (Pair::ordered_sum(product, rest), quadrant + u64::from(round_up))
+    (DoubleDouble::fast_two_sum(product, rest), quadrant + u64::from(round_up))
 }
 
 #[cfg(test)]
@@ -281,7 +281,7 @@ mod tests {
             let x: f64 = m * 2_f64.powi(e);
             for (x, quadrant, sense) in [(x, quadrant, 1.0), (-x, 4 - quadrant, -1.0)] {
                 let (r, n) = reduce_any(x);
-                let error = (r.scaled(sense) - Pair::new(high, low)).value() / high;
+                let error = (r.scaled(sense) - DoubleDouble::new(high, low)).value() / high;
                 assert!(error.abs() < 2_f64.powi(-100), "{x:e}: {error:e}");
                 assert_eq!(n & 3, quadrant & 3, "{x:e}");
             }
@@ -300,8 +300,8 @@ mod tests {
         for x in (-40..=40).flat_map(|i| [0.1, 1e14, 7e200].map(|step| f64::from(i) * step)) {
             let (r, n) = twice(reduce_any(x));
             assert!(r.high.abs() <= 0.5 * HALF_PI[0], "{x:e}");
-            let (sine, cosine) = trig::sin_cos_in_two(reduce_any(x));
-            let (double_sine, double_cosine) = trig::sin_cos_in_two((r, n));
+            let (sine, cosine) = trig::sin_cos_double_double(reduce_any(x));
+            let (double_sine, double_cosine) = trig::sin_cos_double_double((r, n));
             let errors = [
                 double_sine - (sine * cosine).scaled(2.0),
                 double_cosine - (cosine.square() - sine.square()),

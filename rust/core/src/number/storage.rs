@@ -18,7 +18,7 @@ const FEW: usize = 4;
 #[derive(Clone, Debug)]
 pub(crate) struct Column<T: Real> {
     /// High words from the first cache line on, then low words from another.
-    words: Vec<T::Word>,
+    words: Vec<T::Float>,
     first: usize,
     length: usize,
 }
@@ -30,8 +30,8 @@ impl<T: Real> Column<T> {
         if length == 0 {
             return Self::EMPTY;
         }
-        let line = LINE / size_of::<T::Word>();
-        let words = vec![T::Word::default(); Self::low_after(length) + length + line];
+        let line = LINE / size_of::<T::Float>();
+        let words = vec![T::Float::default(); Self::low_after(length) + length + line];
         let first = words.as_ptr().align_offset(LINE).min(line);
         Self { words, first, length }
     }
@@ -46,7 +46,7 @@ impl<T: Real> Column<T> {
 
     /// How far behind the first high word the first low word lies.
     fn low_after(length: usize) -> usize {
-        let line = LINE / size_of::<T::Word>();
+        let line = LINE / size_of::<T::Float>();
         let lines = length.div_ceil(line);
         let between = if lines <= FEW { 0 } else { APART };
         if T::LOW { (lines + between) * line } else { 0 }
@@ -143,8 +143,8 @@ fn low<T: Real>(range: Range<usize>) -> Range<usize> {
 /// A part of a column to read.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a, T: Real> {
-    high: &'a [T::Word],
-    low: &'a [T::Word],
+    high: &'a [T::Float],
+    low: &'a [T::Float],
 }
 
 impl<'a, T: Real> View<'a, T> {
@@ -170,14 +170,14 @@ impl<'a, T: Real> View<'a, T> {
 
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> T {
-        T::from_words(self.high[i], if T::LOW { self.low[i] } else { T::Word::default() })
+        T::from_words(self.high[i], if T::LOW { self.low[i] } else { T::Float::default() })
     }
 }
 
 /// A part of a column to write.
 pub(crate) struct ViewMut<'a, T: Real> {
-    high: &'a mut [T::Word],
-    low: &'a mut [T::Word],
+    high: &'a mut [T::Float],
+    low: &'a mut [T::Float],
 }
 
 impl<T: Real> ViewMut<'_, T> {
@@ -208,7 +208,7 @@ impl<T: Real> ViewMut<'_, T> {
 
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> T {
-        T::from_words(self.high[i], if T::LOW { self.low[i] } else { T::Word::default() })
+        T::from_words(self.high[i], if T::LOW { self.low[i] } else { T::Float::default() })
     }
 
     #[inline(always)]
@@ -230,7 +230,7 @@ impl<T: Real> ViewMut<'_, T> {
     /// The high word by itself.
     #[inline(always)]
     pub(crate) fn get_high(&self, i: usize) -> T {
-        T::from_words(self.high[i], T::Word::default())
+        T::from_words(self.high[i], T::Float::default())
     }
 
     #[inline(always)]

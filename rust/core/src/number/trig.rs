@@ -7,9 +7,9 @@
 //! itself (Remez exchange in 50-digit arithmetic); the tests check them against an independent
 //! evaluation.
 
-use crate::number::double_double::Pair;
-use crate::number::float::{Real, Word};
-use crate::number::reduction::{self, Far};
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::{Float, Real};
+use crate::number::reduction::{self, LargeAngleFlag};
 
 /// `sin r = r − r z/6 + r z² P(z)` for `|r| ≤ 0.7862`, relative error 2⁻⁶⁸.
 const SINE: [f64; 6] = [
@@ -30,8 +30,9 @@ const COSINE: [f64; 5] = [
     -1.136_742_930_407_458_1e-11,
 ];
 
-const SIXTH: Pair = Pair::new(0.166_666_666_666_666_66, 9.251_858_538_542_97e-18);
-const TWENTY_FOURTH: Pair = Pair::new(0.041_666_666_666_666_664, 2.312_964_634_635_743e-18);
+const SIXTH: DoubleDouble = DoubleDouble::new(0.166_666_666_666_666_66, 9.251_858_538_542_97e-18);
+const TWENTY_FOURTH: DoubleDouble =
+    DoubleDouble::new(0.041_666_666_666_666_664, 2.312_964_634_635_743e-18);
 
 /// `tan r = r (1 + z P(z))/(1 + z Q(z))` for `|r| ≤ 0.7862`.
 struct Tangent<const P: usize, const Q: usize, Float> {
@@ -64,7 +65,7 @@ const TANGENT_SINGLE: Tangent<1, 2, f32> =
 
 /// Relative error 2⁻⁶² with the first coefficient of the numerator continued by
 /// [`TANGENT_LOW`]; that of the denominator is exact.
-const TANGENT_IN_TWO: Tangent<4, 3, f64> = Tangent {
+const TANGENT_DOUBLE_DOUBLE: Tangent<4, 3, f64> = Tangent {
     numerator: [
         -0.130_995_154_759_405_24,
         0.003_118_480_826_837_571,
@@ -114,7 +115,7 @@ pub trait Angle: Real {
     const APART: bool;
 
     /// Remainder and quadrant of a phase (`reduction::phase`).
-    fn of_phase(phase: u64) -> (Self, u64);
+    fn from_turn_fraction(phase: u64) -> (Self, u64);
 
     /// The lowest bits of a quadrant or a phase, kept in a number's place.
     fn of_bits(bits: u64) -> Self;
@@ -123,10 +124,10 @@ pub trait Angle: Real {
     fn bits(self) -> u64;
 
     /// The drive angle plus `self`, the angle error.
-    fn after<W: Word>(self, drive: Pair) -> W;
+    fn after<W: Float>(self, drive: DoubleDouble) -> W;
 
     /// `tan(a + b)` as numerator and denominator from both tangents, `|a + b| < 1.2`.
-    fn tangent_of_sum(a: [Self::Word; 2], b: [Self::Word; 2]) -> (Self, Self);
+    fn tangent_of_sum(a: [Self::Float; 2], b: [Self::Float; 2]) -> (Self, Self);
 }
 
 macro_rules! plain {
@@ -159,8 +160,8 @@ macro_rules! plain {
             const APART: bool = Self::SHORT;
 
             #[inline(always)]
-            fn of_phase(phase: u64) -> (Self, u64) {
-                let (remainder, quadrant) = reduction::of_phase(phase as u32);
+            fn from_turn_fraction(phase: u64) -> (Self, u64) {
+                let (remainder, quadrant) = reduction::from_turn_fraction(phase as u32);
                 (Self::from(remainder), quadrant)
             }
 
@@ -175,7 +176,7 @@ macro_rules! plain {
             }
 
             #[inline(always)]
-            fn after<W: Word>(self, drive: Pair) -> W {
+            fn after<W: Float>(self, drive: DoubleDouble) -> W {
                 W::sum(drive, self.into())
             }
 
@@ -190,33 +191,33 @@ macro_rules! plain {
 
 plain!(f32 u32 TANGENT_SINGLE f64 u64 TANGENT);
 
-impl Angle for Pair {
+impl Angle for DoubleDouble {
     #[inline(always)]
     fn reduce(angle: f64) -> (Self, u64) {
-        reduction::reduce_in_two(Self::exact(angle))
+        reduction::reduce_double_double(Self::exact(angle))
     }
 
     // Only the leading terms need their errors: the others are small beside them.
     #[inline(always)]
     fn tangent(r: Self) -> (Self, Self) {
-        let [first, tail @ ..] = &TANGENT_IN_TWO.numerator;
-        let Self { high: z, low } = Self::product(r.high, r.high);
+        let [first, tail @ ..] = &TANGENT_DOUBLE_DOUBLE.numerator;
+        let Self { high: z, low } = Self::two_product(r.high, r.high);
         let z_low = (r.high + r.high).mul_add(r.low, low);
         let times_z = |sum: Self| {
-            let Self { high, low } = Self::product(z, sum.high);
+            let Self { high, low } = Self::two_product(z, sum.high);
             Self { high, low: low + z.mul_add(sum.low, z_low * sum.high) }
         };
-        let mut sum = Self::ordered_sum(*first, z * polynomial(z, tail));
+        let mut sum = Self::fast_two_sum(*first, z * polynomial(z, tail));
         sum.low += TANGENT_LOW;
         let part = times_z(sum);
-        let step = Self::product(r.high, part.high);
+        let step = Self::two_product(r.high, part.high);
         let low = step.low + r.high.mul_add(part.low, r.low.mul_add(part.high, r.low));
-        let Self { high, low: rounding } = Self::ordered_sum(r.high, step.high);
+        let Self { high, low: rounding } = Self::fast_two_sum(r.high, step.high);
         let numerator = Self { high, low: rounding + low };
 
-        let [first, tail @ ..] = &TANGENT_IN_TWO.denominator;
-        let part = times_z(Self::ordered_sum(*first, z * polynomial(z, tail)));
-        let Self { high, low } = Self::ordered_sum(1.0, part.high);
+        let [first, tail @ ..] = &TANGENT_DOUBLE_DOUBLE.denominator;
+        let part = times_z(Self::fast_two_sum(*first, z * polynomial(z, tail)));
+        let Self { high, low } = Self::fast_two_sum(1.0, part.high);
         (numerator, Self { high, low: low + part.low })
     }
 
@@ -225,21 +226,21 @@ impl Angle for Pair {
     // Within 2⁻⁵⁸: each polynomial is small beside the term before it.
     #[inline(always)]
     fn sin_cos(r: Self) -> (Self, Self) {
-        let Self { high: z, low } = Self::product(r.high, r.high);
+        let Self { high: z, low } = Self::two_product(r.high, r.high);
         let z_low = (r.high + r.high).mul_add(r.low, low);
 
         let half = (-0.5_f64).mul_add(z, 1.0);
         let low = (-0.5_f64).mul_add(z, 1.0 - half);
         let rest = z.mul_add(polynomial(z, &COSINE), TWENTY_FOURTH.high);
         let low = (z * z).mul_add(rest, low);
-        let cosine = Self::ordered_sum(half, (-0.5_f64).mul_add(z_low, low));
+        let cosine = Self::fast_two_sum(half, (-0.5_f64).mul_add(z_low, low));
 
-        let sum = Self::ordered_sum(-SIXTH.high, z * polynomial(z, &SINE));
-        let part = Self::product(z, sum.high);
+        let sum = Self::fast_two_sum(-SIXTH.high, z * polynomial(z, &SINE));
+        let part = Self::two_product(z, sum.high);
         let part_low = z_low.mul_add(sum.high, z.mul_add(sum.low - SIXTH.low, part.low));
-        let step = Self::product(r.high, part.high);
+        let step = Self::two_product(r.high, part.high);
         let low = r.low.mul_add(part.high, r.low) + r.high.mul_add(part_low, step.low);
-        let Self { high, low: rounding } = Self::ordered_sum(r.high, step.high);
+        let Self { high, low: rounding } = Self::fast_two_sum(r.high, step.high);
         (Self { high, low: rounding + low }, cosine)
     }
 
@@ -252,8 +253,8 @@ impl Angle for Pair {
     const APART: bool = true;
 
     #[inline(always)]
-    fn of_phase(phase: u64) -> (Self, u64) {
-        let (remainder, quadrant) = f64::of_phase(phase);
+    fn from_turn_fraction(phase: u64) -> (Self, u64) {
+        let (remainder, quadrant) = f64::from_turn_fraction(phase);
         (Self::exact(remainder), quadrant)
     }
 
@@ -268,7 +269,7 @@ impl Angle for Pair {
     }
 
     #[inline(always)]
-    fn after<W: Word>(self, drive: Pair) -> W {
+    fn after<W: Float>(self, drive: DoubleDouble) -> W {
         W::near((drive + self).value())
     }
 
@@ -276,7 +277,7 @@ impl Angle for Pair {
     fn tangent_of_sum([a, a_low]: [f64; 2], [b, b_low]: [f64; 2]) -> (Self, Self) {
         let (a, b) = (Self::new(a, a_low), Self::new(b, b_low));
         let product = a * b;
-        let Self { high, low } = Self::ordered_sum(1.0, -product.high);
+        let Self { high, low } = Self::fast_two_sum(1.0, -product.high);
         // Where the sum cancels its error term is large, of which an inverse tangent keeps too little.
         ((a + b).rounded(), Self { high, low: low - product.low })
     }
@@ -319,13 +320,15 @@ pub(crate) fn turned<T: Angle>((remainder, quadrant): (T, u64)) -> (T, T) {
 /// assert!((cosine + 0.5753861119575491).abs() < 1e-15);
 /// ```
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    let (sine, cosine) = sin_cos_in_two(reduction::reduce_any(x));
+    let (sine, cosine) = sin_cos_double_double(reduction::reduce_any(x));
     (sine.value(), cosine.value())
 }
 
 /// Sine and cosine of a reduced angle with their error terms.
 #[inline(always)]
-pub(crate) fn sin_cos_in_two((remainder, quadrant): (Pair, u64)) -> (Pair, Pair) {
+pub(crate) fn sin_cos_double_double(
+    (remainder, quadrant): (DoubleDouble, u64),
+) -> (DoubleDouble, DoubleDouble) {
     let (s, c) = sin_cos_of_remainder(remainder);
     let (odd, half) = (quadrant & 1, quadrant >> 1 & 1);
     let (s, c) = if odd == 1 { (c, s) } else { (s, c) };
@@ -340,19 +343,19 @@ pub(crate) fn sine_tail(z: f64) -> f64 {
 
 /// Sine and cosine of a remainder within 2⁻⁶² of themselves.
 #[inline(always)]
-pub(crate) fn sin_cos_of_remainder(r: Pair) -> (Pair, Pair) {
+pub(crate) fn sin_cos_of_remainder(r: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     let z = r.square();
-    let sixths = SIXTH.plus_smaller(Pair::exact(-(z.high * polynomial(z.high, &SINE))));
-    let sine = r.plus_smaller(-(r * (z * sixths)));
-    let rest = TWENTY_FOURTH.plus_smaller(Pair::exact(z.high * polynomial(z.high, &COSINE)));
-    let head = Pair::ONE.plus_smaller(-z.scaled(0.5));
-    (sine, head.plus_smaller(z.square() * rest))
+    let sixths = SIXTH.fast_add(DoubleDouble::exact(-(z.high * polynomial(z.high, &SINE))));
+    let sine = r.fast_add(-(r * (z * sixths)));
+    let rest = TWENTY_FOURTH.fast_add(DoubleDouble::exact(z.high * polynomial(z.high, &COSINE)));
+    let head = DoubleDouble::ONE.fast_add(-z.scaled(0.5));
+    (sine, head.fast_add(z.square() * rest))
 }
 
 /// Whether any of the angles is too far for [`Angle::reduce`].
 pub(crate) fn any_far(angles: impl Iterator<Item = f64>) -> bool {
-    let mut far = Far::for_quadrants();
-    angles.for_each(|x| far.watch(reduction::reduce(x).1));
+    let mut far = LargeAngleFlag::for_quadrants();
+    angles.for_each(|x| far.accumulate(reduction::reduce(x).1));
     far.any()
 }
 
@@ -361,10 +364,10 @@ mod tests {
     use super::*;
 
     /// Remainders with error terms of half a unit, and their sines and cosines.
-    fn remainders() -> impl Iterator<Item = (Pair, Pair, Pair)> {
+    fn remainders() -> impl Iterator<Item = (DoubleDouble, DoubleDouble, DoubleDouble)> {
         (-392..=392).map(|i| {
             let high = f64::from(i) * 0.002;
-            let remainder = Pair::new(high, high * 2_f64.powi(-54));
+            let remainder = DoubleDouble::new(high, high * 2_f64.powi(-54));
             let (sine, cosine) = sin_cos_of_remainder(remainder);
             (remainder, sine, cosine)
         })
@@ -373,26 +376,28 @@ mod tests {
     #[test]
     fn error_terms_are_worth_their_words() {
         for (remainder, sine, cosine) in remainders() {
-            let ones = sine.square() + cosine.square() - Pair::ONE;
+            let ones = sine.square() + cosine.square() - DoubleDouble::ONE;
             assert!(ones.value().abs() < 2_f64.powi(-60), "{remainder:?}");
-            let (other_sine, other_cosine) = Pair::sin_cos(remainder);
-            let close = |error: Pair| error.value().abs() <= 2_f64.powi(-57) * sine.value().abs();
+            let (other_sine, other_cosine) = DoubleDouble::sin_cos(remainder);
+            let close =
+                |error: DoubleDouble| error.value().abs() <= 2_f64.powi(-57) * sine.value().abs();
             assert!(close(other_sine - sine), "{remainder:?}");
             assert!((other_cosine - cosine).value().abs() < 2_f64.powi(-57), "{remainder:?}");
-            let (numerator, denominator) = Pair::tangent(remainder);
+            let (numerator, denominator) = DoubleDouble::tangent(remainder);
             assert!(close(numerator * cosine - denominator * sine), "{remainder:?}");
         }
     }
 
     #[test]
     fn tangents_of_sums_are_those_of_turned_pins() {
-        let tangent = |sine: Pair, cosine: Pair| {
+        let tangent = |sine: DoubleDouble, cosine: DoubleDouble| {
             let quotient = sine / cosine;
             [quotient.high, quotient.low]
         };
         let (_, by_sine, by_cosine) = remainders().nth(500).unwrap();
         for (_, sine, cosine) in remainders() {
-            let (y, x) = Pair::tangent_of_sum(tangent(sine, cosine), tangent(by_sine, by_cosine));
+            let (y, x) =
+                DoubleDouble::tangent_of_sum(tangent(sine, cosine), tangent(by_sine, by_cosine));
             let (turned_sine, turned_cosine) =
                 (sine * by_cosine + cosine * by_sine, cosine * by_cosine - sine * by_sine);
             let error = (y * turned_cosine - x * turned_sine).value();

@@ -32,7 +32,7 @@ impl Plan {
         let kind = match call.precision {
             Precision::Single => "single precision after a reduction in double",
             Precision::Double => "double precision",
-            Precision::InTwo => "double precision with error terms",
+            Precision::DoubleDouble => "double precision with error terms",
         };
         let mut text = format!("arithmetic: {kind}\nsteps:");
         for words in self.steps(lines, call) {
@@ -55,7 +55,8 @@ impl Plan {
     fn steps(&self, lines: &Drivelines<'_>, call: Call) -> Vec<String> {
         let mut steps = vec![];
         let from = if call.sweep { "sample number" } else { "angle" };
-        let by_twice = |range: AtanRange| call.precision == Precision::InTwo && range.is_moderate();
+        let by_twice =
+            |range: AtanRange| call.precision == Precision::DoubleDouble && range.is_moderate();
         let ranges = || self.moving().map(|step| Self::range_of_first(lines, step.shaft));
         if ranges().any(by_twice) {
             steps.push(format!("{from} to sine and cosine of twice the angle"));
@@ -225,7 +226,7 @@ mod tests {
         );
         assert!(last.contains("bytes read, 24 bytes written"), "{last}");
         assert!(!last.contains("twice the angle") && !last.contains("beyond"), "{last}");
-        let twice = text(motion, &[3], Precision::InTwo);
+        let twice = text(motion, &[3], Precision::DoubleDouble);
         has(&twice, &["angle to sine and cosine of twice the angle"]);
         assert!(!twice.contains("common factor") && !twice.contains("turned to"), "{twice}");
         let first = text(&[Output::SpeedRatio], &[1], Precision::Double);

@@ -227,7 +227,7 @@ impl Plan {
         } else if tolerance >= Precision::DOUBLE_ERROR * stretch {
             Precision::Double
         } else {
-            Precision::InTwo
+            Precision::DoubleDouble
         }
     }
 

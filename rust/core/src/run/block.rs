@@ -4,16 +4,16 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::input::table::{ANGLE, Geometries, TORQUE, Table};
+use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
 use crate::number::Number;
-use crate::number::double_double::Pair;
-use crate::number::float::Word;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
 use crate::plan::reduction::Reduction;
 use crate::plan::steps::Plan;
 use crate::run::chunk;
-use crate::run::execution::{Constants, Kept};
+use crate::run::execution::{FoldedDriveline, Kept};
 use crate::run::extrema;
-use crate::run::fold::{Folded, Seen};
+use crate::run::fold::{Folded, GeometryIndex};
 use crate::run::level::{Level, compiled_for};
 use crate::run::long_sweep::{self, LongSweep};
 use crate::run::scratch::{Scratch, Way};
@@ -30,15 +30,15 @@ pub(crate) const SHORT_CHUNK: usize = CHUNK / 2;
 const LONG_CHUNK: usize = 16 * CHUNK;
 
 /// Rows whose drivelines are folded together.
-const GROUP: usize = 64;
+pub(crate) const GROUP: usize = 64;
 
 /// A number type and the words that its results are delivered in.
-pub(crate) trait Deliver<W: Word>: Number {
+pub(crate) trait StoresAs<W: Float>: Number {
     /// The words that the kernels put.
-    type Plane: Word;
+    type Plane: Float;
 
     /// The constants that were kept for this type.
-    fn kept(constants: &Constants) -> Option<&Folded<Self>>;
+    fn kept(constants: &FoldedDriveline) -> Option<&Folded<Self>>;
 
     /// The planes themselves, where the kernels put what they hold.
     fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Plane]]>;
@@ -46,10 +46,10 @@ pub(crate) trait Deliver<W: Word>: Number {
 
 macro_rules! deliver {
     ($($number:ident as $kept:ident by $plane:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
-        impl Deliver<$word> for $number {
+        impl StoresAs<$word> for $number {
             type Plane = $plane;
 
-            fn kept(constants: &Constants) -> Option<&Folded<Self>> {
+            fn kept(constants: &FoldedDriveline) -> Option<&Folded<Self>> {
                 if let Kept::$kept(folded) = &constants.0 { Some(folded) } else { None }
             }
 
@@ -67,8 +67,8 @@ deliver! {
     f32 as Single by f64 to f64: planes => Some(planes);
     f64 as Double by f64 to f64: planes => Some(planes);
     f64 as Double by f64 to f32: _planes => None;
-    Pair as InTwo by f64 to f64: planes => Some(planes);
-    Pair as InTwo by f64 to f32: _planes => None;
+    DoubleDouble as DoubleDouble by f64 to f64: planes => Some(planes);
+    DoubleDouble as DoubleDouble by f64 to f32: _planes => None;
 }
 
 /// What becomes of a block's results.
@@ -76,7 +76,7 @@ pub(crate) enum Target<'a, 'b, W> {
     /// They fill these parts of the planes.
     Planes(&'a mut [&'b mut [W]]),
     /// Those of each row are reduced, group of planes by group of planes.
-    Reduced(Reduction, &'a [usize], &'a mut [Pair]),
+    Reduced(Reduction, &'a [usize], &'a mut [DoubleDouble]),
 }
 
 /// What the blocks of a run share.
@@ -92,7 +92,7 @@ pub(crate) struct Shared<'a, 's, T: Number> {
 }
 
 /// A block and what it needs at hand.
-pub(crate) struct Block<'a, 's, T: Deliver<W>, W: Word> {
+pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     plan: &'a Plan,
     table: &'a Table<'s>,
     level: Level,
@@ -114,21 +114,21 @@ pub(crate) struct Block<'a, 's, T: Deliver<W>, W: Word> {
     twice: Option<(usize, usize, usize)>,
 }
 
-/// Part of a row: the row, its samples, and where the block's planes take their results.
-struct Part {
+/// RowPart of a row: the row, its samples, and where the block's planes take their results.
+struct RowPart {
     row: usize,
     samples: Range<usize>,
     place: usize,
 }
 
-impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
+impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     pub(crate) fn new(shared: &Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
         let Shared { plan, table, level, kept, long_sweep, stop } = *shared;
         let row_length = table.row_length();
         let way = match long_sweep.twice {
             _ if T::DOUBLED => Way::Twice,
             Some(_) => Way::Rotations,
-            None => Way::Pins,
+            None => Way::SinCos,
         };
         let chunk_length = if plan.load.is_some() {
             SHORT_CHUNK
@@ -143,12 +143,12 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
         let longest = chunk_length.min(row_length);
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let room = || {
-            let (lines, by_sample) = match table.geometries() {
-                Geometries::One => (1, false),
-                Geometries::ByRow => (GROUP.min(rows), false),
-                Geometries::BySample => (longest, true),
+            let (lines, by_sample) = match table.geometry_variation() {
+                GeometryVariation::One => (1, false),
+                GeometryVariation::ByRow => (GROUP.min(rows), false),
+                GeometryVariation::BySample => (longest, true),
             };
-            Cow::Owned(Folded::new(plan, lines, by_sample, way != Way::Pins))
+            Cow::Owned(Folded::new(plan, lines, by_sample, way != Way::SinCos))
         };
         Self {
             plan,
@@ -180,8 +180,8 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
             let (row, first) = (at / row_length, at % row_length);
             let end = row_length.min(first + samples.end - at);
             let unit = row - samples.start / row_length;
-            let part = Part { row, samples: first..end, place: at - samples.start };
-            self.see(row, last_row);
+            let part = RowPart { row, samples: first..end, place: at - samples.start };
+            self.load_row(row, last_row);
             self.row(&part, unit, target);
             at += end - first;
         }
@@ -193,7 +193,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
     }
 
     /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
-    fn see(&mut self, row: usize, last: usize) {
+    fn load_row(&mut self, row: usize, last: usize) {
         for (column, cursor) in self.table.columns.iter().zip(&mut self.scratch.cursors) {
             *cursor = self.table.locate(&column.strides, row);
         }
@@ -203,14 +203,14 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
                 self.scratch.gathered[index].fill(self.table.columns[index].data[origin]);
             }
         }
-        let rows = match self.table.geometries() {
-            Geometries::One => row..row + 1,
-            Geometries::ByRow => row..(last + 1).min(row + GROUP),
-            Geometries::BySample => return,
+        let rows = match self.table.geometry_variation() {
+            GeometryVariation::One => row..row + 1,
+            GeometryVariation::ByRow => row..(last + 1).min(row + GROUP),
+            GeometryVariation::BySample => return,
         };
-        let at_hand = match (&self.folded, self.table.geometries()) {
+        let at_hand = match (&self.folded, self.table.geometry_variation()) {
             (Cow::Borrowed(_), _) => true,
-            (_, Geometries::One) => !self.rows.is_empty(),
+            (_, GeometryVariation::One) => !self.rows.is_empty(),
             _ => self.rows.contains(&row),
         };
         if at_hand {
@@ -235,7 +235,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
     }
 
     /// Runs a part of one row, chunk after chunk; chunks begin at multiples of their length.
-    fn row(&mut self, part: &Part, unit: usize, target: &mut Target<'_, '_, W>) {
+    fn row(&mut self, part: &RowPart, unit: usize, target: &mut Target<'_, '_, W>) {
         let Range { start, end } = part.samples;
         let stop = match self.period(part, target) {
             Some(period) => start + period,
@@ -272,10 +272,10 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
     }
 
     /// After how many samples the results of a row repeat themselves, if they are to be repeated.
-    fn period(&self, part: &Part, target: &Target<'_, '_, W>) -> Option<usize> {
+    fn period(&self, part: &RowPart, target: &Target<'_, '_, W>) -> Option<usize> {
         let period = long_sweep::repeated(self.plan, self.table)?;
         let steady = self.scratch.cursors.iter().skip(1).all(|&(_, step)| step == 0);
-        let one = self.table.geometries() != Geometries::BySample;
+        let one = self.table.geometry_variation() != GeometryVariation::BySample;
         let repeats = steady && one && 2 * period <= part.samples.len();
         match target {
             Target::Planes(_) => repeats.then_some(period),
@@ -296,22 +296,24 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
     ) -> Option<Vec<f64>> {
         let sweep = self.table.sweep.as_ref()?;
         let (_, along) = self.scratch.cursors[ANGLE];
-        let one = self.table.geometries() != Geometries::BySample;
+        let one = self.table.geometry_variation() != GeometryVariation::BySample;
         if !(reduction.is_extreme() && self.plan.has_closed_extremes() && one && along == 1) {
             return None;
         }
-        let one = self.table.geometries() == Geometries::One;
+        let one = self.table.geometry_variation() == GeometryVariation::One;
         let index = if one { 0 } else { row - self.rows.start };
         let shafts = self.plan.moving().filter_map(|step| {
-            self.folded.shafts[step.shaft].as_ref().map(|shaft| (step, shaft.crest(index)))
+            self.folded.shafts[step.shaft]
+                .as_ref()
+                .map(|shaft| (step, shaft.extrema_locator(index)))
         });
-        extrema::near(sweep, samples, shafts)
+        extrema::samples_near_extrema(sweep, samples, shafts)
     }
 
     /// One chunk of a row, or samples picked from it.
     fn chunk(
         &mut self,
-        part: &Part,
+        part: &RowPart,
         samples: Range<usize>,
         picked: Option<&[f64]>,
         unit: usize,
@@ -334,20 +336,20 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
                 Drive::Array(&self.angles)
             }
         };
-        let seen = match table.geometries() {
-            Geometries::One => Seen::One(0),
-            Geometries::ByRow => Seen::One(part.row - self.rows.start),
-            Geometries::BySample => {
+        let geometry = match table.geometry_variation() {
+            GeometryVariation::One => GeometryIndex::Shared(0),
+            GeometryVariation::ByRow => GeometryIndex::Shared(part.row - self.rows.start),
+            GeometryVariation::BySample => {
                 let (line, step) = table.locate(&table.line, part.row);
                 let line_of = |i: usize| line + (samples.start + i) * step;
                 let folded = self.folded.to_mut();
                 compiled_for!(level, folded.fold(plan, &table.lines, size, line_of));
-                Seen::Each
+                GeometryIndex::PerSample
             }
         };
         let folded: &Folded<T> = &self.folded;
         let place = picked.is_none().then_some((begin, step, size));
-        let [pinned, doubled] = chunk::ways(plan, folded, seen);
+        let [pinned, doubled] = chunk::ways(plan, folded, geometry);
         if pinned && (place.is_none() || self.pins != place) {
             let group = long_sweep.pins.as_ref();
             compiled_for!(level, chunk::find_pins(plan, drive, group, scratch, size));
@@ -372,7 +374,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
         compiled_for!(
             level,
             chunk::run_motion(
-                plan, drive, rotations, folded, seen, scratch, &mut views, size, kept_from
+                plan, drive, rotations, folded, geometry, scratch, &mut views, size, kept_from
             )
         );
         if let Some(load) = &plan.load {
@@ -385,7 +387,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
             }
             compiled_for!(
                 level,
-                chunk::run_load(plan, load, table, folded, seen, scratch, &mut views, size)
+                chunk::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
             );
         }
         match target {
@@ -408,7 +410,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
     }
 
     /// Fills the rest of a row from its first period.
-    fn repeat(&mut self, part: &Part, period: usize, planes: &mut [&mut [W]]) {
+    fn repeat(&mut self, part: &RowPart, period: usize, planes: &mut [&mut [W]]) {
         let length = part.samples.len();
         for (i, plane) in planes.iter_mut().enumerate() {
             if !self.plan.is_angle(i) {
@@ -451,7 +453,7 @@ impl<'a, 's, T: Deliver<W>, W: Word> Block<'a, 's, T, W> {
 }
 
 #[inline(always)]
-fn convert<V: Word, W: Word>(words: &[V], out: &mut [W]) {
+fn convert<V: Float, W: Float>(words: &[V], out: &mut [W]) {
     for (out, &word) in out.iter_mut().zip(words) {
         *out = W::near(word.into());
     }

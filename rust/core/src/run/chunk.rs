@@ -5,29 +5,29 @@ use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
-use crate::number::float::Word;
+use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
-use crate::run::fold::{Folded, Seen};
-use crate::run::map::{self, Swing};
+use crate::run::fold::{Folded, GeometryIndex};
+use crate::run::map::{self, MotionFormula};
 use crate::run::scratch::Scratch;
 use crate::run::sink::{AfterArray, AfterSteps, AfterSweep};
-use crate::sincos::array::{self, Drive, Line, Pins, Sense, Source, Twice};
+use crate::sincos::array::{self, Drive, Line, Sense, SinCos, SinCosBlocks, Twice};
 use crate::sincos::rotation::{Rotations, Swept};
-use crate::sincos::tangent_sum::Group;
+use crate::sincos::tangent_sum::TangentSum;
 
 /// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all
 /// samples share, so that they stay in registers, and once for constants of their own.
 macro_rules! with_constants {
-    ($seen:expr, $constants:expr, $at:ident => $body:expr) => {{
+    ($geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
         let constants = $constants;
-        match $seen {
-            Seen::One(index) => {
+        match $geometry {
+            GeometryIndex::Shared(index) => {
                 let shared = constants(index);
                 let $at = move |_: usize| shared;
                 $body
             }
-            Seen::Each => {
+            GeometryIndex::PerSample => {
                 let $at = constants;
                 $body
             }
@@ -40,7 +40,7 @@ macro_rules! with_constants {
 pub(crate) fn find_pins<T: Number>(
     plan: &Plan,
     drive: Drive<'_>,
-    group: Option<&Group<T>>,
+    group: Option<&TangentSum<T>>,
     scratch: &mut Scratch<T>,
     size: usize,
 ) {
@@ -84,10 +84,14 @@ pub(crate) fn find_twice<T: Number>(
 
 /// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
 #[inline(always)]
-pub(crate) fn ways<T: Number>(plan: &Plan, folded: &Folded<T>, seen: Seen) -> [bool; 2] {
+pub(crate) fn ways<T: Number>(
+    plan: &Plan,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+) -> [bool; 2] {
     let mut ways = [plan.needs_poses(), false];
     for folded in plan.moving().filter_map(|step| folded.shafts[step.shaft].as_ref()) {
-        ways[usize::from(folded.is_doubled() && folded.range(seen).is_moderate())] = true;
+        ways[usize::from(folded.is_doubled() && folded.range(geometry).is_moderate())] = true;
     }
     ways
 }
@@ -95,12 +99,12 @@ pub(crate) fn ways<T: Number>(plan: &Plan, folded: &Folded<T>, seen: Seen) -> [b
 /// Angles and rates of every shaft of the plan at one chunk.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
-pub(crate) fn run_motion<T: Number, W: Word>(
+pub(crate) fn run_motion<T: Number, W: Float>(
     plan: &Plan,
     drive: Drive<'_>,
     rotations: Option<&Rotations<T>>,
     folded: &Folded<T>,
-    seen: Seen,
+    geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [&mut [W]],
     size: usize,
@@ -120,10 +124,10 @@ pub(crate) fn run_motion<T: Number, W: Word>(
             run_drive_shaft::<T, W>(step, drive, rates, planes, size);
             continue;
         };
-        let range = shaft.range(seen);
+        let range = shaft.range(geometry);
         if !(shaft.is_doubled() && range.is_moderate()) {
-            let equivalents = shaft.equivalents(seen, size);
-            with_constants!(seen, |i| equivalents.get(i), at => {
+            let equivalents = shaft.equivalents(geometry, size);
+            with_constants!(geometry, |i| equivalents.get(i), at => {
                 let mut pins = pins;
                 if step.shaft > 1 {
                     let [sine, cosine] = views_mut(turned, 0, size);
@@ -135,11 +139,13 @@ pub(crate) fn run_motion<T: Number, W: Word>(
             });
             continue;
         }
-        let ripples = shaft.ripples(seen, size);
-        if let (false, Some(rotations), Seen::One(index)) = (T::LOW, rotations, seen) {
-            let ripple = ripples.get(index);
-            let swept = Swept::new(rotations, groups, ripple.q);
-            let at = |_| ripple.with_parts::<0>();
+        let ideals = shaft.ideals(geometry, size);
+        if let (false, Some(rotations), GeometryIndex::Shared(index)) =
+            (T::LOW, rotations, geometry)
+        {
+            let ideal = ideals.get(index);
+            let swept = Swept::new(rotations, groups, ideal.q);
+            let at = |_| ideal.with_parts::<0>();
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
             continue;
         }
@@ -147,11 +153,11 @@ pub(crate) fn run_motion<T: Number, W: Word>(
             continue;
         }
         if step.shaft == 1 {
-            with_constants!(seen, |i| ripples.get(i).with_parts::<1>(), at => {
+            with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
                 run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
             });
         } else {
-            with_constants!(seen, |i| ripples.get(i), at => {
+            with_constants!(geometry, |i| ideals.get(i), at => {
                 run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
             });
         }
@@ -160,8 +166,8 @@ pub(crate) fn run_motion<T: Number, W: Word>(
         if !step.needs_tilt() {
             continue;
         }
-        let poses = &poses[..seen.count(size)];
-        with_constants!(seen, |i: usize| poses[i], at => {
+        let poses = &poses[..geometry.count(size)];
+        with_constants!(geometry, |i: usize| poses[i], at => {
             if let Some(plane) = step.tilt_driving {
                 map::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
             }
@@ -173,14 +179,14 @@ pub(crate) fn run_motion<T: Number, W: Word>(
 }
 
 #[inline(always)]
-fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> Pins<'_, T> {
+fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> SinCos<'_, T> {
     let size = if sine.is_empty() { 0 } else { size };
-    Pins { sine: sine.view(size).cut(size), cosine: cosine.view(size).cut(size) }
+    SinCos { sine: sine.view(size).cut(size), cosine: cosine.view(size).cut(size) }
 }
 
 /// The angle of the shaft in this slot at a later period, from the errors of the first.
 #[inline(always)]
-pub(crate) fn repeat_angle<T: Number, W: Word>(
+pub(crate) fn repeat_angle<T: Number, W: Float>(
     scratch: &Scratch<T>,
     slot: usize,
     first: usize,
@@ -192,7 +198,7 @@ pub(crate) fn repeat_angle<T: Number, W: Word>(
 
 /// A shaft with no bent joint before it turns with the drive.
 #[inline(always)]
-fn run_drive_shaft<T: Number, W: Word>(
+fn run_drive_shaft<T: Number, W: Float>(
     step: &ShaftStep,
     drive: Drive<'_>,
     [ratio, acceleration]: [&mut Column<T>; 2],
@@ -221,7 +227,7 @@ fn run_drive_shaft<T: Number, W: Word>(
 /// reads as well goes by way of a buffer.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
-fn run_shaft<T: Number, W: Word, S: Swing<T>, P: Source<T>>(
+fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     step: &ShaftStep,
     range: AtanRange,
     at: impl Fn(usize) -> S + Copy,
@@ -315,12 +321,12 @@ fn run_shaft<T: Number, W: Word, S: Swing<T>, P: Source<T>>(
 /// Torques and moments at one chunk: the power travels from the end where the torque is given.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
-pub(crate) fn run_load<T: Number, W: Word>(
+pub(crate) fn run_load<T: Number, W: Float>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
     folded: &Folded<T>,
-    seen: Seen,
+    geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [&mut [W]],
     size: usize,
@@ -363,25 +369,25 @@ pub(crate) fn run_load<T: Number, W: Word>(
                 power.view(size)
             };
             let step = &plan.joints[joint];
-            let poses = &folded.poses[joint][..seen.count(size)];
-            with_constants!(seen, |i: usize| poses[i], at => {
+            let poses = &folded.poses[joint][..geometry.count(size)];
+            with_constants!(geometry, |i: usize| poses[i], at => {
                 run_bending(step, at, pins, torsion, planes);
                 if step.needs_support() {
                     map::parts(at, pins, torsion, views_mut(parts, 0, size));
                 }
             });
-            let plane = match seen {
-                Seen::One(index) => poses[index].plane(),
-                Seen::Each => None,
+            let plane = match geometry {
+                GeometryIndex::Shared(index) => poses[index].plane(),
+                GeometryIndex::PerSample => None,
             };
             if let Some(axes) = plane {
                 let at = |i: usize| poses[i].seen_along(axes);
-                with_constants!(seen, at, at => {
+                with_constants!(geometry, at, at => {
                     run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
                     run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
                 });
             } else {
-                with_constants!(seen, |i: usize| poses[i], at => {
+                with_constants!(geometry, |i: usize| poses[i], at => {
                     run_moment::<false, T, W>(step, at, AXES, pins, torsion, planes);
                     run_supports::<false, T, W>(step, at, AXES, parts, support, planes, size);
                 });
@@ -395,10 +401,10 @@ pub(crate) fn run_load<T: Number, W: Word>(
 
 /// The sizes of a joint's bending moments.
 #[inline(always)]
-fn run_bending<T: Number, W: Word>(
+fn run_bending<T: Number, W: Float>(
     step: &JointStep,
     at: impl Fn(usize) -> Pose<T> + Copy,
-    pins: Pins<'_, T>,
+    pins: SinCos<'_, T>,
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
@@ -416,11 +422,11 @@ const AXES: [usize; 3] = [0, 1, 2];
 
 /// The moment that a joint passes on, from a pose seen along these axes.
 #[inline(always)]
-fn run_moment<const PLANAR: bool, T: Number, W: Word>(
+fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     step: &JointStep,
     at: impl Fn(usize) -> Pose<T>,
     axes: [usize; 3],
-    pins: Pins<'_, T>,
+    pins: SinCos<'_, T>,
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
@@ -432,7 +438,7 @@ fn run_moment<const PLANAR: bool, T: Number, W: Word>(
 
 /// The joint's part of the support moments of its shafts, from the parts of its torsion.
 #[inline(always)]
-fn run_supports<const PLANAR: bool, T: Number, W: Word>(
+fn run_supports<const PLANAR: bool, T: Number, W: Float>(
     step: &JointStep,
     at: impl Fn(usize) -> Pose<T> + Copy,
     axes: [usize; 3],
@@ -454,7 +460,7 @@ fn run_supports<const PLANAR: bool, T: Number, W: Word>(
 
 /// One component of it: along the axis `axis` of space.
 #[inline(always)]
-fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Word>(
+fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
     step: &Support,
     at: impl Fn(usize) -> Pose<T>,
     axis: usize,

@@ -7,15 +7,15 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::input::table::{Geometries, Table};
+use crate::input::table::{GeometryVariation, Table};
 use crate::input::{Angles, Drivelines, Samples, Source};
 use crate::mechanics::geometry::{Geometry, Vector};
-use crate::number::double_double::Pair;
-use crate::number::float::Word;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
 use crate::number::{Number, Precision};
 use crate::plan::reduction::Reduction;
 use crate::plan::steps::Plan;
-use crate::run::block::{Block, CHUNK, Deliver, SHORT_CHUNK, Shared, Target};
+use crate::run::block::{Block, CHUNK, GROUP, SHORT_CHUNK, Shared, StoresAs, Target};
 use crate::run::fold::Folded;
 use crate::run::level::compiled_for;
 use crate::run::long_sweep::LongSweep;
@@ -50,13 +50,13 @@ pub enum Planes<'a, 'b> {
 
 /// The folded constants of one driveline, prepared for any number of runs.
 #[derive(Clone, Debug)]
-pub struct Constants(pub(crate) Kept);
+pub struct FoldedDriveline(pub(crate) Kept);
 
 #[derive(Clone, Debug)]
 pub(crate) enum Kept {
     Single(Folded<f32>),
     Double(Folded<f64>),
-    InTwo(Folded<Pair>),
+    DoubleDouble(Folded<DoubleDouble>),
 }
 
 impl Plan {
@@ -64,12 +64,12 @@ impl Plan {
     ///
     /// # Errors
     /// Arrays of other lengths than one driveline has, or fewer.
-    pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<Constants> {
+    pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<FoldedDriveline> {
         lines.check(self.joint_count)?;
-        Ok(Constants(match precision {
+        Ok(FoldedDriveline(match precision {
             Precision::Single => Kept::Single(folded(self, lines)),
             Precision::Double => Kept::Double(folded(self, lines)),
-            Precision::InTwo => Kept::InTwo(folded(self, lines)),
+            Precision::DoubleDouble => Kept::DoubleDouble(folded(self, lines)),
         }))
     }
 
@@ -83,7 +83,7 @@ impl Plan {
     pub fn run(
         &self,
         samples: &Samples<'_>,
-        constants: Option<&Constants>,
+        constants: Option<&FoldedDriveline>,
         precision: Precision,
         planes: Planes<'_, '_>,
         execution: Execution<'_>,
@@ -96,8 +96,12 @@ impl Plan {
             (Precision::Single, Planes::Double(planes)) => run.fill::<f32, f64>(planes, workers),
             (Precision::Double, Planes::Single(planes)) => run.fill::<f64, f32>(planes, workers),
             (Precision::Double, Planes::Double(planes)) => run.fill::<f64, f64>(planes, workers),
-            (Precision::InTwo, Planes::Single(planes)) => run.fill::<Pair, f32>(planes, workers),
-            (Precision::InTwo, Planes::Double(planes)) => run.fill::<Pair, f64>(planes, workers),
+            (Precision::DoubleDouble, Planes::Single(planes)) => {
+                run.fill::<DoubleDouble, f32>(planes, workers)
+            }
+            (Precision::DoubleDouble, Planes::Double(planes)) => {
+                run.fill::<DoubleDouble, f64>(planes, workers)
+            }
         }
     }
 
@@ -109,7 +113,7 @@ impl Plan {
     pub fn reduce(
         &self,
         samples: &Samples<'_>,
-        constants: Option<&Constants>,
+        constants: Option<&FoldedDriveline>,
         precision: Precision,
         reduction: Reduction,
         planes: &mut [&mut [f64]],
@@ -120,8 +124,40 @@ impl Plan {
         match precision {
             Precision::Single => run.reduce::<f32>(reduction, planes, execution.workers),
             Precision::Double => run.reduce::<f64>(reduction, planes, execution.workers),
-            Precision::InTwo => run.reduce::<Pair>(reduction, planes, execution.workers),
+            Precision::DoubleDouble => {
+                run.reduce::<DoubleDouble>(reduction, planes, execution.workers)
+            }
         }
+    }
+
+    /// An upper bound on the bytes that a run allocates apart from its results: folded drivelines and a
+    /// chunk of each result per thread, and the partial results of a reduction. `folded` says whether
+    /// the only driveline was folded before.
+    pub fn scratch_bytes(
+        &self,
+        samples: &Samples<'_>,
+        folded: bool,
+        reduction: Option<Reduction>,
+        threads: usize,
+    ) -> usize {
+        let lanes = match samples.line_strides.last() {
+            _ if folded => 1,
+            Some(0) => GROUP,
+            _ => CHUNK,
+        };
+        let of_joint = 512 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
+        let of_planes = (16 * CHUNK).saturating_mul(self.planes);
+        let of_thread = (self.joint_count + 1).saturating_mul(of_joint).saturating_add(of_planes);
+        let total = samples.shape.iter().fold(1_usize, |total, &n| total.saturating_mul(n));
+        let parts = match (reduction, samples.shape.split_last()) {
+            (Some(_), Some((&length, rows))) if length > 0 => {
+                let rows = rows.iter().fold(1_usize, |rows, &n| rows.saturating_mul(n));
+                rows.saturating_mul(length.div_ceil(BLOCK))
+            }
+            _ => total.div_ceil(BLOCK),
+        };
+        let of_parts = parts.saturating_mul(24 * self.planes);
+        of_thread.saturating_mul(threads).saturating_add(of_parts)
     }
 
     /// Evaluates a plan without a load for one driveline; one vector per plane.
@@ -183,7 +219,7 @@ struct Run<'a, 's> {
     plan: &'a Plan,
     table: &'a Table<'s>,
     level: Level,
-    constants: Option<&'a Constants>,
+    constants: Option<&'a FoldedDriveline>,
     stop: Option<&'a AtomicBool>,
 }
 
@@ -191,7 +227,7 @@ impl<'a, 's> Run<'a, 's> {
     fn new(
         plan: &'a Plan,
         table: &'a Table<'s>,
-        constants: Option<&'a Constants>,
+        constants: Option<&'a FoldedDriveline>,
         execution: Execution<'a>,
     ) -> Self {
         let level = execution.level.unwrap_or_else(Level::new);
@@ -199,7 +235,7 @@ impl<'a, 's> Run<'a, 's> {
     }
 
     /// Fills the planes, in blocks if threads repay it.
-    fn fill<T: Deliver<W>, W: Word>(
+    fn fill<T: StoresAs<W>, W: Float>(
         &self,
         planes: &mut [&mut [W]],
         workers: Option<usize>,
@@ -232,7 +268,7 @@ impl<'a, 's> Run<'a, 's> {
 
     /// Reduces every row to one number per result. Rows are cut into the same parts whatever the
     /// number of threads, so that sums are the same.
-    fn reduce<T: Deliver<f64>>(
+    fn reduce<T: StoresAs<f64>>(
         &self,
         reduction: Reduction,
         out: &mut [&mut [f64]],
@@ -254,7 +290,7 @@ impl<'a, 's> Run<'a, 's> {
         let mut partials = vec![reduction.start(); rows * parts * results];
         let per_block = rows_per_block * results;
         let long_sweep = self.long_sweep();
-        let run = |(i, partials): (usize, &mut [Pair])| {
+        let run = |(i, partials): (usize, &mut [DoubleDouble])| {
             let samples = if parts > 1 {
                 let (row, part) = (i / parts, i % parts);
                 row * length + part * BLOCK..row * length + length.min((part + 1) * BLOCK)
@@ -293,7 +329,7 @@ impl<'a, 's> Run<'a, 's> {
     }
 
     /// Runs a range of the samples, compiled for the level.
-    fn block<T: Deliver<W>, W: Word>(
+    fn block<T: StoresAs<W>, W: Float>(
         &self,
         long_sweep: &LongSweep<T>,
         samples: Range<usize>,
@@ -302,7 +338,7 @@ impl<'a, 's> Run<'a, 's> {
         if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
             return;
         }
-        let one = self.table.geometries() == Geometries::One;
+        let one = self.table.geometry_variation() == GeometryVariation::One;
         // What is kept has no constants for twice the angle, but where the number type needs them.
         let kept = self
             .constants

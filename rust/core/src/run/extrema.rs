@@ -4,33 +4,33 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::Range;
 
 use crate::input::sweep::Sweep;
-use crate::mechanics::extremes::Crest;
+use crate::mechanics::extremes::ExtremaLocator;
 use crate::plan::steps::ShaftStep;
 
 /// The samples of a sweep beside the extremes of the shafts, and both ends; `None` if there are too
 /// many to repay it: each finds its own sine and cosine, which rows have in common otherwise.
-pub(crate) fn near<'a>(
+pub(crate) fn samples_near_extrema<'a>(
     sweep: &Sweep,
     samples: Range<usize>,
-    shafts: impl Iterator<Item = (&'a ShaftStep, Crest)>,
+    shafts: impl Iterator<Item = (&'a ShaftStep, ExtremaLocator)>,
 ) -> Option<Vec<f64>> {
     const EXTREMES: usize = 6;
-    const REPAID: usize = 64;
+    const SAMPLES_PER_CANDIDATE: usize = 64;
     let [first, last] = [samples.start, samples.end - 1].map(|i| sweep.angle(i as f64).value());
     let half_turns = ((last - first).abs() / PI) as usize + 2;
     let mut found = vec![samples.start as f64, (samples.end - 1) as f64];
-    if found.len() * REPAID > samples.len() {
+    if found.len() * SAMPLES_PER_CANDIDATE > samples.len() {
         return None;
     }
     // Half turns do not matter, and the remainder has more digits than a far angle.
     let (remainder, quadrant) = sweep.reduction().of(samples.start as f64);
     let first = remainder.value() + (quadrant & 1) as f64 * FRAC_PI_2;
-    for (step, crest) in shafts {
-        if (half_turns * EXTREMES * 2 + found.len()) * REPAID > samples.len() {
+    for (step, extrema_locator) in shafts {
+        if (half_turns * EXTREMES * 2 + found.len()) * SAMPLES_PER_CANDIDATE > samples.len() {
             return None;
         }
         let wanted = [step.angle_error, step.speed_ratio, step.acceleration_ratio];
-        for angle in crest.angles(wanted.map(|plane| plane.is_some())) {
+        for angle in extrema_locator.angles(wanted.map(|plane| plane.is_some())) {
             // The first one at or after the start, in the sense of the sweep.
             let width = sweep.step() / PI;
             let offset = (angle - first) / PI;

@@ -1,18 +1,18 @@
 //! The constants that a plan needs of its drivelines.
 //!
 //! Drivelines are folded many at a time, joint by joint over all of them, so that folding
-//! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
+//! vectorises as the kernels do: a batch of geometry_variation, or a geometry that changes with the angle.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::chain::{self, Complex, Equivalent, Transfer};
-use crate::mechanics::extremes::Crest;
+use crate::mechanics::extremes::ExtremaLocator;
 use crate::mechanics::geometry::Vector;
-use crate::mechanics::joint::{Constants, Joint};
+use crate::mechanics::joint::{Joint, JointConstants};
 use crate::mechanics::moment::Pose;
-use crate::mechanics::transmission::Ripple;
+use crate::mechanics::transmission::Ideal;
 use crate::number::atan::AtanRange;
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::storage::{Column, View, columns, views, views_mut};
 use crate::number::trig::{self, Angle};
@@ -38,7 +38,7 @@ pub(crate) struct Folded<T: Angle> {
 pub(crate) struct FoldedShaft<T: Angle> {
     /// The largest tangents in reach.
     bound: AtanRange,
-    ripples: [Column<T>; 5],
+    ideals: [Column<T>; 5],
     equivalents: [Column<T>; 7],
 }
 
@@ -49,50 +49,55 @@ impl<T: Angle> FoldedShaft<T> {
         let steep = !doubled || !moderate;
         let doubled = doubled && (moderate || !by_sample);
         let size = |needed: bool| if needed { length } else { 0 };
-        Self { bound, ripples: columns(size(doubled)), equivalents: columns(size(steep)) }
+        Self { bound, ideals: columns(size(doubled)), equivalents: columns(size(steep)) }
     }
 
     /// The largest tangents that the samples of a chunk reach.
     #[inline(always)]
-    pub(crate) fn range(&self, seen: Seen) -> AtanRange {
-        match seen {
-            Seen::One(index) if self.is_doubled() => {
-                self.ripples(seen, 0).get(index).range().min(self.bound)
+    pub(crate) fn range(&self, geometry: GeometryIndex) -> AtanRange {
+        match geometry {
+            GeometryIndex::Shared(index) if self.is_doubled() => {
+                self.ideals(geometry, 0).get(index).range().min(self.bound)
             }
-            Seen::One(index) => self.equivalents(seen, 0).get(index).0.range(),
-            Seen::Each => self.bound,
+            GeometryIndex::Shared(index) => self.equivalents(geometry, 0).get(index).0.range(),
+            GeometryIndex::PerSample => self.bound,
         }
     }
 
     /// Whether moderate bends go by twice the drive angle.
     #[inline(always)]
     pub(crate) fn is_doubled(&self) -> bool {
-        !self.ripples[0].is_empty()
+        !self.ideals[0].is_empty()
     }
 
     /// What the extremes of one of them need.
-    pub(crate) fn crest(&self, index: usize) -> Crest {
-        let seen = Seen::One(index);
+    pub(crate) fn extrema_locator(&self, index: usize) -> ExtremaLocator {
+        let geometry = GeometryIndex::Shared(index);
         if self.is_doubled() {
-            let [re, im]: [f64; 2] = self.ripples(seen, 0).get(index).q.map(|x| x.value().into());
-            return Crest { twice_offset: -im.atan2(re), k: re.hypot(im) };
+            let [re, im]: [f64; 2] =
+                self.ideals(geometry, 0).get(index).q.map(|x| x.value().into());
+            return ExtremaLocator { twice_offset: -im.atan2(re), k: re.hypot(im) };
         }
-        let (joint, turn) = self.equivalents(seen, 0).get(index);
+        let (joint, turn) = self.equivalents(geometry, 0).get(index);
         let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
         let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
-        Crest { twice_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
+        ExtremaLocator { twice_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
     }
 
     /// The constants by twice the drive angle.
     #[inline(always)]
-    pub(crate) fn ripples(&self, seen: Seen, size: usize) -> Ripples<'_, T> {
-        Ripples(views(&self.ripples, seen.count(size)))
+    pub(crate) fn ideals(&self, geometry: GeometryIndex, size: usize) -> IdealColumns<'_, T> {
+        IdealColumns(views(&self.ideals, geometry.count(size)))
     }
 
     /// The equivalent joints.
     #[inline(always)]
-    pub(crate) fn equivalents(&self, seen: Seen, size: usize) -> Equivalents<'_, T> {
-        Equivalents(views(&self.equivalents, seen.count(size)))
+    pub(crate) fn equivalents(
+        &self,
+        geometry: GeometryIndex,
+        size: usize,
+    ) -> EquivalentColumns<'_, T> {
+        EquivalentColumns(views(&self.equivalents, geometry.count(size)))
     }
 
     /// Joints on the drive shaft, whose pin has no turn.
@@ -103,7 +108,7 @@ impl<T: Angle> FoldedShaft<T> {
         let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
         let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
         for i in 0..length {
-            let joint = Constants::<T>::of_moderate_bend(bends[i]);
+            let joint = JointConstants::<T>::of_moderate_bend(bends[i]);
             cos.set(i, joint.cos);
             cos2.set(i, joint.cos2);
             sin2.set(i, joint.sin2);
@@ -114,21 +119,21 @@ impl<T: Angle> FoldedShaft<T> {
     #[inline(always)]
     fn set<L>(&mut self, start: usize, length: usize, source: &L)
     where
-        L: Lane<Ripple<Pair>> + Lane<Equivalent<Pair>>,
+        L: Lane<Ideal<DoubleDouble>> + Lane<Equivalent<DoubleDouble>>,
     {
-        if !self.ripples[0].is_empty() {
-            let [re, im, mean, complement, gain] = views_mut(&mut self.ripples, start, length);
+        if !self.ideals[0].is_empty() {
+            let [re, im, mean, complement, gain] = views_mut(&mut self.ideals, start, length);
             let (mut re, mut im) = (re.cut(length), im.cut(length));
             let (mut mean, mut complement) = (mean.cut(length), complement.cut(length));
             let mut gain = gain.cut(length);
             for i in 0..length {
-                let ripple: Ripple<Pair> = source.at(i);
-                let ripple = Ripple::<T>::nearest(&ripple);
-                re.set(i, ripple.q[0]);
-                im.set(i, ripple.q[1]);
-                mean.set(i, ripple.mean);
-                complement.set(i, ripple.complement);
-                gain.set(i, ripple.gain);
+                let ideal: Ideal<DoubleDouble> = source.at(i);
+                let ideal = Ideal::<T>::nearest(&ideal);
+                re.set(i, ideal.q[0]);
+                im.set(i, ideal.q[1]);
+                mean.set(i, ideal.mean);
+                complement.set(i, ideal.complement);
+                gain.set(i, ideal.gain);
             }
         }
         if self.equivalents[0].is_empty() {
@@ -141,71 +146,71 @@ impl<T: Angle> FoldedShaft<T> {
         let mut inverse_exsecant = inverse_exsecant.cut(length);
         let (mut turn_cos, mut turn_sin) = (turn_cos.cut(length), turn_sin.cut(length));
         for i in 0..length {
-            let equivalent: Equivalent<Pair> = source.at(i);
-            let joint = Constants::<T>::nearest(&equivalent.joint);
+            let equivalent: Equivalent<DoubleDouble> = source.at(i);
+            let joint = JointConstants::<T>::nearest(&equivalent.joint);
             cos.set(i, joint.cos);
             cos2.set(i, joint.cos2);
             sin2.set(i, joint.sin2);
             versine.set(i, joint.versine);
             inverse_exsecant.set(i, joint.inverse_exsecant);
-            turn_cos.set(i, T::from_pair(equivalent.turn_cos));
-            turn_sin.set(i, T::from_pair(equivalent.turn_sin));
+            turn_cos.set(i, T::from_double_double(equivalent.turn_cos));
+            turn_sin.set(i, T::from_double_double(equivalent.turn_sin));
         }
     }
 }
 
-/// The geometry that a chunk sees.
+/// Which of the folded drivelines the samples of a chunk have.
 #[derive(Clone, Copy)]
-pub(crate) enum Seen {
-    /// This one of the folded drivelines at every sample.
-    One(usize),
-    /// One at each sample.
-    Each,
+pub(crate) enum GeometryIndex {
+    /// All samples share this one of the folded drivelines.
+    Shared(usize),
+    /// Each sample has its own.
+    PerSample,
 }
 
-impl Seen {
+impl GeometryIndex {
     /// How many of the folded drivelines that takes for so many samples.
     #[inline(always)]
     pub(crate) fn count(self, size: usize) -> usize {
         match self {
-            Self::One(index) => index + 1,
-            Self::Each => size,
+            Self::Shared(index) => index + 1,
+            Self::PerSample => size,
         }
     }
 }
 
 /// A run of constants by twice the drive angle to read.
 #[derive(Clone, Copy)]
-pub(crate) struct Ripples<'a, T: Real>([View<'a, T>; 5]);
+pub(crate) struct IdealColumns<'a, T: Real>([View<'a, T>; 5]);
 
-impl<T: Real> Ripples<'_, T> {
+impl<T: Real> IdealColumns<'_, T> {
     #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> Ripple<T> {
+    pub(crate) fn get(&self, i: usize) -> Ideal<T> {
         let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
-        Ripple { q: [re, im], mean, complement, gain }
+        Ideal { q: [re, im], mean, complement, gain }
     }
 }
 
 /// A run of equivalent joints to read.
 #[derive(Clone, Copy)]
-pub(crate) struct Equivalents<'a, T: Real>([View<'a, T>; 7]);
+pub(crate) struct EquivalentColumns<'a, T: Real>([View<'a, T>; 7]);
 
-impl<T: Real> Equivalents<'_, T> {
+impl<T: Real> EquivalentColumns<'_, T> {
     /// The constants of the joint, cosine and sine of its turn.
     #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> (Constants<T>, [T; 2]) {
+    pub(crate) fn get(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
         let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
             self.0.each_ref().map(|view| view.get(i));
-        (Constants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
+        (JointConstants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
     }
 }
 
 /// The running maps of the drivelines that are folded together.
 #[derive(Clone, Debug)]
 struct Maps {
-    a: [Column<Pair>; 2],
-    b: [Column<Pair>; 2],
-    complement: Column<Pair>,
+    a: [Column<DoubleDouble>; 2],
+    b: [Column<DoubleDouble>; 2],
+    complement: Column<DoubleDouble>,
 }
 
 impl Maps {
@@ -258,7 +263,7 @@ trait Step {
 }
 
 /// The running maps.
-struct Read<'a>([View<'a, Pair>; 5]);
+struct Read<'a>([View<'a, DoubleDouble>; 5]);
 
 impl Lane<Transfer> for Read<'_> {
     #[inline(always)]
@@ -268,17 +273,17 @@ impl Lane<Transfer> for Read<'_> {
     }
 }
 
-impl Lane<Ripple<Pair>> for Read<'_> {
+impl Lane<Ideal<DoubleDouble>> for Read<'_> {
     #[inline(always)]
-    fn at(&self, i: usize) -> Ripple<Pair> {
+    fn at(&self, i: usize) -> Ideal<DoubleDouble> {
         let transfer: Transfer = self.at(i);
-        transfer.ripple()
+        transfer.ideal()
     }
 }
 
-impl Lane<Equivalent<Pair>> for Read<'_> {
+impl Lane<Equivalent<DoubleDouble>> for Read<'_> {
     #[inline(always)]
-    fn at(&self, i: usize) -> Equivalent<Pair> {
+    fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
         let transfer: Transfer = self.at(i);
         transfer.equivalent()
     }
@@ -287,16 +292,16 @@ impl Lane<Equivalent<Pair>> for Read<'_> {
 /// First joints, by their bends.
 struct First<'a>(&'a [f64]);
 
-impl Lane<Ripple<Pair>> for First<'_> {
+impl Lane<Ideal<DoubleDouble>> for First<'_> {
     #[inline(always)]
-    fn at(&self, i: usize) -> Ripple<Pair> {
-        Ripple::of_joint(self.0[i])
+    fn at(&self, i: usize) -> Ideal<DoubleDouble> {
+        Ideal::of_joint(self.0[i])
     }
 }
 
-impl Lane<Equivalent<Pair>> for First<'_> {
+impl Lane<Equivalent<DoubleDouble>> for First<'_> {
     #[inline(always)]
-    fn at(&self, i: usize) -> Equivalent<Pair> {
+    fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
         Equivalent::of_joint(Joint::with_error_terms(self.0[i]))
     }
 }
@@ -322,7 +327,7 @@ impl Step for PassJoint<'_> {
 }
 
 /// Past a shaft, by its turn.
-struct PassShaft<'a>([View<'a, Pair>; 2]);
+struct PassShaft<'a>([View<'a, DoubleDouble>; 2]);
 
 impl Step for PassShaft<'_> {
     #[inline(always)]
@@ -334,7 +339,7 @@ impl Step for PassShaft<'_> {
 
 /// The turns of intermediate shafts, one per driveline.
 #[derive(Clone, Debug)]
-struct Turns([Column<Pair>; 2]);
+struct Turns([Column<DoubleDouble>; 2]);
 
 impl Turns {
     #[inline(always)]

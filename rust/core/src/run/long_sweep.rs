@@ -1,12 +1,12 @@
 //! Long sweeps: what their blocks share, so that samples need no sine each, or that they repeat themselves.
 
 use crate::input::sweep::Sweep;
-use crate::input::table::{Geometries, Table};
+use crate::input::table::{GeometryVariation, Table};
 use crate::number::trig::Angle;
 use crate::plan::steps::Plan;
 use crate::run::level::{Level, compiled_for};
 use crate::sincos::rotation::Rotations;
-use crate::sincos::tangent_sum::Group;
+use crate::sincos::tangent_sum::TangentSum;
 
 /// Samples in a row that repay a table of its steps.
 const LONG: usize = 4096;
@@ -16,8 +16,8 @@ const REPEATED: usize = 8192;
 
 /// How to find sines and cosines of a sweep whose rows are long and do not just repeat themselves.
 pub(crate) struct LongSweep<T: Angle> {
-    /// Pins, where steep bends or poses need them.
-    pub(crate) pins: Option<Group<T>>,
+    /// SinCos, where steep bends or poses need them.
+    pub(crate) pins: Option<TangentSum<T>>,
     /// Sine and cosine of twice the angles, where moderate bends need them.
     pub(crate) twice: Option<Rotations<T>>,
 }
@@ -29,12 +29,12 @@ impl<T: Angle> LongSweep<T> {
     /// What serves the plan; groups of pins hold at most `longest` samples.
     pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize, level: Level) -> Self {
         let Some(sweep) = long_sweep(plan, table) else { return Self::NONE };
-        let one = table.geometries() != Geometries::BySample;
+        let one = table.geometry_variation() != GeometryVariation::BySample;
         let is_moderate = |shaft: usize| plan.range(shaft).is_moderate();
         let turned = one && plan.moving().any(|step| is_moderate(step.shaft));
         let steep = plan.moving().any(|step| !is_moderate(step.shaft));
         let pinned = plan.needs_poses() || steep || !turned && plan.moving().next().is_some();
-        let group = || compiled_for!(level, Group::new(sweep, longest));
+        let group = || compiled_for!(level, TangentSum::new(sweep, longest));
         let rotations = || compiled_for!(level, Rotations::new(sweep));
         Self {
             pins: if pinned { group() } else { None },

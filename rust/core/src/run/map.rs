@@ -14,33 +14,33 @@
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
 use crate::mechanics::joint;
-use crate::mechanics::moment::{self, Parts, Pose};
-use crate::mechanics::transmission::Ripple;
+use crate::mechanics::moment::{self, Pose, TorsionParts};
+use crate::mechanics::transmission::Ideal;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
-use crate::number::double_double::Pair;
-use crate::number::float::{Real, Word};
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::number::trig::Angle;
-use crate::run::sink::Out;
-use crate::sincos::array::{Drive, Part, Pins, Source, number};
+use crate::run::sink::Sink;
+use crate::sincos::array::{Drive, SinCos, SinCosBlock, SinCosBlocks, number};
 
 /// The drive angle plus an angle error.
 #[inline(always)]
-pub(crate) fn add_drive<T: Number, W: Word>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [W]) {
+pub(crate) fn add_drive<T: Number, W: Float>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [W]) {
     let errors = errors.cut(out.len());
     add_drive_to(drive, |i| errors.get(i), out);
 }
 
 #[inline(always)]
-fn add_drive_to<T: Number, W: Word>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [W]) {
+fn add_drive_to<T: Number, W: Float>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [W]) {
     let length = out.len();
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..length];
             for i in 0..length {
                 // Not the bare angle: an infinite one is none.
-                out[i] = error(i).after(Pair::exact(angle[i].mul_add(0.0, angle[i])));
+                out[i] = error(i).after(DoubleDouble::exact(angle[i].mul_add(0.0, angle[i])));
             }
         }
         Drive::Sweep(sweep, first) if sweep.starts_at_zero() => {
@@ -63,7 +63,7 @@ fn add_drive_to<T: Number, W: Word>(drive: Drive<'_>, error: impl Fn(usize) -> T
 }
 
 /// How a shaft moves, from sine and cosine of an angle: its own way for steep bends and for others.
-pub(crate) trait Swing<T: Real>: Copy {
+pub(crate) trait MotionFormula<T: Real>: Copy {
     /// Whether it serves moderate bends, and whether it serves others.
     const MODERATE: bool;
     const STEEP: bool;
@@ -82,7 +82,7 @@ pub(crate) trait Swing<T: Real>: Copy {
 }
 
 /// From the pins of the joint's driving angle.
-impl<T: Angle> Swing<T> for joint::Constants<T> {
+impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
     const MODERATE: bool = !T::DOUBLED;
     const STEEP: bool = true;
 
@@ -108,14 +108,14 @@ impl<T: Angle> Swing<T> for joint::Constants<T> {
 }
 
 /// From twice the drive angle.
-impl<T: Angle, const PARTS: usize> Swing<T> for Ripple<T, PARTS> {
+impl<T: Angle, const PARTS: usize> MotionFormula<T> for Ideal<T, PARTS> {
     const MODERATE: bool = true;
     const STEEP: bool = false;
 
     #[inline(always)]
     fn error_tangent(&self, s: T, c: T) -> (T, T) {
-        let parts = self.parts(s, c);
-        (parts.along, parts.beside)
+        let terms = self.terms(s, c);
+        (terms.neg_im, terms.one_minus_re)
     }
 
     #[inline(always)]
@@ -125,23 +125,23 @@ impl<T: Angle, const PARTS: usize> Swing<T> for Ripple<T, PARTS> {
 
     #[inline(always)]
     fn rates(&self, s: T, c: T) -> (T, T) {
-        self.parts(s, c).rates()
+        self.terms(s, c).rates()
     }
 
     #[inline(always)]
     fn motion(&self, s: T, c: T) -> ((T, T), (T, T)) {
-        let parts = self.parts(s, c);
-        ((parts.along, parts.beside), parts.rates())
+        let terms = self.terms(s, c);
+        ((terms.neg_im, terms.one_minus_re), terms.rates())
     }
 }
 
 /// Angle error of a shaft whose tangents stay within `range`.
 #[inline(always)]
-pub(crate) fn angle_error<T: Number, S: Swing<T>>(
+pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
     range: AtanRange,
     at: impl Fn(usize) -> S,
-    pins: impl Source<T>,
-    out: impl Out<T>,
+    pins: impl SinCosBlocks<T>,
+    out: impl Sink<T>,
 ) {
     let tangent = S::error_tangent;
     if S::MODERATE && range.is_moderate() {
@@ -161,19 +161,19 @@ pub(crate) fn angle_error<T: Number, S: Swing<T>>(
 }
 
 #[inline(always)]
-fn error_by<T: Number, S: Swing<T>>(
+fn error_by<T: Number, S: MotionFormula<T>>(
     tangent: impl Fn(&S, T, T) -> (T, T),
     atan: impl Fn(T, T) -> T,
     at: impl Fn(usize) -> S,
-    pins: impl Source<T>,
-    mut out: impl Out<T>,
+    pins: impl SinCosBlocks<T>,
+    mut out: impl Sink<T>,
 ) {
     for (start, pins) in pins.parts() {
-        let mut out = out.part(start, pins.len());
+        let mut out = out.slice(start, pins.len());
         for i in 0..pins.len() {
             let (s, c) = pins.get(i);
             let (y, x) = tangent(&at(start + i), s, c);
-            out.put(i, atan(y, x));
+            out.store(i, atan(y, x));
         }
     }
 }
@@ -181,12 +181,12 @@ fn error_by<T: Number, S: Swing<T>>(
 /// Angle or angle error, speed ratio and acceleration ratio together, for moderate bends: steeper
 /// ones have formulas with fewer roundings each.
 #[inline(always)]
-pub(crate) fn motion<T: Number, S: Swing<T>>(
+pub(crate) fn motion<T: Number, S: MotionFormula<T>>(
     range: AtanRange,
     at: impl Fn(usize) -> S,
-    pins: impl Source<T>,
-    rotations: impl Out<T>,
-    rates: [impl Out<T>; 2],
+    pins: impl SinCosBlocks<T>,
+    rotations: impl Sink<T>,
+    rates: [impl Sink<T>; 2],
 ) {
     match range {
         AtanRange::Hundredth => motion_by(T::atan_hundredth, at, pins, rotations, rates),
@@ -196,86 +196,86 @@ pub(crate) fn motion<T: Number, S: Swing<T>>(
 }
 
 #[inline(always)]
-fn motion_by<T: Number, S: Swing<T>>(
+fn motion_by<T: Number, S: MotionFormula<T>>(
     atan: impl Fn(T, T) -> T,
     at: impl Fn(usize) -> S,
-    pins: impl Source<T>,
-    mut rotations: impl Out<T>,
-    [mut ratios, mut accelerations]: [impl Out<T>; 2],
+    pins: impl SinCosBlocks<T>,
+    mut rotations: impl Sink<T>,
+    [mut ratios, mut accelerations]: [impl Sink<T>; 2],
 ) {
     for (start, pins) in pins.parts() {
         let length = pins.len();
-        let mut rotations = rotations.part(start, length);
-        let mut ratios = ratios.part(start, length);
-        let mut accelerations = accelerations.part(start, length);
+        let mut rotations = rotations.slice(start, length);
+        let mut ratios = ratios.slice(start, length);
+        let mut accelerations = accelerations.slice(start, length);
         for i in 0..length {
             let (s, c) = pins.get(i);
             let ((y, x), (ratio, acceleration)) = at(start + i).motion(s, c);
-            rotations.put(i, atan(y, x));
-            ratios.put(i, ratio);
-            accelerations.put(i, acceleration);
+            rotations.store(i, atan(y, x));
+            ratios.store(i, ratio);
+            accelerations.store(i, acceleration);
         }
     }
 }
 
 /// Speed ratio.
 #[inline(always)]
-pub(crate) fn speed_ratio<T: Real, S: Swing<T>>(
+pub(crate) fn speed_ratio<T: Real, S: MotionFormula<T>>(
     at: impl Fn(usize) -> S,
-    pins: impl Source<T>,
-    mut out: impl Out<T>,
+    pins: impl SinCosBlocks<T>,
+    mut out: impl Sink<T>,
 ) {
     for (start, pins) in pins.parts() {
-        let mut out = out.part(start, pins.len());
+        let mut out = out.slice(start, pins.len());
         for i in 0..pins.len() {
             let (s, c) = pins.get(i);
-            out.put(i, at(start + i).rates(s, c).0);
+            out.store(i, at(start + i).rates(s, c).0);
         }
     }
 }
 
 /// Acceleration ratio.
 #[inline(always)]
-pub(crate) fn acceleration_ratio<T: Real, S: Swing<T>>(
+pub(crate) fn acceleration_ratio<T: Real, S: MotionFormula<T>>(
     at: impl Fn(usize) -> S,
-    pins: impl Source<T>,
-    mut out: impl Out<T>,
+    pins: impl SinCosBlocks<T>,
+    mut out: impl Sink<T>,
 ) {
     for (start, pins) in pins.parts() {
-        let mut out = out.part(start, pins.len());
+        let mut out = out.slice(start, pins.len());
         for i in 0..pins.len() {
             let (s, c) = pins.get(i);
-            out.put(i, at(start + i).rates(s, c).1);
+            out.store(i, at(start + i).rates(s, c).1);
         }
     }
 }
 
 /// Speed ratio and acceleration ratio, which share a division.
 #[inline(always)]
-pub(crate) fn rates<T: Real, S: Swing<T>>(
+pub(crate) fn rates<T: Real, S: MotionFormula<T>>(
     at: impl Fn(usize) -> S,
-    pins: impl Source<T>,
-    mut ratios: impl Out<T>,
-    mut accelerations: impl Out<T>,
+    pins: impl SinCosBlocks<T>,
+    mut ratios: impl Sink<T>,
+    mut accelerations: impl Sink<T>,
 ) {
     for (start, pins) in pins.parts() {
-        let mut ratios = ratios.part(start, pins.len());
-        let mut accelerations = accelerations.part(start, pins.len());
+        let mut ratios = ratios.slice(start, pins.len());
+        let mut accelerations = accelerations.slice(start, pins.len());
         for i in 0..pins.len() {
             let (s, c) = pins.get(i);
             let (ratio, acceleration) = at(start + i).rates(s, c);
-            ratios.put(i, ratio);
-            accelerations.put(i, acceleration);
+            ratios.store(i, ratio);
+            accelerations.store(i, acceleration);
         }
     }
 }
 
 /// A column to where it is wanted.
 #[inline(always)]
-pub(crate) fn copy<T: Real>(column: View<'_, T>, mut out: impl Out<T>) {
-    let mut out = out.part(0, column.len());
+pub(crate) fn copy<T: Real>(column: View<'_, T>, mut out: impl Sink<T>) {
+    let mut out = out.slice(0, column.len());
     for i in 0..column.len() {
-        out.put(i, column.get(i));
+        out.store(i, column.get(i));
     }
 }
 
@@ -304,11 +304,11 @@ pub(crate) fn absorb<T: Real>(
 
 /// Element by element `a / b`.
 #[inline(always)]
-pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, mut out: impl Out<T>) {
+pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, mut out: impl Sink<T>) {
     let length = a.len();
-    let (b, mut out) = (b.cut(length), out.part(0, length));
+    let (b, mut out) = (b.cut(length), out.slice(0, length));
     for i in 0..length {
-        out.put(i, a.get(i) / b.get(i));
+        out.store(i, a.get(i) / b.get(i));
     }
 }
 
@@ -335,7 +335,7 @@ pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_
 #[inline(always)]
 pub(crate) fn parts<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
-    pins: Pins<'_, T>,
+    pins: SinCos<'_, T>,
     torsion: View<'_, T>,
     parts: [ViewMut<'_, T>; 3],
 ) {
@@ -346,7 +346,8 @@ pub(crate) fn parts<T: Real>(
     let mut product = product.cut(length);
     for i in 0..length {
         let (s, c) = pins.get(i);
-        let Parts { sine2: ss, cosine2: cc, product: sc } = at(i).parts(torsion.get(i), s, c);
+        let TorsionParts { sine2: ss, cosine2: cc, product: sc } =
+            at(i).parts(torsion.get(i), s, c);
         sine2.set(i, ss);
         cosine2.set(i, cc);
         product.set(i, sc);
@@ -357,19 +358,19 @@ pub(crate) fn parts<T: Real>(
 #[inline(always)]
 pub(crate) fn moment<const PLANAR: bool, T: Real>(
     at: impl Fn(usize) -> Pose<T>,
-    pins: Pins<'_, T>,
+    pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    [mut x, mut y, mut z]: [impl Out<T>; 3],
+    [mut x, mut y, mut z]: [impl Sink<T>; 3],
 ) {
     let length = pins.len();
     let torsion = torsion.cut(length);
-    let (mut x, mut y, mut z) = (x.part(0, length), y.part(0, length), z.part(0, length));
+    let (mut x, mut y, mut z) = (x.slice(0, length), y.slice(0, length), z.slice(0, length));
     for i in 0..length {
         let (s, c) = pins.get(i);
         let [along_x, along_y, along_z] = at(i).moment::<PLANAR>(torsion.get(i), s, c);
-        x.put(i, along_x);
-        y.put(i, along_y);
-        z.put(i, along_z);
+        x.store(i, along_x);
+        y.store(i, along_y);
+        z.store(i, along_z);
     }
 }
 
@@ -381,13 +382,13 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
     driving: bool,
     [square, product]: [View<'_, T>; 2],
     before: impl Fn(usize) -> Option<T>,
-    mut out: impl Out<T>,
+    mut out: impl Sink<T>,
 ) {
     let length = square.len();
-    let (product, mut out) = (product.cut(length), out.part(0, length));
+    let (product, mut out) = (product.cut(length), out.slice(0, length));
     for i in 0..length {
         let numbers = [square.get(i), product.get(i)];
-        out.put(i, at(i).support::<PLANAR, COMPONENT>(driving, numbers, before(i)));
+        out.store(i, at(i).support::<PLANAR, COMPONENT>(driving, numbers, before(i)));
     }
 }
 
@@ -396,14 +397,14 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
 pub(crate) fn size<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     size_of: impl Fn(&Pose<T>, T, T, T) -> T,
-    pins: Pins<'_, T>,
+    pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    mut out: impl Out<T>,
+    mut out: impl Sink<T>,
 ) {
-    let (torsion, mut out) = (torsion.cut(pins.len()), out.part(0, pins.len()));
+    let (torsion, mut out) = (torsion.cut(pins.len()), out.slice(0, pins.len()));
     for i in 0..pins.len() {
         let (s, c) = pins.get(i);
-        out.put(i, size_of(&at(i), torsion.get(i), s, c));
+        out.store(i, size_of(&at(i), torsion.get(i), s, c));
     }
 }
 
@@ -412,38 +413,38 @@ pub(crate) fn size<T: Real>(
 pub(crate) fn tilt<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     tilt_of: impl Fn(&Pose<T>, T, T) -> T,
-    pins: Pins<'_, T>,
-    mut out: impl Out<T>,
+    pins: SinCos<'_, T>,
+    mut out: impl Sink<T>,
 ) {
-    let mut out = out.part(0, pins.len());
+    let mut out = out.slice(0, pins.len());
     for i in 0..pins.len() {
         let (s, c) = pins.get(i);
-        out.put(i, tilt_of(&at(i), s, c));
+        out.store(i, tilt_of(&at(i), s, c));
     }
 }
 
 /// The drive shaft turns with the drive: its angle, NaN where that is not finite.
 #[inline(always)]
-pub(crate) fn drive_angle<T: Number, W: Word>(drive: Drive<'_>, out: &mut [W]) {
+pub(crate) fn drive_angle<T: Number, W: Float>(drive: Drive<'_>, out: &mut [W]) {
     let zero = T::from_f64(0.0);
     add_drive_to(drive, |_| zero, out);
 }
 
 /// A constant, NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, mut out: impl Out<T>) {
-    let length = out.room();
-    let mut out = out.part(0, length);
+pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, mut out: impl Sink<T>) {
+    let length = out.length();
+    let mut out = out.slice(0, length);
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..length];
             for i in 0..length {
-                out.put(i, T::from_f64(angle[i].mul_add(0.0, value)));
+                out.store(i, T::from_f64(angle[i].mul_add(0.0, value)));
             }
         }
         Drive::Sweep(..) | Drive::Picked(..) => {
             for i in 0..length {
-                out.put(i, T::from_f64(value));
+                out.store(i, T::from_f64(value));
             }
         }
     }

@@ -5,9 +5,9 @@ use rayon::prelude::*;
 use crate::mechanics::phasing::{find, is_set};
 use crate::run::execution::Execution;
 
-/// Drivelines that a thread takes at a time, and how many such pieces repay threads.
+/// Drivelines that a thread takes at a time, and the fewest such pieces that use threads.
 const PIECE: usize = 64;
-const REPAID: usize = 16;
+const MIN_PARALLEL_PIECES: usize = 16;
 
 /// [`crate::mechanics::phasing::optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases.
 pub fn optimal_phases_of_batch(
@@ -32,7 +32,7 @@ pub fn optimal_phases_of_batch(
     };
     let size = PIECE.saturating_mul(between);
     let pieces = phases.len().div_ceil(size);
-    if workers == Some(1) || pieces < REPAID {
+    if workers == Some(1) || pieces < MIN_PARALLEL_PIECES {
         phases.chunks_mut(size).enumerate().for_each(run);
     } else {
         let least = workers.map_or(1, |workers| pieces.div_ceil(workers.max(1)));

@@ -1,7 +1,7 @@
 //! Reducing a row of samples as it is found, without keeping it.
 
-use crate::number::double_double::Pair;
-use crate::number::float::Word;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
 use crate::plan::reduction::Reduction;
 
 /// Running results that are found side by side.
@@ -9,8 +9,8 @@ const LANES: usize = 16;
 
 impl Reduction {
     /// What a row begins with.
-    pub(crate) fn start(self) -> Pair {
-        Pair::exact(match self {
+    pub(crate) fn start(self) -> DoubleDouble {
+        DoubleDouble::exact(match self {
             Self::Min => f64::INFINITY,
             Self::Max => f64::NEG_INFINITY,
             Self::Mean | Self::Rms | Self::Peak => 0.0,
@@ -19,7 +19,12 @@ impl Reduction {
 
     /// Takes in the first numbers of a plane, or of the three planes of a vector.
     #[inline(always)]
-    pub(crate) fn take<W: Word>(self, partial: &mut Pair, planes: &[Vec<W>], length: usize) {
+    pub(crate) fn take<W: Float>(
+        self,
+        partial: &mut DoubleDouble,
+        planes: &[Vec<W>],
+        length: usize,
+    ) {
         let words = |plane: usize| &planes[plane][..length];
         let first = words(0);
         let one = |i: usize| -> f64 { first[i].into() };
@@ -45,31 +50,33 @@ impl Reduction {
                 };
                 partial.high = larger(partial.high, found);
             }
-            Self::Mean => *partial = *partial + Pair::exact(fold(length, 0.0, one, plus)),
+            Self::Mean => *partial = *partial + DoubleDouble::exact(fold(length, 0.0, one, plus)),
             Self::Rms => {
                 let square = |i: usize| one(i) * one(i);
-                *partial = *partial + Pair::exact(fold(length, 0.0, square, plus));
+                *partial = *partial + DoubleDouble::exact(fold(length, 0.0, square, plus));
             }
         }
     }
 
     /// What it is after so many times the samples that it has taken in.
-    pub(crate) fn repeat(self, partial: &mut Pair, times: usize) {
+    pub(crate) fn repeat(self, partial: &mut DoubleDouble, times: usize) {
         if !self.is_extreme() {
-            *partial = *partial * Pair::exact(times as f64);
+            *partial = *partial * DoubleDouble::exact(times as f64);
         }
     }
 
     /// The result of a row of so many samples from those of its parts.
-    pub(crate) fn finish(self, parts: impl Iterator<Item = Pair>, length: usize) -> f64 {
+    pub(crate) fn finish(self, parts: impl Iterator<Item = DoubleDouble>, length: usize) -> f64 {
         let count = length as f64;
         match self {
             Self::Min => parts.fold(f64::INFINITY, |least, part| smaller(least, part.high)),
             Self::Max => parts.fold(f64::NEG_INFINITY, |most, part| larger(most, part.high)),
             Self::Peak => parts.fold(0.0, |most, part| larger(most, part.high)),
-            Self::Mean => parts.fold(Pair::default(), |sum, part| sum + part).value() / count,
+            Self::Mean => {
+                parts.fold(DoubleDouble::default(), |sum, part| sum + part).value() / count
+            }
             Self::Rms => {
-                let sum = parts.fold(Pair::default(), |sum, part| sum + part).value();
+                let sum = parts.fold(DoubleDouble::default(), |sum, part| sum + part).value();
                 (sum / count).sqrt()
             }
         }

@@ -10,7 +10,7 @@ use crate::sincos::rotation;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
     /// By pins, as all others.
-    Pins,
+    SinCos,
     /// By sine and cosine of twice the drive angle.
     Twice,
     /// By those of a long sweep, turned from group to group.
@@ -26,7 +26,7 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) pins: [Column<T>; 2],
     pub(crate) twice: [Column<T>; 2],
     /// What takes the place of `twice` in a long sweep.
-    pub(crate) groups: Vec<rotation::Group<T>>,
+    pub(crate) groups: Vec<rotation::RotationGroup<T>>,
     pub(crate) turned: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
     pub(crate) rates: Vec<[Column<T>; 2]>,
@@ -50,7 +50,7 @@ impl<T: Number> Scratch<T> {
             ]
         });
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let pinned = way == Way::Pins || steep || plan.needs_poses();
+        let pinned = way == Way::SinCos || steep || plan.needs_poses();
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
         let supports = plan.joints.iter().any(JointStep::needs_support);

@@ -3,10 +3,10 @@
 
 use std::iter::once;
 
-use crate::input::sweep::{Reduction, Sweep};
-use crate::number::double_double::Pair;
+use crate::input::sweep::{AngleReduction, Sweep};
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
-use crate::number::reduction::{self, Far};
+use crate::number::reduction::{self, LargeAngleFlag};
 use crate::number::storage::{View, ViewMut};
 use crate::number::trig::{self, Angle};
 
@@ -30,12 +30,12 @@ pub(crate) fn number(first: usize, i: usize) -> f64 {
 
 /// Sines and cosines of a chunk: of the drive angle, up to a common factor, or of twice the angle.
 #[derive(Clone, Copy)]
-pub(crate) struct Pins<'a, T: Real> {
+pub(crate) struct SinCos<'a, T: Real> {
     pub(crate) sine: View<'a, T>,
     pub(crate) cosine: View<'a, T>,
 }
 
-impl<T: Real> Pins<'_, T> {
+impl<T: Real> SinCos<'_, T> {
     #[inline(always)]
     pub(crate) fn len(&self) -> usize {
         self.sine.len()
@@ -48,30 +48,30 @@ impl<T: Real> Pins<'_, T> {
 }
 
 /// Where a loop takes sines and cosines from: from parts of the chunk, one after the other.
-pub(crate) trait Source<T>: Copy {
-    type Part: Part<T>;
+pub(crate) trait SinCosBlocks<T>: Copy {
+    type SinCosBlock: SinCosBlock<T>;
 
     /// Whether they are those of a sweep by groups of samples.
     const SWEPT: bool = false;
 
     /// The turns of whole steps of such a sweep, as many as a part may take.
-    fn turns(&self) -> View<'_, Pair> {
+    fn turns(&self) -> View<'_, DoubleDouble> {
         View::EMPTY
     }
 
     /// Each part and the sample that it begins with.
-    fn parts(self) -> impl Iterator<Item = (usize, Self::Part)>;
+    fn parts(self) -> impl Iterator<Item = (usize, Self::SinCosBlock)>;
 }
 
 /// Sines and cosines of samples side by side.
-pub(crate) trait Part<T> {
+pub(crate) trait SinCosBlock<T> {
     fn len(&self) -> usize;
 
     fn get(&self, i: usize) -> (T, T);
 }
 
-impl<T: Real> Source<T> for Pins<'_, T> {
-    type Part = Self;
+impl<T: Real> SinCosBlocks<T> for SinCos<'_, T> {
+    type SinCosBlock = Self;
 
     #[inline(always)]
     fn parts(self) -> impl Iterator<Item = (usize, Self)> {
@@ -79,7 +79,7 @@ impl<T: Real> Source<T> for Pins<'_, T> {
     }
 }
 
-impl<T: Real> Part<T> for Pins<'_, T> {
+impl<T: Real> SinCosBlock<T> for SinCos<'_, T> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.len()
@@ -92,7 +92,7 @@ impl<T: Real> Part<T> for Pins<'_, T> {
 }
 
 /// Which sines and cosines to find.
-pub(crate) trait Kind {
+pub(crate) trait SinCosKind {
     /// Whether they are of twice the drive angle.
     const TWICE: bool = false;
 
@@ -100,20 +100,20 @@ pub(crate) trait Kind {
     fn find<T: Angle>(reduced: (T, u64)) -> (T, T);
 }
 
-/// Pins as lines: a common factor of sine and cosine does not matter.
+/// SinCos as lines: a common factor of sine and cosine does not matter.
 pub(crate) struct Line;
 
-impl Kind for Line {
+impl SinCosKind for Line {
     #[inline(always)]
     fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
         trig::pin(reduced)
     }
 }
 
-/// Pins with their sense: a positive factor does not matter.
+/// SinCos with their sense: a positive factor does not matter.
 pub(crate) struct Sense;
 
-impl Kind for Sense {
+impl SinCosKind for Sense {
     #[inline(always)]
     fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
         trig::sensed_pin(reduced)
@@ -123,7 +123,7 @@ impl Kind for Sense {
 /// Sine and cosine themselves, of twice the angle.
 pub(crate) struct Twice;
 
-impl Kind for Twice {
+impl SinCosKind for Twice {
     const TWICE: bool = true;
 
     #[inline(always)]
@@ -137,7 +137,7 @@ impl Kind for Twice {
 /// `coarse` pins are as good as short numbers are beside 1, not relative to themselves: they do for
 /// moderate bends.
 #[inline(always)]
-pub(crate) fn find<K: Kind, T: Angle>(
+pub(crate) fn find<K: SinCosKind, T: Angle>(
     drive: Drive<'_>,
     coarse: bool,
     sine: ViewMut<'_, T>,
@@ -148,39 +148,45 @@ pub(crate) fn find<K: Kind, T: Angle>(
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..length];
-            if T::SHORT && coarse && coarse_pins::<K, T>(angle, sine.again(), cosine.again()) {
+            if T::SHORT && coarse && coarse_sin_cos::<K, T>(angle, sine.again(), cosine.again()) {
                 return;
             }
-            let mut far = Far::for_quadrants();
+            let mut far = LargeAngleFlag::for_quadrants();
             for i in 0..length {
                 let x = angle[i];
                 let reduced = T::reduce(if K::TWICE { x + x } else { x });
-                far.watch(reduced.1);
+                far.accumulate(reduced.1);
                 set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
             }
             if far.any() {
                 for i in 0..length {
                     let reduced = reduction::reduce_any(angle[i]);
                     let (r, quadrant) = if K::TWICE { reduction::twice(reduced) } else { reduced };
-                    set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
+                    set_reduced::<K, T>(
+                        &mut sine,
+                        &mut cosine,
+                        i,
+                        (T::from_double_double(r), quadrant),
+                    );
                 }
             }
         }
         Drive::Sweep(sweep, first) => {
             let sweep = if K::TWICE { sweep.twice() } else { *sweep };
             match sweep.reduction() {
-                Reduction::OfTurns { per_turn, inverse, quarter } => {
+                AngleReduction::OfTurns { per_turn, inverse, quarter } => {
                     for i in 0..length {
                         let i_th = number(first, i);
-                        let (r, quadrant) = Reduction::of_turns(per_turn, inverse, quarter, i_th);
-                        let reduced = (T::from_pair(r), quadrant);
+                        let (r, quadrant) =
+                            AngleReduction::of_turns(per_turn, inverse, quarter, i_th);
+                        let reduced = (T::from_double_double(r), quadrant);
                         set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
                     }
                 }
-                Reduction::OfAngles(sweep) => {
+                AngleReduction::OfAngles(sweep) => {
                     for i in 0..length {
-                        let (r, quadrant) = Reduction::of_angles(&sweep, number(first, i));
-                        let reduced = (T::from_pair(r), quadrant);
+                        let (r, quadrant) = AngleReduction::of_angles(&sweep, number(first, i));
+                        let reduced = (T::from_double_double(r), quadrant);
                         set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
                     }
                 }
@@ -191,7 +197,12 @@ pub(crate) fn find<K: Kind, T: Angle>(
             let samples = &samples[..length];
             for i in 0..length {
                 let (r, quadrant) = reduction.of(samples[i]);
-                set_reduced::<K, T>(&mut sine, &mut cosine, i, (T::from_pair(r), quadrant));
+                set_reduced::<K, T>(
+                    &mut sine,
+                    &mut cosine,
+                    i,
+                    (T::from_double_double(r), quadrant),
+                );
             }
         }
     }
@@ -205,24 +216,24 @@ pub(crate) fn find<K: Kind, T: Angle>(
 
 /// Sine and cosine by phases, unless an angle is too far for these.
 #[inline(always)]
-fn coarse_pins<K: Kind, T: Angle>(
+fn coarse_sin_cos<K: SinCosKind, T: Angle>(
     angle: &[f64],
     sine: ViewMut<'_, T>,
     cosine: ViewMut<'_, T>,
 ) -> bool {
     let length = angle.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
-    let mut far = Far::for_phases();
+    let mut far = LargeAngleFlag::for_turn_fractions();
     for i in 0..length {
-        let phase = reduction::phase(angle[i]);
-        far.watch(phase);
+        let phase = reduction::turn_fraction_q30(angle[i]);
+        far.accumulate(phase);
         cosine.set_high(i, T::of_bits(phase));
     }
     if far.any() {
         return false;
     }
     for i in 0..length {
-        let reduced = T::of_phase(cosine.get_high(i).bits());
+        let reduced = T::from_turn_fraction(cosine.get_high(i).bits());
         set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
     }
     true
@@ -231,7 +242,7 @@ fn coarse_pins<K: Kind, T: Angle>(
 /// Angles are reduced as doubles, of which a vector holds half as many as of short numbers: those
 /// find their pins in a loop of their own.
 #[inline(always)]
-fn set_reduced<K: Kind, T: Angle>(
+fn set_reduced<K: SinCosKind, T: Angle>(
     sine: &mut ViewMut<'_, T>,
     cosine: &mut ViewMut<'_, T>,
     i: usize,
@@ -246,7 +257,7 @@ fn set_reduced<K: Kind, T: Angle>(
 }
 
 #[inline(always)]
-fn set_pin<K: Kind, T: Angle>(
+fn set_pin<K: SinCosKind, T: Angle>(
     sine: &mut ViewMut<'_, T>,
     cosine: &mut ViewMut<'_, T>,
     i: usize,
@@ -261,7 +272,7 @@ fn set_pin<K: Kind, T: Angle>(
 #[inline(always)]
 pub(crate) fn turn<T: Real>(
     at: impl Fn(usize) -> [T; 2],
-    pins: Pins<'_, T>,
+    pins: SinCos<'_, T>,
     sine: ViewMut<'_, T>,
     cosine: ViewMut<'_, T>,
 ) {

@@ -4,12 +4,12 @@
 use std::f64::consts::FRAC_PI_2;
 
 use crate::input::sweep::Sweep;
-use crate::number::double_double::Pair;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
-use crate::number::reduction::{ROUNDING, reduce_in_two};
+use crate::number::reduction::{ROUNDING, reduce_double_double};
 use crate::number::storage::{Column, View, ViewMut, columns, views, views_mut};
 use crate::number::trig::{self, Angle};
-use crate::sincos::array::{self, Part, Pins, Source};
+use crate::sincos::array::{self, SinCos, SinCosBlock, SinCosBlocks};
 
 /// Groups begin at multiples of so many samples: at vectors.
 const ALIGNED: f64 = 8.0;
@@ -28,15 +28,15 @@ pub(crate) struct Rotations<T: Angle> {
     /// Sine and cosine of twice the turn of so many groups.
     groups: Vec<[T; 2]>,
     /// The turn of so many steps.
-    turns: Column<Pair>,
+    turns: Column<DoubleDouble>,
     /// The samples in a quarter turn, and where angle zero would be.
-    quarter: Pair,
-    zero: Pair,
+    quarter: DoubleDouble,
+    zero: DoubleDouble,
 }
 
 /// Samples of a chunk that turn from the same middle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Group<T> {
+pub(crate) struct RotationGroup<T> {
     /// The first of them, counted from the chunk's.
     start: usize,
     length: usize,
@@ -69,8 +69,9 @@ impl<T: Angle> Rotations<T> {
         let half = (0.5 * quarter / (2.0 * beside + 1.0)).ceil() as usize + 1;
         let twice = sweep.twice();
         let turn = |steps: usize| {
-            let (s, c) = trig::turned::<Pair>(reduce_in_two(twice.turned(steps as f64)));
-            [s, c].map(T::from_pair)
+            let (s, c) =
+                trig::turned::<DoubleDouble>(reduce_double_double(twice.turned(steps as f64)));
+            [s, c].map(T::from_double_double)
         };
         let length = 2 * half + ALIGNED as usize;
         let mut steps = columns(length);
@@ -107,12 +108,12 @@ impl<T: Angle> Rotations<T> {
         first: usize,
         count: usize,
         start: usize,
-        groups: &mut Vec<Group<T>>,
+        groups: &mut Vec<RotationGroup<T>>,
     ) {
         let reduction = sweep.twice().reduction();
         let find = |sample: f64| {
-            let (s, c) = trig::turned::<Pair>(reduction.of(sample));
-            [s, c].map(T::from_pair)
+            let (s, c) = trig::turned::<DoubleDouble>(reduction.of(sample));
+            [s, c].map(T::from_double_double)
         };
         let half = self.half as f64;
         let stop = first + count;
@@ -127,7 +128,7 @@ impl<T: Angle> Rotations<T> {
             let mut middle = quarter.sample + 2.0 * half * beside;
             while at < end {
                 let next = end.min(up_to_vector(middle + half) as usize);
-                groups.push(Group {
+                groups.push(RotationGroup {
                     start: start + at - first,
                     length: next - at,
                     step: (at as f64 - middle + half) as usize,
@@ -149,7 +150,7 @@ impl<T: Angle> Rotations<T> {
     #[inline(always)]
     pub(crate) fn twice(
         &self,
-        groups: &[Group<T>],
+        groups: &[RotationGroup<T>],
         mut sine: ViewMut<'_, T>,
         mut cosine: ViewMut<'_, T>,
     ) {
@@ -159,15 +160,15 @@ impl<T: Angle> Rotations<T> {
             let (to_sine, to_cosine) =
                 (sine.window(group.start, group.length), cosine.window(group.start, group.length));
             let [by_s, by_c] = group.middle;
-            array::turn(|_| [by_c, by_s], Pins { sine: s, cosine: c }, to_sine, to_cosine);
+            array::turn(|_| [by_c, by_s], SinCos { sine: s, cosine: c }, to_sine, to_cosine);
         }
     }
 
     /// The number of the sample at a multiple of a quarter turn, with its fraction.
     #[inline(always)]
     fn place(&self, number: f64) -> f64 {
-        let Pair { high, low } = Pair::product(number, self.quarter.high);
-        (Pair { high, low: number.mul_add(self.quarter.low, low) } + self.zero).value()
+        let DoubleDouble { high, low } = DoubleDouble::two_product(number, self.quarter.high);
+        (DoubleDouble { high, low: number.mul_add(self.quarter.low, low) } + self.zero).value()
     }
 
     /// Where the quarter of this number ends.
@@ -227,27 +228,31 @@ fn up_to_vector(sample: f64) -> f64 {
 #[derive(Clone, Copy)]
 pub(crate) struct Swept<'a, T: Real> {
     steps: [View<'a, T>; 2],
-    groups: &'a [Group<T>],
+    groups: &'a [RotationGroup<T>],
     q: [T; 2],
-    turns: View<'a, Pair>,
+    turns: View<'a, DoubleDouble>,
 }
 
 impl<'a, T: Angle> Swept<'a, T> {
     #[inline(always)]
-    pub(crate) fn new(rotations: &'a Rotations<T>, groups: &'a [Group<T>], q: [T; 2]) -> Self {
+    pub(crate) fn new(
+        rotations: &'a Rotations<T>,
+        groups: &'a [RotationGroup<T>],
+        q: [T; 2],
+    ) -> Self {
         let length = rotations.turns.len();
         let turns = rotations.turns.view(length);
         Self { steps: views(&rotations.steps, length), groups, q, turns }
     }
 }
 
-impl<'a, T: Real> Source<T> for Swept<'a, T> {
-    type Part = Turned<'a, T>;
+impl<'a, T: Real> SinCosBlocks<T> for Swept<'a, T> {
+    type SinCosBlock = Turned<'a, T>;
 
     const SWEPT: bool = true;
 
     #[inline(always)]
-    fn turns(&self) -> View<'_, Pair> {
+    fn turns(&self) -> View<'_, DoubleDouble> {
         self.turns
     }
 
@@ -258,7 +263,7 @@ impl<'a, T: Real> Source<T> for Swept<'a, T> {
             let middle = turned(group.middle, [-im, re]);
             let sine = sine.part(group.step, group.length);
             let cosine = cosine.part(group.step, group.length);
-            (group.start, Turned { steps: Pins { sine, cosine }, middle })
+            (group.start, Turned { steps: SinCos { sine, cosine }, middle })
         })
     }
 }
@@ -266,11 +271,11 @@ impl<'a, T: Real> Source<T> for Swept<'a, T> {
 /// Those of a group.
 #[derive(Clone, Copy)]
 pub(crate) struct Turned<'a, T: Real> {
-    steps: Pins<'a, T>,
+    steps: SinCos<'a, T>,
     middle: [T; 2],
 }
 
-impl<T: Real> Part<T> for Turned<'_, T> {
+impl<T: Real> SinCosBlock<T> for Turned<'_, T> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.steps.len()
@@ -318,9 +323,13 @@ mod tests {
             let sweep = Sweep::new(start, stop, count).unwrap();
             let twice = sweep.twice();
             for (i, [sine, cosine]) in groups(&sweep, 0, count) {
-                let (s, c) = trig::sin_cos_in_two(reduce_in_two(twice.angle(i as f64)));
-                assert!((Pair::exact(sine) - s).value().abs() <= 6e-16 * s.value().abs(), "{i}");
-                assert!((Pair::exact(cosine) - c).value().abs() <= 5e-16, "{i}");
+                let (s, c) =
+                    trig::sin_cos_double_double(reduce_double_double(twice.angle(i as f64)));
+                assert!(
+                    (DoubleDouble::exact(sine) - s).value().abs() <= 6e-16 * s.value().abs(),
+                    "{i}"
+                );
+                assert!((DoubleDouble::exact(cosine) - c).value().abs() <= 5e-16, "{i}");
             }
         }
     }

@@ -1,19 +1,19 @@
-//! Pins of a long sweep by the addition theorem of the tangent, from the middle of a group of samples.
+//! SinCos of a long sweep by the addition theorem of the tangent, from the middle of a group of samples.
 
 use crate::input::sweep::Sweep;
-use crate::number::double_double::Pair;
-use crate::number::float::Word;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
 use crate::number::storage::ViewMut;
 use crate::number::trig::{self, Angle};
 
 /// Tangents of whole steps about the middle of a group of samples. The samples of a group take
 /// theirs from that of the middle by the addition theorem, `(a + b)/(1 − a b)`: no sine each.
 #[derive(Clone, Debug)]
-pub(crate) struct Group<T: Angle> {
-    tangents: [Vec<T::Word>; 2],
+pub(crate) struct TangentSum<T: Angle> {
+    tangents: [Vec<T::Float>; 2],
 }
 
-impl<T: Angle> Group<T> {
+impl<T: Angle> TangentSum<T> {
     /// The widest turn from the middle: with the eighth of a turn that its remainder may have, the
     /// cosine of the sum stays away from zero.
     const WIDEST: f64 = 0.39;
@@ -33,11 +33,11 @@ impl<T: Angle> Group<T> {
         if length < Self::FEWEST {
             return None;
         }
-        let mut tangents = [vec![T::Word::default(); length], vec![T::Word::default(); length]];
+        let mut tangents = [vec![T::Float::default(); length], vec![T::Float::default(); length]];
         let [high, low] = &mut tangents;
         for (i, (high, low)) in high.iter_mut().zip(low).enumerate() {
-            let steps = Pair::exact(i as f64 - (length / 2) as f64);
-            let (numerator, denominator) = Pair::tangent(steps * sweep.step);
+            let steps = DoubleDouble::exact(i as f64 - (length / 2) as f64);
+            let (numerator, denominator) = DoubleDouble::tangent(steps * sweep.step);
             [*high, *low] = words::<T>(numerator / denominator);
         }
         Some(Self { tangents })
@@ -60,7 +60,7 @@ impl<T: Angle> Group<T> {
         let length = self.length();
         let reduction = sweep.reduction();
         let count = sine.len();
-        let mut middles = [([T::Word::default(); 2], 0_u64, 0.0); MOST];
+        let mut middles = [([T::Float::default(); 2], 0_u64, 0.0); MOST];
         let mut at = 0;
         while at < count {
             // The middles of the next groups side by side, then group by group.
@@ -69,7 +69,7 @@ impl<T: Angle> Group<T> {
             for (i, middle) in middles[..groups].iter_mut().enumerate() {
                 let sample = ((group + i) * length + length / 2) as f64;
                 let (remainder, quadrant) = reduction.of(sample);
-                let (numerator, denominator) = Pair::tangent(remainder);
+                let (numerator, denominator) = DoubleDouble::tangent(remainder);
                 let tangent = words::<T>(numerator / denominator);
                 *middle = (tangent, quadrant, remainder.high / sweep.step.high);
             }
@@ -103,7 +103,7 @@ impl<T: Angle> Group<T> {
                 let near = (crossing - beside).max(0.0) as usize..size;
                 for j in near.take_while(|&j| j as f64 <= crossing + beside) {
                     let (r, quadrant) = reduction.of((begin + from + j) as f64);
-                    let (y, x) = trig::sensed_pin((T::from_pair(r), quadrant));
+                    let (y, x) = trig::sensed_pin((T::from_double_double(r), quadrant));
                     s.set(j, y);
                     c.set(j, x);
                 }
@@ -115,9 +115,9 @@ impl<T: Angle> Group<T> {
 
 /// A number's high word and what is missing to it.
 #[inline(always)]
-fn words<T: Angle>(number: Pair) -> [T::Word; 2] {
-    let high = T::Word::near(number.value());
-    [high, T::Word::near((number.high - high.into()) + number.low)]
+fn words<T: Angle>(number: DoubleDouble) -> [T::Float; 2] {
+    let high = T::Float::near(number.value());
+    [high, T::Float::near((number.high - high.into()) + number.low)]
 }
 
 #[cfg(test)]
@@ -127,8 +127,8 @@ mod tests {
 
     #[test]
     fn high_word_and_rest_make_the_number() {
-        let third = Pair::exact(1.0) / Pair::exact(3.0);
-        assert_eq!(words::<Pair>(third), [third.high, third.low]);
+        let third = DoubleDouble::exact(1.0) / DoubleDouble::exact(3.0);
+        assert_eq!(words::<DoubleDouble>(third), [third.high, third.low]);
         let [high, rest] = words::<f32>(third).map(f64::from);
         assert!((high + rest - third.value()).abs() < 1e-15);
         assert_ne!(rest, 0.0);
@@ -138,13 +138,13 @@ mod tests {
     fn sums_of_tangents_keep_their_digits_beside_quarter_turns() {
         for (start, stop, count) in [(-0.3, 0.2, 5000), (1.0, 20.0, 20_000), (9.7, -5.3, 8191)] {
             let sweep = Sweep::new(start, stop, count).unwrap();
-            let group = Group::<Pair>::new(&sweep, 512).unwrap();
-            let mut pins: [Column<Pair>; 2] = columns(count);
+            let group = TangentSum::<DoubleDouble>::new(&sweep, 512).unwrap();
+            let mut pins: [Column<DoubleDouble>; 2] = columns(count);
             let [sine, cosine] = views_mut(&mut pins, 0, count);
             group.pins(&sweep, 0, sine, cosine);
             let [sine, cosine] = views(&pins, count);
             for i in 0..count {
-                let (s, c) = trig::sin_cos_in_two(sweep.reduction().of(i as f64));
+                let (s, c) = trig::sin_cos_double_double(sweep.reduction().of(i as f64));
                 let (y, x) = (sine.get(i), cosine.get(i));
                 let length = (y * s + x * c).value();
                 let least = s.value().abs().min(c.value().abs());
