@@ -224,16 +224,34 @@ class Plan:
         """What it was made from."""
         return Request(*self._arguments)
 
-    def explain(self) -> str:
+    def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
         """Return the steps taken, the steps skipped and why, and bytes per sample.
 
-        For a batch the steps are those of its first driveline.
+        The steps depend on what the plan is called with: a sweep has steps of its own, and so has a
+        batch along the axis of the angles. For a batch the steps are those of its first driveline.
+
+        Args:
+            angle: the drive angles or the ``Sweep`` of the call, of which only shape and kind
+                matter; without them, an array of angles along the last axis.
+
+        Raises:
+            ValueError: a shape that does not broadcast against the batch, or no samples.
         """
         request = self.request
         line, names = request.line, request.names
         batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""
         joints = f"{line.n_joints} joint{'s' if line.n_joints > 1 else ''}"
-        text = self._core.explain(False, self.dtype == np.float32)
+        if angle is None:
+            inertias = None if request.load is None else request.load.inertias
+            of_load = [array.shape for array in self._load]
+            of_inertias = [] if inertias is None else [inertias.shape[:-1]]
+            fixed = _broadcast(self._line_shape, *of_load, *of_inertias) or self._line_shape
+            shape = _broadcast(fixed, (2,)) or fixed
+        else:
+            own = angle.shape if isinstance(angle, Sweep) else np.shape(angle)
+            shape = self._sample_shape(own) or (1,)
+        sweep = angle._core if isinstance(angle, Sweep) else None
+        text = self._core.explain(shape, sweep)
         return f"plan for {', '.join(names)}; {joints}{batch}\n{text}"
 
     def __reduce__(self) -> tuple[Any, ...]:
