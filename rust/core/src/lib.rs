@@ -16,7 +16,7 @@ pub use mechanics::geometry::{Geometry, Vector};
 pub use mechanics::joint::Joint;
 pub use mechanics::phasing::optimal_phases;
 pub use number::{DoubleDouble, Precision};
-pub use plan::{End, Output, Plan, Reduction, Request};
+pub use plan::{End, Output, Per, Plan, Reduction, Request, Route, Row};
 pub use run::execution::{Execution, Planes};
 pub use run::explain::Call;
 pub use run::fold::FoldedDriveline;

@@ -6,6 +6,7 @@ use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
+use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::run::fold::{Folded, GeometryIndex};
@@ -122,7 +123,8 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     let mut errors = errors.iter_mut();
     for step in &plan.shafts {
         let mut none = Column::new(0);
-        let errors = step.angle.and_then(|_| errors.next()).unwrap_or(&mut none);
+        let errors =
+            step.planes.get(Output::Angle).and_then(|_| errors.next()).unwrap_or(&mut none);
         let errors = errors.window_mut(kept_from, size);
         let rates = rates[step.shaft].each_mut();
         let (route, range) = folded.route(routes, step.shaft, geometry);
@@ -167,15 +169,15 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         }
     }
     for (step, poses) in plan.joints.iter().zip(&folded.poses) {
-        if !step.needs_tilt() {
+        if !step.needs_tilt {
             continue;
         }
         let poses = &poses[..geometry.count(size)];
         with_constants!(geometry, |i: usize| poses[i], at => {
-            if let Some(plane) = step.tilt_driving {
+            if let Some(plane) = step.planes.get(Output::TiltDriving) {
                 map::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
             }
-            if let Some(plane) = step.tilt_driven {
+            if let Some(plane) = step.planes.get(Output::TiltDriven) {
                 map::tilt(at, Pose::tilt_driven, pins, &mut *planes[plane]);
             }
         });
@@ -209,14 +211,11 @@ fn run_drive_shaft<T: Number, W: Float>(
     planes: &mut [&mut [W]],
     size: usize,
 ) {
-    if let Some(plane) = step.angle {
-        map::drive_angle::<T, W>(drive, &mut *planes[plane]);
-    }
-    let constants =
-        [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
-    for (plane, value) in constants {
-        if let Some(plane) = plane {
-            map::constant::<T>(value, drive, &mut *planes[plane]);
+    for output in Output::ALL {
+        let Some(plane) = step.planes.get(output) else { continue };
+        match output.row().needs {
+            Needs::Motion(Some(value)) => map::constant::<T>(value, drive, &mut *planes[plane]),
+            _ => map::drive_angle::<T, W>(drive, &mut *planes[plane]),
         }
     }
     if step.keep_ratio {
@@ -249,7 +248,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
             .expect("a plan gives every output planes of its own");
         let rates: [&mut [W]; 2] = [ratio, acceleration];
         match drive {
-            _ if step.angle.is_none() => {
+            _ if step.planes.get(Output::Angle).is_none() => {
                 map::motion(range, at, pins, &mut **rotation, rates);
             }
             Drive::Array(angle) => {
@@ -269,12 +268,18 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
                 map::add_drive(drive, errors.view(), rotation);
             }
         }
+        if let Some(plane) = step.planes.get(Output::JerkRatio) {
+            map::jerk_ratio(at, pins, &mut *planes[plane]);
+        }
         return;
     }
-    if let Some(plane) = step.angle_error {
+    if let Some(plane) = step.planes.get(Output::JerkRatio) {
+        map::jerk_ratio(at, pins, &mut *planes[plane]);
+    }
+    if let Some(plane) = step.planes.get(Output::AngleError) {
         map::angle_error(range, at, pins, &mut *planes[plane]);
     }
-    if let Some(plane) = step.angle {
+    if let Some(plane) = step.planes.get(Output::Angle) {
         let out = &mut *planes[plane];
         match drive {
             Drive::Array(angle) => {
@@ -293,7 +298,8 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
             }
         }
     }
-    let mut wanted = (step.speed_ratio, step.acceleration_ratio);
+    let mut wanted =
+        (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
     if step.keep_acceleration {
         map::rates(at, pins, ratio.view_mut(size), acceleration.view_mut(size));
         if let Some(plane) = wanted.1.take() {
@@ -412,11 +418,11 @@ fn run_bending<T: Number, W: Float>(
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
-    if let Some(plane) = step.bending_driving {
+    if let Some(plane) = step.planes.get(Output::BendingDriving) {
         let out = &mut *planes[plane];
         map::size::<T>(at, Pose::bending_driving, pins, torsion, out);
     }
-    if let Some(plane) = step.bending_driven {
+    if let Some(plane) = step.planes.get(Output::BendingDriven) {
         let out = &mut *planes[plane];
         map::size::<T>(at, Pose::bending_driven, pins, torsion, out);
     }
@@ -434,7 +440,7 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
-    if let Some(plane) = step.moment {
+    if let Some(plane) = step.planes.get(Output::Moment) {
         let out = vector(planes, plane, axes);
         map::moment::<PLANAR, T>(at, pins, torsion, out);
     }
