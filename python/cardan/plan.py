@@ -219,10 +219,9 @@ class Plan:
         return Result(self._filled(given, planes, rows), self._labels, angle)
 
     def explain(self) -> str:
-        """Return the steps taken, the steps skipped and why, operations and bytes per sample.
+        """Return the steps taken, the steps skipped and why, and bytes per sample.
 
-        Operations are additions, multiplications (a multiplication and addition together is one),
-        divisions and roots; for a batch they are counted on its first driveline.
+        For a batch the steps are those of its first driveline.
         """
         line, names, *_ = self._arguments
         batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""

@@ -7,7 +7,6 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 
 use crate::block::{Block, CHUNK, Deliver, SHORT_CHUNK, Shared, Target};
-use crate::count::{self, Counted};
 use crate::error::{Error, Result};
 use crate::fold::Folded;
 use crate::geometry::{Geometry, Vector};
@@ -18,7 +17,7 @@ use crate::pair::Pair;
 use crate::plan::Plan;
 use crate::real::Word;
 use crate::reduction::Reduction;
-use crate::samples::{Angles, Drivelines, Geometries, Load, Samples, Source, Table};
+use crate::samples::{Angles, Drivelines, Geometries, Samples, Source, Table};
 
 /// Samples per block of a threaded run, at most: some 20 µs of work. A multiple of the chunk.
 const BLOCK: usize = 16 * CHUNK;
@@ -194,47 +193,6 @@ fn folded<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
     let mut folded = Folded::new(plan, 1, false, T::DOUBLED);
     compiled_for!(Level::new(), folded.fold(plan, lines, 1, |_| 0));
     folded
-}
-
-/// Arithmetic operations for one sample, on doubles or singles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Operations(pub(crate) usize);
-
-impl Plan {
-    /// Operations per sample on the first driveline, counted on a run over one sample.
-    pub(crate) fn operations(&self, lines: &Drivelines<'_>, precision: Precision) -> Operations {
-        match precision {
-            Precision::Single => self.count::<0>(lines),
-            Precision::Double => self.count::<1>(lines),
-            Precision::InTwo => self.count::<2>(lines),
-        }
-    }
-
-    fn count<const TYPE: usize>(&self, lines: &Drivelines<'_>) -> Operations {
-        let (one, still) = ([1.0], [0]);
-        let source = || Source { data: &one[..], strides: &still };
-        let inertias: Vec<usize> = self.absorbing();
-        let samples = Samples {
-            shape: &[1],
-            lines: *lines,
-            line_strides: &still,
-            angle: Angles::Array(source()),
-            load: Some(Load {
-                torque: source(),
-                speed: source(),
-                acceleration: source(),
-                inertias: inertias.into_iter().map(|shaft| (shaft, source())).collect(),
-            }),
-        };
-        let Ok(table) = Table::new(self, &samples) else { return Operations(0) };
-        let mut plane = vec![[0.0]; self.planes];
-        let mut planes: Vec<&mut [f64]> = plane.iter_mut().map(|word| &mut word[..]).collect();
-        let level = Level::new();
-        let (plan, table, long_sweep) = (self, &table, &LongSweep::NONE);
-        let shared = Shared { plan, table, level, kept: None, long_sweep, stop: None };
-        let mut block = Block::<Counted<TYPE>, f64>::new(&shared, &(0..1), false);
-        Operations(count::operations(|| block.run(0..1, &mut Target::Planes(&mut planes))))
-    }
 }
 
 /// One call: what it reads and for which instruction set.

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::batch::{Constants, Kept};
 use crate::chunk;
-use crate::count::Counted;
 use crate::extremes;
 use crate::fold::{Folded, Seen};
 use crate::kernel::Number;
@@ -70,19 +69,6 @@ deliver! {
     f64 as Double by f64 to f32: _planes => None;
     Pair as InTwo by f64 to f64: planes => Some(planes);
     Pair as InTwo by f64 to f32: _planes => None;
-}
-
-/// A run that counts keeps nothing.
-impl<const TYPE: usize> Deliver<f64> for Counted<TYPE> {
-    type Plane = f64;
-
-    fn kept(_: &Constants) -> Option<&Folded<Self>> {
-        None
-    }
-
-    fn direct<'a, 'b>(planes: &'a mut [&'b mut [f64]]) -> Option<&'a mut [&'b mut [f64]]> {
-        Some(planes)
-    }
 }
 
 /// What becomes of a block's results.

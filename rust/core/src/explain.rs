@@ -1,7 +1,7 @@
 //! What a plan does for each sample, and what it leaves out and why, in words.
 
 use crate::atan::AtanRange;
-use crate::batch::{Operations, Precision};
+use crate::batch::Precision;
 use crate::error::{Error, Result};
 use crate::plan::{Plan, ShaftStep};
 use crate::reduction::Reduction;
@@ -21,8 +21,7 @@ pub struct Call {
 }
 
 impl Plan {
-    /// The steps taken and those skipped with the reason, operations and bytes per sample, as text.
-    /// Operations are counted on the first of the drivelines.
+    /// The steps taken and those skipped with the reason, and bytes per sample, as text.
     ///
     /// # Errors
     /// Arrays of other lengths than the drivelines have, or no driveline.
@@ -49,11 +48,7 @@ impl Plan {
         let read = if call.sweep { 0 } else { 8 };
         let word = if call.single { 4 } else { 8 };
         let written = if call.reduction.is_some() { 0 } else { word * self.planes };
-        let Operations(operations) = self.operations(lines, call.precision);
-        Ok(text
-            + &format!(
-                "\nper sample: {operations} operations, {read} bytes read, {written} bytes written"
-            ))
+        Ok(text + &format!("\nper sample: {read} bytes read, {written} bytes written"))
     }
 
     /// The steps in the order in which they run.

@@ -7,7 +7,6 @@ mod block;
 pub mod chain;
 mod chunk;
 mod column;
-mod count;
 pub mod error;
 pub mod explain;
 mod extremes;

@@ -381,12 +381,6 @@ impl Plan {
         equivalent.range()
     }
 
-    /// The shafts whose inertia takes power.
-    pub(crate) fn absorbing(&self) -> Vec<usize> {
-        let stations = self.load.iter().flat_map(|load| &load.stations);
-        stations.filter(|station| station.absorbs).map(|station| station.shaft).collect()
-    }
-
     fn step(&mut self, shaft: usize) -> &mut ShaftStep {
         let found = self.shafts.iter().position(|step| step.shaft == shaft);
         let index = found.unwrap_or_else(|| {
