@@ -150,7 +150,7 @@ fn ways(criterion: &mut Criterion) {
         let ways = [
             ("double", Precision::Double, None),
             ("single", Precision::Single, None),
-            ("double with error terms", Precision::InTwo, None),
+            ("double with error terms", Precision::DoubleDouble, None),
             ("sweep", Precision::Double, Some(Sweep::new(0.0, 20.0, samples))),
             ("turns of 720", Precision::Double, Some(Sweep::of_turns(samples, 720))),
         ];

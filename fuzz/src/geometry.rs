@@ -4,7 +4,7 @@
 mod input;
 
 use arbitrary::{Result, Unstructured};
-use cardan::phasing::optimal_phases;
+use cardan::optimal_phases;
 use cardan::{Equivalent, Geometry, Joint, Sweep, Vector};
 use input::{JOINTS, about, bend, number, several};
 use libfuzzer_sys::fuzz_target;

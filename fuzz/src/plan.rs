@@ -87,7 +87,7 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
             inertias: inertias.iter().map(|&shaft| (shaft, seen(&inertia))).collect(),
         }),
     };
-    let precision = *u.choose(&[Precision::Single, Precision::Double, Precision::InTwo])?;
+    let precision = *u.choose(&[Precision::Single, Precision::Double, Precision::DoubleDouble])?;
     let reduction = u.choose(&[None, Some(0), Some(1), Some(2), Some(3), Some(4)])?;
     let reduction = reduction.map(|i| Reduction::ALL[i]);
     let call = Call { precision, reduction, sweep: sweep.is_some(), single: false };

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use cardan::phasing::optimal_phases_of_batch;
+use cardan::optimal_phases_of_batch;
 use cardan::{Equivalent, Error, Execution, Geometry, Vector};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::exceptions::PyValueError;

@@ -6,7 +6,7 @@ use std::iter::once;
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Angles, Call, Constants, Drivelines, End, Execution, Level, Load, Output as Quantity,
+    Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output as Quantity,
     Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use numpy::npyffi::npy_intp;
@@ -91,7 +91,7 @@ pub(crate) struct Plan {
     load: Vec<(&'static str, Spread)>,
     inertias: Vec<usize>,
     /// What is folded of the only driveline.
-    constants: Option<Constants>,
+    constants: Option<FoldedDriveline>,
 }
 
 #[pymethods]
@@ -279,8 +279,14 @@ impl Plan {
     ) -> PyResult<()> {
         let total = count(samples.shape)?;
         let workers = if total < POOLED { workers } else { threads(workers) };
-        room(self.scratch(samples, total, workers))?;
         let (plan, precision, constants) = (&self.steps, self.precision, self.constants.as_ref());
+        let threads = match workers {
+            // The pool is not asked: it may not exist.
+            Some(1) => 1,
+            _ if total < POOLED => 1,
+            _ => rayon::current_num_threads(),
+        };
+        room(plan.scratch_bytes(samples, constants.is_some(), self.reduction, threads))?;
         let mut run = |stop: Option<&AtomicBool>| {
             let execution = Execution { level, workers, stop };
             match (self.reduction, &mut planes) {
@@ -304,35 +310,6 @@ impl Plan {
             py.detach(|| run(None))
         };
         result.map_err(|error| value_error(&error))
-    }
-
-    /// At most so many bytes are taken by a run, beside its results: by each thread for the folded
-    /// drivelines and a chunk of each result, and by what the blocks give to be reduced.
-    fn scratch(&self, samples: &Samples<'_>, total: usize, workers: Option<usize>) -> usize {
-        const CHUNK: usize = 1024;
-        const BLOCK: usize = 16 * CHUNK;
-        let joints = self.lines.get().joints();
-        let lanes = match samples.line_strides.last() {
-            _ if self.constants.is_some() => 1,
-            Some(0) => 64,
-            _ => CHUNK,
-        };
-        let threads = match workers {
-            Some(1) => 1,
-            _ if total < POOLED => 1,
-            _ => rayon::current_num_threads(),
-        };
-        let of_joint = 512 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
-        let planes = self.steps.planes();
-        let of_thread = (joints + 1).saturating_mul(of_joint).saturating_add(16 * CHUNK * planes);
-        let parts = match (self.reduction, samples.shape.split_last()) {
-            (Some(_), Some((&length, _))) => {
-                (total / length).saturating_mul(length.div_ceil(BLOCK))
-            }
-            _ => total.div_ceil(BLOCK),
-        };
-        let of_parts = parts.saturating_mul(24 * planes);
-        of_thread.saturating_mul(threads).saturating_add(of_parts)
     }
 }
 

@@ -142,7 +142,7 @@ fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     let angle = Angles::Array(Source { data: angles, strides: &[1] });
     let samples = Samples { shape: &[angles.len()], lines, line_strides: &[0], angle, load: None };
     let precision = match tier {
-        Tier::Faithful => Precision::InTwo,
+        Tier::Faithful => Precision::DoubleDouble,
         Tier::Default => Precision::Double,
         Tier::Loose | Tier::Float32 => Precision::Single,
     };

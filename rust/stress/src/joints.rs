@@ -292,7 +292,7 @@ impl Job {
         let samples = Samples { shape: &shape, lines, line_strides: &[1, 0], angle, load };
         let execution = Execution { level: Some(level), workers: Some(1), stop: None };
         let precision = match tier {
-            Tier::Faithful => Precision::InTwo,
+            Tier::Faithful => Precision::DoubleDouble,
             Tier::Default => Precision::Double,
             Tier::Loose | Tier::Float32 => Precision::Single,
         };

@@ -1,0 +1,53 @@
+//! A batch of drivelines as flat arrays.
+
+use crate::error::{Error, Result};
+
+/// A batch of drivelines with the same number of joints, as flat arrays.
+#[derive(Clone, Copy, Debug)]
+pub struct Drivelines<'a> {
+    /// `(…, n)`.
+    pub bends: &'a [f64],
+    /// `(…, n − 1)`.
+    pub twists: &'a [f64],
+    /// `(…, n − 1)`.
+    pub phases: &'a [f64],
+    /// `(…, n + 1, 3)`.
+    pub directions: &'a [f64],
+    /// `(…, n, 3)`.
+    pub normals: &'a [f64],
+}
+
+impl Drivelines<'_> {
+    /// The number of drivelines, after a look whether the arrays fit together.
+    pub(crate) fn check(&self, n: usize) -> Result<usize> {
+        let count = self.bends.len() / n;
+        let lengths = [
+            ("bends", self.bends.len(), n),
+            ("twists", self.twists.len(), n - 1),
+            ("phases", self.phases.len(), n - 1),
+            ("directions", self.directions.len(), 3 * (n + 1)),
+            ("normals", self.normals.len(), 3 * n),
+        ];
+        for (name, found, each) in lengths {
+            if found != count * each {
+                let problem = format!("has {found} values; {count} drivelines need {each} each");
+                return Err(Error::new(name, &[], problem));
+            }
+        }
+        if count == 0 {
+            return Err(Error::new("bends", &[], "has no driveline"));
+        }
+        Ok(count)
+    }
+
+    /// The largest bend of each of the `joints` over the batch; one with none is straight throughout.
+    pub fn largest_bends(&self, joints: usize) -> Vec<f64> {
+        let mut largest = vec![0.0_f64; joints];
+        for line in self.bends.chunks_exact(joints) {
+            for (largest, &bend) in largest.iter_mut().zip(line) {
+                *largest = largest.max(bend);
+            }
+        }
+        largest
+    }
+}

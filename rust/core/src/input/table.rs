@@ -1,0 +1,213 @@
+//! Samples as a table of rows: axes over which every array keeps its step are merged.
+
+use std::borrow::Cow;
+use std::iter::once;
+
+use crate::error::{Error, Result};
+use crate::input::drivelines::Drivelines;
+use crate::input::samples::{Angles, Samples, Source};
+use crate::input::sweep::Sweep;
+
+/// The samples as a table of rows: axes over which every source runs on evenly are merged, the
+/// last one is the row.
+pub(crate) struct Table<'a> {
+    pub(crate) lines: Drivelines<'a>,
+    shape: Cow<'a, [usize]>,
+    /// Strides over the drivelines.
+    pub(crate) line: Cow<'a, [usize]>,
+    /// The sweep that stands for the column of angles.
+    pub(crate) sweep: Option<Sweep>,
+    pub(crate) columns: Vec<TableColumn<'a>>,
+    /// TableColumn of each shaft's inertia, if there is a load.
+    pub(crate) inertia: Vec<Option<usize>>,
+}
+
+// The first columns of a table.
+pub(crate) const ANGLE: usize = 0;
+pub(crate) const TORQUE: usize = 1;
+pub(crate) const SPEED: usize = 2;
+pub(crate) const ACCELERATION: usize = 3;
+
+/// What messages call the columns; those that follow are inertias.
+const NAMES: [&str; 4] = ["angle", "torque", "speed", "acceleration"];
+
+/// How the geometry changes over the samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum GeometryVariation {
+    /// Not at all.
+    One,
+    /// From row to row.
+    ByRow,
+    /// Along the rows.
+    BySample,
+}
+
+/// One quantity over the samples.
+pub(crate) struct TableColumn<'a> {
+    pub(crate) data: &'a [f64],
+    pub(crate) strides: Cow<'a, [usize]>,
+}
+
+impl<'a> TableColumn<'a> {
+    fn of(source: &Source<'a>) -> Self {
+        Self { data: source.data, strides: Cow::Borrowed(source.strides) }
+    }
+}
+
+impl<'a> Table<'a> {
+    /// The samples of drivelines of so many joints in as few and long rows as they have; `loaded`
+    /// plans need a load.
+    pub(crate) fn new(joints: usize, loaded: bool, samples: &'a Samples<'a>) -> Result<Self> {
+        Self::merged(joints, loaded, samples, samples.shape.len())
+    }
+
+    /// The same with the last axis as the row.
+    pub(crate) fn by_rows(joints: usize, loaded: bool, samples: &'a Samples<'a>) -> Result<Self> {
+        Self::merged(joints, loaded, samples, samples.shape.len().saturating_sub(1))
+    }
+
+    fn merged(n: usize, loaded: bool, samples: &'a Samples<'a>, mergeable: usize) -> Result<Self> {
+        let lines = samples.lines;
+        let count = lines.check(n)?;
+        let (angle, sweep) = match &samples.angle {
+            Angles::Array(source) => (TableColumn::of(source), None),
+            // One angle that all samples see, as an array's would be.
+            Angles::Sweep(sweep) if sweep.count() == 1 || samples.shape.last() == Some(&1) => (
+                TableColumn { data: sweep.first(), strides: vec![0; samples.shape.len()].into() },
+                None,
+            ),
+            Angles::Sweep(sweep) => {
+                // An array whose elements are their own numbers.
+                let last = samples.shape.len().saturating_sub(1);
+                let strides = (0..samples.shape.len()).map(|axis| usize::from(axis == last));
+                (TableColumn { data: &[], strides: strides.collect() }, Some(*sweep))
+            }
+        };
+        let mut columns = vec![angle];
+        let mut inertia = vec![];
+        if let Some(load) = &samples.load {
+            columns.extend([&load.torque, &load.speed, &load.acceleration].map(TableColumn::of));
+            inertia.resize(n + 1, None);
+            for (shaft, source) in &load.inertias {
+                if *shaft > n {
+                    let problem = format!("are of shaft {shaft}; there are {}", n + 1);
+                    return Err(Error::new("inertias", &[], problem));
+                }
+                inertia[*shaft] = Some(columns.len());
+                columns.push(TableColumn::of(source));
+            }
+        } else if loaded {
+            return Err(Error::new("load", &[], "is missing; the outputs need one"));
+        }
+        check_reach("drivelines", count, samples.shape, samples.line_strides)?;
+        for (i, column) in columns.iter().enumerate() {
+            let length = match &sweep {
+                Some(sweep) if i == ANGLE => sweep.count(),
+                _ => column.data.len(),
+            };
+            let name = NAMES.get(i).unwrap_or(&"inertias");
+            check_reach(name, length, samples.shape, &column.strides)?;
+        }
+        let mut shape = Cow::Borrowed(samples.shape);
+        let mut line = Cow::Borrowed(samples.line_strides);
+        let strides = columns.iter_mut().map(|column| &mut column.strides);
+        merge_axes(&mut shape, mergeable, once(&mut line).chain(strides));
+        Ok(Self { lines, shape, line, sweep, columns, inertia })
+    }
+
+    /// Number of samples.
+    pub(crate) fn samples(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// How the geometry changes over the samples.
+    pub(crate) fn geometry_variation(&self) -> GeometryVariation {
+        match self.line.split_last() {
+            Some((&along, _)) if along != 0 => GeometryVariation::BySample,
+            Some((_, outer)) if outer.iter().any(|&stride| stride != 0) => GeometryVariation::ByRow,
+            _ => GeometryVariation::One,
+        }
+    }
+
+    /// Number of rows.
+    pub(crate) fn rows(&self) -> usize {
+        self.shape[..self.shape.len() - 1].iter().product()
+    }
+
+    pub(crate) fn row_length(&self) -> usize {
+        self.shape[self.shape.len() - 1]
+    }
+
+    /// Element of the row's first sample, and step along the row.
+    pub(crate) fn locate(&self, strides: &[usize], row: usize) -> (usize, usize) {
+        let last = strides.len() - 1;
+        let mut rest = row;
+        let mut first = 0;
+        for axis in (0..last).rev() {
+            first += rest % self.shape[axis] * strides[axis];
+            rest /= self.shape[axis];
+        }
+        (first, strides[last])
+    }
+}
+
+/// Every element that the strides can reach must exist.
+fn check_reach(
+    argument: &'static str,
+    len: usize,
+    shape: &[usize],
+    strides: &[usize],
+) -> Result<()> {
+    let empty = shape.contains(&0);
+    let last: usize = shape.iter().zip(strides).map(|(&n, &s)| n.saturating_sub(1) * s).sum();
+    if shape.len() == strides.len() && (empty || last < len) {
+        return Ok(());
+    }
+    Err(Error::new(argument, &[], format!("has {len} elements, which do not fill the samples")))
+}
+
+/// Merges neighbours of the first `mergeable` axes over which every source keeps its step, and drops
+/// those of length 1; at least one axis remains.
+fn merge_axes<'a: 's, 's>(
+    shape: &mut Cow<'_, [usize]>,
+    mergeable: usize,
+    strides: impl Iterator<Item = &'s mut Cow<'a, [usize]>>,
+) {
+    if shape.len() == 1 {
+        return;
+    }
+    let strides: Vec<_> = strides.collect();
+    let mut merged: Vec<usize> = vec![];
+    let mut kept: Vec<Vec<usize>> = vec![vec![]; strides.len()];
+    for (axis, &length) in shape.iter().enumerate() {
+        let may = axis < mergeable;
+        if length == 1 && may {
+            continue;
+        }
+        let joins = may
+            && !merged.is_empty()
+            && strides.iter().zip(&kept).all(|(s, k)| k[k.len() - 1] == s[axis] * length);
+        if joins {
+            let last = merged.len() - 1;
+            merged[last] *= length;
+        } else {
+            merged.push(length);
+        }
+        for (s, k) in strides.iter().zip(&mut kept) {
+            if joins {
+                k.pop();
+            }
+            k.push(s[axis]);
+        }
+    }
+    if merged.is_empty() {
+        merged.push(1);
+        for k in &mut kept {
+            k.push(0);
+        }
+    }
+    for (s, k) in strides.into_iter().zip(kept) {
+        *s = Cow::Owned(k);
+    }
+    *shape = Cow::Owned(merged);
+}

@@ -1,0 +1,306 @@
+//! Any chain of joints is one joint: folding a driveline into its equivalent joint.
+//!
+//! Write `w = e^{iα}` for the drive angle. A joint acts as `w → w − k w̄` with `k = tan²(β/2)`, a
+//! shaft between two joints as `w → e^{ip} w` with `p = δ − τ + 90°`. So every shaft of every
+//! chain is `w → A w + B w̄`, and `|A|² − |B|² = Π (1 − k_j²)` is known without cancellation.
+//!
+//! All of it is carried with error terms: the constants of a chain are as good as those of a joint.
+
+use std::ops::{Mul, Sub};
+
+use crate::mechanics::joint::Joint;
+use crate::mechanics::transmission::Ideal;
+use crate::number::atan::AtanRange;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Real;
+use crate::number::reduction;
+use crate::number::trig;
+
+/// A complex number.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Complex {
+    pub(crate) re: DoubleDouble,
+    pub(crate) im: DoubleDouble,
+}
+
+impl Complex {
+    #[inline(always)]
+    pub(crate) fn new(re: DoubleDouble, im: DoubleDouble) -> Self {
+        Self { re, im }
+    }
+
+    #[inline(always)]
+    fn conj(self) -> Self {
+        Self { re: self.re, im: -self.im }
+    }
+
+    /// The same number in words that do not overlap, as they do after a sum that cancels; products
+    /// take it for granted.
+    #[inline(always)]
+    fn apart(self) -> Self {
+        let Self { re, im } = self;
+        Self {
+            re: DoubleDouble::two_sum(re.high, re.low),
+            im: DoubleDouble::two_sum(im.high, im.low),
+        }
+    }
+
+    #[inline(always)]
+    fn times(self, factor: DoubleDouble) -> Self {
+        Self { re: self.re * factor, im: self.im * factor }
+    }
+
+    #[inline(always)]
+    fn norm_squared(self) -> DoubleDouble {
+        self.re.square() + self.im.square()
+    }
+}
+
+impl Sub for Complex {
+    type Output = Self;
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self { re: self.re - other.re, im: self.im - other.im }
+    }
+}
+
+impl Mul for Complex {
+    type Output = Self;
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self {
+            re: self.re * other.re - self.im * other.im,
+            im: self.re * other.im + self.im * other.re,
+        }
+    }
+}
+
+/// The map `w → A w + B w̄` of a chain so far.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Transfer {
+    pub(crate) a: Complex,
+    pub(crate) b: Complex,
+    /// `|A|² − |B|²`.
+    pub(crate) complement: DoubleDouble,
+}
+
+impl Default for Transfer {
+    fn default() -> Self {
+        let a = Complex::new(DoubleDouble::ONE, DoubleDouble::default());
+        Self { a, b: Complex::default(), complement: DoubleDouble::ONE }
+    }
+}
+
+impl Transfer {
+    /// The map at the output of the last of `joints` when its first shaft drives.
+    fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        let mut transfer = Self::default();
+        for (j, &bend) in bends.iter().enumerate() {
+            if j > 0 {
+                transfer.pass_shaft(shaft_turn(phases[j - 1], twists[j - 1]));
+            }
+            transfer.pass_joint(&Joint::with_error_terms(bend));
+        }
+        transfer
+    }
+
+    /// Follows an intermediate shaft, given its turn.
+    #[inline(always)]
+    pub(crate) fn pass_shaft(&mut self, turn: Complex) {
+        self.a = self.a * turn;
+        self.b = self.b * turn;
+    }
+
+    /// Follows a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
+    #[inline(always)]
+    pub(crate) fn pass_joint(&mut self, joint: &Joint<DoubleDouble>) {
+        let (a, b) = (self.a, self.b);
+        self.a = a - b.conj().times(joint.k);
+        self.b = b - a.conj().times(joint.k);
+        self.complement = self.complement * joint.complement();
+    }
+
+    /// The one joint that moves the shaft exactly as the whole chain does, branch-free.
+    #[inline(always)]
+    pub(crate) fn equivalent(&self) -> Equivalent<DoubleDouble> {
+        // −q/|q| = e^{−2iφ} for q = B/A, up to a positive factor.
+        let z = (Complex::default() - self.b * self.a.conj()).apart();
+        // Times a power of two, so that no square of a small number is lost.
+        let largest = z.re.high.abs().max(z.im.high.abs());
+        let straight = largest == 0.0;
+        let scale = inverse_power_of_two(largest);
+        let z = Complex::new(z.re.scaled(scale), z.im.scaled(scale));
+        let size = z.norm_squared().sqrt();
+        let a2 = self.a.norm_squared();
+        let k = (size / a2).scaled(1.0 / scale);
+        let joint = Joint::from_k(k, self.complement / a2);
+        let inverse = size.recip();
+        let (turn_cos, turn_sin) = half_turn(z.re * inverse, -z.im * inverse);
+        if straight { Equivalent::STRAIGHT } else { Equivalent { joint, turn_cos, turn_sin } }
+    }
+
+    /// The shaft's motion in twice the drive angle.
+    #[inline(always)]
+    pub(crate) fn ideal(&self) -> Ideal<DoubleDouble> {
+        let a2 = self.a.norm_squared();
+        let inverse = a2.recip();
+        let q = (self.b * self.a.conj()).apart().times(-inverse);
+        Ideal::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
+    }
+
+    /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`: the rows give the cosine and the sine of
+    /// the joint's own driving angle, both times the same positive length.
+    pub(crate) fn matrix(&self) -> [DoubleDouble; 4] {
+        let (a, b) = (self.a, self.b);
+        [a.re + b.re, b.im - a.im, a.im + b.im, a.re - b.re]
+    }
+}
+
+/// `e^{ip}` of an intermediate shaft, `p = δ − τ + 90°`.
+pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
+    if trig::any_far([phase, twist].into_iter()) {
+        let turn = |angle: f64| {
+            let (sine, cosine) = trig::sin_cos_double_double(reduction::reduce_any(angle));
+            Complex::new(cosine, sine)
+        };
+        let Complex { re, im } = turn(phase) * turn(-twist);
+        return Complex::new(-im, re);
+    }
+    near_shaft_turn(phase, twist)
+}
+
+/// The same, branch-free, for angles that [`trig::any_far`] does not call far.
+#[inline(always)]
+pub(crate) fn near_shaft_turn(phase: f64, twist: f64) -> Complex {
+    let reduced = reduction::reduce_double_double(DoubleDouble::two_sum(phase, -twist));
+    let (sine, cosine) = trig::sin_cos_double_double(reduced);
+    Complex::new(-sine, cosine)
+}
+
+/// A power of two that brings a number near 1.
+#[inline(always)]
+fn inverse_power_of_two(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    // Below 2⁻¹⁰⁰⁰ the scale stays 2¹⁰⁰⁰.
+    let exponent = (x.to_bits() & EXPONENT).max(23 << 52);
+    f64::from_bits((2046 << 52) - exponent)
+}
+
+/// Cosine and sine of `φ` in `(−90°, 90°]` from those of `2φ`.
+#[inline(always)]
+fn half_turn(cos_2: DoubleDouble, sin_2: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
+    let half = (DoubleDouble::ONE + cos_2.abs()).scaled(0.5);
+    let large = half.sqrt();
+    let small = sin_2.abs().scaled(0.5) / large;
+    if cos_2.high >= 0.0 { (large, small.copysign(sin_2)) } else { (small, large.copysign(sin_2)) }
+}
+
+/// A joint whose driving angle is the drive angle turned by `φ`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Equivalent<T = f64> {
+    /// The joint with the equivalent bend.
+    pub joint: Joint<T>,
+    /// `cos φ`.
+    pub turn_cos: T,
+    /// `sin φ`; exactly zero where the joint needs no turning.
+    pub turn_sin: T,
+}
+
+impl Equivalent<DoubleDouble> {
+    pub(crate) const STRAIGHT: Self = Self {
+        joint: Joint::STRAIGHT,
+        turn_cos: DoubleDouble::ONE,
+        turn_sin: DoubleDouble::exact(0.0),
+    };
+
+    /// A joint on the drive shaft itself.
+    #[inline(always)]
+    pub(crate) fn of_joint(joint: Joint<DoubleDouble>) -> Self {
+        Self { joint, ..Self::STRAIGHT }
+    }
+}
+
+impl Equivalent {
+    /// The joint that moves the last shaft of a chain exactly as its joints do.
+    ///
+    /// ```
+    /// let [bend, no_twist] = [0.3, 0.0];
+    /// let one = cardan::Equivalent::of_chain(&[bend, 0.0], &[no_twist], &[0.7]);
+    /// assert!((one.joint.bend() - bend).abs() < 1e-15);
+    /// ```
+    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        let equivalent = Transfer::of_chain(bends, twists, phases).equivalent();
+        let mut bent = bends.iter().filter(|&&bend| bend != 0.0);
+        match (bent.next(), bent.next()) {
+            // Its own constants hold where tan²(β/2) is too small for a double.
+            (Some(&bend), None) => {
+                let joint = Joint::with_error_terms(bend);
+                Self::nearest(&Equivalent { joint, ..equivalent })
+            }
+            _ => Self::nearest(&equivalent),
+        }
+    }
+}
+
+impl Equivalent {
+    fn nearest(equivalent: &Equivalent<DoubleDouble>) -> Self {
+        Self {
+            joint: Joint::nearest(&equivalent.joint),
+            turn_cos: equivalent.turn_cos.value(),
+            turn_sin: equivalent.turn_sin.value(),
+        }
+    }
+
+    /// The inverse tangent that serves its angle error.
+    pub(crate) fn range(&self) -> AtanRange {
+        AtanRange::holding(self.joint.max_error_tangent())
+    }
+
+    /// `φ` in radians, in `(−π/2, π/2]`: the joint's driving angle is `α + φ`.
+    pub fn angle_offset(&self) -> f64 {
+        self.turn_sin.atan2(self.turn_cos)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folding_keeps_the_area() {
+        let (bends, twists, phases) = ([0.3, 1.2, 0.7], [0.4, -2.0], [1.1, 3e13]);
+        let transfer = Transfer::of_chain(&bends, &twists, &phases);
+        let [cc, cs, sc, ss] = transfer.matrix();
+        let determinant = (cc * ss - cs * sc).value();
+        assert!((determinant - transfer.complement.value()).abs() < 1e-30);
+    }
+
+    #[test]
+    fn far_shafts_turn_by_the_difference() {
+        for (phase, twist) in [(3e13, 0.25), (0.25, 3e13), (-7e15, 5e14)] {
+            let turn = shaft_turn(phase, twist);
+            let ((sine, cosine), (other_sine, other_cosine)) = (phase.sin_cos(), twist.sin_cos());
+            // A quarter turn ahead of the difference.
+            let difference = sine * other_cosine - cosine * other_sine;
+            assert!((turn.re.value() + difference).abs() < 1e-15);
+            let difference = cosine * other_cosine + sine * other_sine;
+            assert!((turn.im.value() - difference).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_smallest_bends_keep_their_digits() {
+        let same = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 4.0 * f64::EPSILON;
+        // Two small bends in line add their squares.
+        for bend in [1e-60, 1e-100, 1e-140] {
+            let two = Equivalent::of_chain(&[bend; 2], &[0.0], &[-std::f64::consts::FRAC_PI_2]);
+            assert!(same(two.joint.bend(), bend * 2_f64.sqrt()));
+        }
+        for bend in [1e-100, 1e-200, 1e-300] {
+            let one = Equivalent::of_chain(&[0.0, bend, 0.0], &[0.3, 0.1], &[0.7, -0.2]);
+            assert!(same(one.joint.bend(), bend));
+        }
+    }
+}

@@ -1,0 +1,272 @@
+//! From points, directions or bends to the frames of a driveline.
+//!
+//! A driveline of `n` joints has `n + 1` shaft directions `u_i`, `n` bend-plane normals
+//! `m_j = unit(u_j × u_{j+1})`, `n` bends and `n − 1` twists between successive normals.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::Vector3;
+
+use crate::error::{BEND_RULE, Error, Result};
+use crate::number::trig;
+
+/// A vector in space.
+pub type Vector = Vector3<f64>;
+
+/// Up to this sine two directions that come from rounded coordinates count as parallel: the
+/// normal of such a joint would be noise.
+const STRAIGHT: f64 = 4.0 * f64::EPSILON;
+
+/// The geometry of one driveline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Geometry {
+    /// Bend of each joint in radians, in `[0, π/2)`.
+    pub bends: Vec<f64>,
+    /// Angle about each intermediate shaft from the previous bend-plane normal to the next.
+    pub twists: Vec<f64>,
+    /// Turn of each intermediate shaft's output yoke against its input yoke.
+    pub phases: Vec<f64>,
+    /// Unit vector along each shaft, in the direction of power flow.
+    pub directions: Vec<Vector>,
+    /// Unit normal of each bend plane.
+    pub normals: Vec<Vector>,
+}
+
+impl Geometry {
+    /// From bends, twists and phases in radians, in the frame `u_0 = +x`, `m_0 = +z`.
+    ///
+    /// # Errors
+    /// A bend outside `[0, π/2)`, a twist or phase that is not finite, or lengths other than
+    /// `n`, `n − 1` and `n − 1`.
+    pub fn from_bends(bends: &[f64], twists: &[f64], phases: &[f64]) -> Result<Self> {
+        check_count(bends.len())?;
+        check_between("twists", twists, bends.len())?;
+        check_between("phases", phases, bends.len())?;
+        let mut u = Vector::x();
+        let mut m = Vector::z();
+        let mut directions = vec![u];
+        let mut normals = vec![];
+        for (j, &bend) in bends.iter().enumerate() {
+            check_bend(j, bend)?;
+            if j > 0 {
+                m = turned(m, u, twists[j - 1]);
+            }
+            u = turned(u, m, bend);
+            // Turning accumulates rounding; the frame stays orthonormal.
+            u.normalize_mut();
+            m = across(m, u).normalize();
+            normals.push(m);
+            directions.push(u);
+        }
+        let (bends, twists, phases) = (bends.to_vec(), twists.to_vec(), phases.to_vec());
+        Ok(Self { bends, twists, phases, directions, normals })
+    }
+
+    /// From one direction per shaft, of any length.
+    ///
+    /// A straight joint takes the normal of the previous joint, a straight first joint that of the
+    /// next bent one; a wholly straight driveline the perpendicular nearest to `+z` (along `z`:
+    /// to `+x`).
+    ///
+    /// # Errors
+    /// A direction that is zero or not finite, a bend of 90° or more, phases of the wrong number
+    /// or not finite.
+    pub fn from_directions(directions: &[Vector], phases: &[f64]) -> Result<Self> {
+        Self::along("directions", directions, phases, |i, v| {
+            let rule = "a direction must be finite and not zero";
+            Error::new("directions", &[i], format!("is ({}, {}, {}); {rule}", v.x, v.y, v.z))
+        })
+    }
+
+    /// From `n + 2` points: the ends of the driveline and the joint centres between them.
+    ///
+    /// ```
+    /// use cardan::{Geometry, Vector};
+    /// let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 1.0], [3.0, 1.0]];
+    /// let line = Geometry::from_points(&points.map(|[x, y]| Vector::new(x, y, 0.0)), &[0.0])?;
+    /// assert!(line.bends.iter().all(|bend| (bend.to_degrees() - 45.0).abs() < 1e-12));
+    /// # Ok::<(), cardan::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Two successive points that are equal or not finite; otherwise as `from_directions`.
+    pub fn from_points(points: &[Vector], phases: &[f64]) -> Result<Self> {
+        for (i, p) in points.iter().enumerate() {
+            if !p.iter().all(|x| x.is_finite()) {
+                let problem = format!("is ({}, {}, {}); a point must be finite", p.x, p.y, p.z);
+                return Err(Error::new("points", &[i], problem));
+            }
+        }
+        let spans: Vec<Vector> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        Self::along("points", &spans, phases, |i, _| {
+            let p = points[i + 1];
+            let rule = "two successive points must differ by a finite distance";
+            let problem = format!(
+                "is ({}, {}, {}) after ({}, {}, {}); {rule}",
+                p.x, p.y, p.z, points[i].x, points[i].y, points[i].z
+            );
+            Error::new("points", &[i + 1], problem)
+        })
+    }
+
+    fn along(
+        argument: &'static str,
+        spans: &[Vector],
+        phases: &[f64],
+        degenerate: impl Fn(usize, &Vector) -> Error,
+    ) -> Result<Self> {
+        check_count(spans.len().saturating_sub(1))?;
+        let n = spans.len() - 1;
+        check_between("phases", phases, n)?;
+        let mut scaled = Vec::with_capacity(n + 1);
+        for (i, span) in spans.iter().enumerate() {
+            scaled.push(scaled_by_power_of_two(span).ok_or_else(|| degenerate(i, span))?);
+        }
+        let directions: Vec<Vector> = scaled.iter().map(Vector::normalize).collect();
+        let mut bends = Vec::with_capacity(n);
+        let mut normals: Vec<Option<Vector>> = Vec::with_capacity(n);
+        for j in 0..n {
+            let cross = accurate_cross(&scaled[j], &scaled[j + 1]);
+            let (sine, cosine) = (cross.norm(), scaled[j].dot(&scaled[j + 1]));
+            let straight = cosine > 0.0 && sine <= STRAIGHT * cosine;
+            let bend = if straight { 0.0 } else { sine.atan2(cosine) };
+            if bend >= FRAC_PI_2 {
+                let problem = format!("give bends[{j}] = {bend} rad; {BEND_RULE}");
+                return Err(Error::new(argument, &[], problem));
+            }
+            bends.push(bend);
+            normals.push((!straight).then(|| cross / sine));
+        }
+        let first = normals
+            .iter()
+            .flatten()
+            .next()
+            .copied()
+            .unwrap_or_else(|| any_perpendicular(directions[0]));
+        // Across the shaft once more: a carried normal belongs to a shaft that differs by rounding,
+        // and the normal of two nearly parallel shafts is itself largely rounding.
+        let normals: Vec<Vector> = normals
+            .into_iter()
+            .zip(&directions)
+            .scan(first, |last, (normal, u)| {
+                *last = across(normal.unwrap_or(*last), *u).normalize();
+                Some(*last)
+            })
+            .collect();
+        let twists = (1..n).map(|j| twist(normals[j - 1], normals[j], directions[j])).collect();
+        Ok(Self { bends, twists, phases: phases.to_vec(), directions, normals })
+    }
+}
+
+fn check_count(joints: usize) -> Result<()> {
+    if joints == 0 {
+        return Err(Error::new("a driveline", &[], "has no joint; it needs at least one"));
+    }
+    Ok(())
+}
+
+fn check_bend(joint: usize, bend: f64) -> Result<()> {
+    if (0.0..FRAC_PI_2).contains(&bend) {
+        return Ok(());
+    }
+    Err(Error::new("bends", &[joint], format!("is {bend} rad; {BEND_RULE}")))
+}
+
+/// Twists and phases: one finite value per intermediate shaft.
+fn check_between(argument: &'static str, values: &[f64], joints: usize) -> Result<()> {
+    if values.len() + 1 != joints {
+        let (given, wanted) = (values.len(), joints - 1);
+        let problem = format!("has {given} values; {joints} joints need {wanted}");
+        return Err(Error::new(argument, &[], problem));
+    }
+    match values.iter().position(|x| !x.is_finite()) {
+        Some(i) => {
+            let problem = format!("is {}; it must be finite", values[i]);
+            Err(Error::new(argument, &[i], problem))
+        }
+        None => Ok(()),
+    }
+}
+
+/// `v`, perpendicular to the unit vector `axis`, turned about it.
+fn turned(v: Vector, axis: Vector, angle: f64) -> Vector {
+    let (sine, cosine) = trig::sin_cos(angle);
+    v * cosine + axis.cross(&v) * sine
+}
+
+/// The vector divided, exactly, by the power of two of its largest component, so that no square of
+/// it leaves the range of a double; `None` if it is zero or not finite.
+fn scaled_by_power_of_two(v: &Vector) -> Option<Vector> {
+    const EXPONENT: u64 = 0x7ff << 52;
+    // Sink of the subnormal numbers first, where the exponent says nothing.
+    let v = if v.amax() < f64::MIN_POSITIVE { v * (1_u64 << 60) as f64 } else { *v };
+    let power = f64::from_bits(v.amax().to_bits() & EXPONENT);
+    (power > 0.0 && v.iter().all(|x| x.is_finite())).then(|| v / power)
+}
+
+/// The cross product with each component within 1.5 ulp (W. Kahan's difference of products), so
+/// that a small bend keeps its relative accuracy.
+fn accurate_cross(a: &Vector, b: &Vector) -> Vector {
+    let component = |i: usize, j: usize| {
+        let product = a[j] * b[i];
+        let error = (-a[j]).mul_add(b[i], product);
+        a[i].mul_add(b[j], -product) + error
+    };
+    Vector::new(component(1, 2), component(2, 0), component(0, 1))
+}
+
+/// The angle about `axis` from `from` to `to`, both perpendicular to it.
+fn twist(from: Vector, to: Vector, axis: Vector) -> f64 {
+    from.cross(&to).dot(&axis).atan2(from.dot(&to))
+}
+
+/// The part of `v` perpendicular to the unit vector `u`.
+fn across(v: Vector, u: Vector) -> Vector {
+    v - u * v.dot(&u)
+}
+
+/// The unit vector perpendicular to `u` and nearest to `+z`; to `+x` if `u` lies along `z`.
+fn any_perpendicular(u: Vector) -> Vector {
+    let z = across(Vector::z(), u);
+    if z.norm() > STRAIGHT { z.normalize() } else { across(Vector::x(), u).normalize() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn straight_within_rounding_whatever_the_lengths() {
+        for [first, second] in [[1.0, 1.0], [1.9, 1.9], [1e-3, 7.0], [3e8, 1.9]] {
+            let line = |sine: f64| {
+                let spans = [Vector::new(first, 0.0, 0.0), Vector::new(second, second * sine, 0.0)];
+                Geometry::from_directions(&spans, &[]).unwrap()
+            };
+            assert_eq!(line(0.9 * STRAIGHT).bends, [0.0]);
+            assert!((line(1.1 * STRAIGHT).bends[0] / STRAIGHT - 1.1).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_span_of_no_length_is_named_by_both_its_points() {
+        let at = |x: f64| Vector::new(x, 0.0, 0.0);
+        let error =
+            Geometry::from_points(&[at(0.0), at(1.0), at(2.0), at(2.0)], &[0.0]).unwrap_err();
+        let problem = "is (2, 0, 0) after (2, 0, 0); two successive points must differ";
+        assert!(error.to_string().contains(&format!("points[3] {problem}")), "{error}");
+        let error =
+            Geometry::from_points(&[at(0.0), at(f64::MAX), at(-f64::MAX)], &[]).unwrap_err();
+        assert!(error.to_string().contains("points[2] is (-1797"), "{error}");
+        assert!(error.to_string().contains(") after (1797"), "{error}");
+    }
+
+    #[test]
+    fn one_angle_for_each_intermediate_shaft() {
+        let error = Geometry::from_bends(&[0.1; 3], &[0.2], &[0.3; 2]).unwrap_err();
+        assert_eq!(error.to_string(), "twists has 1 values; 3 joints need 2");
+        let error = Geometry::from_directions(&[Vector::x(); 3], &[0.3; 2]).unwrap_err();
+        assert_eq!(error.to_string(), "phases has 2 values; 2 joints need 1");
+        let error = Geometry::from_bends(&[0.1; 2], &[f64::NAN], &[0.3]).unwrap_err();
+        assert_eq!(error.to_string(), "twists[0] is NaN; it must be finite");
+    }
+}

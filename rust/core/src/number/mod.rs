@@ -1,0 +1,19 @@
+//! What is computed with: number types, their storage, range reduction and elementary functions.
+
+pub mod atan;
+pub mod double_double;
+pub mod float;
+pub mod precision;
+pub(crate) mod reduction;
+pub(crate) mod storage;
+pub mod trig;
+
+pub use double_double::DoubleDouble;
+pub use precision::Precision;
+
+use atan::Atan;
+use trig::Angle;
+
+/// What a number type needs for kernels.
+pub(crate) trait Number: Angle + Atan {}
+impl<T: Angle + Atan> Number for T {}

@@ -1,0 +1,407 @@
+//! From the outputs asked for to the steps that compute them, once per call.
+//!
+//! A plan knows nothing of angles or of particular bends: it says which shafts and joints are
+//! needed, in which plane of the result each quantity lands, and in which order a load is carried
+//! along the driveline. [`crate::run`] runs it.
+
+use crate::error::{Error, Result};
+use crate::input::drivelines::Drivelines;
+use crate::mechanics::chain::Equivalent;
+use crate::mechanics::joint::Joint;
+use crate::number::Precision;
+use crate::number::atan::AtanRange;
+use crate::plan::output::Output;
+
+/// Where the load's torque is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// Put into shaft 0.
+    Drive,
+    /// Delivered by the last shaft.
+    Output,
+}
+
+/// What is asked of a driveline.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// The largest bend of each joint, from [`crate::Drivelines::largest_bends`] or a bound to it.
+    pub largest_bends: &'a [f64],
+    /// The quantities, each at most once.
+    pub outputs: &'a [Output],
+    /// The shafts, `0..=n`, each at most once.
+    pub shafts: &'a [usize],
+    /// The joints, `0..n`, each at most once.
+    pub joints: &'a [usize],
+    /// Where the load's torque is given, if there is a load.
+    pub load: Option<End>,
+    /// The shafts whose inertia takes part.
+    pub inertias: &'a [usize],
+}
+
+/// The steps for one request. The planes of the result are numbered output by output, within an
+/// output item by item, within an item component by component.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub(crate) joint_count: usize,
+    /// The largest bend of each joint; a joint with none is straight in every driveline.
+    pub(crate) largest_bends: Vec<f64>,
+    /// A bound to the cosine of the bend equivalent to the joints before each shaft: that of the
+    /// aligned chain, for which the cosines multiply.
+    least_cosines: Vec<f64>,
+    /// Whether the whole chain is moderate.
+    pub(crate) moderate: bool,
+    pub(crate) planes: usize,
+    /// How many of the planes, in their order, make up each item of each output.
+    pub(crate) components: Vec<usize>,
+    /// In ascending order.
+    pub(crate) shafts: Vec<ShaftStep>,
+    /// One per joint; most may be idle.
+    pub(crate) joints: Vec<JointStep>,
+    pub(crate) load: Option<LoadStep>,
+}
+
+/// What to compute of one shaft: the plane of each output, and the rates that the load needs.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ShaftStep {
+    pub(crate) shaft: usize,
+    pub(crate) angle: Option<usize>,
+    pub(crate) angle_error: Option<usize>,
+    pub(crate) speed_ratio: Option<usize>,
+    pub(crate) acceleration_ratio: Option<usize>,
+    /// Whether the load needs the one and the other.
+    pub(crate) keep_ratio: bool,
+    pub(crate) keep_acceleration: bool,
+}
+
+impl ShaftStep {
+    /// The planes of rotation, speed ratio and acceleration ratio, if one loop finds all three:
+    /// the angle or its error, not both, and rates that nothing else reads.
+    pub(crate) fn together(&self) -> Option<[usize; 3]> {
+        let ((Some(rotation), None) | (None, Some(rotation))) = (self.angle, self.angle_error)
+        else {
+            return None;
+        };
+        let all = [rotation, self.speed_ratio?, self.acceleration_ratio?];
+        (!self.keep_ratio).then_some(all)
+    }
+}
+
+/// What to compute of one joint: the plane, or the first of three, of each output.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct JointStep {
+    pub(crate) tilt_driving: Option<usize>,
+    pub(crate) tilt_driven: Option<usize>,
+    pub(crate) moment: Option<usize>,
+    pub(crate) bending_driving: Option<usize>,
+    pub(crate) bending_driven: Option<usize>,
+    /// Its parts of the support moments of the shaft that the load leaves here and of the one that
+    /// it comes to.
+    pub(crate) support: [Option<Support>; 2],
+}
+
+/// A joint's part of the support moment of one of its shafts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Support {
+    /// First plane of the shaft's support moment.
+    pub(crate) plane: usize,
+    /// Whether the shaft is the joint's driving one.
+    pub(crate) driving: bool,
+    /// Whether it is the shaft's first part on the way of the load.
+    pub(crate) first: bool,
+    /// Whether it is its last.
+    pub(crate) last: bool,
+}
+
+impl JointStep {
+    pub(crate) fn needs_tilt(&self) -> bool {
+        self.tilt_driving.is_some() || self.tilt_driven.is_some()
+    }
+
+    /// Whether it takes part in a support moment.
+    pub(crate) fn needs_support(&self) -> bool {
+        self.support.iter().any(Option::is_some)
+    }
+
+    pub(crate) fn needs_torsion(&self) -> bool {
+        self.moment.is_some()
+            || self.needs_support()
+            || self.bending_driving.is_some()
+            || self.bending_driven.is_some()
+    }
+}
+
+/// How the power is carried along the driveline from the end where the torque is given.
+#[derive(Clone, Debug)]
+pub(crate) struct LoadStep {
+    pub(crate) end: End,
+    /// In the order of travel.
+    pub(crate) stations: Vec<Station>,
+}
+
+/// One shaft on the way: what its inertia takes, and what is wanted of the power entering it.
+#[derive(Clone, Debug)]
+pub(crate) struct Station {
+    pub(crate) shaft: usize,
+    pub(crate) absorbs: bool,
+    /// Plane of the torque entering this shaft.
+    pub(crate) torque: Option<usize>,
+    /// Whether the torsion is wanted that the joint before this shaft receives.
+    pub(crate) torsion: bool,
+}
+
+impl Plan {
+    /// Plans a request.
+    ///
+    /// # Errors
+    /// A shaft or joint that does not exist or is named twice, an output named twice, an output
+    /// that needs a load where none is given.
+    pub fn new(request: &Request<'_>) -> Result<Self> {
+        let n = request.largest_bends.len();
+        check_items("shafts", request.shafts, n + 1)?;
+        check_items("joints", request.joints, n)?;
+        check_items("inertias", request.inertias, n + 1)?;
+        let joints = vec![JointStep::default(); n];
+        let least_cosines = least_cosines(request.largest_bends);
+        let mut plan = Self {
+            joint_count: n,
+            largest_bends: request.largest_bends.to_vec(),
+            moderate: range(least_cosines[n]).is_moderate(),
+            least_cosines,
+            planes: 0,
+            components: vec![],
+            shafts: vec![],
+            joints,
+            load: None,
+        };
+        let mut torque = vec![None; n + 1];
+        for (i, &output) in request.outputs.iter().enumerate() {
+            if request.outputs[..i].contains(&output) {
+                let problem = format!("is {:?} again; name each output once", output.name());
+                return Err(Error::new("outputs", &[i], problem));
+            }
+            if output.needs_load() && request.load.is_none() {
+                let problem = format!("is {:?}, which needs a load", output.name());
+                return Err(Error::new("outputs", &[i], problem));
+            }
+            let items = if output.per_joint() { request.joints } else { request.shafts };
+            for &item in items {
+                let plane = Some(plan.planes);
+                plan.planes += output.components();
+                plan.components.push(output.components());
+                match output {
+                    Output::Angle => plan.step(item).angle = plane,
+                    Output::AngleError => plan.step(item).angle_error = plane,
+                    Output::SpeedRatio => plan.step(item).speed_ratio = plane,
+                    Output::AccelerationRatio => plan.step(item).acceleration_ratio = plane,
+                    Output::Torque => torque[item] = plane,
+                    Output::SupportMoment => {
+                        if let (Some(end), Some(plane)) = (request.load, plane) {
+                            plan.plan_support(end, item, plane);
+                        }
+                    }
+                    Output::Moment => plan.joints[item].moment = plane,
+                    Output::BendingDriving => plan.joints[item].bending_driving = plane,
+                    Output::BendingDriven => plan.joints[item].bending_driven = plane,
+                    Output::TiltDriving => plan.joints[item].tilt_driving = plane,
+                    Output::TiltDriven => plan.joints[item].tilt_driven = plane,
+                }
+            }
+        }
+        if let Some(end) = request.load {
+            plan.plan_load(end, request.inertias, &torque);
+        }
+        plan.shafts.sort_by_key(|step| step.shaft);
+        Ok(plan)
+    }
+
+    /// The cheapest arithmetic whose results are within a tolerance relative to the largest of each
+    /// output over a turn.
+    ///
+    /// The angle by which a chain's equivalent joint is turned is known to a rounding of the
+    /// arithmetic, and a steep chain stretches it by the inverse of its cosine.
+    pub fn precision(&self, tolerance: f64) -> Precision {
+        let reach = self.reach();
+        let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(1.0) } else { 1.0 };
+        if tolerance >= Precision::SINGLE_ERROR * stretch {
+            Precision::Single
+        } else if tolerance >= Precision::DOUBLE_ERROR * stretch {
+            Precision::Double
+        } else {
+            Precision::DoubleDouble
+        }
+    }
+
+    /// Number of planes of the result.
+    pub fn planes(&self) -> usize {
+        self.planes
+    }
+
+    /// Joints that must be folded to serve the last shaft or joint that is needed.
+    pub(crate) fn reach(&self) -> usize {
+        let shafts = self.shafts.last().map_or(0, |step| step.shaft);
+        let joints = (0..self.joint_count).rev().find(|&joint| self.needs_pose(joint));
+        shafts.max(joints.map_or(0, |joint| joint + 1))
+    }
+
+    /// Whether nothing but the motion behind the first joint is needed, and so no map of a chain.
+    pub(crate) fn is_joint(&self) -> bool {
+        self.reach() == 1 && !self.needs_pose(0)
+    }
+
+    /// Whether anything is wanted of a joint itself.
+    pub(crate) fn needs_pose(&self, joint: usize) -> bool {
+        self.joints[joint].needs_tilt() || self.joints[joint].needs_torsion()
+    }
+
+    /// Whether any shaft's own angle is wanted.
+    pub(crate) fn needs_angle(&self) -> bool {
+        self.shafts.iter().any(|step| step.angle.is_some())
+    }
+
+    /// What is needed of the shafts beyond the first bend.
+    pub(crate) fn moving(&self) -> impl Iterator<Item = &ShaftStep> {
+        let bent = self.first_bent();
+        self.shafts.iter().filter(move |step| step.shaft > bent)
+    }
+
+    /// Whether this plane holds angles.
+    pub(crate) fn is_angle(&self, plane: usize) -> bool {
+        self.shafts.iter().any(|step| step.angle == Some(plane))
+    }
+
+    /// Whether anything is wanted of any joint itself.
+    pub(crate) fn needs_poses(&self) -> bool {
+        (0..self.joint_count).any(|joint| self.needs_pose(joint))
+    }
+
+    /// Whether nothing is wanted but what is extreme at known angles.
+    pub(crate) fn has_closed_extremes(&self) -> bool {
+        self.load.is_none() && !self.needs_poses() && !self.needs_angle()
+    }
+
+    /// Whether the sense of a pin matters and not only its line.
+    pub(crate) fn needs_sense(&self) -> bool {
+        self.joints.iter().any(JointStep::needs_tilt)
+    }
+
+    /// The first joint that is bent in any driveline; the shafts up to it turn with the drive.
+    pub(crate) fn first_bent(&self) -> usize {
+        let bent = self.largest_bends.iter().position(|&bend| bend != 0.0);
+        bent.unwrap_or(self.joint_count)
+    }
+
+    /// The inverse tangent that serves a shaft of every driveline.
+    pub(crate) fn range(&self, shaft: usize) -> AtanRange {
+        range(self.least_cosines[shaft])
+    }
+
+    /// The same for the first of the drivelines.
+    pub(crate) fn range_of_first(lines: &Drivelines<'_>, shaft: usize) -> AtanRange {
+        let between = shaft - 1;
+        let equivalent = Equivalent::of_chain(
+            &lines.bends[..shaft],
+            &lines.twists[..between],
+            &lines.phases[..between],
+        );
+        equivalent.range()
+    }
+
+    fn step(&mut self, shaft: usize) -> &mut ShaftStep {
+        let found = self.shafts.iter().position(|step| step.shaft == shaft);
+        let index = found.unwrap_or_else(|| {
+            self.shafts.push(ShaftStep { shaft, ..ShaftStep::default() });
+            self.shafts.len() - 1
+        });
+        &mut self.shafts[index]
+    }
+
+    /// The parts of one shaft's support moment, each with the joint that gives it.
+    fn plan_support(&mut self, end: End, shaft: usize, plane: usize) {
+        let n = self.joint_count;
+        let before = shaft > 0;
+        let after = shaft < n;
+        // The load comes to a shaft at one joint and leaves it at the next.
+        let (leaves, comes) = (0, 1);
+        let slots = if end == End::Drive { [comes, leaves] } else { [leaves, comes] };
+        if before {
+            let (first, last) = (end == End::Drive || !after, end == End::Output || !after);
+            let support = Support { plane, driving: false, first, last };
+            self.joints[shaft - 1].support[slots[0]] = Some(support);
+        }
+        if after {
+            let (first, last) = (end == End::Output || !before, end == End::Drive || !before);
+            let support = Support { plane, driving: true, first, last };
+            self.joints[shaft].support[slots[1]] = Some(support);
+        }
+    }
+
+    /// Lists the stations between the end where the torque is given and the farthest shaft whose
+    /// entering power is wanted; inertias beyond it do not matter.
+    fn plan_load(&mut self, end: End, inertias: &[usize], torque: &[Option<usize>]) {
+        let (n, bent) = (self.joint_count, self.first_bent());
+        let torsion_before = |shaft: usize| shaft > 0 && self.joints[shaft - 1].needs_torsion();
+        let wanted = |shaft: &usize| torque[*shaft].is_some() || torsion_before(*shaft);
+        let range: Vec<usize> = match end {
+            End::Drive => match (0..=n).rev().find(wanted) {
+                Some(last) => (0..=last).collect(),
+                None => return,
+            },
+            End::Output => match (0..=n).find(wanted) {
+                Some(first) => (first..=n).rev().collect(),
+                None => return,
+            },
+        };
+        let farthest = range[range.len() - 1];
+        let stations: Vec<Station> = range
+            .into_iter()
+            .map(|shaft| {
+                let passed = end == End::Output || shaft != farthest;
+                let absorbs = passed && inertias.contains(&shaft);
+                Station { shaft, absorbs, torque: torque[shaft], torsion: torsion_before(shaft) }
+            })
+            .collect();
+        for station in &stations {
+            let shaft = station.shaft;
+            let starts = end == End::Output && shaft == n;
+            // Nothing is divided or multiplied by the speed ratio of a shaft that turns as the drive.
+            if station.absorbs || shaft > bent && (station.torque.is_some() || starts) {
+                self.step(shaft).keep_ratio = true;
+            }
+            if station.absorbs {
+                self.step(shaft).keep_acceleration = true;
+            }
+            if station.torsion && shaft - 1 > bent {
+                self.step(shaft - 1).keep_ratio = true;
+            }
+        }
+        self.load = Some(LoadStep { end, stations });
+    }
+}
+
+/// The inverse tangent that serves bends whose cosine is no less.
+fn range(cos: f64) -> AtanRange {
+    // A bound to the tangent, with room for rounding.
+    AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
+}
+
+fn least_cosines(bends: &[f64]) -> Vec<f64> {
+    let mut cosine = 1.0;
+    let next = |&bend: &f64| {
+        cosine *= Joint::new(bend).cos;
+        cosine
+    };
+    std::iter::once(1.0).chain(bends.iter().map(next)).collect()
+}
+
+fn check_items(argument: &'static str, items: &[usize], count: usize) -> Result<()> {
+    for (i, &item) in items.iter().enumerate() {
+        if item >= count {
+            let problem = format!("is {item}; there are {count}, counted from 0");
+            return Err(Error::new(argument, &[i], problem));
+        }
+        if items[..i].contains(&item) {
+            return Err(Error::new(argument, &[i], format!("is {item} again; name each once")));
+        }
+    }
+    Ok(())
+}

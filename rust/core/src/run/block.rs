@@ -1,0 +1,473 @@
+//! A block of samples, run by one thread: rows of one driveline, cut into chunks.
+
+use std::borrow::Cow;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
+use crate::number::Number;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
+use crate::plan::reduction::Reduction;
+use crate::plan::steps::Plan;
+use crate::run::chunk;
+use crate::run::execution::{FoldedDriveline, Kept};
+use crate::run::extrema;
+use crate::run::fold::{Folded, GeometryIndex};
+use crate::run::level::{Level, compiled_for};
+use crate::run::long_sweep::{self, LongSweep};
+use crate::run::scratch::{Scratch, Way};
+use crate::sincos::array::Drive;
+
+/// Samples per chunk: what is kept of so many stays in the first-level cache, or nearly.
+pub(crate) const CHUNK: usize = 1024;
+
+/// Samples per chunk with a load, which keeps more of each, and the most in a group of a sweep: those do
+/// not depend on the load.
+pub(crate) const SHORT_CHUNK: usize = CHUNK / 2;
+
+/// Samples per chunk of a long sweep that goes by groups and keeps nothing of its samples.
+const LONG_CHUNK: usize = 16 * CHUNK;
+
+/// Rows whose drivelines are folded together.
+pub(crate) const GROUP: usize = 64;
+
+/// A number type and the words that its results are delivered in.
+pub(crate) trait StoresAs<W: Float>: Number {
+    /// The words that the kernels put.
+    type Plane: Float;
+
+    /// The constants that were kept for this type.
+    fn kept(constants: &FoldedDriveline) -> Option<&Folded<Self>>;
+
+    /// The planes themselves, where the kernels put what they hold.
+    fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Plane]]>;
+}
+
+macro_rules! deliver {
+    ($($number:ident as $kept:ident by $plane:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
+        impl StoresAs<$word> for $number {
+            type Plane = $plane;
+
+            fn kept(constants: &FoldedDriveline) -> Option<&Folded<Self>> {
+                if let Kept::$kept(folded) = &constants.0 { Some(folded) } else { None }
+            }
+
+            fn direct<'a, 'b>(
+                $planes: &'a mut [&'b mut [$word]],
+            ) -> Option<&'a mut [&'b mut [$plane]]> {
+                $direct
+            }
+        }
+    )*};
+}
+
+deliver! {
+    f32 as Single by f32 to f32: planes => Some(planes);
+    f32 as Single by f64 to f64: planes => Some(planes);
+    f64 as Double by f64 to f64: planes => Some(planes);
+    f64 as Double by f64 to f32: _planes => None;
+    DoubleDouble as DoubleDouble by f64 to f64: planes => Some(planes);
+    DoubleDouble as DoubleDouble by f64 to f32: _planes => None;
+}
+
+/// What becomes of a block's results.
+pub(crate) enum Target<'a, 'b, W> {
+    /// They fill these parts of the planes.
+    Planes(&'a mut [&'b mut [W]]),
+    /// Those of each row are reduced, group of planes by group of planes.
+    Reduced(Reduction, &'a [usize], &'a mut [DoubleDouble]),
+}
+
+/// What the blocks of a run share.
+pub(crate) struct Shared<'a, 's, T: Number> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) table: &'a Table<'s>,
+    pub(crate) level: Level,
+    /// The only driveline, folded before.
+    pub(crate) kept: Option<&'a Folded<T>>,
+    pub(crate) long_sweep: &'a LongSweep<T>,
+    /// Whether to leave out the rest.
+    pub(crate) stop: Option<&'a AtomicBool>,
+}
+
+/// A block and what it needs at hand.
+pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
+    plan: &'a Plan,
+    table: &'a Table<'s>,
+    level: Level,
+    long_sweep: &'a LongSweep<T>,
+    stop: Option<&'a AtomicBool>,
+    /// The only driveline, or those of these rows, or of the samples of one chunk.
+    folded: Cow<'a, Folded<T>>,
+    rows: Range<usize>,
+    /// Samples per chunk.
+    chunk_length: usize,
+    scratch: Scratch<T>,
+    /// Planes for one chunk, where the results go on to be converted or reduced.
+    spare: Vec<Vec<T::Plane>>,
+    /// The angles of a chunk, where the samples do not hold them side by side.
+    angles: Vec<f64>,
+    /// First angle, step and length of the chunk whose pins are at hand, and of that for which
+    /// sine and cosine of twice the angle are.
+    pins: Option<(usize, usize, usize)>,
+    twice: Option<(usize, usize, usize)>,
+}
+
+/// RowPart of a row: the row, its samples, and where the block's planes take their results.
+struct RowPart {
+    row: usize,
+    samples: Range<usize>,
+    place: usize,
+}
+
+impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
+    pub(crate) fn new(shared: &Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
+        let Shared { plan, table, level, kept, long_sweep, stop } = *shared;
+        let row_length = table.row_length();
+        let way = match long_sweep.twice {
+            _ if T::DOUBLED => Way::Twice,
+            Some(_) => Way::Rotations,
+            None => Way::SinCos,
+        };
+        let chunk_length = if plan.load.is_some() {
+            SHORT_CHUNK
+        } else if way == Way::Rotations && plan.moderate && !plan.needs_poses() && !spare {
+            LONG_CHUNK
+        } else if T::LOW {
+            // Loops so long take longer to begin than what leaves the cache takes to come back.
+            2 * CHUNK
+        } else {
+            CHUNK
+        };
+        let longest = chunk_length.min(row_length);
+        let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
+        let room = || {
+            let (lines, by_sample) = match table.geometry_variation() {
+                GeometryVariation::One => (1, false),
+                GeometryVariation::ByRow => (GROUP.min(rows), false),
+                GeometryVariation::BySample => (longest, true),
+            };
+            Cow::Owned(Folded::new(plan, lines, by_sample, way != Way::SinCos))
+        };
+        Self {
+            plan,
+            table,
+            level,
+            long_sweep,
+            stop,
+            folded: kept.map_or_else(room, Cow::Borrowed),
+            rows: 0..0,
+            chunk_length,
+            scratch: Scratch::new(plan, table, longest, way),
+            spare: if spare {
+                vec![vec![T::Plane::default(); longest]; plan.planes]
+            } else {
+                vec![]
+            },
+            angles: vec![],
+            pins: None,
+            twice: None,
+        }
+    }
+
+    /// Runs the samples, row after row.
+    pub(crate) fn run(&mut self, samples: Range<usize>, target: &mut Target<'_, '_, W>) {
+        let row_length = self.table.row_length();
+        let last_row = (samples.end - 1) / row_length;
+        let mut at = samples.start;
+        while at < samples.end && !self.stopped() {
+            let (row, first) = (at / row_length, at % row_length);
+            let end = row_length.min(first + samples.end - at);
+            let unit = row - samples.start / row_length;
+            let part = RowPart { row, samples: first..end, place: at - samples.start };
+            self.load_row(row, last_row);
+            self.row(&part, unit, target);
+            at += end - first;
+        }
+    }
+
+    #[inline(always)]
+    fn stopped(&self) -> bool {
+        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+    }
+
+    /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
+    fn load_row(&mut self, row: usize, last: usize) {
+        for (column, cursor) in self.table.columns.iter().zip(&mut self.scratch.cursors) {
+            *cursor = self.table.locate(&column.strides, row);
+        }
+        // What is the same at every sample of the row is not gathered again chunk by chunk.
+        for index in self.loads() {
+            if let (origin, 0) = self.scratch.cursors[index] {
+                self.scratch.gathered[index].fill(self.table.columns[index].data[origin]);
+            }
+        }
+        let rows = match self.table.geometry_variation() {
+            GeometryVariation::One => row..row + 1,
+            GeometryVariation::ByRow => row..(last + 1).min(row + GROUP),
+            GeometryVariation::BySample => return,
+        };
+        let at_hand = match (&self.folded, self.table.geometry_variation()) {
+            (Cow::Borrowed(_), _) => true,
+            (_, GeometryVariation::One) => !self.rows.is_empty(),
+            _ => self.rows.contains(&row),
+        };
+        if at_hand {
+            return;
+        }
+        let table = self.table;
+        let line_of = |i: usize| table.locate(&table.line, row + i).0;
+        let folded = self.folded.to_mut();
+        compiled_for!(self.level, folded.fold(self.plan, &table.lines, rows.len(), line_of));
+        self.rows = rows;
+    }
+
+    /// The columns of the load that matter: speed and acceleration do to inertias alone.
+    fn loads(&self) -> Range<usize> {
+        match &self.plan.load {
+            None => 0..0,
+            Some(load) if load.stations.iter().any(|station| station.absorbs) => {
+                TORQUE..self.table.columns.len()
+            }
+            Some(_) => TORQUE..TORQUE + 1,
+        }
+    }
+
+    /// Runs a part of one row, chunk after chunk; chunks begin at multiples of their length.
+    fn row(&mut self, part: &RowPart, unit: usize, target: &mut Target<'_, '_, W>) {
+        let Range { start, end } = part.samples;
+        let stop = match self.period(part, target) {
+            Some(period) => start + period,
+            None => end,
+        };
+        if stop < end {
+            self.scratch.keep_errors(self.plan, stop - start);
+        }
+        if let Target::Reduced(reduction, ..) = target
+            && let Some(picked) = self.extremes(part.row, start..stop, *reduction)
+        {
+            for samples in picked.chunks(self.chunk_length) {
+                self.chunk(part, 0..samples.len(), Some(samples), unit, target);
+            }
+            return;
+        }
+        let mut at = start;
+        while at < stop && !self.stopped() {
+            let next = stop.min((at / self.chunk_length + 1) * self.chunk_length);
+            self.chunk(part, at..next, None, unit, target);
+            at = next;
+        }
+        if stop < end {
+            match target {
+                Target::Planes(planes) => self.repeat(part, stop - start, planes),
+                Target::Reduced(reduction, groups, partials) => {
+                    let times = (end - start) / (stop - start);
+                    for partial in &mut partials[unit * groups.len()..(unit + 1) * groups.len()] {
+                        reduction.repeat(partial, times);
+                    }
+                }
+            }
+        }
+    }
+
+    /// After how many samples the results of a row repeat themselves, if they are to be repeated.
+    fn period(&self, part: &RowPart, target: &Target<'_, '_, W>) -> Option<usize> {
+        let period = long_sweep::repeated(self.plan, self.table)?;
+        let steady = self.scratch.cursors.iter().skip(1).all(|&(_, step)| step == 0);
+        let one = self.table.geometry_variation() != GeometryVariation::BySample;
+        let repeats = steady && one && 2 * period <= part.samples.len();
+        match target {
+            Target::Planes(_) => repeats.then_some(period),
+            // Whole periods of what repeats are as good as one that counts as often.
+            Target::Reduced(..) => {
+                let whole = part.samples.len().is_multiple_of(period);
+                (repeats && whole && !self.plan.needs_angle()).then_some(period)
+            }
+        }
+    }
+
+    /// The samples that decide a smallest or largest value, if few do.
+    fn extremes(
+        &self,
+        row: usize,
+        samples: Range<usize>,
+        reduction: Reduction,
+    ) -> Option<Vec<f64>> {
+        let sweep = self.table.sweep.as_ref()?;
+        let (_, along) = self.scratch.cursors[ANGLE];
+        let one = self.table.geometry_variation() != GeometryVariation::BySample;
+        if !(reduction.is_extreme() && self.plan.has_closed_extremes() && one && along == 1) {
+            return None;
+        }
+        let one = self.table.geometry_variation() == GeometryVariation::One;
+        let index = if one { 0 } else { row - self.rows.start };
+        let shafts = self.plan.moving().filter_map(|step| {
+            self.folded.shafts[step.shaft]
+                .as_ref()
+                .map(|shaft| (step, shaft.extrema_locator(index)))
+        });
+        extrema::samples_near_extrema(sweep, samples, shafts)
+    }
+
+    /// One chunk of a row, or samples picked from it.
+    fn chunk(
+        &mut self,
+        part: &RowPart,
+        samples: Range<usize>,
+        picked: Option<&[f64]>,
+        unit: usize,
+        target: &mut Target<'_, '_, W>,
+    ) {
+        let loads = self.loads();
+        let Self { plan, table, level, long_sweep, scratch, .. } = self;
+        let rotations = long_sweep.twice.as_ref();
+        let level = *level;
+        let size = samples.len();
+        let (origin, step) = scratch.cursors[ANGLE];
+        let begin = origin + samples.start * step;
+        let drive = match (&table.sweep, picked) {
+            (Some(sweep), Some(picked)) => Drive::Picked(sweep, picked),
+            (Some(sweep), None) => Drive::Sweep(sweep, begin),
+            (None, _) if step == 1 => Drive::Array(&table.columns[ANGLE].data[begin..begin + size]),
+            (None, _) => {
+                self.angles.resize(size, 0.0);
+                gather(table.columns[ANGLE].data, begin, step, &mut self.angles);
+                Drive::Array(&self.angles)
+            }
+        };
+        let geometry = match table.geometry_variation() {
+            GeometryVariation::One => GeometryIndex::Shared(0),
+            GeometryVariation::ByRow => GeometryIndex::Shared(part.row - self.rows.start),
+            GeometryVariation::BySample => {
+                let (line, step) = table.locate(&table.line, part.row);
+                let line_of = |i: usize| line + (samples.start + i) * step;
+                let folded = self.folded.to_mut();
+                compiled_for!(level, folded.fold(plan, &table.lines, size, line_of));
+                GeometryIndex::PerSample
+            }
+        };
+        let folded: &Folded<T> = &self.folded;
+        let place = picked.is_none().then_some((begin, step, size));
+        let [pinned, doubled] = chunk::ways(plan, folded, geometry);
+        if pinned && (place.is_none() || self.pins != place) {
+            let group = long_sweep.pins.as_ref();
+            compiled_for!(level, chunk::find_pins(plan, drive, group, scratch, size));
+            self.pins = place;
+        }
+        if doubled && (place.is_none() || self.twice != place) {
+            compiled_for!(level, chunk::find_twice(drive, rotations, scratch, size));
+            self.twice = place;
+        }
+        // Picked samples have no place in the row: they are reduced at once.
+        let kept_from = if picked.is_some() { 0 } else { samples.start - part.samples.start };
+        let from = part.place + kept_from;
+        let direct = match target {
+            Target::Planes(planes) => T::direct(planes),
+            Target::Reduced(..) => None,
+        };
+        let is_direct = direct.is_some();
+        let mut views: Vec<&mut [T::Plane]> = match direct {
+            Some(planes) => planes.iter_mut().map(|plane| &mut plane[from..from + size]).collect(),
+            None => self.spare.iter_mut().map(|plane| &mut plane[..size]).collect(),
+        };
+        compiled_for!(
+            level,
+            chunk::run_motion(
+                plan, drive, rotations, folded, geometry, scratch, &mut views, size, kept_from
+            )
+        );
+        if let Some(load) = &plan.load {
+            for index in loads {
+                let (origin, step) = scratch.cursors[index];
+                if step != 0 {
+                    let (data, buffer) = (table.columns[index].data, &mut scratch.gathered[index]);
+                    gather(data, origin + samples.start * step, step, &mut buffer[..size]);
+                }
+            }
+            compiled_for!(
+                level,
+                chunk::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
+            );
+        }
+        match target {
+            _ if is_direct => {}
+            Target::Planes(planes) => {
+                for (plane, words) in planes.iter_mut().zip(&self.spare) {
+                    compiled_for!(level, convert(&words[..size], &mut plane[from..from + size]));
+                }
+            }
+            Target::Reduced(reduction, groups, partials) => {
+                let own = &mut partials[unit * groups.len()..(unit + 1) * groups.len()];
+                let mut plane = 0;
+                for (partial, &group) in own.iter_mut().zip(*groups) {
+                    let planes = &self.spare[plane..plane + group];
+                    compiled_for!(level, reduction.take(partial, planes, size));
+                    plane += group;
+                }
+            }
+        }
+    }
+
+    /// Fills the rest of a row from its first period.
+    fn repeat(&mut self, part: &RowPart, period: usize, planes: &mut [&mut [W]]) {
+        let length = part.samples.len();
+        for (i, plane) in planes.iter_mut().enumerate() {
+            if !self.plan.is_angle(i) {
+                let row = &mut plane[part.place..part.place + length];
+                let (first, rest) = row.split_at_mut(period);
+                for again in rest.chunks_mut(period) {
+                    if self.stopped() {
+                        return;
+                    }
+                    again.copy_from_slice(&first[..again.len()]);
+                }
+            }
+        }
+        let Some(sweep) = &self.table.sweep else { return };
+        let (origin, _) = self.scratch.cursors[ANGLE];
+        let angles = self.plan.shafts.iter().filter_map(|step| step.angle);
+        for (slot, plane) in angles.enumerate() {
+            let mut at = period;
+            while at < length && !self.stopped() {
+                let in_period = at % period;
+                let size = (period - in_period).min(length - at).min(self.chunk_length);
+                let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
+                let place = part.place + at..part.place + at + size;
+                let (scratch, level) = (&self.scratch, self.level);
+                if let Some(direct) = T::direct(planes) {
+                    let out = &mut direct[plane][place];
+                    compiled_for!(level, chunk::repeat_angle(scratch, slot, in_period, drive, out));
+                } else {
+                    let angles = &mut self.spare[plane][..size];
+                    compiled_for!(
+                        level,
+                        chunk::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
+                    );
+                    compiled_for!(level, convert(angles, &mut planes[plane][place]));
+                }
+                at += size;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn convert<V: Float, W: Float>(words: &[V], out: &mut [W]) {
+    for (out, &word) in out.iter_mut().zip(words) {
+        *out = W::near(word.into());
+    }
+}
+
+#[inline(always)]
+fn gather(data: &[f64], origin: usize, step: usize, buffer: &mut [f64]) {
+    match step {
+        0 => buffer.fill(data[origin]),
+        1 => buffer.copy_from_slice(&data[origin..origin + buffer.len()]),
+        _ => {
+            for (x, &value) in buffer.iter_mut().zip(data[origin..].iter().step_by(step)) {
+                *x = value;
+            }
+        }
+    }
+}

@@ -1,0 +1,518 @@
+//! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
+
+use crate::input::drivelines::Drivelines;
+use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
+use crate::mechanics::moment::Pose;
+use crate::number::Number;
+use crate::number::atan::AtanRange;
+use crate::number::float::Float;
+use crate::number::storage::{Column, View, ViewMut, views, views_mut};
+use crate::plan::steps::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
+use crate::run::fold::{Folded, GeometryIndex};
+use crate::run::map::{self, MotionFormula};
+use crate::run::scratch::Scratch;
+use crate::run::sink::{AfterArray, AfterSteps, AfterSweep};
+use crate::sincos::array::{self, Drive, Line, Sense, SinCos, SinCosBlocks, Twice};
+use crate::sincos::rotation::{Rotations, Swept};
+use crate::sincos::tangent_sum::TangentSum;
+
+/// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all
+/// samples share, so that they stay in registers, and once for constants of their own.
+macro_rules! with_constants {
+    ($geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
+        let constants = $constants;
+        match $geometry {
+            GeometryIndex::Shared(index) => {
+                let shared = constants(index);
+                let $at = move |_: usize| shared;
+                $body
+            }
+            GeometryIndex::PerSample => {
+                let $at = constants;
+                $body
+            }
+        }
+    }};
+}
+
+/// Sines and cosines of a chunk: the pins of the drive.
+#[inline(always)]
+pub(crate) fn find_pins<T: Number>(
+    plan: &Plan,
+    drive: Drive<'_>,
+    group: Option<&TangentSum<T>>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    let [sine, cosine] = views_mut(&mut scratch.pins, 0, size);
+    let coarse = plan.moderate;
+    match (drive, group) {
+        (Drive::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
+        _ if plan.needs_sense() => array::find::<Sense, T>(drive, coarse, sine, cosine),
+        _ => array::find::<Line, T>(drive, coarse, sine, cosine),
+    }
+}
+
+/// Those of twice the drive angle, or the groups that stand for them.
+#[inline(always)]
+pub(crate) fn find_twice<T: Number>(
+    drive: Drive<'_>,
+    rotations: Option<&Rotations<T>>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    let [sine, cosine] = &mut scratch.twice;
+    let (sine, cosine) = (sine.window_mut(0, size), cosine.window_mut(0, size));
+    let Some(rotations) = rotations else {
+        return array::find::<Twice, T>(drive, false, sine, cosine);
+    };
+    let groups = &mut scratch.groups;
+    groups.clear();
+    match drive {
+        Drive::Sweep(sweep, first) => rotations.group(sweep, first, size, 0, groups),
+        Drive::Picked(sweep, samples) => {
+            for (i, &sample) in samples.iter().enumerate() {
+                rotations.group(sweep, sample as usize, 1, i, groups);
+            }
+        }
+        Drive::Array(_) => {}
+    }
+    if T::LOW {
+        rotations.twice(groups, sine, cosine);
+    }
+}
+
+/// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
+#[inline(always)]
+pub(crate) fn ways<T: Number>(
+    plan: &Plan,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+) -> [bool; 2] {
+    let mut ways = [plan.needs_poses(), false];
+    for folded in plan.moving().filter_map(|step| folded.shafts[step.shaft].as_ref()) {
+        ways[usize::from(folded.is_doubled() && folded.range(geometry).is_moderate())] = true;
+    }
+    ways
+}
+
+/// Angles and rates of every shaft of the plan at one chunk.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
+pub(crate) fn run_motion<T: Number, W: Float>(
+    plan: &Plan,
+    drive: Drive<'_>,
+    rotations: Option<&Rotations<T>>,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [&mut [W]],
+    size: usize,
+    kept_from: usize,
+) {
+    let Scratch { pins, twice, groups, turned, rates, errors, .. } = scratch;
+    let pins = pins_of(pins, size);
+    let twice = pins_of(twice, size);
+    let mut errors = errors.iter_mut();
+    for step in &plan.shafts {
+        let mut none = Column::new(0);
+        let errors = step.angle.and_then(|_| errors.next()).unwrap_or(&mut none);
+        let errors = errors.window_mut(kept_from, size);
+        let rates = rates[step.shaft].each_mut();
+        let bent = step.shaft > plan.first_bent();
+        let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| bent) else {
+            run_drive_shaft::<T, W>(step, drive, rates, planes, size);
+            continue;
+        };
+        let range = shaft.range(geometry);
+        if !(shaft.is_doubled() && range.is_moderate()) {
+            let equivalents = shaft.equivalents(geometry, size);
+            with_constants!(geometry, |i| equivalents.get(i), at => {
+                let mut pins = pins;
+                if step.shaft > 1 {
+                    let [sine, cosine] = views_mut(turned, 0, size);
+                    array::turn(|i| at(i).1, pins, sine, cosine);
+                    pins = pins_of(turned, size);
+                }
+                let at = |i| at(i).0;
+                run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
+            });
+            continue;
+        }
+        let ideals = shaft.ideals(geometry, size);
+        if let (false, Some(rotations), GeometryIndex::Shared(index)) =
+            (T::LOW, rotations, geometry)
+        {
+            let ideal = ideals.get(index);
+            let swept = Swept::new(rotations, groups, ideal.q);
+            let at = |_| ideal.with_parts::<0>();
+            run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
+            continue;
+        }
+        if !T::DOUBLED {
+            continue;
+        }
+        if step.shaft == 1 {
+            with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
+                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+            });
+        } else {
+            with_constants!(geometry, |i| ideals.get(i), at => {
+                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+            });
+        }
+    }
+    for (step, poses) in plan.joints.iter().zip(&folded.poses) {
+        if !step.needs_tilt() {
+            continue;
+        }
+        let poses = &poses[..geometry.count(size)];
+        with_constants!(geometry, |i: usize| poses[i], at => {
+            if let Some(plane) = step.tilt_driving {
+                map::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
+            }
+            if let Some(plane) = step.tilt_driven {
+                map::tilt(at, Pose::tilt_driven, pins, &mut *planes[plane]);
+            }
+        });
+    }
+}
+
+#[inline(always)]
+fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> SinCos<'_, T> {
+    let size = if sine.is_empty() { 0 } else { size };
+    SinCos { sine: sine.view(size).cut(size), cosine: cosine.view(size).cut(size) }
+}
+
+/// The angle of the shaft in this slot at a later period, from the errors of the first.
+#[inline(always)]
+pub(crate) fn repeat_angle<T: Number, W: Float>(
+    scratch: &Scratch<T>,
+    slot: usize,
+    first: usize,
+    drive: Drive<'_>,
+    out: &mut [W],
+) {
+    map::add_drive(drive, scratch.errors[slot].part(first, out.len()), out);
+}
+
+/// A shaft with no bent joint before it turns with the drive.
+#[inline(always)]
+fn run_drive_shaft<T: Number, W: Float>(
+    step: &ShaftStep,
+    drive: Drive<'_>,
+    [ratio, acceleration]: [&mut Column<T>; 2],
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    if let Some(plane) = step.angle {
+        map::drive_angle::<T, W>(drive, &mut *planes[plane]);
+    }
+    let constants =
+        [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
+    for (plane, value) in constants {
+        if let Some(plane) = plane {
+            map::constant::<T>(value, drive, &mut *planes[plane]);
+        }
+    }
+    if step.keep_ratio {
+        map::constant::<T>(1.0, drive, ratio.view_mut(size));
+    }
+    if step.keep_acceleration {
+        map::constant::<T>(0.0, drive, acceleration.view_mut(size));
+    }
+}
+
+/// Every output of one shaft, each written straight to its plane; what the load or a later period
+/// reads as well goes by way of a buffer.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
+fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
+    step: &ShaftStep,
+    range: AtanRange,
+    at: impl Fn(usize) -> S + Copy,
+    drive: Drive<'_>,
+    pins: P,
+    [ratio, acceleration]: [&mut Column<T>; 2],
+    mut errors: ViewMut<'_, T>,
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    let together = step.together().filter(|_| S::MODERATE && range.is_moderate());
+    if let Some([rotation, ratio, acceleration]) = together {
+        let [rotation, ratio, acceleration] = planes
+            .get_disjoint_mut([rotation, ratio, acceleration])
+            .expect("a plan gives every output planes of its own");
+        let rates: [&mut [W]; 2] = [ratio, acceleration];
+        match drive {
+            _ if step.angle.is_none() => {
+                map::motion(range, at, pins, &mut **rotation, rates);
+            }
+            Drive::Array(angle) => {
+                let out = AfterArray(&angle[..size], rotation);
+                map::motion(range, at, pins, out, rates);
+            }
+            Drive::Sweep(sweep, first) if P::SWEPT => {
+                let out = AfterSteps::new(sweep, first, pins.turns(), rotation);
+                map::motion(range, at, pins, out, rates);
+            }
+            Drive::Sweep(sweep, first) if errors.is_empty() => {
+                let out = AfterSweep(sweep, first, rotation);
+                map::motion(range, at, pins, out, rates);
+            }
+            _ => {
+                map::motion(range, at, pins, errors.again(), rates);
+                map::add_drive(drive, errors.view(), rotation);
+            }
+        }
+        return;
+    }
+    if let Some(plane) = step.angle_error {
+        map::angle_error(range, at, pins, &mut *planes[plane]);
+    }
+    if let Some(plane) = step.angle {
+        let out = &mut *planes[plane];
+        match drive {
+            Drive::Array(angle) => {
+                map::angle_error(range, at, pins, AfterArray(&angle[..size], out));
+            }
+            Drive::Sweep(sweep, first) if P::SWEPT => {
+                let out = AfterSteps::new(sweep, first, pins.turns(), out);
+                map::angle_error(range, at, pins, out);
+            }
+            Drive::Sweep(sweep, first) if errors.is_empty() => {
+                map::angle_error(range, at, pins, AfterSweep(sweep, first, out));
+            }
+            _ => {
+                map::angle_error(range, at, pins, errors.again());
+                map::add_drive(drive, errors.view(), out);
+            }
+        }
+    }
+    let mut wanted = (step.speed_ratio, step.acceleration_ratio);
+    if step.keep_acceleration {
+        map::rates(at, pins, ratio.view_mut(size), acceleration.view_mut(size));
+        if let Some(plane) = wanted.1.take() {
+            map::copy::<T>(acceleration.view(size), &mut *planes[plane]);
+        }
+    } else if step.keep_ratio {
+        map::speed_ratio(at, pins, ratio.view_mut(size));
+    }
+    if step.keep_ratio
+        && let Some(plane) = wanted.0.take()
+    {
+        map::copy::<T>(ratio.view(size), &mut *planes[plane]);
+    }
+    match wanted {
+        (Some(ratio), None) => map::speed_ratio(at, pins, &mut *planes[ratio]),
+        (None, Some(acceleration)) => {
+            map::acceleration_ratio(at, pins, &mut *planes[acceleration]);
+        }
+        (Some(ratio), Some(acceleration)) => {
+            let [ratio, acceleration] = planes
+                .get_disjoint_mut([ratio, acceleration])
+                .expect("a plan gives every output planes of its own");
+            map::rates(at, pins, &mut **ratio, &mut **acceleration);
+        }
+        (None, None) => {}
+    }
+}
+
+/// Torques and moments at one chunk: the power travels from the end where the torque is given.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
+pub(crate) fn run_load<T: Number, W: Float>(
+    plan: &Plan,
+    load: &LoadStep,
+    table: &Table<'_>,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
+    let column = |index: usize| &gathered[index][..size];
+    let pins = pins_of(pins, size);
+    let ratio = |shaft: usize| rates[shaft][0].view(size);
+    let bent = plan.first_bent();
+    let first = match load.end {
+        End::Drive => None,
+        End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
+    };
+    map::spread(column(TORQUE), first, power.view_mut(size));
+    for station in &load.stations {
+        let absorb = |sign: f64, power: ViewMut<'_, T>| {
+            if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
+                let drive = [column(inertia), column(SPEED), column(ACCELERATION)];
+                let acceleration = rates[station.shaft][1].view(size);
+                map::absorb(sign, drive, ratio(station.shaft), acceleration, power);
+            }
+        };
+        if load.end == End::Output {
+            absorb(1.0, power.view_mut(size));
+        }
+        if let Some(plane) = station.torque {
+            let torque = &mut *planes[plane];
+            if station.shaft > bent {
+                map::divide::<T>(power.view(size), ratio(station.shaft), torque);
+            } else {
+                map::copy::<T>(power.view(size), torque);
+            }
+        }
+        if station.torsion {
+            let joint = station.shaft - 1;
+            let torsion = if joint > bent {
+                map::divide(power.view(size), ratio(joint), torsion.view_mut(size));
+                torsion.view(size)
+            } else {
+                power.view(size)
+            };
+            let step = &plan.joints[joint];
+            let poses = &folded.poses[joint][..geometry.count(size)];
+            with_constants!(geometry, |i: usize| poses[i], at => {
+                run_bending(step, at, pins, torsion, planes);
+                if step.needs_support() {
+                    map::parts(at, pins, torsion, views_mut(parts, 0, size));
+                }
+            });
+            let plane = match geometry {
+                GeometryIndex::Shared(index) => poses[index].plane(),
+                GeometryIndex::PerSample => None,
+            };
+            if let Some(axes) = plane {
+                let at = |i: usize| poses[i].seen_along(axes);
+                with_constants!(geometry, at, at => {
+                    run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
+                    run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
+                });
+            } else {
+                with_constants!(geometry, |i: usize| poses[i], at => {
+                    run_moment::<false, T, W>(step, at, AXES, pins, torsion, planes);
+                    run_supports::<false, T, W>(step, at, AXES, parts, support, planes, size);
+                });
+            }
+        }
+        if load.end == End::Drive {
+            absorb(-1.0, power.view_mut(size));
+        }
+    }
+}
+
+/// The sizes of a joint's bending moments.
+#[inline(always)]
+fn run_bending<T: Number, W: Float>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T> + Copy,
+    pins: SinCos<'_, T>,
+    torsion: View<'_, T>,
+    planes: &mut [&mut [W]],
+) {
+    if let Some(plane) = step.bending_driving {
+        let out = &mut *planes[plane];
+        map::size::<T>(at, Pose::bending_driving, pins, torsion, out);
+    }
+    if let Some(plane) = step.bending_driven {
+        let out = &mut *planes[plane];
+        map::size::<T>(at, Pose::bending_driven, pins, torsion, out);
+    }
+}
+
+const AXES: [usize; 3] = [0, 1, 2];
+
+/// The moment that a joint passes on, from a pose seen along these axes.
+#[inline(always)]
+fn run_moment<const PLANAR: bool, T: Number, W: Float>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T>,
+    axes: [usize; 3],
+    pins: SinCos<'_, T>,
+    torsion: View<'_, T>,
+    planes: &mut [&mut [W]],
+) {
+    if let Some(plane) = step.moment {
+        let out = vector(planes, plane, axes);
+        map::moment::<PLANAR, T>(at, pins, torsion, out);
+    }
+}
+
+/// The joint's part of the support moments of its shafts, from the parts of its torsion.
+#[inline(always)]
+fn run_supports<const PLANAR: bool, T: Number, W: Float>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T> + Copy,
+    axes: [usize; 3],
+    parts: &[Column<T>; 3],
+    support: &mut [Column<T>; 3],
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    // The shaft that the load leaves is complete before the part of the next one is kept.
+    for step in step.support.iter().flatten() {
+        let [sine2, cosine2, product] = views(parts, size);
+        let numbers = [if step.driving { sine2 } else { cosine2 }, product];
+        let [x, y, z] = axes;
+        run_support::<PLANAR, 0, T, W>(step, at, x, numbers, &mut support[x], planes);
+        run_support::<PLANAR, 1, T, W>(step, at, y, numbers, &mut support[y], planes);
+        run_support::<PLANAR, 2, T, W>(step, at, z, numbers, &mut support[z], planes);
+    }
+}
+
+/// One component of it: along the axis `axis` of space.
+#[inline(always)]
+fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
+    step: &Support,
+    at: impl Fn(usize) -> Pose<T>,
+    axis: usize,
+    numbers: [View<'_, T>; 2],
+    kept: &mut Column<T>,
+    planes: &mut [&mut [W]],
+) {
+    let &Support { driving, plane, first, last } = step;
+    let (size, none) = (numbers[0].len(), |_: usize| None);
+    let out = &mut *planes[plane + axis];
+    match (first, last) {
+        (true, true) => map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out),
+        (true, false) => {
+            let kept = kept.view_mut(size);
+            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, kept);
+        }
+        (false, _) => {
+            let kept = kept.view(size).cut(size);
+            let before = |i: usize| Some(kept.get(i));
+            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, before, out);
+        }
+    }
+}
+
+/// The planes of a vector's components along these axes.
+#[inline(always)]
+fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> [&'a mut [W]; 3] {
+    let found = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
+    found.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
+}
+
+impl Plan {
+    /// Terms of vectors that vanish all over the first driveline, because of where it lies.
+    pub(crate) fn vanishing(&self, lines: &Drivelines<'_>) -> Vec<String> {
+        let mut folded = Folded::<f64>::new(self, 1, false, false);
+        folded.fold(self, lines, 1, |_| 0);
+        let mut vanishing = vec![];
+        for (j, step) in self.joints.iter().enumerate() {
+            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane) else {
+                continue;
+            };
+            let plane = ["yz", "zx", "xy"][normal];
+            let why = format!("zero because its shafts lie along the {plane} plane");
+            if step.moment.is_some() {
+                vanishing.push(format!("joint {j}: 4 of the moment's 9 terms, {why}"));
+            }
+            for support in step.support.iter().flatten() {
+                let shaft = if support.driving { j } else { j + 1 };
+                let what = format!("3 of 6 terms of its part of shaft {shaft}'s support");
+                vanishing.push(format!("joint {j}: {what}, {why}"));
+            }
+        }
+        vanishing
+    }
+}

@@ -1,0 +1,47 @@
+//! Samples of a sweep near the extremes of a row, which decide its smallest and largest values.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::ops::Range;
+
+use crate::input::sweep::Sweep;
+use crate::mechanics::extremes::ExtremaLocator;
+use crate::plan::steps::ShaftStep;
+
+/// The samples of a sweep beside the extremes of the shafts, and both ends; `None` if there are too
+/// many to repay it: each finds its own sine and cosine, which rows have in common otherwise.
+pub(crate) fn samples_near_extrema<'a>(
+    sweep: &Sweep,
+    samples: Range<usize>,
+    shafts: impl Iterator<Item = (&'a ShaftStep, ExtremaLocator)>,
+) -> Option<Vec<f64>> {
+    const EXTREMES: usize = 6;
+    const SAMPLES_PER_CANDIDATE: usize = 64;
+    let [first, last] = [samples.start, samples.end - 1].map(|i| sweep.angle(i as f64).value());
+    let half_turns = ((last - first).abs() / PI) as usize + 2;
+    let mut found = vec![samples.start as f64, (samples.end - 1) as f64];
+    if found.len() * SAMPLES_PER_CANDIDATE > samples.len() {
+        return None;
+    }
+    // Half turns do not matter, and the remainder has more digits than a far angle.
+    let (remainder, quadrant) = sweep.reduction().of(samples.start as f64);
+    let first = remainder.value() + (quadrant & 1) as f64 * FRAC_PI_2;
+    for (step, extrema_locator) in shafts {
+        if (half_turns * EXTREMES * 2 + found.len()) * SAMPLES_PER_CANDIDATE > samples.len() {
+            return None;
+        }
+        let wanted = [step.angle_error, step.speed_ratio, step.acceleration_ratio];
+        for angle in extrema_locator.angles(wanted.map(|plane| plane.is_some())) {
+            // The first one at or after the start, in the sense of the sweep.
+            let width = sweep.step() / PI;
+            let offset = (angle - first) / PI;
+            let turns = if width > 0.0 { offset - offset.floor() } else { offset - offset.ceil() };
+            for half_turn in 0..half_turns {
+                let ahead = turns + (half_turn as f64).copysign(width);
+                let beside = samples.start as f64 + (ahead / width).floor();
+                let inside = |&i: &f64| i >= samples.start as f64 && i < samples.end as f64;
+                found.extend([beside, beside + 1.0].into_iter().filter(inside));
+            }
+        }
+    }
+    Some(found)
+}

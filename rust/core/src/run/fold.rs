@@ -1,0 +1,472 @@
+//! The constants that a plan needs of its drivelines.
+//!
+//! Drivelines are folded many at a time, joint by joint over all of them, so that folding
+//! vectorises as the kernels do: a batch of geometry_variation, or a geometry that changes with the angle.
+#![allow(clippy::needless_range_loop, reason = "as in the kernels")]
+
+use crate::input::drivelines::Drivelines;
+use crate::mechanics::chain::{self, Complex, Equivalent, Transfer};
+use crate::mechanics::extremes::ExtremaLocator;
+use crate::mechanics::geometry::Vector;
+use crate::mechanics::joint::{Joint, JointConstants};
+use crate::mechanics::moment::Pose;
+use crate::mechanics::transmission::Ideal;
+use crate::number::atan::AtanRange;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Real;
+use crate::number::storage::{Column, View, columns, views, views_mut};
+use crate::number::trig::{self, Angle};
+use crate::plan::steps::Plan;
+
+/// Drivelines that are folded together: their running maps stay in the first-level cache.
+const LANES: usize = 64;
+
+/// The constants of a run of drivelines.
+#[derive(Clone, Debug)]
+pub(crate) struct Folded<T: Angle> {
+    /// Per shaft, where the plan needs it; shaft 0 needs nothing.
+    pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
+    /// Per joint, empty where the plan does not need it.
+    pub(crate) poses: Vec<Vec<Pose<T>>>,
+    maps: Maps,
+    turns: Turns,
+}
+
+/// The constants of one shaft, one set per driveline: an equivalent joint, or what goes by twice the drive
+/// angle as long as bends are moderate.
+#[derive(Clone, Debug)]
+pub(crate) struct FoldedShaft<T: Angle> {
+    /// The largest tangents in reach.
+    bound: AtanRange,
+    ideals: [Column<T>; 5],
+    equivalents: [Column<T>; 7],
+}
+
+impl<T: Angle> FoldedShaft<T> {
+    /// Room for so many; a geometry `by_sample` goes one way at all samples.
+    fn new(bound: AtanRange, length: usize, by_sample: bool, doubled: bool) -> Self {
+        let moderate = bound.is_moderate();
+        let steep = !doubled || !moderate;
+        let doubled = doubled && (moderate || !by_sample);
+        let size = |needed: bool| if needed { length } else { 0 };
+        Self { bound, ideals: columns(size(doubled)), equivalents: columns(size(steep)) }
+    }
+
+    /// The largest tangents that the samples of a chunk reach.
+    #[inline(always)]
+    pub(crate) fn range(&self, geometry: GeometryIndex) -> AtanRange {
+        match geometry {
+            GeometryIndex::Shared(index) if self.is_doubled() => {
+                self.ideals(geometry, 0).get(index).range().min(self.bound)
+            }
+            GeometryIndex::Shared(index) => self.equivalents(geometry, 0).get(index).0.range(),
+            GeometryIndex::PerSample => self.bound,
+        }
+    }
+
+    /// Whether moderate bends go by twice the drive angle.
+    #[inline(always)]
+    pub(crate) fn is_doubled(&self) -> bool {
+        !self.ideals[0].is_empty()
+    }
+
+    /// What the extremes of one of them need.
+    pub(crate) fn extrema_locator(&self, index: usize) -> ExtremaLocator {
+        let geometry = GeometryIndex::Shared(index);
+        if self.is_doubled() {
+            let [re, im]: [f64; 2] =
+                self.ideals(geometry, 0).get(index).q.map(|x| x.value().into());
+            return ExtremaLocator { twice_offset: -im.atan2(re), k: re.hypot(im) };
+        }
+        let (joint, turn) = self.equivalents(geometry, 0).get(index);
+        let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
+        let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
+        ExtremaLocator { twice_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
+    }
+
+    /// The constants by twice the drive angle.
+    #[inline(always)]
+    pub(crate) fn ideals(&self, geometry: GeometryIndex, size: usize) -> IdealColumns<'_, T> {
+        IdealColumns(views(&self.ideals, geometry.count(size)))
+    }
+
+    /// The equivalent joints.
+    #[inline(always)]
+    pub(crate) fn equivalents(
+        &self,
+        geometry: GeometryIndex,
+        size: usize,
+    ) -> EquivalentColumns<'_, T> {
+        EquivalentColumns(views(&self.equivalents, geometry.count(size)))
+    }
+
+    /// Joints on the drive shaft, whose pin has no turn.
+    #[inline(always)]
+    fn set_moderate(&mut self, start: usize, bends: &[f64]) {
+        let length = bends.len();
+        let [cos, cos2, sin2, versine, ..] = views_mut(&mut self.equivalents, start, length);
+        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
+        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
+        for i in 0..length {
+            let joint = JointConstants::<T>::of_moderate_bend(bends[i]);
+            cos.set(i, joint.cos);
+            cos2.set(i, joint.cos2);
+            sin2.set(i, joint.sin2);
+            versine.set(i, joint.versine);
+        }
+    }
+
+    #[inline(always)]
+    fn set<L>(&mut self, start: usize, length: usize, source: &L)
+    where
+        L: Lane<Ideal<DoubleDouble>> + Lane<Equivalent<DoubleDouble>>,
+    {
+        if !self.ideals[0].is_empty() {
+            let [re, im, mean, complement, gain] = views_mut(&mut self.ideals, start, length);
+            let (mut re, mut im) = (re.cut(length), im.cut(length));
+            let (mut mean, mut complement) = (mean.cut(length), complement.cut(length));
+            let mut gain = gain.cut(length);
+            for i in 0..length {
+                let ideal: Ideal<DoubleDouble> = source.at(i);
+                let ideal = Ideal::<T>::nearest(&ideal);
+                re.set(i, ideal.q[0]);
+                im.set(i, ideal.q[1]);
+                mean.set(i, ideal.mean);
+                complement.set(i, ideal.complement);
+                gain.set(i, ideal.gain);
+            }
+        }
+        if self.equivalents[0].is_empty() {
+            return;
+        }
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
+            views_mut(&mut self.equivalents, start, length);
+        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
+        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
+        let mut inverse_exsecant = inverse_exsecant.cut(length);
+        let (mut turn_cos, mut turn_sin) = (turn_cos.cut(length), turn_sin.cut(length));
+        for i in 0..length {
+            let equivalent: Equivalent<DoubleDouble> = source.at(i);
+            let joint = JointConstants::<T>::nearest(&equivalent.joint);
+            cos.set(i, joint.cos);
+            cos2.set(i, joint.cos2);
+            sin2.set(i, joint.sin2);
+            versine.set(i, joint.versine);
+            inverse_exsecant.set(i, joint.inverse_exsecant);
+            turn_cos.set(i, T::from_double_double(equivalent.turn_cos));
+            turn_sin.set(i, T::from_double_double(equivalent.turn_sin));
+        }
+    }
+}
+
+/// Which of the folded drivelines the samples of a chunk have.
+#[derive(Clone, Copy)]
+pub(crate) enum GeometryIndex {
+    /// All samples share this one of the folded drivelines.
+    Shared(usize),
+    /// Each sample has its own.
+    PerSample,
+}
+
+impl GeometryIndex {
+    /// How many of the folded drivelines that takes for so many samples.
+    #[inline(always)]
+    pub(crate) fn count(self, size: usize) -> usize {
+        match self {
+            Self::Shared(index) => index + 1,
+            Self::PerSample => size,
+        }
+    }
+}
+
+/// A run of constants by twice the drive angle to read.
+#[derive(Clone, Copy)]
+pub(crate) struct IdealColumns<'a, T: Real>([View<'a, T>; 5]);
+
+impl<T: Real> IdealColumns<'_, T> {
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> Ideal<T> {
+        let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
+        Ideal { q: [re, im], mean, complement, gain }
+    }
+}
+
+/// A run of equivalent joints to read.
+#[derive(Clone, Copy)]
+pub(crate) struct EquivalentColumns<'a, T: Real>([View<'a, T>; 7]);
+
+impl<T: Real> EquivalentColumns<'_, T> {
+    /// The constants of the joint, cosine and sine of its turn.
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
+            self.0.each_ref().map(|view| view.get(i));
+        (JointConstants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
+    }
+}
+
+/// The running maps of the drivelines that are folded together.
+#[derive(Clone, Debug)]
+struct Maps {
+    a: [Column<DoubleDouble>; 2],
+    b: [Column<DoubleDouble>; 2],
+    complement: Column<DoubleDouble>,
+}
+
+impl Maps {
+    fn new(lanes: usize) -> Self {
+        Self { a: columns(lanes), b: columns(lanes), complement: Column::new(lanes) }
+    }
+
+    #[inline(always)]
+    fn read(&self, length: usize) -> Read<'_> {
+        let [a_re, a_im] = views(&self.a, length);
+        let [b_re, b_im] = views(&self.b, length);
+        Read([a_re, a_im, b_re, b_im, self.complement.view(length)])
+    }
+
+    /// Each map by what `step` makes of it.
+    #[inline(always)]
+    fn update(&mut self, length: usize, step: &impl Step) {
+        let ([a_re, a_im], [b_re, b_im]) =
+            (views_mut(&mut self.a, 0, length), views_mut(&mut self.b, 0, length));
+        let (mut a_re, mut a_im) = (a_re.cut(length), a_im.cut(length));
+        let (mut b_re, mut b_im) = (b_re.cut(length), b_im.cut(length));
+        let mut complement = self.complement.view_mut(length).cut(length);
+        for i in 0..length {
+            let mut transfer = Transfer {
+                a: Complex::new(a_re.get(i), a_im.get(i)),
+                b: Complex::new(b_re.get(i), b_im.get(i)),
+                complement: complement.get(i),
+            };
+            step.take(i, &mut transfer);
+            a_re.set(i, transfer.a.re);
+            a_im.set(i, transfer.a.im);
+            b_re.set(i, transfer.b.re);
+            b_im.set(i, transfer.b.im);
+            complement.set(i, transfer.complement);
+        }
+    }
+}
+
+// What happens in a lane is a method and not a closure: a closure so large would be compiled by
+// itself, without the instruction set of the loop that calls it.
+
+/// Something that there is in each lane.
+trait Lane<T> {
+    fn at(&self, i: usize) -> T;
+}
+
+/// A step that every lane takes.
+trait Step {
+    fn take(&self, i: usize, transfer: &mut Transfer);
+}
+
+/// The running maps.
+struct Read<'a>([View<'a, DoubleDouble>; 5]);
+
+impl Lane<Transfer> for Read<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Transfer {
+        let [a_re, a_im, b_re, b_im, complement] = self.0.each_ref().map(|view| view.get(i));
+        Transfer { a: Complex::new(a_re, a_im), b: Complex::new(b_re, b_im), complement }
+    }
+}
+
+impl Lane<Ideal<DoubleDouble>> for Read<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Ideal<DoubleDouble> {
+        let transfer: Transfer = self.at(i);
+        transfer.ideal()
+    }
+}
+
+impl Lane<Equivalent<DoubleDouble>> for Read<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
+        let transfer: Transfer = self.at(i);
+        transfer.equivalent()
+    }
+}
+
+/// First joints, by their bends.
+struct First<'a>(&'a [f64]);
+
+impl Lane<Ideal<DoubleDouble>> for First<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Ideal<DoubleDouble> {
+        Ideal::of_joint(self.0[i])
+    }
+}
+
+impl Lane<Equivalent<DoubleDouble>> for First<'_> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
+        Equivalent::of_joint(Joint::with_error_terms(self.0[i]))
+    }
+}
+
+/// Back to the drive shaft.
+struct Start;
+
+impl Step for Start {
+    #[inline(always)]
+    fn take(&self, _: usize, transfer: &mut Transfer) {
+        *transfer = Transfer::default();
+    }
+}
+
+/// Past a joint, by its bend.
+struct PassJoint<'a>(&'a [f64]);
+
+impl Step for PassJoint<'_> {
+    #[inline(always)]
+    fn take(&self, i: usize, transfer: &mut Transfer) {
+        transfer.pass_joint(&Joint::with_error_terms(self.0[i]));
+    }
+}
+
+/// Past a shaft, by its turn.
+struct PassShaft<'a>([View<'a, DoubleDouble>; 2]);
+
+impl Step for PassShaft<'_> {
+    #[inline(always)]
+    fn take(&self, i: usize, transfer: &mut Transfer) {
+        let [re, im] = self.0.each_ref().map(|view| view.get(i));
+        transfer.pass_shaft(Complex::new(re, im));
+    }
+}
+
+/// The turns of intermediate shafts, one per driveline.
+#[derive(Clone, Debug)]
+struct Turns([Column<DoubleDouble>; 2]);
+
+impl Turns {
+    #[inline(always)]
+    fn find(&mut self, phases: &[f64], twists: &[f64]) {
+        let length = phases.len();
+        let (phases, twists) = (&phases[..length], &twists[..length]);
+        let [re, im] = views_mut(&mut self.0, 0, length);
+        let (mut re, mut im) = (re.cut(length), im.cut(length));
+        let far = trig::any_far(phases.iter().chain(twists).copied());
+        for i in 0..length {
+            let turn = chain::near_shaft_turn(phases[i], twists[i]);
+            re.set(i, turn.re);
+            im.set(i, turn.im);
+        }
+        if far {
+            for i in 0..length {
+                let turn = chain::shaft_turn(phases[i], twists[i]);
+                re.set(i, turn.re);
+                im.set(i, turn.im);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn read(&self, length: usize) -> PassShaft<'_> {
+        PassShaft(views(&self.0, length))
+    }
+}
+
+impl<T: Angle> Folded<T> {
+    /// Room for a run of so many drivelines, of different rows or of different samples; moderate bends
+    /// may go by twice the drive angle.
+    pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool, doubled: bool) -> Self {
+        let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
+        let (maps, turns) = (Maps::new(lanes), Turns(columns(lanes)));
+        let mut shafts: Vec<_> = (0..=plan.joint_count).map(|_| None).collect();
+        for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
+            let bound = plan.range(step.shaft);
+            shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample, doubled));
+        }
+        Self { shafts, poses: vec![vec![]; plan.joint_count], maps, turns }
+    }
+
+    /// Folds `count` drivelines, of which `line_of(i)` is the index, each once up to the last shaft
+    /// that the plan needs.
+    #[inline(always)]
+    pub(crate) fn fold(
+        &mut self,
+        plan: &Plan,
+        lines: &Drivelines<'_>,
+        count: usize,
+        line_of: impl Fn(usize) -> usize,
+    ) {
+        self.poses.iter_mut().for_each(Vec::clear);
+        for start in (0..count).step_by(LANES) {
+            let length = LANES.min(count - start);
+            self.fold_lanes(plan, lines, start, length, |i| line_of(start + i));
+        }
+    }
+
+    #[inline(always)]
+    fn fold_lanes(
+        &mut self,
+        plan: &Plan,
+        lines: &Drivelines<'_>,
+        start: usize,
+        length: usize,
+        line_of: impl Fn(usize) -> usize,
+    ) {
+        let n = plan.joint_count;
+        let Self { shafts, poses, maps, turns } = self;
+        let mut bends = [0.0; LANES];
+        let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
+        let first = line_of(0);
+        let side_by_side = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
+        let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
+            if each == 1 && side_by_side {
+                out.copy_from_slice(&data[first..first + out.len()]);
+                return;
+            }
+            for (i, x) in out.iter_mut().enumerate() {
+                *x = data[line_of(i) * each + j];
+            }
+        };
+        for j in 0..plan.reach() {
+            gather(lines.bends, n, j, &mut bends[..length]);
+            let bends = &bends[..length];
+            if j == 0 && !plan.is_joint() {
+                maps.update(length, &Start);
+            } else if j > 0 {
+                gather(lines.phases, n - 1, j - 1, &mut phases[..length]);
+                gather(lines.twists, n - 1, j - 1, &mut twists[..length]);
+                turns.find(&phases[..length], &twists[..length]);
+                maps.update(length, &turns.read(length));
+            }
+            if plan.needs_pose(j) {
+                let maps = maps.read(length);
+                poses[j].extend((0..length).map(|i| {
+                    let line = line_of(i);
+                    let u_in = vector(lines.directions, line * (n + 1) + j);
+                    let normal = vector(lines.normals, line * n + j);
+                    let joint = Joint::with_error_terms(bends[i]);
+                    Pose::new(&maps.at(i), &joint, u_in, normal)
+                }));
+            }
+            if j == 0
+                && let Some(shaft) = &mut shafts[1]
+            {
+                if shaft.bound.is_moderate() && !shaft.is_doubled() {
+                    shaft.set_moderate(start, bends);
+                } else {
+                    shaft.set(start, length, &First(bends));
+                }
+            }
+            if plan.reach() == 1 {
+                return;
+            }
+            maps.update(length, &PassJoint(bends));
+            if j > 0
+                && let Some(shaft) = &mut shafts[j + 1]
+            {
+                shaft.set(start, length, &maps.read(length));
+            }
+        }
+    }
+}
+
+fn vector(flat: &[f64], index: usize) -> Vector {
+    Vector::from_column_slice(&flat[3 * index..3 * index + 3])
+}

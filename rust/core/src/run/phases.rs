@@ -1,0 +1,69 @@
+//! The phases closest to constant velocity for a batch of drivelines, on many threads.
+
+use rayon::prelude::*;
+
+use crate::mechanics::phasing::{find, is_set};
+use crate::run::execution::Execution;
+
+/// Drivelines that a thread takes at a time, and the fewest such pieces that use threads.
+const PIECE: usize = 64;
+const MIN_PARALLEL_PIECES: usize = 16;
+
+/// [`crate::mechanics::phasing::optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases.
+pub fn optimal_phases_of_batch(
+    joints: usize,
+    bends: &[f64],
+    twists: &[f64],
+    phases: &mut [f64],
+    execution: Execution<'_>,
+) {
+    let between = joints.saturating_sub(1);
+    if between == 0 {
+        return;
+    }
+    let Execution { workers, stop, .. } = execution;
+    let run = |(i, phases): (usize, &mut [f64])| {
+        let lines = phases.chunks_mut(between).zip(twists.chunks(between).skip(i * PIECE));
+        for ((phases, twists), bends) in lines.zip(bends.chunks(joints).skip(i * PIECE)) {
+            if !is_set(stop) {
+                phases.copy_from_slice(&find(bends, twists, phases, stop));
+            }
+        }
+    };
+    let size = PIECE.saturating_mul(between);
+    let pieces = phases.len().div_ceil(size);
+    if workers == Some(1) || pieces < MIN_PARALLEL_PIECES {
+        phases.chunks_mut(size).enumerate().for_each(run);
+    } else {
+        let least = workers.map_or(1, |workers| pieces.div_ceil(workers.max(1)));
+        phases.par_chunks_mut(size).enumerate().with_min_len(least).for_each(run);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    use crate::mechanics::phasing::optimal_phases;
+
+    #[test]
+    fn threads_share_a_batch() {
+        let all = |each: usize, step: f64| -> Vec<f64> {
+            (0..2500 * each).map(|i| 0.1 + step * i as f64).collect()
+        };
+        let (bends, twists) = (all(3, 1e-4), all(2, -3e-4));
+        let given = all(2, 2e-4);
+        let run = |workers: Option<usize>, stop: Option<&AtomicBool>| {
+            let mut phases = given.clone();
+            let execution = Execution { workers, stop, ..Execution::default() };
+            optimal_phases_of_batch(3, &bends, &twists, &mut phases, execution);
+            phases
+        };
+        let alone = run(Some(1), None);
+        assert_eq!(alone[4998..], optimal_phases(&bends[7497..], &twists[4998..], &given[4998..]));
+        assert_eq!(alone, run(None, None));
+        assert_eq!(alone, run(Some(2), Some(&AtomicBool::new(false))));
+        assert_eq!(given, run(None, Some(&AtomicBool::new(true))));
+    }
+}

@@ -1,0 +1,121 @@
+//! Reducing a row of samples as it is found, without keeping it.
+
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
+use crate::plan::reduction::Reduction;
+
+/// Running results that are found side by side.
+const LANES: usize = 16;
+
+impl Reduction {
+    /// What a row begins with.
+    pub(crate) fn start(self) -> DoubleDouble {
+        DoubleDouble::exact(match self {
+            Self::Min => f64::INFINITY,
+            Self::Max => f64::NEG_INFINITY,
+            Self::Mean | Self::Rms | Self::Peak => 0.0,
+        })
+    }
+
+    /// Takes in the first numbers of a plane, or of the three planes of a vector.
+    #[inline(always)]
+    pub(crate) fn take<W: Float>(
+        self,
+        partial: &mut DoubleDouble,
+        planes: &[Vec<W>],
+        length: usize,
+    ) {
+        let words = |plane: usize| &planes[plane][..length];
+        let first = words(0);
+        let one = |i: usize| -> f64 { first[i].into() };
+        match self {
+            Self::Min => {
+                let found = fold(length, f64::INFINITY, one, smaller);
+                partial.high = smaller(partial.high, found);
+            }
+            Self::Max => {
+                let found = fold(length, f64::NEG_INFINITY, one, larger);
+                partial.high = larger(partial.high, found);
+            }
+            Self::Peak => {
+                let found = if planes.len() == 3 {
+                    let (y, z) = (words(1), words(2));
+                    let square = |i: usize| {
+                        let [x, y, z]: [f64; 3] = [first[i].into(), y[i].into(), z[i].into()];
+                        x.mul_add(x, y.mul_add(y, z * z))
+                    };
+                    fold(length, 0.0, square, larger).sqrt()
+                } else {
+                    fold(length, 0.0, |i| one(i).abs(), larger)
+                };
+                partial.high = larger(partial.high, found);
+            }
+            Self::Mean => *partial = *partial + DoubleDouble::exact(fold(length, 0.0, one, plus)),
+            Self::Rms => {
+                let square = |i: usize| one(i) * one(i);
+                *partial = *partial + DoubleDouble::exact(fold(length, 0.0, square, plus));
+            }
+        }
+    }
+
+    /// What it is after so many times the samples that it has taken in.
+    pub(crate) fn repeat(self, partial: &mut DoubleDouble, times: usize) {
+        if !self.is_extreme() {
+            *partial = *partial * DoubleDouble::exact(times as f64);
+        }
+    }
+
+    /// The result of a row of so many samples from those of its parts.
+    pub(crate) fn finish(self, parts: impl Iterator<Item = DoubleDouble>, length: usize) -> f64 {
+        let count = length as f64;
+        match self {
+            Self::Min => parts.fold(f64::INFINITY, |least, part| smaller(least, part.high)),
+            Self::Max => parts.fold(f64::NEG_INFINITY, |most, part| larger(most, part.high)),
+            Self::Peak => parts.fold(0.0, |most, part| larger(most, part.high)),
+            Self::Mean => {
+                parts.fold(DoubleDouble::default(), |sum, part| sum + part).value() / count
+            }
+            Self::Rms => {
+                let sum = parts.fold(DoubleDouble::default(), |sum, part| sum + part).value();
+                (sum / count).sqrt()
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn plus(a: f64, b: f64) -> f64 {
+    a + b
+}
+
+/// The smaller one; NaN if either is.
+#[inline(always)]
+fn smaller(a: f64, b: f64) -> f64 {
+    if b < a || b.is_nan() { b } else { a }
+}
+
+/// The larger one; NaN if either is.
+#[inline(always)]
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
+
+/// Folds numbers in as many lanes as vectors of every width can share, so that sums have the same
+/// bits at each.
+#[inline(always)]
+fn fold(
+    length: usize,
+    start: f64,
+    number: impl Fn(usize) -> f64,
+    join: impl Fn(f64, f64) -> f64,
+) -> f64 {
+    let mut lanes = [start; LANES];
+    let whole = length - length % LANES;
+    for first in (0..whole).step_by(LANES) {
+        for (lane, running) in lanes.iter_mut().enumerate() {
+            *running = join(*running, number(first + lane));
+        }
+    }
+    let rest = (whole..length).fold(start, |running, i| join(running, number(i)));
+    lanes.into_iter().fold(rest, join)
+}

@@ -1,0 +1,78 @@
+//! The buffers that the chunks of a block work in.
+
+use crate::input::table::Table;
+use crate::number::Number;
+use crate::number::storage::{Column, columns};
+use crate::plan::steps::{JointStep, Plan};
+use crate::sincos::rotation;
+
+/// How moderate bends are gone by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Way {
+    /// By pins, as all others.
+    SinCos,
+    /// By sine and cosine of twice the drive angle.
+    Twice,
+    /// By those of a long sweep, turned from group to group.
+    Rotations,
+}
+
+/// The buffers of one block, each as long as its longest chunk.
+pub(crate) struct Scratch<T: Number> {
+    /// Where the current row begins in each column of the table, and its step.
+    pub(crate) cursors: Vec<(usize, usize)>,
+    /// The load's columns at the current chunk.
+    pub(crate) gathered: Vec<Vec<f64>>,
+    pub(crate) pins: [Column<T>; 2],
+    pub(crate) twice: [Column<T>; 2],
+    /// What takes the place of `twice` in a long sweep.
+    pub(crate) groups: Vec<rotation::RotationGroup<T>>,
+    pub(crate) turned: [Column<T>; 2],
+    /// Speed ratio and acceleration ratio of each shaft that the load needs.
+    pub(crate) rates: Vec<[Column<T>; 2]>,
+    pub(crate) power: Column<T>,
+    pub(crate) torsion: Column<T>,
+    pub(crate) parts: [Column<T>; 3],
+    /// The first part of the support moment of the shaft that the load has come to.
+    pub(crate) support: [Column<T>; 3],
+    /// Angle errors of a period that is to be repeated, for each shaft whose angle is wanted.
+    pub(crate) errors: Vec<Column<T>>,
+}
+
+impl<T: Number> Scratch<T> {
+    pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize, way: Way) -> Self {
+        let size = |needed: bool| if needed { longest } else { 0 };
+        let rates = (0..=plan.joint_count).map(|shaft| {
+            let kept = plan.shafts.iter().find(|step| step.shaft == shaft);
+            [
+                Column::new(size(kept.is_some_and(|step| step.keep_ratio))),
+                Column::new(size(kept.is_some_and(|step| step.keep_acceleration))),
+            ]
+        });
+        let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
+        let pinned = way == Way::SinCos || steep || plan.needs_poses();
+        let loaded = plan.load.is_some();
+        let moments = plan.joints.iter().any(JointStep::needs_torsion);
+        let supports = plan.joints.iter().any(JointStep::needs_support);
+        Self {
+            cursors: vec![(0, 0); table.columns.len()],
+            gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
+            pins: columns(size(pinned)),
+            twice: columns(size(way == Way::Twice)),
+            groups: vec![],
+            turned: columns(size(pinned && plan.moving().any(|step| step.shaft > 1))),
+            rates: rates.collect(),
+            power: Column::new(size(loaded)),
+            torsion: Column::new(size(moments)),
+            parts: columns(size(supports)),
+            support: columns(size(supports)),
+            errors: vec![],
+        }
+    }
+
+    /// Makes room for the angle errors of a period that is to be repeated.
+    pub(crate) fn keep_errors(&mut self, plan: &Plan, period: usize) {
+        let angles = plan.shafts.iter().filter(|step| step.angle.is_some());
+        self.errors = angles.map(|_| Column::new(period)).collect();
+    }
+}

@@ -1,0 +1,5 @@
+//! Sines and cosines of drive angles: of arrays, and of sweeps by sums of tangents or by rotations.
+
+pub(crate) mod array;
+pub(crate) mod rotation;
+pub(crate) mod tangent_sum;

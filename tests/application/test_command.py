@@ -1,0 +1,625 @@
+"""The command as a user meets it: what it prints, writes and says when something is wrong."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import textwrap
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import cardan
+from cardan.command import commands
+from cardan.curves import write_columns
+from cardan.scene import Scene
+from cardan.scene_format import FORMAT
+from cardan.starters import STARTERS
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
+
+
+def run(*arguments: str | Path) -> Result:
+    environment = {"COLUMNS": "80"}
+    return CliRunner().invoke(
+        commands(), [str(argument) for argument in arguments], env=environment
+    )
+
+
+def script(*arguments: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
+    assert SCRIPT, "the script cardan is not installed"
+    return subprocess.run(  # type: ignore[call-overload, no-any-return]
+        [SCRIPT, *arguments], capture_output=True, text=True, encoding="utf-8", **options
+    )
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text("[driveline]\nbends_deg = [8.5]\n[output]\ncurves = 'a.csv'\npicture = 'a.svg'")
+    return path
+
+
+@pytest.fixture
+def into(tmp_path: Path) -> Path:
+    path = tmp_path / "into"
+    path.mkdir()
+    return path
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_example_runs(path: Path, into: Path) -> None:
+    result = run("run", path, "--into", into)
+    assert result.exit_code == 0, result.output
+    scene = Scene.load(path)
+    named = {scene.curves_file: len(scene.drive_angle), scene.picture_file: 0}
+    if scene.study and scene.table_file:
+        named[scene.table_file] = math.prod(scene.study.shape)
+    files = {name: rows for name, rows in named.items() if name}
+    written = {entry.name: entry.stat().st_size for entry in into.iterdir()}
+    assert set(written) == set(files) >= {f"{path.stem}.csv", f"{path.stem}.svg"}
+    assert min(written.values()) > 10_000
+    lines = result.output.splitlines()
+    assert lines[0] == scene.title
+    said = [line for line in lines if line.startswith("wrote ")]
+    rows = {name: f" ({rows} rows)" if rows else "" for name, rows in files.items()}
+    assert set(said) == {f"wrote {into / name}{rows[name]}" for name in files}
+    assert max(len(line) for line in lines if line not in said) <= 79
+    for name, count in files.items():
+        if count:
+            assert len((into / name).read_text().splitlines()) == count + 1
+
+
+def test_installed_script(into: Path) -> None:
+    """The README's command, in a real process; files go to the current folder."""
+    foeppl = next(path for path in EXAMPLES if path.stem == "foeppl")
+    done = script("run", foeppl, cwd=into)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == textwrap.dedent("""\
+        Föppl's rig (Thoma 1920)
+
+        bend                        8.500 deg
+        equivalent bend             8.500 deg
+        largest angle error         0.3164 deg at 44.84 deg
+        non-uniformity U            0.02209
+        speed ratio                 0.9890 to 1.0111
+        speed, shaft 1              2967.0 to 3033.3 rpm
+        largest acceleration ratio  0.02209
+        largest acceleration        2180 rad/s²
+        largest torque, shaft 1     43.61 N m at 44.50 deg
+        largest moment, joint 0     43.85 N m at 44.00 deg
+
+        After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.
+
+        wrote foeppl.csv (721 rows)
+        wrote foeppl.svg
+        """)
+    assert {entry.name for entry in into.iterdir()} == {"foeppl.csv", "foeppl.svg"}
+
+
+def test_scene_without_files(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text("[driveline]\nbends_deg = [8.5]\n")
+    result = run("run", path, "--into", tmp_path)
+    assert result.exit_code == 0
+    assert result.output.startswith("bend ")
+    assert result.output.endswith("shafts 0, 1.\n")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_version() -> None:
+    result = run("--version")
+    assert (result.exit_code, result.output) == (0, f"cardan {cardan.__version__}\n")
+
+
+def examples_of(*arguments: str) -> list[str]:
+    text = run(*arguments, "--help")
+    assert text.exit_code == 0
+    return re.findall(r"^    cardan (.*)$", text.output, re.MULTILINE)
+
+
+NAMES = list(commands().commands)
+
+
+LONG = """\
+[angles]
+file = "angles.parquet"
+angle_column_deg = "angle_deg"
+[driveline]
+bends_deg = [8.5]
+[output]
+curves = "curves.parquet"
+"""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_examples_of_the_help_work(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    first, *others = examples_of()
+    assert run(*first.split()).exit_code == 0
+    examples = examples_of(name)
+    assert examples
+    if name == "stream":
+        write_columns("angles.parquet", {"angle_deg": np.array([0.0, 0.5, 1.0])})
+        Path("long.toml").write_text(LONG)
+    assert all(example.split()[0] == name for example in examples)
+    for example in [*others, *examples]:
+        result = run(*example.split())
+        assert result.exit_code == 0, result.output
+
+
+def test_help_without_arguments() -> None:
+    assert run().output == run("--help").output
+    assert run("--help").exit_code == 0
+    for name in NAMES:
+        assert f"  {name} " in run("--help").output
+        assert max(map(len, run(name, "--help").output.splitlines())) < 80
+
+
+def test_help_lists_every_key_on_a_line_of_its_own() -> None:
+    text = run("run", "--help").output
+    for name, section in FORMAT.items():
+        assert not name or f"\n  [{name}]  " in text
+        for key in section.keys if name != "study" else ():
+            assert f"\n    {key} " in text
+    assert max(map(len, text.splitlines())) < 80
+
+
+def test_recording_is_not_overwritten(tmp_path: Path, into: Path) -> None:
+    recording, path = tmp_path / "a.csv", tmp_path / "a.toml"
+    recording.write_text("crank\n0\n1\n")
+    path.write_text(
+        "[driveline]\nbends_deg = [8]\n[angles]\nfile = 'a.csv'\nangle_column_deg = 'crank'\n"
+        "[output]\ncurves = 'a.csv'\n"
+    )
+    message = f"{recording} is the recording that the scene reads; it would be overwritten"
+    failed(run("run", path, "--into", tmp_path), message)
+    assert recording.read_text() == "crank\n0\n1\n"
+    assert run("run", path, "--into", into).exit_code == 0
+
+
+# What the other commands do
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_every_example_as_json(path: Path, into: Path) -> None:
+    result = run("run", path, "--into", into, "--json")
+    assert result.exit_code == 0, result.output
+    data = json.loads(result.output)
+    assert data["title"] == Scene.load(path).title
+    assert {Path(file["file"]).name for file in data["files"]} == {
+        entry.name for entry in into.iterdir()
+    }
+    assert ("study" in data) == (Scene.load(path).study is not None)
+
+
+def test_json_in_both_units(into: Path) -> None:
+    foeppl = next(path for path in EXAMPLES if path.stem == "foeppl")
+    degrees = json.loads(run("run", foeppl, "--into", into, "--json").output)
+    radians = json.loads(run("run", foeppl, "--into", into, "--json", "--radians").output)
+    by_label = [{row["label"]: row for row in data["summary"]} for data in (degrees, radians)]
+    assert by_label[0]["bend"] == {"label": "bend", "values": [8.5], "unit": "deg"}
+    for label, in_degrees in by_label[0].items():
+        in_radians = by_label[1][label]
+        if in_degrees["unit"] == "deg":
+            assert in_radians["unit"] == "rad"
+            assert in_radians["values"] == pytest.approx(
+                list(map(math.radians, in_degrees["values"]))
+            )
+        else:
+            assert in_radians["values"] == in_degrees["values"]
+        if "at_deg" in in_degrees:
+            assert in_radians["at_rad"] == pytest.approx(math.radians(in_degrees["at_deg"]))
+    head = (into / "foeppl.csv").read_text().splitlines()[0].split(",")
+    assert head[:2] == ["drive_angle_rad", "angle_error_rad"]
+
+
+def test_study_as_json(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text("[driveline]\nbends_deg = [8]\n[study]\nbends_deg = [30, 10, 20]\n")
+    study = json.loads(run("run", path, "--json").output)["study"]
+    assert (study["rows"], study["axes"]) == (3, {"bends_deg": 3})
+    bend = study["figures"]["equivalent_bend_deg"]
+    assert bend["least"] == pytest.approx(10)
+    assert bend["largest"] == pytest.approx(30)
+    assert (bend["least_at"], bend["largest_at"]) == ({"bends_deg": 10}, {"bends_deg": 30})
+
+
+def test_run_prints_a_study(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(
+        "[driveline]\nbends_deg = [8]\n[load]\nspeed_rpm = 1\n"
+        "[study]\nbends_deg = [30, 10, 20]\nspeed_rpm = [5, 6]\n"
+        "[output]\nclosed_forms = ['equivalent_bend']\n"
+    )
+    text = run("run", path).output.split("\n\n")
+    assert text[2].splitlines() == [
+        "study                3 x 2 = 6 drivelines",
+        "bends_deg            10 to 30",
+        "speed_rpm            5 to 6",
+        "equivalent_bend_deg  10.0 (10, 5) to 30.0 (30, 5)",
+    ]
+    assert text[3] == "In brackets: bends_deg, speed_rpm.\n"
+
+
+TRUCK = next(path for path in EXAMPLES if path.stem == "truck")
+
+
+def test_check_says_pass_or_fail(tmp_path: Path) -> None:
+    """The four joints of the workshop books, whose figures test_check.py knows."""
+    failed = run("check", TRUCK)
+    assert failed.exit_code == 1
+    assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60)}\n"
+    data = json.loads(run("check", TRUCK, "--json").output)
+    assert data["passes"] is False
+    by_name = {finding["name"]: finding for finding in data["findings"]}
+    torsional = by_name["torsional excitation of the last shaft"]
+    assert torsional["worst"] == pytest.approx(752.5, abs=0.1)
+    assert (torsional["limit"], torsional["maximum"]) == (300, 500)
+    assert [finding["passes"] for finding in data["findings"]] == [False] * 4 + [True]
+
+    path = tmp_path / "a.toml"
+    path.write_text("[driveline]\nbends_deg = [2]\n")
+    passed = run("check", path)
+    assert passed.exit_code == 0
+    assert passed.output.startswith("The driveline passes.")
+    assert json.loads(run("check", path, "--json").output)["passes"] is True
+    path.write_text("[driveline]\nbends_deg = [92]\n")
+    assert run("check", path).exit_code == 2
+
+
+def test_check_of_a_study_is_of_every_driveline(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.toml"
+    text = "[driveline]\nbends_deg = [2]\n[load]\nspeed_rpm = 100\n[study]\n"
+    path.write_text(f"{text}bends_deg = [1, 2, 2.9, 3.1]\nspeed_rpm = [100, 6000]")
+    for block in (1 << 21, 3):
+        monkeypatch.setattr("cardan.study._BLOCK", block)
+        result = run("check", path)
+        assert result.exit_code == 1
+        assert (
+            "up to 3.1 deg (at bends_deg = 3.1) is above the limit of 3 deg; 6 of 8 keep the"
+            in (result.output)
+        )
+        assert "shaft up to 1156 rad/s² (at bends_deg = 3.1, speed_rpm = 6000) is" in result.output
+    bend, *_, torsional = json.loads(run("check", path, "--json").output)["findings"]
+    assert bend["worst_at"] == {"bends_deg": 3.1}
+    assert torsional["worst_at"] == {"bends_deg": 3.1, "speed_rpm": 6000}
+    # The worst in the middle of an axis, and figures that no key varies.
+    path.write_text(f"{text}bends_deg = [1, 3.1, 2]")
+    assert "up to 3.1 deg (at bends_deg = 3.1) is" in run("check", path).output
+    path.write_text(f"{text}speed_rpm = [100, 6000, 200]")
+    found = run("check", path).output
+    assert "equivalent bend up to 2 deg keeps" in found
+    assert "(at speed_rpm = 6000) is above" in found
+    path.write_text(f"{text}bends_deg = [1, 2, 2.9]")
+    assert run("check", path).exit_code == 0
+
+
+def test_phase_in_workshop_words() -> None:
+    """The worked example of the catalogue: 70.8728 deg counter-clockwise, 71 off its drawing."""
+    path = next(path for path in EXAMPLES if path.stem == "spatial_shaft")
+    result = run("phase", path)
+    assert result.exit_code == 0
+    assert result.output == textwrap.dedent("""\
+        Spatial two-joint shaft, 15/7/-11.5/12 deg
+
+        Set the output-side yoke against the input-side one, looking along the travel:
+        - shaft 1: 70.87° counter-clockwise (as it is)
+
+        Equivalent bend: 0.9515° as it is, 0.9515° set so.
+        Set so, it does not pass the check:
+        - inertia excitation of the shafts between, driving 3654 rad/s² is above the limit of \
+1000 rad/s² and the maximum of 2000 rad/s²
+        - inertia excitation of the shafts between, coasting 3642 rad/s² is above the limit of \
+1000 rad/s² and the maximum of 2000 rad/s²
+        In the scene: phases_deg = [-70.8728]
+        """)
+
+
+def test_phases_make_the_driveline_smooth(tmp_path: Path) -> None:
+    data = json.loads(run("phase", TRUCK, "--json").output)
+    phases = [shaft["phase_deg"] for shaft in data["shafts"]]
+    line = Scene.load(TRUCK).line
+    assert line.with_phases(phases, degrees=True).equivalent().k < 1e-15
+    assert data["equivalent_bend_deg"]["best"] == 0.0
+    assert data["equivalent_bend_deg"]["present"] == pytest.approx(5.998, abs=1e-3)
+    assert data["view"] == "looking along the travel"
+    for i, shaft in enumerate(data["shafts"]):
+        assert shaft["shaft"] == i + 1
+        sign = {"clockwise": 1, "counter-clockwise": -1}
+        setting = shaft["setting_deg"] * sign[shaft["sense"]]
+        assert shaft["phase_deg"] == setting
+        turned = shaft["turn_deg"] * sign[shaft["turn_sense"]]
+        present = math.degrees(line.phases[i])
+        assert math.cos(math.radians(2 * (present + turned - shaft["phase_deg"]))) == pytest.approx(
+            1
+        )
+    assert data["above_limits"] == []
+    text = run("phase", TRUCK).output
+    assert "Set so, it passes the check.\n" in text
+    # Pasted into the scene, the line does what it says.
+    path = tmp_path / "a.toml"
+    pasted = text.splitlines()[-1].removeprefix("In the scene: ")
+    path.write_text(f"[driveline]\nbends_deg = [5, 4, 3, 2]\n{pasted}\n")
+    assert Scene.load(path).line.equivalent().bend < 1e-3
+
+
+def test_plot(scene: Path, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    result = run("plot", scene)
+    assert (result.exit_code, result.output) == (0, "wrote scene.svg\n")
+    assert run("plot", scene, "--output", "a.png").exit_code == 0
+    assert (into / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert {entry.name for entry in into.iterdir()} == {"scene.svg", "a.png"}
+    failed(run("plot", scene, "--output", "a.gif"), "a.gif must end in .svg or .png or .pdf")
+
+
+def test_plot_of_a_study(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    keys = (
+        "bends_deg.1 = {from = 5, to = 15, steps = 7}\nphases_deg = {from = 0, to = 9, steps = 6}"
+    )
+    text = "[driveline]\nbends_deg = [10, 10]\nphases_deg = [0]\n"
+    Path("a.toml").write_text(f"title = 'A grid'\n{text}[study]\n{keys}\n")
+    result = run("plot", "a.toml", "--study", "equivalent_bend")
+    assert (result.exit_code, result.output) == (0, "wrote a.svg\n")
+    drawn = Path("a.svg").read_text()
+    for words in ("A grid", "equivalent bend [deg]", "phase", "bend, joint 1 [deg]", "limit 3 deg"):
+        assert words in drawn
+    failed(
+        run("plot", "a.toml", "--study", "k"),
+        "column is 'k'; the study has equivalent_bend, non_uniformity, max_angle_error",
+    )
+    Path("a.toml").write_text(text)
+    failed(
+        run("plot", "a.toml", "--study", "k"),
+        "a.toml: there is no study to draw; it needs a section [study]",
+    )
+
+
+def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Plan:
+        def explain(self) -> str:
+            return "one step"
+
+    monkeypatch.setattr("cardan.scene.Scene.plan", lambda _: Plan())
+    assert run("explain", scene).output == "one step\n"
+
+
+@pytest.mark.parametrize("kind", STARTERS)
+def test_new(kind: str, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    result = run("new", kind, "first.toml")
+    assert result.exit_code == 0, result.output
+    *wrote, following = result.output.splitlines()
+    assert wrote == [f"wrote {name}" for name in ("first.toml", "first_run.csv")[: len(wrote)]]
+    assert {f"wrote {entry.name}" for entry in into.iterdir()} == set(wrote)
+    text = (into / "first.toml").read_text()
+    assert max(map(len, text.splitlines())) <= 100
+    assert "{" not in text
+
+    assert following == "next: cardan run first.toml"
+    done = run(*following.removeprefix("next: cardan ").split())
+    assert done.exit_code == 0, done.output
+    assert {"first.csv", "first.svg"} < {entry.name for entry in into.iterdir()}
+    # What stands in comments runs as well.
+    (into / "first.toml").write_text(re.sub(r"(?m)^# (?=[a-z]+ = )", "", text))
+    assert run("run", "first.toml").exit_code == 0
+
+
+def test_new_overwrites_nothing(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(into)
+    for name in ("a.toml", "b_run.csv"):
+        (into / name).write_text("mine")
+    failed(run("new", "joint", "a.toml"), "a.toml: File exists")
+    failed(run("new", "recorded", "b.toml"), "b_run.csv: File exists")
+    failed(run("new", "joint", "a.txt"), "a.txt must be a file name that ends in .toml")
+    failed(run("new", "joint", "no/a.toml"), "no/a.toml: No such file or directory")
+    failed(
+        run("new", "jiont", "c.toml"),
+        "Invalid value for 'KIND': 'jiont' is not one of 'joint', 'z-shaft', 'string', 'recorded'.",
+    )
+    assert {entry.name: entry.read_text() for entry in into.iterdir()} == {
+        "a.toml": "mine",
+        "b_run.csv": "mine",
+    }
+
+
+def test_schema_command(into: Path) -> None:
+    printed = run("schema")
+    assert json.loads(printed.output) == Scene.schema()
+    path = into / "a.json"
+    assert run("schema", "--output", path).output == f"wrote {path}\n"
+    assert path.read_text() == printed.output
+
+
+# What can go wrong: one line on stderr, exit status 2
+
+
+def failed(result: Result, message: str) -> None:
+    assert (result.exit_code, result.output) == (2, f"cardan: {message}\n")
+
+
+def test_scene_errors(tmp_path: Path) -> None:
+    path = tmp_path / "bad.toml"
+    failed(run("run", path), f"{path}: No such file or directory")
+    failed(run("run", tmp_path), f"{tmp_path}: Is a directory")
+    path.write_text("[driveline]\nbends_deg = [8, 95]\n")
+    failed(
+        run("run", path),
+        f"{path}, line 2: [driveline] bends_deg[1] is 95.0 deg; a bend must lie in [0, 90) deg",
+    )
+    path.write_text("[driveline\n")
+    failed(
+        run("run", path),
+        f"{path}: not TOML: Expected ']' at the end of a table declaration (at line 1, column 11)",
+    )
+
+
+def test_usage_errors(scene: Path) -> None:
+    assert run("rnu").output.startswith("cardan: No such command 'rnu'.")
+    failed(run("run"), "Missing argument 'SCENE'.")
+    assert run("run", scene, "--onto").output.startswith("cardan: No such option")
+    failed(
+        run("run", scene, "--into", "missing"),
+        "Invalid value for '--into': Directory 'missing' does not exist.",
+    )
+
+
+def test_errors_go_to_stderr(tmp_path: Path) -> None:
+    done = script("run", tmp_path / "missing.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == f"cardan: {tmp_path / 'missing.toml'}: No such file or directory\n"
+
+
+def test_unwritable(scene: Path, into: Path) -> None:
+    (into / "a.csv").mkdir()
+    result = run("run", scene, "--into", into)
+    assert result.exit_code == 2
+    assert result.output.splitlines()[-1] == f"cardan: {into / 'a.csv'}: Is a directory"
+    assert [entry.name for entry in into.iterdir()] == ["a.csv"]
+
+
+@pytest.mark.parametrize(
+    ("module", "message", "left"),
+    [
+        ("pyarrow", "a .parquet file needs pyarrow: pip install 'cardan[table]'", []),
+        ("matplotlib", "a picture needs matplotlib: pip install 'cardan[plot]'", ["a.parquet"]),
+    ],
+)
+def test_missing_extra(
+    scene: Path,
+    into: Path,
+    module: str,
+    message: str,
+    left: list[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene.write_text(scene.read_text().replace("a.csv", "a.parquet"))
+    monkeypatch.setitem(sys.modules, module, None)
+    result = run("run", scene, "--into", into)
+    assert result.exit_code == 2
+    assert result.output.splitlines()[-1] == f"cardan: {message}"
+    assert [entry.name for entry in into.iterdir()] == left
+
+
+def test_without_click() -> None:
+    """As after an installation without extras."""
+    script = "import sys; sys.modules['click'] = None; from cardan.command import main; main()"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "cardan: the command needs click: pip install 'cardan[app]'\n"
+
+
+def test_memory(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("cardan.scene.Scene.run", exhausted)
+    failed(run("run", scene), "not enough memory; a smaller samples_per_turn or study needs less")
+
+
+def test_terminal_that_lacks_characters(into: Path) -> None:
+    foeppl = next(path for path in EXAMPLES if path.stem == "foeppl")
+    environment = {**os.environ, "PYTHONIOENCODING": "iso8859-5"}
+    done = script("run", foeppl, cwd=into, env=environment)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("F?ppl's rig")
+
+
+LARGE = """\
+[driveline]
+bends_deg = [8.5]
+[sweep]
+samples_per_turn = 4000000
+[output]
+curves = "a.csv"
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
+def test_interrupt(scene: Path, into: Path) -> None:
+    """Ctrl-C while a large file is being written."""
+    assert SCRIPT
+    scene.write_text(LARGE)
+    process = subprocess.Popen(
+        [SCRIPT, "run", scene, "--into", into],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        # A test run in the background may ignore Ctrl-C, and its children would inherit that.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    try:
+        deadline = time.monotonic() + 60
+        while not any(entry.stat().st_size > 1_000_000 for entry in into.iterdir()):
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == 130
+    assert "Traceback" not in errors
+    assert list(into.iterdir()) == []
+
+
+def unread(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """As in "cardan … | head -1", where head ends first."""
+    assert SCRIPT, "the script cardan is not installed"
+    reader, writer = os.pipe()
+    os.close(reader)
+    try:
+        return subprocess.run(
+            [SCRIPT, *arguments], stdout=writer, stderr=subprocess.PIPE, text=True
+        )
+    finally:
+        os.close(writer)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_files_are_written_though_nobody_reads(scene: Path, into: Path, options: list[str]) -> None:
+    done = unread("run", scene, "--into", into, *options)
+    assert done.stderr == ""
+    assert sorted(path.name for path in into.iterdir()) == ["a.csv", "a.svg"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
+@pytest.mark.parametrize("arguments", [["--help"], ["check", TRUCK]])
+def test_what_only_prints_ends_with_its_reader(arguments: list[str | Path]) -> None:
+    done = unread(*arguments)
+    assert done.stderr == ""
+    # Neither 0 nor the 1 of a check that found a limit exceeded.
+    assert done.returncode == -signal.SIGPIPE
+
+
+@pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
+def test_file_that_does_not_fit(scene: Path, into: Path) -> None:
+    """A real failure half-way through the file: the system takes no more than 100 kB of it."""
+    import resource
+
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
+
+    scene.write_text(LARGE.replace("4000000", "40000"))
+    done = script("run", scene, "--into", into, preexec_fn=limit)
+    assert done.returncode == 2
+    assert done.stderr == f"cardan: {into / 'a.csv'}: File too large\n"
+    assert list(into.iterdir()) == []

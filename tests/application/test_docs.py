@@ -1,0 +1,141 @@
+"""What the documentation shows is what happens: every snippet of every page runs, in order."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shlex
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from dataclasses import dataclass
+from io import StringIO
+from itertools import pairwise
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from click.testing import CliRunner
+
+import cardan
+from cardan.command import commands
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(DOCS.rglob("*.md"))
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language, the file it stands for, its text."""
+
+    language: str
+    title: str
+    text: str
+
+
+def blocks(page: str) -> Iterator[Block]:
+    """The fenced blocks of a page, with what they include."""
+    for language, title, text in re.findall(
+        r'^```(\w+)(?: title="(.*?)")?\n(.*?)^```$', page, re.DOTALL | re.MULTILINE
+    ):
+        yield Block(language, title, re.sub(r'--8<-- "(.*?)"\n', _file, text))
+
+
+def _file(match: re.Match[str]) -> str:
+    return (ROOT / match[1]).read_text(encoding="utf-8")
+
+
+def run_block(block: Block, names: dict[str, object]) -> str:
+    """Do what a block shows, in the working directory; return what it prints."""
+    if block.language == "python":
+        printed = StringIO()
+        with redirect_stdout(printed):
+            exec(block.text, names)
+        return printed.getvalue()
+    if block.language == "sh":
+        return "".join(_command(line) for line in block.text.splitlines())
+    if block.language == "toml" and block.title.endswith(".toml"):
+        Path(block.title).write_text(block.text, encoding="utf-8")
+    return ""
+
+
+def _command(line: str) -> str:
+    program, *arguments = shlex.split(line)
+    if program != "cardan":
+        return ""
+    result = CliRunner().invoke(commands(), arguments)
+    # A check that finds a limit exceeded is no error.
+    wanted = {0, 1} if arguments[0] == "check" else {0}
+    assert result.exit_code in wanted, result.output
+    return result.output
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+def test_snippets(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "examples").symlink_to(ROOT / "examples")
+    names: dict[str, object] = {"__name__": "__main__"}
+    shown = [*blocks(page.read_text(encoding="utf-8")), Block("", "", "")]
+    for block, following in pairwise(shown):
+        printed = run_block(block, names)
+        if block.language != "text" and following.language == "text":
+            assert printed.rstrip("\n") == following.text.rstrip("\n")
+        elif block.language == "python":
+            assert not printed, "it prints something that is not shown"
+
+
+def test_there_is_something_to_run() -> None:
+    languages = [block.language for page in PAGES for block in blocks(page.read_text("utf-8"))]
+    assert languages.count("python") >= 30
+    assert languages.count("text") >= 35
+
+
+def test_the_drawings_are_those_of_the_script(tmp_path: Path) -> None:
+    for path in _module(DOCS / "drawings" / "draw.py").write(tmp_path):
+        assert path.read_text("utf-8") == (DOCS / "drawings" / path.name).read_text("utf-8")
+
+
+@pytest.mark.parametrize("name", ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"])
+def test_links(name: str) -> None:
+    text = (ROOT / name).read_text("utf-8")
+    links = re.findall(r"\]\((?!https?:|#)([^)#]+)", text)
+    assert [link for link in links if not (ROOT / link).exists()] == []
+
+
+def test_contributing_names_what_ci_runs() -> None:
+    ci = "".join((ROOT / ".ci" / name).read_text("utf-8") for name in ("run", "packages"))
+    shown = "\n".join(block.text for block in blocks((ROOT / "CONTRIBUTING.md").read_text("utf-8")))
+    steps = {step.split("#")[0].strip() for step in re.split(r"&&|\n", shown)} - {""}
+    by_hand = {
+        "maturin develop --release",
+        "pytest -m physics",
+        "fuzz/run geometry 3600",
+        "python fuzz/scene.py 3600",
+        "python tests/load.py --minutes 60",
+        "cargo deny --exclude-dev check",
+        "pip-audit",
+    }
+    assert {step for step in steps if step not in ci and "pip install" not in step} == by_hand
+
+
+def test_every_page_is_in_the_navigation() -> None:
+    listed = re.findall(r"[\w/-]+\.md", (ROOT / "mkdocs.yml").read_text("utf-8"))
+    assert sorted(listed) == sorted(page.relative_to(DOCS).as_posix() for page in PAGES)
+
+
+def test_the_reference_has_every_public_name() -> None:
+    pages = "".join(page.read_text("utf-8") for page in (DOCS / "reference").glob("*.md"))
+    names = {f"cardan.{name}" for name in cardan.__all__} - {"cardan.__version__"}
+    names |= {"cardan.lazy.LazyDriveline", "cardan.scene.SceneResult", "cardan.study.StudyResult"}
+    names |= {f"cardan.tables.{name}" for name in ("through", "stream")}
+    names |= {f"cardan.cluster.{name}" for name in ("connect", "write_study", "Written")}
+    assert {name for name in names if not re.search(rf"{re.escape(name)}\b", pages)} == set()
+
+
+def _module(path: Path) -> ModuleType:
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module

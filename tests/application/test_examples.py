@@ -1,0 +1,41 @@
+"""Every example script runs from top to bottom, and prints what the documentation shows."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+SCRIPTS = sorted((ROOT / "examples").glob("*.py"))
+# The scripts of the documentation's page, and what it says that they print.
+SHOWN = dict(
+    re.findall(
+        r'--8<-- "examples/(\w+)\.py"\n```\n+```text\n(.*?)```',
+        (ROOT / "docs" / "examples.md").read_text(encoding="utf-8"),
+        re.DOTALL,
+    )
+)
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_script(script: Path, tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-W", "error", str(script)], cwd=tmp_path, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == SHOWN.get(script.stem, done.stdout)
+    assert done.stdout
+    if script.stem == "grossmann":
+        assert "<svg" in (tmp_path / "grossmann.svg").read_text(encoding="utf-8")
+    if script.stem == "pictures":
+        drawn = {path.name for path in (tmp_path / "pictures").iterdir()}
+        assert drawn == {path.name for path in (ROOT / "docs" / "pictures").iterdir()}
+
+
+def test_the_documentation_shows_them() -> None:
+    # What draws every picture is shown by its pictures.
+    assert set(SHOWN) == {script.stem for script in SCRIPTS} - {"pictures"}

@@ -1,0 +1,803 @@
+"""Pictures: what they show, that they can be read, that they are the same every time."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from functools import partial
+from itertools import combinations, pairwise
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib import pyplot
+from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.contour import ContourSet
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
+from mpl_toolkits.mplot3d import art3d, proj3d
+
+from cardan import plots, reference
+from cardan.approximations import thoma_moment_ratios, thoma_small_angle
+from cardan.driveline import Driveline
+from cardan.load import Load
+from cardan.outputs import OUTPUTS
+from cardan.plots import plot_scene, write_picture
+from cardan.scene import Scene, SceneResult
+from cardan.study import StudyResult
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+
+TALL = """\
+title = "A title longer than a column is wide, which costs $_{5$ and breaks into three lines"
+[driveline]
+bends_deg = [12, 12, 0]
+twists_deg = [180, 0]
+[load]
+speed_rpm = 12000
+output_torque_Nm = 1234567
+[sweep]
+turns = 3
+start_deg = -90
+[output]
+quantities = ["angle", "angle_error", "speed_ratio", "acceleration_ratio", "torque",
+              "support_moment", "moment", "tilt_driving", "bending_driving"]
+"""
+
+
+def drawn(result: SceneResult) -> Figure:
+    figure = plot_scene(result)
+    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
+    return figure
+
+
+def headings(figure: Figure) -> list[str]:
+    return [axes.get_title(loc="left") for axes in figure.axes]
+
+
+def foeppl() -> SceneResult:
+    return Scene.load(next(path for path in EXAMPLES if path.stem == "foeppl")).run()
+
+
+def test_one_panel_per_quantity() -> None:
+    result = foeppl()
+    figure = drawn(result)
+    assert headings(figure) == [
+        "angle error, shaft 1 [deg]",
+        "speed ratio, shaft 1",
+        "acceleration, shaft 1 [rad/s²]",
+        "torque, shaft 1 [N m]",
+        "moment, joint 0 [N m]",
+    ]
+    assert figure.axes[-1].get_xlabel() == "drive angle [deg]"
+    assert figure.get_suptitle() == "Föppl's rig (Thoma 1920)"
+    assert figure.get_figwidth() == pytest.approx(80 / 25.4)
+    ticks = [tick for tick in figure.axes[-1].get_xticks() if 0 <= tick <= 360]
+    assert ticks == [0, 90, 180, 270, 360]
+
+
+def test_curves_are_the_values() -> None:
+    result = foeppl()
+    values, speed2 = result.values, (100 * np.pi) ** 2
+    want = [
+        [np.degrees(values["angle_error"])],
+        [values["speed_ratio"]],
+        [values["acceleration_ratio"] * speed2],
+        [values["torque"]],
+        list(values["moment"][0].T),
+    ]
+    for axes, curves in zip(drawn(result).axes, want, strict=True):
+        for line, curve in zip(axes.get_lines(), curves, strict=True):
+            np.testing.assert_array_equal(line.get_xdata(), result.scene.drive_angle_deg)
+            np.testing.assert_allclose(np.asarray(line.get_ydata(), float), curve, rtol=1e-14)
+
+
+def test_acceleration_is_a_ratio_without_a_speed() -> None:
+    scene = "[driveline]\nbends_deg = [8.5]\n"
+    assert headings(drawn(Scene.parse(scene).run())) == [
+        "angle error, shaft 1 [deg]",
+        "speed ratio, shaft 1",
+        "acceleration ratio, shaft 1",
+    ]
+    scene += "[load]\nspeed_rpm = 1\nacceleration_rad_s2 = 1\n"
+    assert "acceleration at steady drive, shaft 1 [rad/s²]" in headings(
+        drawn(Scene.parse(scene).run())
+    )
+
+
+@pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in EXAMPLES), TALL])
+def test_nothing_overlaps(text: str) -> None:
+    figure = drawn(Scene.parse(text, folder=EXAMPLES[0].parent).run())
+
+    def tick_boxes(axes: Axes) -> list[Bbox]:
+        low, high = axes.get_ylim()
+        ticks = zip(axes.get_yticks(), axes.get_yticklabels(), strict=True)
+        return [label.get_window_extent() for tick, label in ticks if low <= tick <= high]
+
+    def heading_box(axes: Axes) -> Bbox:
+        heading = axes.get_title(loc="left")
+        (box,) = (
+            child.get_window_extent()
+            for child in axes.get_children()
+            if isinstance(child, Text) and child.get_text() == heading
+        )
+        return box
+
+    page = figure.bbox
+    for axes in figure.axes:
+        heading, legend, ticks = heading_box(axes), axes.get_legend(), tick_boxes(axes)
+        assert len(ticks) >= 2
+        assert page.x0 <= heading.x0
+        assert heading.x1 <= page.x1
+        for one, other in pairwise(ticks):
+            assert not one.overlaps(other)
+        for box in ticks:
+            assert page.x0 <= box.x0
+            assert not box.overlaps(heading)
+        if legend is not None:
+            assert not legend.get_window_extent().overlaps(heading)
+            assert not any(legend.get_window_extent().overlaps(line) for line in ticks)
+        assert axes.yaxis.get_offset_text().get_text() == ""
+    for upper, lower in pairwise(figure.axes):
+        assert upper.get_window_extent().y0 > heading_box(lower).y1
+    title = figure.texts[0].get_window_extent()
+    assert page.x0 <= title.x0
+    assert title.x1 <= page.x1
+    assert title.y0 > heading_box(figure.axes[0]).y1
+
+
+def test_components_can_be_told_apart_in_grey() -> None:
+    lines = drawn(foeppl()).axes[-1].get_lines()
+    assert [line.get_label() for line in lines] == ["x", "y", "z"]
+    assert len({str(line._dash_pattern) for line in lines}) == 3  # type: ignore[attr-defined]
+
+
+def test_rounding_does_not_fill_a_panel() -> None:
+    scene = "[driveline]\nbends_deg = [33, 33]\ntwists_deg = [10]\nphases_deg = [190]\n"
+    scene += "[load]\noutput_torque_Nm = 5000\n"
+    figure = drawn(Scene.parse(scene).run())
+    limits = dict(zip(headings(figure), (axes.get_ylim() for axes in figure.axes), strict=True))
+    assert limits["angle error, shaft 2 [deg]"] == pytest.approx((-1, 1))
+    assert limits["speed ratio, shaft 2"] == pytest.approx((0.95, 1.05))
+    assert limits["torque, shaft 2 [N m]"] == pytest.approx((4750, 5250))
+
+
+@pytest.mark.parametrize(
+    ("suffix", "start"), [(".svg", b"<?xml"), (".png", b"\x89PNG"), (".pdf", b"%PDF")]
+)
+def test_files_are_the_same_every_time(tmp_path: Path, suffix: str, start: bytes) -> None:
+    one, other = tmp_path / f"one{suffix}", tmp_path / f"other{suffix}"
+    write_picture(foeppl(), one)
+    write_picture(foeppl(), other)
+    assert one.read_bytes().startswith(start)
+    assert one.read_bytes() == other.read_bytes()
+    assert sorted(tmp_path.iterdir()) == [one, other]
+
+
+@pytest.mark.parametrize(("suffix", "date"), [(".svg", b"dc:date"), (".pdf", b"CreationDate")])
+def test_files_have_no_date(tmp_path: Path, suffix: str, date: bytes) -> None:
+    path = tmp_path / f"a{suffix}"
+    write_picture(foeppl(), path)
+    assert date not in path.read_bytes()
+
+
+def test_settings_of_the_caller_stay(tmp_path: Path) -> None:
+    with matplotlib.rc_context({"font.size": 11.5, "svg.hashsalt": "own"}):
+        before = dict(matplotlib.rcParams)
+        write_picture(foeppl(), tmp_path / "a.svg")
+        assert dict(matplotlib.rcParams) == before
+
+
+def test_pyplot_stays_out(tmp_path: Path) -> None:
+    script = (
+        "import sys; from cardan.scene import Scene; from cardan.plots import write_picture\n"
+        "assert 'matplotlib' not in sys.modules\n"
+        "result = Scene.parse('[driveline]\\nbends_deg = [8.5]').run()\n"
+        f"write_picture(result, {str(tmp_path / 'a.png')!r})\n"
+        "assert 'matplotlib' in sys.modules and 'matplotlib.pyplot' not in sys.modules\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(ImportError, match=r"needs matplotlib: pip install 'cardan\[plot\]'"):
+        write_picture(foeppl(), tmp_path / "a.svg")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_unknown_suffix(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"a\.jpg must end in \.svg or \.png or \.pdf"):
+        write_picture(foeppl(), tmp_path / "a.jpg")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_failing_picture_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(self: Figure, file: object, **_: object) -> None:
+        file.write(b"half")  # type: ignore[attr-defined]
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Figure, "savefig", fail)
+    with pytest.raises(KeyboardInterrupt):
+        write_picture(foeppl(), tmp_path / "a.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+# --- pictures on axes ------------------------------------------------------------------------
+
+SPATIAL = Driveline.from_projected_bends([15, -11.5], [7, 12], degrees=True)
+SINGLE = Driveline.from_bends([50], degrees=True)
+SEVERAL = Driveline.from_bends([[10], [20], [30]], degrees=True)
+POINTS: list[list[float]] = [
+    [0, 0, 0],
+    [350, -24, 0],
+    [1650, -46, 0],
+    [3150, -180, 45],
+    [3450, -196, 45],
+]
+SHORT: list[list[float]] = [[0, 0, 0], [1, 0.1, 0], [1.1, 0, 0], [2.5, 0, 0.1], [2.7, 0, 0]]
+TRUCK = Driveline.from_points(POINTS, phases=[0.3, -0.7])
+FLYWHEEL = Load(speed=100.0, inertias=[0.0, 0.1, 0.2, 0.3], output_torque=50.0)
+COMPENSATION = """\
+[driveline]
+bends_deg = [10, 10]
+[study]
+bends_deg.1 = {from = 14, to = 6, steps = 81}
+phases_deg.0 = {from = -15, to = 15, steps = 61}
+"""
+
+SUSPENSION = next(path for path in EXAMPLES if path.stem == "suspension").read_text("utf-8")
+
+
+def study(text: str) -> StudyResult:
+    result = Scene.parse(text).run().study
+    assert result is not None
+    return result
+
+
+Picture = Callable[..., Axes]
+
+PICTURES: dict[str, tuple[str, Picture]] = {
+    "driven angle": ("rectilinear", plots.plot_driven_angle),
+    "angle error": ("rectilinear", plots.plot_angle_error),
+    "largest angle error": ("rectilinear", plots.plot_largest_angle_error),
+    "non-uniformity": ("rectilinear", plots.plot_non_uniformity),
+    "bend vectors": ("rectilinear", partial(plots.plot_bend_vectors, SPATIAL)),
+    "bend vectors of a truck": ("rectilinear", partial(plots.plot_bend_vectors, TRUCK, 2)),
+    "torque": ("rectilinear", plots.plot_torque_ratio),
+    "bending": ("polar", plots.plot_bending_moments),
+    "Mt": ("rectilinear", plots.plot_small_angle),
+    "Mx": ("rectilinear", partial(plots.plot_small_angle, "moment_x", 8.5)),
+    "Mz": ("rectilinear", partial(plots.plot_small_angle, "moment_z")),
+    "batch": ("rectilinear", partial(plots.plot_curves, SEVERAL, "acceleration_ratio")),
+    "vector": (
+        "rectilinear",
+        partial(plots.plot_curves, TRUCK, "support_moment", shaft=2, load=FLYWHEEL),
+    ),
+    "harmonics": ("rectilinear", partial(plots.plot_harmonics, SEVERAL)),
+    "ratio harmonics": ("rectilinear", partial(plots.plot_harmonics, TRUCK, "speed_ratio")),
+    "map": ("rectilinear", partial(plots.plot_study, study(COMPENSATION))),
+    "suspension": ("rectilinear", partial(plots.plot_study, study(SUSPENSION))),
+    "map of U": ("rectilinear", partial(plots.plot_study, study(COMPENSATION), "non_uniformity")),
+    "hodograph": ("rectilinear", partial(plots.plot_hodograph, SINGLE)),
+    "loaded hodograph": ("rectilinear", partial(plots.plot_hodograph, TRUCK, 1, load=FLYWHEEL)),
+    "spatial": ("3d", partial(plots.plot_driveline, SPATIAL)),
+    "truck": ("3d", partial(plots.plot_driveline, TRUCK, 1.0, points=POINTS)),
+    "plane": ("3d", partial(plots.plot_driveline, Driveline.from_bends([10], degrees=True))),
+    "straight": ("3d", partial(plots.plot_driveline, Driveline.from_bends([0, 0, 0]))),
+    "eight": ("3d", partial(plots.plot_driveline, Driveline.from_bends([0.1] * 8))),
+    "short": ("3d", partial(plots.plot_driveline, Driveline.from_points(SHORT), points=SHORT)),
+}
+each_picture = pytest.mark.parametrize("name", PICTURES)
+
+
+@pytest.fixture(autouse=True)
+def _no_figure_stays() -> Iterator[None]:
+    pyplot.switch_backend("agg")
+    yield
+    pyplot.close("all")
+
+
+def given_axes(projection: str = "rectilinear") -> Axes:
+    axes: Axes = Figure(layout="constrained").add_subplot(projection=projection)
+    return axes
+
+
+def texts(figure: Figure, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, Bbox]]:
+    """Every text as it is drawn and its place; ticks out of view are not drawn."""
+    found: list[tuple[str, Bbox]] = []
+    draw = Text.draw
+
+    def record(self: Text, renderer: RendererBase) -> None:
+        draw(self, renderer)
+        if self.get_visible() and self.get_text():
+            assert 5.8 < float(self.get_fontsize()) <= 8.0, self.get_text()
+            found.append((self.get_text(), Text.get_window_extent(self, renderer)))
+
+    monkeypatch.setattr(Text, "draw", record)
+    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
+    monkeypatch.undo()
+    return found
+
+
+def curve(axes: Axes, place: int) -> tuple[Any, Any]:
+    line = axes.get_lines()[place]
+    return np.asarray(line.get_xdata(), float), np.asarray(line.get_ydata(), float)
+
+
+@each_picture
+def test_axes_are_taken_and_returned(name: str) -> None:
+    projection, picture = PICTURES[name]
+    axes = given_axes(projection)
+    with matplotlib.rc_context({"font.size": 11.5}):
+        before = dict(matplotlib.rcParams)
+        assert picture(ax=axes) is axes
+        assert dict(matplotlib.rcParams) == before
+    assert axes.has_data()
+    assert pyplot.get_fignums() == []
+
+
+@each_picture
+def test_texts_can_be_read_at_80_mm(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    projection, picture = PICTURES[name]
+    before = dict(matplotlib.rcParams)
+    axes = picture()
+    assert dict(matplotlib.rcParams) == before
+    figure = axes.get_figure()
+    assert isinstance(figure, Figure)
+    assert figure.get_figwidth() == pytest.approx(80 / 25.4)
+    figure.set_dpi(300)
+    found = texts(figure, monkeypatch)
+    assert len(found) >= (4 if projection == "3d" else 8)
+    for text, box in found:
+        assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, text
+        assert figure.bbox.y0 <= box.y0 <= box.y1 <= figure.bbox.y1, text
+    for (one, here), (other, there) in combinations(found, 2):
+        assert not here.overlaps(there), (one, other)
+    legend = axes.get_legend()
+    if legend is not None and projection != "3d":
+        over = legend.get_window_extent()
+        for line in axes.get_lines():
+            seen = line.get_transform().transform(line.get_xydata())
+            assert not any(over.contains(x, y) for x, y in seen), line
+
+
+@each_picture
+def test_curves_can_be_told_apart_in_grey(name: str) -> None:
+    projection, picture = PICTURES[name]
+    axes = picture(ax=given_axes(projection))
+
+    def looks(line: Line2D) -> tuple[Any, ...]:
+        dashes = str(line._dash_pattern)  # type: ignore[attr-defined]
+        return dashes, line.get_marker(), float(line.get_linewidth())
+
+    labelled = {
+        str(line.get_label()): looks(line)
+        for line in axes.get_lines()
+        if not str(line.get_label()).startswith("_")
+    }
+    assert len(set(labelled.values())) == len(labelled)
+    handles, labels = axes.get_legend_handles_labels()
+    assert (axes.get_legend() is not None) == bool(labels) == bool(handles)
+
+
+@pytest.mark.parametrize(
+    "name", [name for name, (kind, _) in PICTURES.items() if kind == "rectilinear"]
+)
+def test_axes_are_labelled(name: str) -> None:
+    axes = PICTURES[name][1]()
+    assert axes.get_xlabel()
+    assert axes.get_ylabel()
+    for label in (axes.get_xlabel(), axes.get_ylabel(), axes.get_title(loc="left")):
+        if "angle" in label and "ratio" not in label:
+            assert "[deg]" in label
+
+
+def test_more_curves_than_can_be_told_apart_are_refused() -> None:
+    many = Driveline.from_bends(np.arange(1.0, 8.0)[:, None], degrees=True)
+    with pytest.raises(ValueError, match="at most 6 curves that can be told apart"):
+        plots.plot_curves(many)
+    assert pyplot.get_fignums() == []
+
+
+# --- curves over the turn --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", OUTPUTS)
+def test_curves_of_every_output(name: str) -> None:
+    output, angle = OUTPUTS[name], np.linspace(-1.0, 7.0, 50)
+    axes = plots.plot_curves(TRUCK, name, shaft=2, joint=1, load=FLYWHEEL, angle=angle)
+    want = TRUCK.evaluate(angle, name, shafts=2, joints=1, load=FLYWHEEL)[name]
+    if output.unit == "rad":
+        want = np.degrees(want)
+    rows = want.T if output.vector else [want]
+    assert len(axes.get_lines()) == len(rows)
+    for place, row in enumerate(rows):
+        x, y = curve(axes, place)
+        np.testing.assert_array_equal(x, np.degrees(angle))
+        np.testing.assert_array_equal(y, row)
+    unit = {"rad": " [deg]", "1": ""}.get(output.unit, f" [{output.unit}]")
+    item = "shaft 2" if output.per == "shaft" else "joint 1"
+    assert axes.get_ylabel() == f"{output.label}\n{item}{unit}"
+
+
+def test_curves_of_a_batch() -> None:
+    axes = plots.plot_curves(SEVERAL, "speed_ratio")
+    turn = np.radians(np.arange(721) / 2)
+    want = SEVERAL[:, None].evaluate(turn, "speed_ratio").speed_ratio
+    for place, row in enumerate(want):
+        np.testing.assert_array_equal(curve(axes, place)[1], row)
+    assert [str(line.get_label()) for line in axes.get_lines()] == [
+        "bend 10°",
+        "bend 20°",
+        "bend 30°",
+    ]
+
+
+def test_curves_add_up_on_the_same_axes() -> None:
+    smooth = Driveline.from_bends([33, 33], twists=[10], phases=[10], degrees=True)
+    axes = plots.plot_curves(smooth, labels=["phased"])
+    assert axes.get_ylim() == pytest.approx((-1, 1))
+    plots.plot_curves(smooth.with_phases(0.0), labels=["as it was"], ax=axes)
+    low, high = axes.get_ylim()
+    y = curve(axes, 1)[1]
+    assert low < y.min() < y.max() < high
+    first, second = axes.get_lines()
+    assert first.get_color() != second.get_color()
+    legend = axes.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["phased", "as it was"]
+
+
+@pytest.mark.parametrize(
+    ("line", "output", "options", "message"),
+    [
+        (SEVERAL[:, None], "angle", {}, r"shape \(3, 1\); .* batch of one dimension"),
+        (SEVERAL, "moment", {"load": FLYWHEEL}, r"shape \(3,\); .* shows one driveline"),
+        (SINGLE, "angel", {}, "did you mean 'angle'"),
+        (SINGLE, "angle", {"angle": 1.0}, r"angle has shape \(\)"),
+        (SEVERAL, "angle", {"labels": ["one"]}, "labels has 1 entries; there are 3 curves"),
+        (SINGLE, "torque", {}, "load"),
+    ],
+)
+def test_curves_that_make_no_picture(
+    line: Driveline, output: str, options: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        plots.plot_curves(line, output, **options)
+
+
+# --- figures of the sources ------------------------------------------------------------------
+
+
+def test_driven_angle() -> None:
+    axes = plots.plot_driven_angle(40.0)
+    driving, driven = np.radians(curve(axes, 0))
+    np.testing.assert_allclose(
+        np.sin(driven) * np.cos(np.radians(40)) * np.cos(driving),
+        np.cos(driven) * np.sin(driving),
+        atol=1e-15,
+    )
+    np.testing.assert_array_equal(*curve(axes, 1))
+
+
+def test_locus_runs_through_the_extremes_of_the_curves() -> None:
+    axes = plots.plot_angle_error()
+    step = 0.25
+    above, maxima, below, minima = (curve(axes, place) for place in (3, 4, 5, 6))
+    # The catalogue's own table under Bild 11, whose first maximum is cut off, not rounded.
+    np.testing.assert_allclose(maxima[0], [44.8, 44.1, 42.9], atol=0.05)
+    np.testing.assert_allclose(maxima[1], [0.4385, 1.782, 4.117], atol=0.0005)
+    for place in range(3):
+        x, y = curve(axes, place)
+        for locus, points, extreme in (
+            (above, maxima, np.argmax(y)),
+            (below, minima, np.argmin(y)),
+        ):
+            assert points[0][place] == pytest.approx(x[extreme], abs=step)
+            assert points[1][place] == pytest.approx(y[extreme], rel=1e-4)
+            order = np.argsort(np.abs(locus[1]))
+            on_locus = np.interp(abs(y[extreme]), np.abs(locus[1])[order], locus[0][order])
+            assert on_locus == pytest.approx(x[extreme], abs=step)
+
+
+def test_sizes_over_the_bend() -> None:
+    bend, error = np.radians(curve(plots.plot_largest_angle_error(50.0), 0))
+    want = np.arctan((1 - np.cos(bend)) / (2 * np.sqrt(np.cos(bend))))
+    np.testing.assert_allclose(error, want, rtol=1e-12, atol=1e-15)
+    bend_deg, size = curve(plots.plot_non_uniformity(), 0)
+    bend = np.radians(bend_deg)
+    assert bend_deg[-1] == pytest.approx(45.0)
+    np.testing.assert_allclose(size, np.tan(bend) * np.sin(bend), rtol=1e-12, atol=1e-15)
+
+
+def test_bend_vectors_of_the_catalogues_example() -> None:
+    axes = plots.plot_bend_vectors(SPATIAL)
+    first, tip, second, _, rings, _, arc = (curve(axes, place) for place in range(7))
+    assert (first[0][1], first[1][1]) == (tip[0][0], tip[1][0])
+    ends = np.array([first, second])[:, :, 1]
+    np.testing.assert_allclose(np.linalg.norm(ends, axis=1), [16.4225, 16.3956], atol=5e-5)
+    # To the right and upwards, as the drawing has them.
+    given = np.array([[7.0, 15.0], [12.0, -11.5]])
+    np.testing.assert_allclose(np.transpose(rings), given, atol=1e-12)
+    slope = np.tan(np.radians(given))
+    np.testing.assert_allclose(np.arctan2(*ends.T[::-1]), np.arctan2(*slope.T[::-1]), rtol=1e-12)
+    # Counter-clockwise as printed there, from the first vector to the line of the second.
+    angles = np.degrees(np.unwrap(np.arctan2(arc[1], arc[0])))
+    assert angles[-1] - angles[0] == pytest.approx(70.8728, abs=5e-5)
+    assert np.tan(np.radians(angles[-1])) == pytest.approx(slope[1, 1] / slope[1, 0])
+    assert "70.87°" in [text.get_text() for text in axes.texts]
+
+
+@pytest.mark.parametrize(
+    ("line", "shaft", "message"),
+    [
+        (SEVERAL, 1, "shows one driveline"),
+        (SPATIAL, 0, "must lie between two joints"),
+        (SPATIAL, -1, "must lie between two joints"),
+        (Driveline.from_bends([0, 5], degrees=True), 1, "a straight joint beside it"),
+    ],
+)
+def test_bend_vectors_that_make_no_picture(line: Driveline, shaft: int, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        plots.plot_bend_vectors(line, shaft)
+
+
+def test_grossmanns_figures() -> None:
+    angle_deg, torque = curve(plots.plot_torque_ratio(), 0)
+    bend, angle = np.radians(50.0), np.radians(angle_deg)
+    want = np.cos(bend) * (1 + (np.tan(bend) * np.sin(angle)) ** 2)  # his (7)
+    np.testing.assert_allclose(torque, want, rtol=1e-13)
+    polar = plots.plot_bending_moments()
+    driving, first = curve(polar, 0)
+    driven, second = curve(polar, 1)
+    np.testing.assert_allclose(first, np.tan(bend) * np.abs(np.sin(driving)), atol=1e-15)  # (6)
+    cosine = np.abs(np.cos(driven))
+    want = np.tan(bend) / np.cos(bend) * cosine / (1 + (np.tan(bend) * cosine) ** 2)  # (8)
+    np.testing.assert_allclose(second, want, atol=1e-14)
+    assert second.max() == pytest.approx(0.77786, abs=5e-6)
+
+
+def test_thomas_curves() -> None:
+    turn = np.linspace(0, 2 * np.pi, 721)
+    line = Driveline.from_bends([30], degrees=True)
+    torque = line.evaluate(turn, "torque", load=Load(speed=1.0, inertias=[0, 1])).torque
+    ratios = thoma_moment_ratios(turn, np.radians(30))
+    small = thoma_small_angle(turn, np.radians(30), 1.0, 1.0)
+    low_by = {"torque": 0.09, "moment_x": 0.26, "moment_z": 0.21}
+    exact = {"torque": torque, "moment_x": ratios.x * torque, "moment_z": ratios.z * torque}
+    for component, want in exact.items():
+        axes = plots.plot_small_angle(component)  # type: ignore[arg-type]
+        (x, drawn), (_, approximate) = curve(axes, 0), curve(axes, 1)
+        np.testing.assert_allclose(x, np.degrees(turn), rtol=1e-15)
+        np.testing.assert_allclose(drawn, want, atol=1e-15)
+        np.testing.assert_array_equal(approximate, getattr(small, component))
+        low = 1 - np.max(np.abs(approximate)) / np.max(np.abs(drawn))
+        assert low == pytest.approx(low_by[component], abs=0.005)
+    with pytest.raises(ValueError, match="component is 'Mt'; known are torque"):
+        plots.plot_small_angle("Mt")  # type: ignore[arg-type]
+
+
+# --- harmonics, studies, hodograph -----------------------------------------------------------
+
+
+def test_harmonics() -> None:
+    axes = plots.plot_harmonics(SEVERAL, orders=range(1, 7))
+    for place, bend in enumerate(np.radians([10, 20, 30])):
+        x, y = curve(axes, place)
+        n = np.array([1, 2, 3])
+        np.testing.assert_allclose(x, 2 * n, atol=0.5)
+        np.testing.assert_allclose(y, np.degrees(np.tan(bend / 2) ** (2 * n) / n), rtol=1e-13)
+    assert axes.get_ylim()[0] < min(curve(axes, 0)[1])
+
+
+def test_harmonics_of_what_turns_evenly() -> None:
+    axes = plots.plot_harmonics(Driveline.from_bends([0.0]), "speed_ratio")
+    assert axes.get_yscale() == "linear"
+    assert len(curve(axes, 0)[0]) == 0
+
+
+@pytest.mark.parametrize(
+    ("line", "options", "message"),
+    [
+        (SEVERAL[None], {}, "batch of one dimension"),
+        (SINGLE, {"quantity": "angle"}, "known are angle_error, speed_ratio"),
+        (SINGLE, {"orders": [0]}, "an order is at least 1"),
+    ],
+)
+def test_harmonics_that_make_no_picture(
+    line: Driveline, options: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=message):
+        plots.plot_harmonics(line, **options)
+
+
+def test_lines_of_a_map_lie_where_the_library_has_them() -> None:
+    axes = plots.plot_study(study(COMPENSATION))
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("bend, joint 1 [deg]", "phase, shaft 1 [deg]")
+    assert axes.get_title(loc="left") == "equivalent bend [deg]"
+    filled, *lines = (item for item in axes.collections if isinstance(item, ContourSet))
+    assert filled.get_clim()[0] <= 0.0
+    checked = []
+    for contour in lines:
+        for level, parts in zip(contour.levels, contour.allsegs, strict=True):
+            x, y = np.concatenate(parts).T
+            bends = np.stack([np.full_like(x, 10.0), x], axis=-1)
+            there = Driveline.from_bends(bends, phases=y[:, None], degrees=True).equivalent().bend
+            # Straight between points of the grid, a tenth of a degree of bend apart.
+            np.testing.assert_allclose(np.degrees(there), level, atol=0.05)
+            checked.append(float(level))
+    assert sorted(checked) == pytest.approx([2, 3, 4, 6, 8, 10])
+    assert [text.get_text() for text in axes.texts] == ["4", "6", "8", "10"]
+
+
+def test_a_study_of_one_key_is_a_curve() -> None:
+    text = "[driveline]\nbends_deg = [10, 10]\n[load]\nspeed_rpm = 600\noutput_torque_Nm = 1\n"
+    text += "[study]\nbends_deg.1 = [12, 8, 10]\nspeed_rpm = [600]\n"
+    text += "[output]\nclosed_forms = ['equivalent_bend', 'non_uniformity']\n"
+    axes = plots.plot_study(study(text))
+    x, y = curve(axes, 0)
+    np.testing.assert_array_equal(x, [8, 10, 12])
+    line = Driveline.from_bends(np.array([[10, 8], [10, 10], [10, 12]]), degrees=True)
+    np.testing.assert_allclose(y, np.degrees(line.equivalent().bend), rtol=1e-12, atol=1e-7)
+    np.testing.assert_allclose(curve(axes, 1)[1], 3.0, rtol=1e-15)
+    bare = plots.plot_study(study(text), "non_uniformity")
+    assert len(bare.get_lines()) == 1
+    assert bare.get_legend() is None
+    limited = plots.plot_study(study(text), "non_uniformity", limit=0.0027)
+    legend = limited.get_legend()
+    assert legend is not None
+    assert legend.get_texts()[0].get_text() == "limit 0.0027"
+
+
+@pytest.mark.parametrize("few_first", [False, True])
+def test_a_key_of_few_values_makes_a_curve_of_each(few_first: bool) -> None:
+    few, many = "phases_deg.0 = [5, 0]\n", "bends_deg.1 = {from = 5, to = 15, steps = 11}\n"
+    text = "[driveline]\nbends_deg = [10, 10]\nphases_deg = [0]\n[study]\n"
+    axes = plots.plot_study(study(text + (few + many if few_first else many + few)))
+    bends = np.array([[10.0, bend] for bend in range(5, 16)])
+    for place, phase in enumerate((0.0, 5.0)):
+        x, y = curve(axes, place)
+        np.testing.assert_array_equal(x, bends[:, 1])
+        want = Driveline.from_bends(bends, phases=phase, degrees=True).equivalent().bend
+        np.testing.assert_allclose(y, np.degrees(want), rtol=1e-12, atol=1e-6)
+    legend = axes.get_legend()
+    assert legend is not None
+    assert legend.get_title().get_text() == "phase, shaft 1 [deg]"
+    assert [text.get_text() for text in legend.get_texts()] == ["0", "5", "limit 3 deg"]
+    assert axes.get_xlabel() == "bend, joint 1 [deg]"
+
+
+def test_a_flat_map_shows_no_rounding() -> None:
+    text = "[driveline]\nbends_deg = [7, 7]\n[study]\nbends_deg.0-1 = [7, 7, 7, 7, 7, 7]\n"
+    text += "phases_deg.0 = {from = 0, to = 1800, steps = 11}\n"
+    axes = plots.plot_study(study(text), "non_uniformity")
+    lines = [item for item in axes.collections if isinstance(item, ContourSet)]
+    assert len(lines) == 1
+    assert list(lines[0].levels) == [-1.0, 1.0]
+
+
+def test_studies_that_make_no_picture() -> None:
+    with pytest.raises(ValueError, match="the study has equivalent_bend, non_uniformity"):
+        plots.plot_study(study(COMPENSATION), "bend")
+    text = COMPENSATION.replace("[10, 10]", "[10, 10]\ntwists_deg = [0]")
+    with pytest.raises(ValueError, match="varies 3 keys; a picture shows 1 or 2"):
+        plots.plot_study(study(text + "twists_deg.0 = [0, 1]\n"))
+
+
+def test_hodograph_is_a_circle_and_an_ellipse() -> None:
+    axes = plots.plot_hodograph(SINGLE)
+    bend, turn = np.radians(50.0), np.radians(np.arange(361) / 2)
+    found = SINGLE.evaluate(
+        turn, ("bending_driving", "bending_driven"), joints=0, load=Load(drive_torque=1.0)
+    )
+    (x, y), (_, _), (across, up), (marks, _) = (curve(axes, place) for place in range(4))
+    np.testing.assert_allclose(np.hypot(x - np.tan(bend) / 2, y), np.tan(bend) / 2, rtol=1e-13)
+    np.testing.assert_allclose(np.hypot(x, y), found.bending_driving, atol=1e-14)
+    np.testing.assert_allclose(np.hypot(across, up), found.bending_driven, atol=1e-14)
+    assert [text.get_text() for text in axes.texts[:6]] == [f"{a}°" for a in range(0, 180, 30)]
+    np.testing.assert_array_equal(marks, across[:360:60])
+    assert axes.get_xlabel() == "moment in the bend plane / drive torque"
+    loaded = plots.plot_hodograph(TRUCK, 1, load=FLYWHEEL)
+    assert loaded.get_xlabel() == "moment in the bend plane [N m]"
+    with pytest.raises(ValueError, match="shows one driveline"):
+        plots.plot_hodograph(SEVERAL)
+
+
+# --- driveline in space ----------------------------------------------------------------------
+
+
+def test_yoke_pins_are_those_of_the_vector_picture() -> None:
+    shafts = reference.from_points(POINTS, phases=[0.3, -0.7])
+    for angle in (0.0, 1.0, 4.0):
+        pins = plots.yoke_pins(TRUCK, angle)
+        for joint, (driving, driven) in zip(reference._joints(shafts, angle), pins, strict=True):
+            np.testing.assert_allclose(driving, joint.a, atol=1e-14)
+            np.testing.assert_allclose(driven, joint.b, atol=1e-14)
+    with pytest.raises(ValueError, match="shows one driveline"):
+        plots.yoke_pins(SEVERAL)
+
+
+def test_driveline_in_space(monkeypatch: pytest.MonkeyPatch) -> None:
+    discs: list[Any] = []
+    set_verts = art3d.Poly3DCollection.set_verts
+
+    def record(self: Any, verts: list[Any], *closed: bool) -> None:  # noqa: ANN401
+        discs.extend(verts)
+        set_verts(self, verts, *closed)
+
+    monkeypatch.setattr(art3d.Poly3DCollection, "set_verts", record)
+    axes: Any = plots.plot_driveline(TRUCK, 1.0, points=POINTS)
+    lines = [np.transpose(line.get_data_3d()) for line in axes.get_lines()]
+    labels = [line.get_label() for line in axes.get_lines()]
+    # Shafts run from end to end, and only yokes stand in between.
+    np.testing.assert_allclose(lines[0][0], POINTS[0])
+    np.testing.assert_allclose(lines[3][1], POINTS[-1])
+    pins = plots.yoke_pins(TRUCK, 1.0)
+    for side, name in enumerate(("driving pin", "driven pin")):
+        drawn = [line for line, label in zip(lines, labels, strict=True) if label == name]
+        for joint, ends in enumerate(drawn):
+            np.testing.assert_allclose(ends.mean(axis=0), POINTS[joint + 1])
+            along = ends[0] - ends[1]
+            np.testing.assert_allclose(along / np.linalg.norm(along), pins[joint, side])
+    assert len(discs) == 3
+    for joint, disc in enumerate(discs):
+        across = (disc - np.array(POINTS[joint + 1])) @ TRUCK.normals[joint]
+        np.testing.assert_allclose(across, 0.0, atol=1e-9)
+    assert [text.get_text() for text in axes.texts] == [
+        *(f"joint {j}\n{bend:.3g}°" for j, bend in enumerate(np.degrees(TRUCK.bends))),
+        "drive",
+    ]
+
+
+@pytest.mark.parametrize("line", [SPATIAL, TRUCK])
+def test_space_has_one_scale_and_y_upwards(line: Driveline) -> None:
+    axes: Any = plots.plot_driveline(line)
+    axes.figure.canvas.draw()
+    points = np.vstack([np.zeros(3), np.eye(3)])
+    x, y, _ = proj3d.proj_transform(*points.T, axes.get_proj())
+    spans = np.stack([x[1:] - x[0], y[1:] - y[0]])
+    # In parallel projection the squares of each row of a rotation add up alike, and the rows
+    # are perpendicular.
+    assert spans[0] @ spans[0] == pytest.approx(spans[1] @ spans[1])
+    assert spans[0] @ spans[1] == pytest.approx(0.0, abs=1e-9 * float(spans[0] @ spans[0]))
+    assert spans[0][0] > 0.0  # x to the right
+    assert spans[0][1] == pytest.approx(0.0, abs=1e-12)
+    assert spans[1][1] > 0.0  # y upwards
+    limits = axes.viewLim
+    for ends in (np.transpose(each.get_data_3d()) for each in axes.get_lines()):
+        seen = np.array(proj3d.proj_transform(*ends.T, axes.get_proj()))
+        assert np.all((limits.x0 < seen[0]) & (seen[0] < limits.x1))
+
+
+def test_drivelines_that_make_no_picture() -> None:
+    with pytest.raises(ValueError, match="shows one driveline"):
+        plots.plot_driveline(SEVERAL)
+    with pytest.raises(ValueError, match=r"points has shape \(3, 3\); it must be \(5, 3\)"):
+        plots.plot_driveline(TRUCK, points=POINTS[:3])
+    moved = np.array(POINTS)
+    moved[3, 1] = -100
+    with pytest.raises(ValueError, match=r"points\[2\] and \[3\] do not lie along shaft 2"):
+        plots.plot_driveline(TRUCK, points=moved)
+    with pytest.raises(ValueError, match="projection 'rectilinear'; this picture needs '3d'"):
+        plots.plot_driveline(TRUCK, ax=given_axes())
+
+
+@pytest.mark.parametrize("name", ["angle error", "map", "truck"])
+def test_saved_pictures_are_the_same_every_time(name: str, tmp_path: Path) -> None:
+    for path in (tmp_path / "one.svg", tmp_path / "other.svg"):
+        figure = PICTURES[name][1]().get_figure()
+        assert isinstance(figure, Figure)
+        plots.save(figure, path)
+    text = (tmp_path / "one.svg").read_bytes()
+    assert text == (tmp_path / "other.svg").read_bytes()
+    assert b"dc:date" not in text
+    assert float(re.findall(rb'width="([0-9.]+)pt"', text)[0]) == pytest.approx(80 / 25.4 * 72)

@@ -1,0 +1,992 @@
+"""Scene files: every form of a driveline, units, defaults, messages; the table of a scene."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from cardan import Driveline
+from cardan.scene import Scene
+from cardan.scene_format import FORMAT, FORMS, describe
+from cardan.summary import Row, summary, summary_text
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+JOINT = "[driveline]\nbends_deg = [8.5]\n"
+
+
+def rows(scene: Scene) -> dict[str, Row]:
+    return {row.label: row for row in summary(scene.run())}
+
+
+# Forms, units and defaults
+
+
+def same(one: Driveline, other: Driveline) -> None:
+    for name in ("bends", "twists", "phases", "directions"):
+        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+
+
+POINTS = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45]]
+DIRECTIONS = [[2.0, 0.0, 0.0], [1.0, 0.1, 0.0], [1.0, 0.0, 0.1]]
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("bends_deg = [8.5]", Driveline.from_bends([8.5], degrees=True)),
+        (
+            "bends_deg = [10, 20]\ntwists_deg = [90]\nphases_deg = [30]",
+            Driveline.from_bends([10, 20], [90], [30], degrees=True),
+        ),
+        (f"points_mm = {POINTS}", Driveline.from_points(POINTS)),
+        (
+            f"points_m = {POINTS}\nphases_deg = [15]",
+            Driveline.from_points(POINTS, [15], degrees=True),
+        ),
+        (
+            f"directions = {DIRECTIONS}\nphases_deg = [15]",
+            Driveline.from_directions(DIRECTIONS, [15], degrees=True),
+        ),
+        (
+            "slopes_vertical_deg = [0, 5, 1]\nslopes_horizontal_deg = [1, 2, 9]\nphases_deg = [15]",
+            Driveline.from_slopes([0, 5, 1], [1, 2, 9], [15], degrees=True),
+        ),
+        (
+            "projected_bends_vertical_deg = [15, -11.5]\n"
+            "projected_bends_horizontal_deg = [7, 12]\nphases_deg = [-70]",
+            Driveline.from_projected_bends([15, -11.5], [7, 12], [-70], degrees=True),
+        ),
+    ],
+)
+def test_every_form_is_its_constructor(text: str, line: Driveline) -> None:
+    same(Scene.parse(f"[driveline]\n{text}").line, line)
+
+
+def test_load_in_si_units() -> None:
+    scene = Scene.parse(
+        f"{JOINT}[load]\nspeed_rpm = 3000\nacceleration_rad_s2 = 5\ndrive_torque_Nm = 7\n"
+        "inertias_kgm2 = [0, 0.02]"
+    )
+    load = scene.load_case
+    assert load is not None
+    assert load.end == "drive"
+    assert load.inertias is not None
+    assert load.speed == pytest.approx(100 * math.pi, rel=1e-15)
+    assert (float(load.torque), float(load.acceleration)) == (7.0, 5.0)
+    assert load.inertias.tolist() == [0.0, 0.02]
+    assert (scene.speed, scene.accelerates) == (float(load.speed), True)
+
+    other = Scene.parse(f"{JOINT}[load]\nspeed_rad_s = 12.5\noutput_torque_Nm = -3")
+    assert other.load_case is not None
+    assert other.load_case.end == "output"
+    assert float(other.load_case.torque) == -3.0
+    assert (other.speed, other.accelerates) == (12.5, False)
+
+    assert Scene.parse(JOINT).load_case is None
+    assert Scene.parse(JOINT).speed == 0.0
+
+
+def test_sweep_includes_both_ends_and_keeps_round_degrees() -> None:
+    angles = Scene.parse(JOINT).drive_angle_deg
+    assert angles.tolist() == [i / 2 for i in range(721)]
+    angles = Scene.parse(
+        f"{JOINT}[sweep]\nturns = 1.5\nsamples_per_turn = 4\nstart_deg = -90"
+    ).drive_angle_deg
+    assert angles.tolist() == [-90, 0, 90, 180, 270, 360, 450]
+    tiny = f"{JOINT}[sweep]\nturns = 0.001\nsamples_per_turn = 1"
+    assert Scene.parse(tiny).drive_angle_deg.tolist() == pytest.approx([0, 0.36])
+
+
+MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
+
+
+@pytest.mark.parametrize(
+    ("text", "quantities"),
+    [
+        ("", MOTION),
+        # A speed alone transmits nothing.
+        ("[load]\nspeed_rpm = 100", MOTION),
+        ("[load]\ndrive_torque_Nm = 1", (*MOTION, "torque", "moment")),
+        ("[load]\ninertias_kgm2 = [0, 1]", (*MOTION, "torque", "moment")),
+        ('[output]\nquantities = ["angle", "speed_ratio"]', ("angle", "speed_ratio")),
+    ],
+)
+def test_quantities(text: str, quantities: tuple[str, ...]) -> None:
+    result = Scene.parse(JOINT + text).run()
+    assert result.scene.quantities == quantities
+    assert tuple(result.values) == quantities
+
+
+def test_title_and_files() -> None:
+    scene = Scene.parse(f'title = "A"\n{JOINT}[output]\ncurves = "a.npz"\npicture = "a.pdf"')
+    assert (scene.title, scene.curves_file, scene.picture_file) == ("A", "a.npz", "a.pdf")
+    scene = Scene.parse(JOINT)
+    assert (scene.title, scene.curves_file, scene.picture_file) == ("", None, None)
+
+
+def test_result_is_what_evaluate_gives() -> None:
+    scene = Scene.parse(f"{JOINT}[load]\noutput_torque_Nm = 3\n[sweep]\nsamples_per_turn = 8")
+    result = scene.run()
+    want = scene.line.evaluate(
+        np.radians(np.arange(9) * 45.0), scene.quantities, load=scene.load_case
+    )
+    np.testing.assert_array_equal(result.drive_angle, np.radians(np.arange(9) * 45.0))
+    for name, values in want.items():
+        np.testing.assert_array_equal(result.values[name], values)
+
+
+# Messages
+
+
+def section(name: str) -> str:
+    return f"{JOINT}[{name}]\n"
+
+
+DRIVELINE = "[driveline]\n"
+
+ERRORS: list[tuple[str, int | None, str]] = [
+    ("", None, "section [driveline] is missing; it describes the joints and shafts"),
+    (
+        "x =\n",
+        None,
+        "not TOML: Invalid value (at line 1, column 4)",
+    ),
+    ("a = " + "[" * 100_000, None, "not TOML: nested too deeply"),
+    ("title = 3\n" + JOINT, 1, "title is 3; it must be text in quotes"),
+    ("titel = 'a'\n" + JOINT, 1, "unknown key 'titel'; did you mean 'title'?"),
+    ("[drivline]\n", 1, "unknown section 'drivline'; did you mean 'driveline'?"),
+    ("driveline = 3", 1, "driveline is 3; it must be a section [driveline]"),
+    ("bends_deg = [1]", 1, "unknown key 'bends_deg'; it belongs in [driveline]"),
+    (
+        '"a\\nb" = 1',
+        None,
+        r"unknown key 'a\nb'; known are title, driveline, load, sweep, angles, study, output",
+    ),
+    (
+        DRIVELINE + "bend_deg = [1]",
+        2,
+        "[driveline] unknown key 'bend_deg'; did you mean 'bends_deg'?",
+    ),
+    (JOINT + "speed_rpm = 1", 3, "[driveline] unknown key 'speed_rpm'; it belongs in [load]"),
+    (
+        DRIVELINE,
+        1,
+        "[driveline] no shafts or joints; give one of: bends_deg; points_m; points_mm; directions; "
+        "slopes_vertical_deg with slopes_horizontal_deg; "
+        "projected_bends_vertical_deg with projected_bends_horizontal_deg",
+    ),
+    (
+        JOINT + "points_mm = [[0, 0, 0]]\ndirections = [[1, 0, 0]]",
+        2,
+        "[driveline] bends_deg and points_mm are both given; describe the driveline in one way",
+    ),
+    (
+        JOINT + "points_mm = [[0, 0, 0]]",
+        2,
+        "[driveline] bends_deg and points_mm are both given; describe the driveline in one way",
+    ),
+    (
+        DRIVELINE + "twists_deg = [1]\npoints_m = [[0, 0, 0], [1, 0, 0], [2, 0, 0]]",
+        2,
+        "[driveline] twists_deg does not go with points_m, which says it already",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 1]",
+        1,
+        "[driveline] slopes_horizontal_deg is missing; "
+        "slopes_vertical_deg and slopes_horizontal_deg go together",
+    ),
+    (DRIVELINE + "bends_deg = 8", 2, "[driveline] bends_deg is 8; it must be a list of numbers"),
+    (DRIVELINE + "bends_deg = [1, 'a']", 2, "[driveline] bends_deg[1] is 'a'; it must be a number"),
+    (DRIVELINE + "bends_deg = [true]", 2, "[driveline] bends_deg[0] is true; it must be a number"),
+    (DRIVELINE + "bends_deg = [nan]", 2, "[driveline] bends_deg[0] is nan; it must be finite"),
+    (
+        DRIVELINE + f"bends_deg = [1{'0' * 400}]",
+        2,
+        f"[driveline] bends_deg[0] is 1{'0' * 56}...; it must be finite",
+    ),
+    (
+        DRIVELINE + "bends_deg = [8, 95]",
+        2,
+        "[driveline] bends_deg[1] is 95.0 deg; a bend must lie in [0, 90) deg",
+    ),
+    (
+        DRIVELINE + "bends_deg = [-1]",
+        2,
+        "[driveline] bends_deg[0] is -1.0 deg; a bend must lie in [0, 90) deg",
+    ),
+    (DRIVELINE + "bends_deg = []", 2, "[driveline] bends_deg has length 0; one joint needs 1"),
+    (
+        JOINT + "phases_deg = [1]",
+        3,
+        "[driveline] phases_deg has length 1; it needs 0, one per shaft between two joints",
+    ),
+    (
+        DRIVELINE + "points_mm = [[0, 0, 0], [1, 0, 0]]",
+        2,
+        "[driveline] points_mm has length 2; one joint needs 3",
+    ),
+    (
+        DRIVELINE + "points_mm = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]",
+        2,
+        "[driveline] points_mm[2] is (1, 0, 0) after (1, 0, 0); "
+        "two successive points must differ by a finite distance",
+    ),
+    (
+        DRIVELINE + "points_m = [[0, 0, 0], [1, 0], [1, 0, 0]]",
+        2,
+        "[driveline] points_m[1] is [1, 0]; it must be a list of three numbers",
+    ),
+    (
+        DRIVELINE + "points_m = [[0, 0, 0], [1, 0, '0']]",
+        2,
+        "[driveline] points_m[1][2] is '0'; it must be a number",
+    ),
+    (
+        DRIVELINE + "directions = [[0, 0, 0], [1, 0, 0]]",
+        2,
+        "[driveline] directions[0] is (0, 0, 0); a direction must be finite and not zero",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 1]\nslopes_horizontal_deg = [0]",
+        3,
+        "[driveline] slopes_horizontal_deg has length 1; it needs 2, as many as "
+        "slopes_vertical_deg",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 90]\nslopes_horizontal_deg = [0, 0]",
+        2,
+        "[driveline] slopes_vertical_deg[1] is 90; it must lie between -90 and 90",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 0]\nslopes_horizontal_deg = [-90, 0]",
+        3,
+        "[driveline] slopes_horizontal_deg[0] is -90; it must lie between -90 and 90",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [0, 'a']\nslopes_horizontal_deg = [0, 0]",
+        2,
+        "[driveline] slopes_vertical_deg[1] is 'a'; it must be a number",
+    ),
+    (
+        DRIVELINE + "points_m = [[0, 0, 0], 1]",
+        2,
+        "[driveline] points_m[1] is 1; it must be a list of three numbers",
+    ),
+    (
+        DRIVELINE + "points_m = 1",
+        2,
+        "[driveline] points_m is 1; it must be a list of vectors [x, y, z]",
+    ),
+    (
+        DRIVELINE + "slopes_vertical_deg = [50, -50]\nslopes_horizontal_deg = [0, 0]",
+        2,
+        "[driveline] slopes_vertical_deg and slopes_horizontal_deg give bends[0] = "
+        "1.7453292519943295 rad; a bend must lie in [0, pi/2)",
+    ),
+    (
+        DRIVELINE + "projected_bends_vertical_deg = [1]\nprojected_bends_horizontal_deg = [1]",
+        2,
+        "[driveline] projected_bends_vertical_deg has length 1; it needs 2, one per joint",
+    ),
+    (
+        section("load") + "speed_rpm = 1\nspeed_rad_s = 1",
+        4,
+        "[load] speed_rpm and speed_rad_s are both given; give one of them",
+    ),
+    (
+        section("load") + "drive_torque_Nm = 1\noutput_torque_Nm = 1",
+        4,
+        "[load] drive_torque_Nm and output_torque_Nm are both given; give one of them",
+    ),
+    (
+        section("load") + "inertias_kgm2 = [1]",
+        4,
+        "[load] inertias_kgm2 has length 1; it needs 2, one per shaft",
+    ),
+    (
+        section("load") + "inertias_kgm2 = [0, -1]",
+        4,
+        "[load] inertias_kgm2[1] is -1.0; an inertia must not be negative",
+    ),
+    (
+        DRIVELINE + f"bends_deg = '{'x' * 58}'",
+        2,
+        f"[driveline] bends_deg is '{'x' * 58}'; it must be a list of numbers",
+    ),
+    (
+        DRIVELINE + f"bends_deg = '{'x' * 59}'",
+        2,
+        f"[driveline] bends_deg is '{'x' * 56}...; it must be a list of numbers",
+    ),
+    (
+        section("output") + "quantities = [3]",
+        4,
+        "[output] quantities[0] is 3; it must be text in quotes",
+    ),
+    (section("output") + "curves = 3", 4, "[output] curves is 3; it must be text in quotes"),
+    (section("output") + "reduce = 3", 4, "[output] reduce is 3; it must be a list of names"),
+    (section("sweep") + "turns = 'a'", 4, "[sweep] turns is 'a'; it must be a number"),
+    (
+        DRIVELINE + "bends_deg = [1e41]",
+        2,
+        "[driveline] bends_deg[0] is 1e+41; it must lie within ±1e+40",
+    ),
+    (section("sweep") + "turns = 0", 4, "[sweep] turns is 0; it must be positive"),
+    (
+        section("sweep") + "samples_per_turn = 1.5",
+        4,
+        "[sweep] samples_per_turn is 1.5; it must be a whole number of at least 1",
+    ),
+    (
+        section("sweep") + "turns = 2\nsamples_per_turn = 1000000000",
+        5,
+        "[sweep] samples_per_turn is 1000000000 over turns = 2; "
+        "a sweep takes at most 10000000 steps",
+    ),
+    (
+        section("sweep") + f"samples_per_turn = 0x1{'0' * 5000}",
+        4,
+        "[sweep] samples_per_turn is a number too large over turns = 1; "
+        "a sweep takes at most 10000000 steps",
+    ),
+    (
+        section("output") + "curves = 'a.xlsx'",
+        4,
+        "[output] curves is 'a.xlsx'; it must end in .csv or .npz or .parquet",
+    ),
+    (
+        section("output") + "picture = 'a.csv'",
+        4,
+        "[output] picture is 'a.csv'; it must end in .svg or .png or .pdf",
+    ),
+    (
+        section("output") + "curves = '../a.csv'",
+        4,
+        "[output] curves is '../a.csv'; it must be a file name without a folder",
+    ),
+    (
+        section("output") + r"curves = 'b\a.csv'",
+        4,
+        r"[output] curves is 'b\\a.csv'; it must be a file name without a folder",
+    ),
+    (
+        section("output") + r'curves = "a\nb.csv"',
+        4,
+        r"[output] curves is 'a\nb.csv'; it must be a file name without a folder",
+    ),
+    (
+        section("output") + "quantities = ['torque']",
+        4,
+        "[output] quantities[0] is 'torque'; it needs a section [load]",
+    ),
+    (
+        section("output") + "quantities = ['speed']",
+        4,
+        "[output] quantities[0] is 'speed'; did you mean 'speed_ratio'?",
+    ),
+    (
+        section("output") + "quantities = []",
+        4,
+        "[output] quantities is []; name at least one, or leave it out",
+    ),
+    *(
+        (section("output") + f"tolerance = {given}", 4, f"[output] tolerance is {wrong}")
+        for given, wrong in (
+            ("1.0", "1.0; it must lie in [0, 1)"),
+            ("-1e-9", "-1e-09; it must lie in [0, 1)"),
+            ("'fine'", "'fine'; it must be a number"),
+        )
+    ),
+    (
+        section("output") + "joints = [true]",
+        4,
+        "[output] joints[0] is true; it must be a whole number, counted from 0",
+    ),
+    (
+        section("output") + "joints = 0",
+        4,
+        "[output] joints is 0; it must be a list of whole numbers",
+    ),
+    (
+        section("output") + "dtype = 'float'",
+        4,
+        "[output] dtype is 'float'; did you mean 'float64'?",
+    ),
+    (
+        section("output") + "quantities = ['angle', 'angle']",
+        4,
+        "[output] quantities[1] is 'angle' again; name each once",
+    ),
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "message"), ERRORS, ids=[message for _, _, message in ERRORS]
+)
+def test_messages(text: str, line: int | None, message: str) -> None:
+    with pytest.raises(ValueError, match=r"^shaft\.toml") as caught:
+        Scene.parse(text, "shaft.toml")
+    place = f"shaft.toml, line {line}" if line else "shaft.toml"
+    assert str(caught.value) == f"{place}: {message}"
+
+
+def test_tolerances_of_a_scene() -> None:
+    for tolerance in (0, 0.5, 1e-9):
+        scene = Scene.parse(f"{section('output')}tolerance = {tolerance}", "shaft.toml")
+        want = scene.line.plan(scene.quantities, tolerance=tolerance)
+        assert scene.plan().explain() == scene.explain() == want.explain()
+
+
+def test_integers_that_python_will_not_read() -> None:
+    with pytest.raises(ValueError, match=r"^scene: not TOML: .*digits"):
+        Scene.parse(f"[driveline]\nbends_deg = [1{'0' * 5000}]")
+
+
+# Files
+
+
+def test_load_names_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "shaft.toml"
+    path.write_text("[driveline]\nbends_deg = [99]\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="99") as caught:
+        Scene.load(path)
+    assert str(caught.value).startswith(f"{path}, line 2: [driveline] bends_deg[0] is 99.0 deg")
+
+    with pytest.raises(FileNotFoundError):
+        Scene.load(tmp_path / "missing.toml")
+
+
+def test_byte_order_mark_and_line_ends(tmp_path: Path) -> None:
+    path = tmp_path / "shaft.toml"
+    path.write_bytes(b"\xef\xbb\xbf" + f'title = "Föppl"\n{JOINT}'.replace("\n", "\r\n").encode())
+    assert Scene.load(str(path)).title == "Föppl"
+
+
+def test_not_utf8(tmp_path: Path) -> None:
+    path = tmp_path / "shaft.toml"
+    path.write_bytes(b'title = "F\xf6ppl"\n')
+    with pytest.raises(ValueError, match="not UTF-8") as caught:
+        Scene.load(path)
+    assert str(caught.value) == f"{path}: not UTF-8 text at byte 10"
+
+
+# Recorded angles
+
+
+def recording(folder: Path, suffix: str) -> None:
+    table = {"turn": np.array([0.0, 0.5, 2.0]), "front": np.array([5.0, 6.0, 7.0])}
+    path = folder / f"run{suffix}"
+    if suffix == ".npz":
+        np.savez(path, **table)  # type: ignore[arg-type]
+    elif suffix == ".parquet":
+        parquet = pytest.importorskip("pyarrow.parquet")
+        parquet.write_table(pytest.importorskip("pyarrow").table(table), path)
+    else:
+        rows = zip(*table.values(), strict=True)
+        lines = [",".join(table), *(",".join(map(repr, map(float, row))) for row in rows)]
+        path.write_text("\n".join(lines))
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
+def test_recorded_angles(tmp_path: Path, suffix: str) -> None:
+    recording(tmp_path, suffix)
+    path = tmp_path / "scene.toml"
+    for unit, angle in (("rad", np.array([0.0, 0.5, 2.0])), ("deg", np.radians([0.0, 0.5, 2.0]))):
+        angles = f"[angles]\nfile = 'run{suffix}'\nangle_column_{unit} = 'turn'\n"
+        path.write_text(JOINT + angles)
+        # The file is beside the scene, wherever the reader stands.
+        scene = Scene.load(path)
+        np.testing.assert_array_equal(scene.drive_angle, angle)
+        np.testing.assert_allclose(scene.drive_angle_deg, np.degrees(angle))
+        want = Driveline.from_bends([8.5], degrees=True).evaluate(angle, "angle_error")
+        np.testing.assert_array_equal(scene.run().values.angle_error, want.angle_error)
+
+        path.write_text(f"{angles}bend_columns_deg = ['front', 'front2']")
+        with pytest.raises(ValueError, match=r"line 1: \[angles\] .*no column 'front2'; did you"):
+            Scene.load(path)
+        path.write_text(f"{angles}bend_columns_deg = ['front']")
+        scene = Scene.load(path)
+        line = Driveline.from_bends([[5], [6], [7]], degrees=True)
+        same(scene.line, line)
+        want = line.evaluate(angle, "angle_error")
+        np.testing.assert_array_equal(scene.run().values.angle_error, want.angle_error)
+        table = {row.label: row for row in summary(scene.run())}
+        assert table["bend, joint 0"].values == pytest.approx((5, 7))
+        errors = np.degrees(want.angle_error)
+        assert table["angle error"].values == pytest.approx((np.min(errors), np.max(errors)))
+
+
+def test_recorded_bends_with_twists_and_loads(tmp_path: Path) -> None:
+    recording(tmp_path, ".csv")
+    text = (
+        "[angles]\nfile = 'run.csv'\nangle_column_rad = 'turn'\n"
+        "bend_columns_deg = ['front', 'turn']\n[driveline]\ntwists_deg = [180]\n"
+        "phases_deg = [10]\n[load]\noutput_torque_Nm = 5\n[output]\nquantities = ['moment']"
+    )
+    scene = Scene.parse(text, folder=tmp_path)
+    line = Driveline.from_bends(np.array([[5, 0], [6, 0.5], [7, 2]]), 180, 10, degrees=True)
+    same(scene.line, line)
+    want = line.evaluate([0, 0.5, 2], "moment", load=scene.load_case).moment
+    np.testing.assert_array_equal(scene.run().values.moment, want)
+
+
+COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            JOINT + "[angles]\nfile = 'run.csv'",
+            "line 3: [angles] angle_column_deg is missing; or give angle_column_rad",
+        ),
+        (JOINT + "[angles]\nangle_column_deg = 'a'", "line 3: [angles] file is missing"),
+        (
+            JOINT + "[angles]\nangle_column = 'a'",
+            "line 4: [angles] unknown key 'angle_column'; the unit stands in the name: "
+            "angle_column_deg holds degrees, angle_column_rad holds radians",
+        ),
+        (
+            JOINT + f"[angles]\n{COLUMN}angle_column_deg = 'turn'",
+            "line 6: [angles] angle_column_deg and angle_column_rad are both given",
+        ),
+        (
+            JOINT + f"[angles]\n{COLUMN}[sweep]\nturns = 1",
+            "sections [sweep] and [angles] are both given; give one of them",
+        ),
+        (
+            JOINT + "[angles]\nfile = 'run.xls'\nangle_column_deg = 'turn'",
+            "line 4: [angles] file is 'run.xls'; it must end in .csv or .npz or .parquet",
+        ),
+        (
+            JOINT + '[angles]\nfile = "run\\u0000.csv"\nangle_column_deg = "turn"',
+            r"line 4: [angles] file is 'run\x00.csv'; it must be the name of a file",
+        ),
+        (
+            JOINT + "[angles]\nfile = 3\nangle_column_deg = 'turn'",
+            "line 4: [angles] file is 3; it must be text in quotes",
+        ),
+        (
+            JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'trun'",
+            "line 3: [angles] {run}: no column 'trun'; did you mean 'turn'?; "
+            "the columns are turn, front",
+        ),
+        (
+            JOINT + f"[angles]\n{COLUMN}bend_columns_deg = ['front']",
+            "line 2: [driveline] bends_deg does not go with recorded bends",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[driveline]\ntwists_deg = [1]",
+            "line 6: [driveline] twists_deg has length 1; it needs 0",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[study]\nphases_deg = [1]",
+            "line 6: [study] phases_deg does not go with recorded bends",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = ['front']\n[output]\nclosed_forms = ['k']",
+            "line 6: [output] closed_forms do not go with recorded bends",
+        ),
+        (
+            f"[angles]\n{COLUMN}bend_columns_deg = 'front'",
+            "line 4: [angles] bend_columns_deg is 'front'; it must be a list of texts",
+        ),
+    ],
+)
+def test_messages_about_recordings(tmp_path: Path, text: str, message: str) -> None:
+    recording(tmp_path, ".csv")
+    with pytest.raises(ValueError, match=r"^scene") as caught:
+        Scene.parse(text, folder=tmp_path)
+    separator = ", " if message.startswith("line") else ": "
+    wanted = f"scene{separator}{message.format(run=tmp_path / 'run.csv')}"
+    assert str(caught.value).startswith(wanted)
+
+
+def test_recorded_bends_in_radians(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("turn,front,rear\n0,0.1,0.2\n1,0.3,1.5\n2,0,0.5\n")
+    text = f"[angles]\n{COLUMN}bend_columns_rad = ['front', 'rear']"
+    scene = Scene.parse(text, folder=tmp_path)
+    line = Driveline.from_bends([[0.1, 0.2], [0.3, 1.5], [0, 0.5]])
+    np.testing.assert_allclose(scene.line.bends, line.bends, rtol=4e-16)
+    both = text + "\nbend_columns_deg = ['front', 'rear']"
+    with pytest.raises(ValueError, match="bend_columns_deg and bend_columns_rad are both given"):
+        Scene.parse(both, folder=tmp_path)
+    (tmp_path / "run.csv").write_text("turn,front,rear\n0,0.1,0.2\n1,0.3,1.58\n")
+    with pytest.raises(ValueError, match=r"'rear' is 1.58; a bend must lie in \[0, pi/2\) rad$"):
+        Scene.parse(text, folder=tmp_path)
+
+
+def test_recorded_bends_out_of_range(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("turn,front\n0,5\n1,-5\n2,90\n")
+    text = f"[angles]\n{COLUMN}bend_columns_deg = ['front']"
+    with pytest.raises(ValueError, match="front") as caught:
+        Scene.parse(text, folder=tmp_path)
+    assert str(caught.value) == (
+        f"scene, line 1: [angles] {tmp_path / 'run.csv'}: row 1, counted from 0, column 'front' "
+        "is -5.0; a bend must lie in [0, 90) deg"
+    )
+
+
+def test_missing_recording(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught:
+        Scene.parse(f"{JOINT}[angles]\n{COLUMN}", folder=tmp_path)
+    assert Path(caught.value.filename) == tmp_path / "run.csv"
+
+
+# Shafts and joints
+
+
+def test_shafts_and_joints_as_the_scene_names_them() -> None:
+    text = (
+        "[driveline]\nbends_deg = [10, 20]\n[load]\noutput_torque_Nm = 3\nspeed_rpm = 6\n[output]\n"
+        "quantities = ['speed_ratio', 'torque', 'moment']\n"
+    )
+    scene = Scene.parse(f"{text}shafts = [2, 0]\njoints = [1]")
+    result = scene.run()
+    want = scene.line.evaluate(
+        scene.drive_angle, scene.quantities, shafts=[2, 0], joints=[1], load=scene.load_case
+    )
+    for name, values in want.items():
+        np.testing.assert_array_equal(result.values[name], values)
+    curves = [(output.name, item, values.shape) for output, item, values in result.curves()]
+    assert curves == [
+        ("speed_ratio", 2, (721,)),
+        ("speed_ratio", 0, (721,)),
+        ("torque", 2, (721,)),
+        ("torque", 0, (721,)),
+        ("moment", 1, (721, 3)),
+    ]
+    table = rows(scene)
+    bends = [float(np.degrees(scene.line.equivalent(shaft).bend)) for shaft in (2, 0)]
+    assert table["equivalent bend, shafts 2, 0"].values == pytest.approx(bends)
+    assert "speed ratio, shafts 2, 0" not in table
+    assert "largest torque, shaft 0" in table
+    assert "largest moment, joint 1" in table
+    assert "largest moment, joint 0" not in table
+    one = rows(Scene.parse(f"{text}shafts = [1]"))
+    assert one["equivalent bend, shaft 1"].values == pytest.approx((10,))
+    assert one["speed, shaft 1"].values[1] == pytest.approx(6 / math.cos(math.radians(10)))
+    assert "equivalent bend, shafts 1 to 2" in rows(Scene.parse(f"{text}shafts = [1, 2]"))
+
+
+@pytest.mark.parametrize("workers", [2, -1])
+def test_workers_reach_the_evaluation(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def evaluate(*_: object, **options: object) -> None:
+        asked.append(options["workers"])
+
+    scene = Scene.parse(f"{JOINT}[output]\nworkers = {workers}")
+    monkeypatch.setattr(Driveline, "evaluate", evaluate)
+    scene.run()
+    assert asked == [workers]
+
+
+def test_plan_is_asked_for_what_is_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: dict[str, object] = {}
+
+    def plan(_: Driveline, quantities: tuple[str, ...], **options: object) -> str:
+        asked.update(options, quantities=quantities)
+        return "plan"
+
+    monkeypatch.setattr(Driveline, "plan", plan, raising=False)
+    scene = Scene.parse(f"{JOINT}[output]\nquantities = ['angle']\nshafts = [0, 1]\nworkers = 1")
+    assert scene.plan() == "plan"
+    assert asked == {
+        "quantities": ("angle",),
+        "shafts": [0, 1],
+        "joints": None,
+        "load": None,
+        "workers": 1,
+    }
+
+
+# Units and lines in messages
+
+
+@pytest.mark.parametrize(
+    ("section", "key", "held"),
+    [
+        ("driveline", "bends_rad", "bends_deg holds degrees"),
+        ("driveline", "bends", "bends_deg holds degrees"),
+        ("driveline", "phases_degrees", "phases_deg holds degrees"),
+        ("driveline", "points_cm", "points_m holds metres, points_mm holds millimetres"),
+        ("load", "speed_hz", "speed_rpm holds revolutions per minute, speed_rad_s holds rad/s"),
+        ("load", "drive_torque_kNm", "drive_torque_Nm holds N m"),
+        ("load", "inertias_gm2", "inertias_kgm2 holds kg m²"),
+        ("load", "acceleration_rpm_s", "acceleration_rad_s2 holds rad/s²"),
+        ("sweep", "start_rad", "start_deg holds degrees"),
+        ("study", "phases_rad", "phases_deg holds degrees"),
+    ],
+)
+def test_wrong_units(section: str, key: str, held: str) -> None:
+    head = "[driveline]\n" if section == "driveline" else f"{JOINT}[{section}]\n"
+    with pytest.raises(ValueError, match="unit") as caught:
+        Scene.parse(f"{head}{key} = [1]")
+    place = f"scene, line {head.count(chr(10)) + 1}: [{section}]"
+    wanted = f"{place} unknown key '{key}'; the unit stands in the name: {held}"
+    assert str(caught.value) == wanted
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("# [driveline]\n\n[driveline]\n# bends_deg = [1]\nbends_deg = [95]", "scene, line 5:"),
+        ("driveline.bends_deg = [95]", "scene, line 1:"),
+        ("driveline = {bends_deg = [95]}", "scene, line 1:"),
+        ("  [ driveline ]  # here\n  bends_deg   =[\n1,\n95]", "scene, line 2:"),
+        ("title = '[driveline]'\n[driveline]\nbends_deg = [95]", "scene, line 3:"),
+        ('title = """\nbends_deg = 3\n"""\n[driveline]\nbends_deg = [95]', "scene:"),
+        ("title = '''a'''\n[driveline]\nbends_deg = [95]", "scene:"),
+        ("[load]\nspeed_rpm = 1\n[driveline]\nbends_deg = [95]", "scene, line 4:"),
+        # The key in quotes is not looked for; its section is certain.
+        ('[driveline]\n"bends_deg" = [95]', "scene, line 1:"),
+        ('["driveline"]\nbends_deg = [95]', "scene:"),
+        (f"{JOINT}[study]\nbends_deg.0 = 3", "scene, line 4:"),
+        (f"{JOINT}[study]\nphases_deg.0 = [1]\nbends_deg.0 = {{from = 'a'}}", "scene, line 5:"),
+        (f"{JOINT}[study.bends_deg.0]\nfrom = 1\nto = 2\nsteps = 0", "scene, line 6:"),
+        (f"{JOINT}[study.bends_deg]\n0 = [1]\n1 = 3", "scene, line 5:"),
+        (f"{JOINT}[study]\nbends_deg.0.to = 1\nbends_deg.0.from = 2", "scene:"),
+    ],
+)
+def test_lines_of_keys(text: str, place: str) -> None:
+    with pytest.raises(ValueError, match="bends_deg") as caught:
+        Scene.parse(text)
+    assert str(caught.value).split(" [")[0] == place
+
+
+def test_validate_finds_all_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(
+        "titel = 'a'\n[driveline]\nbends_deg = 'a'\n[laod]\nspeed_rpm = 1\n"
+        "[sweep]\nturns = -1\nstart_deg = 'b'\n[angles]\n"
+    )
+    assert Scene.validate(path) == [
+        f"{path}, line 1: unknown key 'titel'; did you mean 'title'?",
+        f"{path}, line 4: unknown section 'laod'; did you mean 'load'?",
+        f"{path}, line 3: [driveline] bends_deg is 'a'; it must be a list of numbers",
+        f"{path}, line 7: [sweep] turns is -1; it must be positive",
+        f"{path}, line 8: [sweep] start_deg is 'b'; it must be a number",
+        f"{path}, line 9: [angles] file is missing",
+        f"{path}, line 9: [angles] angle_column_deg is missing; or give angle_column_rad",
+    ]
+    path.write_text("[driveline]\nbends_deg = [95]\n")
+    assert Scene.validate(path) == [
+        f"{path}, line 2: [driveline] bends_deg[0] is 95.0 deg; a bend must lie in [0, 90) deg"
+    ]
+    path.write_text("[driveline")
+    assert len(Scene.validate(path)) == 1
+    path.write_bytes(b"\xff")
+    assert Scene.validate(path) == [f"{path}: not UTF-8 text at byte 0"]
+    for example in EXAMPLES.glob("*.toml"):
+        assert Scene.validate(example) == []
+    with pytest.raises(FileNotFoundError):
+        Scene.validate(tmp_path / "missing.toml")
+
+
+# Documentation
+
+
+def test_description_is_the_format() -> None:
+    words = describe().split()
+    for name, part in FORMAT.items():
+        assert not name or f"[{name}]" in words
+        for key, entry in part.keys.items():
+            assert key in words
+            assert entry.meaning.split()[-1] in describe()
+    assert max(map(len, describe().splitlines())) <= 77
+    assert "samples_per_turn" in str(Scene.__doc__)
+
+
+def test_every_key_of_a_driveline_is_in_a_form() -> None:
+    used = {key for form in FORMS for key in form.keys + form.optional}
+    assert used == set(FORMAT["driveline"].keys)
+
+
+# The table
+
+
+def test_foeppl() -> None:
+    """Thoma's example: the torque that the flywheel asks for, exactly and in his small angles."""
+    scene = Scene.load(EXAMPLES / "foeppl.toml")
+    table = rows(scene)
+    bend, inertia, speed = math.radians(8.5), 0.02, 100 * math.pi
+    c, s2 = math.cos(bend), math.sin(bend) ** 2
+
+    # theory: the largest acceleration is at cos(2 alpha) = (-p + sqrt(p**2 + 8)) / 2
+    p = (2 - s2) / s2
+    cos2 = (-p + math.sqrt(p * p + 8)) / 2
+    place = math.acos(cos2) / 2
+    largest = (
+        c * s2 * math.sin(2 * place) / (math.cos(place) ** 2 * c * c + math.sin(place) ** 2) ** 2
+    )
+    exact = inertia * speed**2 * largest
+    torque = table["largest torque, shaft 1"]
+    assert torque.values[0] == pytest.approx(exact, rel=1e-4)
+    assert torque.values[0] <= exact
+    assert torque.at_deg == pytest.approx(math.degrees(place), abs=0.5)
+    small_angles = 2 * inertia * speed**2 * (1 - c)
+    assert torque.values[0] / small_angles - 1 == pytest.approx(0.0056, abs=2e-4)
+    assert table["largest acceleration"].values[0] == pytest.approx(exact / inertia, rel=1e-12)
+
+    # The bending moments beside it: |M| / Mt is 1 / cos of the angle between M and the shaft.
+    assert table["largest moment, joint 0"].values[0] == pytest.approx(43.85, abs=0.01)
+
+    error = table["largest angle error"]
+    assert error.values[0] == pytest.approx(math.degrees(math.atan((1 - c) / (2 * math.sqrt(c)))))
+    assert error.at_deg == pytest.approx(math.degrees(math.atan(math.sqrt(c))))
+    assert table["speed ratio"].values == pytest.approx((c, 1 / c))
+    assert table["speed, shaft 1"].values == pytest.approx((3000 * c, 3000 / c))
+    assert table["non-uniformity U"].values[0] == pytest.approx(1 / c - c)
+    assert table["equivalent bend"].values[0] == pytest.approx(8.5)
+
+
+def test_thomas_small_angle_curves() -> None:
+    """His three formulae, in right-handed axes: x, y, z here are his -y, x, -z of the print."""
+    result = Scene.load(EXAMPLES / "foeppl.toml").run()
+    bend, unit, phi = math.radians(8.5), 0.02 * (100 * math.pi) ** 2, result.drive_angle
+    m = 1 - math.cos(bend)
+    torque = -2 * unit * m * np.sin(2 * phi)
+    assert np.max(np.abs(result.values["torque"] - torque)) < 0.016 * np.max(np.abs(torque))
+    # Along and across the driven shaft, (cos, sin, 0).
+    x, y, z = np.moveaxis(result.values["moment"][0], -1, 0)
+    along, across = x * math.cos(bend) + y * math.sin(bend), y * math.cos(bend) - x * math.sin(bend)
+    np.testing.assert_allclose(along, result.values["torque"], atol=1e-12 * unit)
+    mx = unit * math.sin(bend) * m * (np.sin(2 * phi) + 0.5 * np.sin(4 * phi))
+    mz = 0.5 * unit * math.sin(bend) * m * (1 - np.cos(4 * phi))
+    assert np.max(np.abs(across - mx)) < 0.03 * np.max(np.abs(mx))
+    assert np.max(np.abs(z - mz)) < 0.03 * np.max(np.abs(mz))
+
+
+def test_spatial_shaft() -> None:
+    scene = Scene.load(EXAMPLES / "spatial_shaft.toml")
+    table = rows(scene)
+    assert table["bends"].values == pytest.approx((16.4225, 16.3956), abs=5e-5)
+    assert table["twist of bend planes, shaft 1"].values == pytest.approx((109.127,), abs=5e-4)
+    assert table["phase of forks, shaft 1"].values == pytest.approx((-70.8728,))
+    assert table["equivalent bend"].values[0] == pytest.approx(0.951, abs=5e-4)
+    untwisted = rows(
+        Scene.parse((EXAMPLES / "spatial_shaft.toml").read_text().replace("-70", "-0"))
+    )
+    assert untwisted["equivalent bend"].values[0] > 20
+
+
+def test_string_by_points() -> None:
+    """The bends of the drawing, from the points themselves."""
+    scene = Scene.load(EXAMPLES / "string_by_points.toml")
+    points = np.array(
+        [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+    )
+    along = np.diff(points, axis=0)
+    along = along / np.linalg.norm(along, axis=-1, keepdims=True)
+    bends = np.degrees(np.arccos(np.sum(along[1:] * along[:-1], axis=-1)))
+    table = rows(scene)
+    assert table["bends"].values == pytest.approx(tuple(bends))
+    assert table["equivalent bend"].values[0] < 3.0
+    # Largest, not smallest, where the table says.
+    error = table["largest angle error"]
+    assert error.at_deg is not None
+    at_place = scene.line.evaluate(math.radians(error.at_deg), "angle_error").angle_error
+    assert math.degrees(at_place) == pytest.approx(error.values[0])
+    assert 90 < error.at_deg < 180
+    # Bending is torque times about the tangent of the bend, at most.
+    for joint, bend in enumerate(bends):
+        largest = table[f"largest bending, driven side, joint {joint}"].values[0]
+        assert largest == pytest.approx(4000 * math.tan(math.radians(bend)), rel=0.01)
+
+
+def test_places_are_places() -> None:
+    """What the table says happens where the table says, for a chain that starts anywhere."""
+    text = (
+        "[driveline]\nbends_deg = [20, 35]\ntwists_deg = [50]\nphases_deg = [-20]\n"
+        "[load]\nspeed_rad_s = 100\ninertias_kgm2 = [0, 0.1, 0.3]\noutput_torque_Nm = 20\n"
+        "[sweep]\nstart_deg = -400\nturns = 1.2\nsamples_per_turn = 3600"
+    )
+    scene = Scene.parse(text)
+    table = rows(scene)
+    for label, name, item, index in (
+        ("largest angle error", "angle_error", 180 / math.pi, ()),
+        ("largest torque, shaft 2", "torque", 1.0, ()),
+        ("largest moment, joint 1", "moment", 1.0, (1,)),
+    ):
+        place = table[label].at_deg
+        assert place is not None
+        values = scene.line.evaluate(math.radians(place), name, load=scene.load_case)[name]
+        assert np.linalg.norm(values[index]) * item == pytest.approx(table[label].values[0])
+        curve = scene.run().values[name][index]
+        sizes = np.linalg.norm(curve, axis=-1) if curve.ndim == 2 else np.abs(curve)
+        assert np.max(sizes) * item == pytest.approx(table[label].values[0], rel=1e-5)
+    assert table["speed, shaft 2"].values == pytest.approx(
+        tuple(ratio * 100 * 30 / math.pi for ratio in table["speed ratio"].values)
+    )
+
+
+def test_compensated_shaft_has_no_place() -> None:
+    """Rounding is not reported as motion, and no place is given for what happens nowhere."""
+    scene = Scene.parse(
+        "[driveline]\nbends_deg = [33, 33]\ntwists_deg = [10]\nphases_deg = [190]\n"
+        "[load]\nspeed_rpm = 1000\ninertias_kgm2 = [0, 0, 1]\n"
+    )
+    table = rows(scene)
+    assert table["largest angle error"] == Row("largest angle error", (0.0,), "deg")
+    assert table["equivalent bend"].values == (0.0,)
+    assert table["speed ratio"].values == (1.0, 1.0)
+    assert table["largest acceleration"].values == (0.0,)
+    # A phase that is off by a thousandth of a degree is motion.
+    almost = rows(Scene.parse("[driveline]\nbends_deg = [15, 15]\nphases_deg = [0.001]"))
+    assert almost["largest angle error"].values[0] > 1e-6
+
+
+def test_straight_driveline() -> None:
+    table = rows(Scene.parse("[driveline]\nbends_deg = [0]\n[load]\noutput_torque_Nm = 5"))
+    assert table["largest angle error"] == Row("largest angle error", (0.0,), "deg")
+    assert table["largest torque, shaft 1"] == Row("largest torque, shaft 1", (5.0,), "N m")
+
+
+def test_acceleration_says_when_the_drive_accelerates() -> None:
+    text = f"{JOINT}[load]\nspeed_rpm = 1\nacceleration_rad_s2 = 1"
+    assert "largest acceleration, steady drive" in rows(Scene.parse(text))
+
+
+def test_table_as_text() -> None:
+    text = summary_text(
+        [
+            Row("bends", (8.5, 12.0), "deg"),
+            Row("angle", (0.31639,), "deg", 44.8416),
+            Row("speed", (2967.04, 3033.32), "rpm", is_range=True),
+            Row("ratio", (0.999862, 1.000138), is_range=True),
+            Row("even", (1.0, 1.0), is_range=True),
+            Row("none", (0.0,), "N m"),
+            Row("tiny", (1.23456e-7,)),
+            Row("large", (1234567.8,), "N m"),
+            Row("huge", (1.23456e8,), "N m"),
+            Row("long", tuple(range(10, 40)), "deg"),
+        ]
+    )
+    assert text.splitlines() == [
+        "bends  8.500, 12.00 deg",
+        "angle  0.3164 deg at 44.84 deg",
+        "speed  2967.0 to 3033.3 rpm",
+        "ratio  0.999862 to 1.000138",
+        "even   1.000",
+        "none   0 N m",
+        "tiny   1.235e-07",
+        "large  1234568 N m",
+        "huge   1.235e+08 N m",
+        "long   10.00, 11.00, 12.00, 13.00, 14.00, 15.00, 16.00, 17.00, 18.00, 19.00,",
+        "       20.00, 21.00, 22.00, 23.00, 24.00, 25.00, 26.00, 27.00, 28.00, 29.00,",
+        "       30.00, 31.00, 32.00, 33.00, 34.00, 35.00, 36.00, 37.00, 38.00, 39.00 deg",
+        "",
+        'After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.',
+    ]
+
+
+def test_names_may_be_empty() -> None:
+    with pytest.raises(ValueError, match=r"^scene: unknown section ''"):
+        Scene.parse('[driveline]\nbends_deg = [8.5]\n[""]\n')
+    with pytest.raises(ValueError, match=r"^scene, line 1: \[driveline\] unknown key ''"):
+        Scene.parse('[driveline]\nbends_deg = [8.5]\n"" = 3\n')
