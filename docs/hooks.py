@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import re
+import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,7 +56,7 @@ def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
 
 def included(name: str) -> str:
     """Return the text to put in for a name."""
-    own = {"scene-keys": scene_keys, "outputs": outputs, "commands": command_help}
+    own = {"scene-keys": scene_keys, "outputs": outputs, "limits": limits, "commands": command_help}
     if name in own:
         return own[name]()
     file, _, heading = name.partition("#")
@@ -82,6 +83,24 @@ def outputs() -> str:
         for name, output in OUTPUTS.items()
     ]
     head = "| output | per | unit | meaning | equation and source |"
+    return "\n".join([head, "|---|---|---|---|---|", *rows])
+
+
+def limits() -> str:
+    """Return the table of accuracy limits of one joint that tests and stress read."""
+    text = (ROOT / "tests" / "data" / "limits.toml").read_text(encoding="utf-8")
+    columns = ("tolerance_0", "samples", "worst", "single")
+    head = (
+        "| output | `tolerance=0` | default, the tests' samples | default, worst of all searches "
+        "| single precision, part of the largest |"
+    )
+    rows = [
+        " | ".join(
+            [f"| {name}", *(str(row.get(column, "–")).replace("e-0", "e-") for column in columns)]
+        )
+        + " |"
+        for name, row in tomllib.loads(text)["output"].items()
+    ]
     return "\n".join([head, "|---|---|---|---|---|", *rows])
 
 

@@ -7,10 +7,13 @@ so. A driveline of ``n`` joints has ``n + 1`` shafts, both counted from 0; shaft
 >>> joint = cardan.Driveline.from_bends([30], degrees=True)
 >>> result = joint.evaluate([0.0, 0.5, 1.0], outputs=("angle_error", "speed_ratio"))
 >>> result.speed_ratio.round(6)
-array([1.154701, 1.072288, 0.934235])
+array([1.154701, 1.072527, 0.934205])
 """
 
-from cardan import approximations, plots, reference, workshop
+from importlib import import_module as _import_module
+from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Any as _Any
+
 from cardan._core import __version__
 from cardan.ball_joint import BallJoint
 from cardan.check import Check, Finding
@@ -20,8 +23,12 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
-from cardan.scene import Scene
 from cardan.sweep import Sweep
+
+if _TYPE_CHECKING:
+    from cardan import approximations, plots, reference, workshop
+    from cardan import scene as scene
+    from cardan.scene import Scene
 
 __all__ = [
     "OUTPUTS",
@@ -43,3 +50,18 @@ __all__ = [
     "reference",
     "workshop",
 ]
+
+# What takes time to import and not everybody needs is imported when it is asked for.
+_LATER = ("approximations", "plots", "reference", "scene", "workshop")
+
+
+def __getattr__(name: str) -> _Any:  # noqa: ANN401 - a module or a class
+    if name == "Scene":
+        return _import_module("cardan.scene").Scene
+    if name in _LATER:
+        return _import_module(f"cardan.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, *_LATER})

@@ -18,7 +18,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, at_place, common_shape, real, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, at_place, common_shape, scalar_or_array
 
 TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
 """Torsional excitation of the last shaft in rad/s²: usual limit, never above."""
@@ -88,8 +88,8 @@ def thoma_small_angle(
         TypeError: values that are not real numbers.
         ValueError: a bend outside [0, pi/2), a negative inertia, shapes that do not broadcast.
     """
-    a, b = real("angle", angle), _bend("bend", bend)
-    mass, rate = real("inertia", inertia), real("speed", speed)
+    a, b = as_float64("angle", angle), _bend("bend", bend)
+    mass, rate = as_float64("inertia", inertia), as_float64("speed", speed)
     if np.any(mass < 0.0):
         wrong = at_place("inertia", mass, mass < 0.0)
         raise ValueError(f"{wrong}; an inertia must not be negative")
@@ -124,7 +124,7 @@ def thoma_moment_ratios(angle: ArrayLike, bend: ArrayLike) -> ThomaMomentRatios:
         TypeError: values that are not real numbers.
         ValueError: a bend outside [0, pi/2), shapes that do not broadcast.
     """
-    a, b = real("angle", angle), _bend("bend", bend)
+    a, b = as_float64("angle", angle), _bend("bend", bend)
     common_shape(angle=a.shape, bend=b.shape)
     s, c = _sine_cosine(a)
     scale = np.sin(b) * c / ((c * np.cos(b)) ** 2 + s**2)
@@ -227,7 +227,7 @@ def inertia_excitation(
 
 
 def _excitation(bend: FloatArray, speed: ArrayLike) -> Any:  # noqa: ANN401
-    rate = real("speed", speed)
+    rate = as_float64("speed", speed)
     common_shape(bends=bend.shape, speed=rate.shape)
     # Past the right angle the sine falls again, and a hopeless chain would pass.
     return scalar_or_array((rate * np.sin(np.minimum(bend, math.pi / 2))) ** 2)
@@ -235,7 +235,10 @@ def _excitation(bend: FloatArray, speed: ArrayLike) -> Any:  # noqa: ANN401
 
 def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], FloatArray]) -> Any:  # noqa: ANN401
     """The root of the weighted squares' sum, whatever its sign; ``weights`` by number of joints."""
-    b, sign = np.atleast_1d(_bend("bends", bends)), np.atleast_1d(real("fork_signs", fork_signs))
+    b, sign = (
+        np.atleast_1d(_bend("bends", bends)),
+        np.atleast_1d(as_float64("fork_signs", fork_signs)),
+    )
     wrong = np.abs(sign) != 1.0
     if wrong.any():
         raise ValueError(f"{at_place('fork_signs', sign, wrong)}; a fork sign is +1 or -1")
@@ -248,7 +251,7 @@ def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], 
 
 
 def _bend(name: str, value: ArrayLike) -> FloatArray:
-    array = real(name, value)
+    array = as_float64(name, value)
     wrong = (array < 0.0) | (array >= math.pi / 2)
     if wrong.any():
         raise ValueError(f"{at_place(name, array, wrong)} rad; a bend must lie in [0, pi/2)")

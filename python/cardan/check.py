@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cardan.approximations import (
     INERTIA_LIMIT,
@@ -15,12 +15,8 @@ from cardan.approximations import (
     TORSIONAL_LIMIT,
     TORSIONAL_MAXIMUM,
 )
-from cardan.arrays import FloatArray, common_shape, real
-
-if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
-    from cardan.driveline import Driveline
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.equivalent import EquivalentJoint
 
 _MAX_BEND_DEG = 3.0
 
@@ -109,7 +105,25 @@ class Check:
         return "\n".join([verdict, *(f"- {f}" for f in self.findings)])
 
 
-def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
+class Checkable(Protocol):
+    """What a check needs of a driveline."""
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+
+    def equivalent(self, shaft: int = -1) -> EquivalentJoint:
+        """Return the joint that moves a shaft as the whole chain does."""
+
+    def reversed(self) -> Checkable:
+        """Return the driveline driven from its other end."""
+
+
+def check(line: Checkable, speed: ArrayLike | None = None) -> Check:
     """Check as ``Driveline.check`` does."""
     last = line.equivalent()
     findings = [
@@ -123,7 +137,7 @@ def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
         Finding("non-uniformity", last.non_uniformity, MAX_NON_UNIFORMITY, MAX_NON_UNIFORMITY, "1"),
     ]
     if speed is not None:
-        squared = real("speed", speed) ** 2
+        squared = as_float64("speed", speed) ** 2
         common_shape(driveline=line.shape, speed=squared.shape)
         findings += [
             Finding(
@@ -148,7 +162,7 @@ def check(line: Driveline, speed: ArrayLike | None = None) -> Check:
     return Check(tuple(findings))
 
 
-def _inertia_excitation(line: Driveline) -> FloatArray:
+def _inertia_excitation(line: Checkable) -> FloatArray:
     """Second-order amplitude of the accelerations of all intermediate shafts together.
 
     Practice sums ``(n - i) theta_i**2`` with signs over the joints ``i``: every joint shakes each

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, approximations, geometry, threads
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, deferring
 from cardan.check import Check, check
 from cardan.equivalent import EquivalentJoint, Harmonics, equivalent, harmonics
 from cardan.geometry import Geometry
-from cardan.lazy import lazily
 from cardan.load import Load
-from cardan.plan import Items, Plan, Reduction
+from cardan.plan import Plan
+from cardan.request import Items, Reduction
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -25,8 +25,8 @@ class Driveline:
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or
     ``from_projected_bends``; leading dimensions are the batch. Of dask arrays these make a
-    ``cardan.lazy.LazyDriveline``, to be evaluated in pieces and anywhere. Drivelines are immutable:
-    their arrays are read-only, and ``with_phases`` makes a new one.
+    ``cardan.interop.lazy.LazyDriveline``, to be evaluated in pieces and anywhere. Drivelines are
+    immutable: their arrays are read-only, and ``with_phases`` makes a new one.
 
     Geometry: ``u_i`` is the unit vector along shaft ``i`` in the direction of power flow, the bend
     of joint ``j`` the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j
@@ -47,7 +47,7 @@ class Driveline:
         raise TypeError("use Driveline.from_bends, from_points, from_directions or from_slopes")
 
     @classmethod
-    @lazily(ends=0, bends=1, twists=1, phases=1)
+    @deferring(ends=0, bends=1, twists=1, phases=1)
     def from_bends(
         cls,
         bends: ArrayLike,
@@ -74,7 +74,7 @@ class Driveline:
         return cls._of(geometry.from_bends(bends, twists, phases, degrees))
 
     @classmethod
-    @lazily(ends=1, directions=2, phases=1)
+    @deferring(ends=1, directions=2, phases=1)
     def from_directions(
         cls, directions: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
     ) -> Self:
@@ -96,7 +96,7 @@ class Driveline:
         return cls._of(geometry.from_directions(directions, phases, degrees))
 
     @classmethod
-    @lazily(ends=2, points=2, phases=1)
+    @deferring(ends=2, points=2, phases=1)
     def from_points(
         cls, points: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
     ) -> Self:
@@ -116,7 +116,7 @@ class Driveline:
         return cls._of(geometry.from_points(points, phases, degrees))
 
     @classmethod
-    @lazily(ends=1, vertical=1, horizontal=1, phases=1)
+    @deferring(ends=1, vertical=1, horizontal=1, phases=1)
     def from_slopes(
         cls,
         vertical: ArrayLike,
@@ -143,7 +143,7 @@ class Driveline:
         return cls._of(geometry.from_slopes(vertical, horizontal, phases, degrees))
 
     @classmethod
-    @lazily(ends=0, vertical=1, horizontal=1, phases=1)
+    @deferring(ends=0, vertical=1, horizontal=1, phases=1)
     def from_projected_bends(
         cls,
         vertical: ArrayLike,
@@ -270,7 +270,7 @@ class Driveline:
             IndexError: a shaft that does not exist.
             TypeError: a shaft that is not an integer.
         """
-        return equivalent(self, shaft)
+        return equivalent(self._geometry, shaft)
 
     def harmonics(self, orders: ArrayLike, shaft: int = -1) -> Harmonics:
         """Return the amplitudes of a shaft's motion at orders of the drive's rotation.
@@ -290,7 +290,7 @@ class Driveline:
             TypeError: orders that are not integers.
             ValueError: an order below 1.
         """
-        return harmonics(self, orders, shaft)
+        return harmonics(self._geometry, orders, shaft)
 
     def optimal_phases(self) -> FloatArray:
         """Return the phases that bring the last shaft closest to constant velocity.

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import at_place, scalar_or_array
-from cardan.plan import item_index
-
-if TYPE_CHECKING:
-    from cardan.driveline import Driveline
+from cardan.geometry import Geometry
+from cardan.request import item_index
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,15 +69,16 @@ class Harmonics:
     speed_ratio: NDArray[np.float64]
 
 
-def equivalent(line: Driveline, shaft: int) -> EquivalentJoint:
+def equivalent(geometry: Geometry, shaft: int) -> EquivalentJoint:
     """Find the equivalent joint as ``Driveline.equivalent`` does."""
-    index = item_index("shaft", shaft, line.n_joints + 1)
-    bends, twists, phases, *_ = line._geometry.flat()
-    columns = _core.equivalent(line.n_joints, index, bends, twists, phases)
-    return EquivalentJoint(*(scalar_or_array(c.reshape(line.shape)) for c in columns))
+    *shape, n_joints = geometry.bends.shape
+    index = item_index("shaft", shaft, n_joints + 1)
+    bends, twists, phases, *_ = geometry.flat()
+    columns = _core.equivalent(n_joints, index, bends, twists, phases)
+    return EquivalentJoint(*(scalar_or_array(c.reshape(shape)) for c in columns))
 
 
-def harmonics(line: Driveline, orders: ArrayLike, shaft: int) -> Harmonics:
+def harmonics(geometry: Geometry, orders: ArrayLike, shaft: int) -> Harmonics:
     """Find the amplitudes as ``Driveline.harmonics`` does."""
     order = np.atleast_1d(np.asarray(orders))
     if order.dtype.kind not in "iu":
@@ -88,6 +86,6 @@ def harmonics(line: Driveline, orders: ArrayLike, shaft: int) -> Harmonics:
     if np.any(order < 1):
         raise ValueError(f"{at_place('orders', order, order < 1)}; an order is at least 1")
     n = order / 2
-    k = np.asarray(line.equivalent(shaft).k)[..., np.newaxis]
+    k = np.asarray(equivalent(geometry, shaft).k)[..., np.newaxis]
     power = np.where(order % 2 == 0, k**n, 0.0)
     return Harmonics(order.astype(np.int64), power / n, 2.0 * power)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, at_place, common_shape, real
+from cardan.arrays import FloatArray, as_float64, at_place, common_shape
 
 
 class Geometry(NamedTuple):
@@ -149,7 +149,7 @@ def _spread(array: FloatArray, shape: tuple[int, ...], own: int) -> FloatArray:
 
 
 def _bends(bends: ArrayLike, degrees: bool) -> FloatArray:
-    array = np.atleast_1d(real("bends", bends))
+    array = np.atleast_1d(as_float64("bends", bends))
     if not degrees:
         return array
     # Here and not in radians, so that the message shows what was given.
@@ -162,7 +162,7 @@ def _bends(bends: ArrayLike, degrees: bool) -> FloatArray:
 
 def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:
     """Twists or phases as ``(..., n - 1)``; one number stands for all shafts."""
-    array = real(name, value)
+    array = as_float64(name, value)
     between = max(n - 1, 0)
     if array.ndim == 0:
         array = np.full(between, array)
@@ -174,7 +174,7 @@ def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray
 
 
 def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
-    array = real(name, value)
+    array = as_float64(name, value)
     if array.ndim < 2 or array.shape[-1] != 3 or array.shape[-2] < fewest:
         wanted = f"(..., {fewest} or more, 3)"
         raise ValueError(f"{name} has shape {array.shape}; it must be {wanted}")
@@ -182,7 +182,7 @@ def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
 
 
 def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> FloatArray:
-    array = np.atleast_1d(real(name, value))
+    array = np.atleast_1d(as_float64(name, value))
     right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
     wrong = ~(np.abs(array) < right_angle)
     if wrong.any():

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, at_place, real
+from cardan.arrays import FloatArray, as_float64, at_place
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -51,11 +51,11 @@ class Load:
             raise ValueError("drive_torque and output_torque are both given; give one of them")
         values = {
             "end": "output" if drive_torque is None else "drive",
-            "torque": real("drive_torque", drive_torque)
+            "torque": as_float64("drive_torque", drive_torque)
             if drive_torque is not None
-            else real("output_torque", output_torque if output_torque is not None else 0.0),
-            "speed": real("speed", speed),
-            "acceleration": real("acceleration", acceleration),
+            else as_float64("output_torque", output_torque if output_torque is not None else 0.0),
+            "speed": as_float64("speed", speed),
+            "acceleration": as_float64("acceleration", acceleration),
             "inertias": None if inertias is None else _checked_inertias(inertias),
         }
         for name, value in values.items():
@@ -70,7 +70,7 @@ class Load:
 
 
 def _checked_inertias(inertias: ArrayLike) -> FloatArray:
-    array = real("inertias", inertias)
+    array = as_float64("inertias", inertias)
     if array.ndim == 0:
         raise ValueError("inertias is one number; it needs one per shaft")
     if np.any(array < 0.0):

@@ -32,6 +32,11 @@ class Output:
     needs_load: bool = False
 
     @property
+    def components(self) -> int:
+        """Numbers for each sample: three of a vector."""
+        return 3 if self.vector else 1
+
+    @property
     def label(self) -> str:
         """What to call it in tables and pictures: ``bending, driving side``."""
         sides = self.name.replace("_driving", ", driving side").replace("_driven", ", driven side")

@@ -3,33 +3,32 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Literal, SupportsIndex, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, outputs, threads
 from cardan._core import Sweep as NativeSweep
-from cardan.arrays import FloatArray, library, real
+from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
+from cardan.arrays.planes import Place, components_first, view
 from cardan.load import Load
+from cardan.request import (
+    DOUBLE,
+    SINGLE,
+    Items,
+    Plannable,
+    Reduction,
+    Request,
+    checked_dtype,
+    checked_reduction,
+    checked_tolerance,
+    is_index,
+    item_indices,
+)
 from cardan.result import Result
 from cardan.sweep import Sweep
-
-if TYPE_CHECKING:
-    from cardan.driveline import Driveline
-
-Items: TypeAlias = int | slice | Sequence[int] | None
-Reduction: TypeAlias = Literal["min", "max", "mean", "rms", "peak"]
-
-REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
-"""What rows of samples can be reduced to."""
-
-
-_Place: TypeAlias = tuple[int, int | None, bool]
-"""Where an output lies in the planes of a result: the first plane, how many items (``None``: one
-without an axis of its own), whether it is a vector."""
 
 
 class Plan:
@@ -40,27 +39,27 @@ class Plan:
     """
 
     __slots__ = (
-        "_alone",
         "_arguments",
         "_core",
-        "_dtype",
-        "_even",
-        "_labels",
+        "_fast_path",
         "_level",
         "_line_shape",
         "_load",
-        "_places",
-        "_plain",
-        "_planes",
+        "_only_angle_varies",
         "_reduce",
-        "_steady",
+        "_scalar_outputs",
+        "_single_row",
         "_word",
         "_workers",
+        "dtype",
+        "labels",
+        "places",
+        "planes",
     )
 
     def __init__(
         self,
-        line: Driveline,
+        line: Plannable,
         names: str | Iterable[str],
         shafts: Items = None,
         joints: Items = None,
@@ -74,22 +73,24 @@ class Plan:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
         names = outputs.checked(names)
         n = line.n_joints
-        shaft_items = [n] if shafts is None else _items("shafts", shafts, n + 1)
-        joint_items = [*range(n)] if joints is None else _items("joints", joints, n)
-        # In the order of this method, for pickling.
+        shaft_items = [n] if shafts is None else item_indices("shafts", shafts, n + 1)
+        joint_items = [*range(n)] if joints is None else item_indices("joints", joints, n)
+        # In the order of this method, for pickling. A ``Request`` costs a fifth of a small call.
         arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
         self._arguments: tuple[Any, ...] = arguments
-        self._dtype = _word(dtype)
-        self._reduce = _reduction(reduce)
+        self.dtype = checked_dtype(dtype)
+        self._reduce = checked_reduction(reduce)
         # What rows are reduced to is found in double.
-        self._word = _DOUBLE if reduce else self._dtype
+        self._word = DOUBLE if reduce else self.dtype
         inertias = _inertias(n, load)
         # Read at every call.
         self._load = () if load is None else (load.torque, load.speed, load.acceleration)
         # Nothing but the angles changes from sample to sample.
         shape = line.shape
-        self._steady = not shape and not (load and _changes(*self._load, *inertias.values()))
-        self._even = self._steady and not reduce
+        self._only_angle_varies = not shape and not (
+            load and _changes(*self._load, *inertias.values())
+        )
+        self._single_row = self._only_angle_varies and not reduce
         self._line_shape = shape
         self._workers = workers
         self._level = level
@@ -99,17 +100,17 @@ class Plan:
             shaft_items,
             joint_items,
             None if load is None else (load.end, *self._load, [*inertias.items()]),
-            _permitted(tolerance),
-            self._dtype is _SINGLE,
+            checked_tolerance(tolerance),
+            self.dtype is SINGLE,
             reduce,
         )
         # The last shaft is asked for, not a list of one.
-        one_shaft = shafts is None or _is_index(shafts)
-        one_joint = joints is not None and _is_index(joints)
+        one_shaft = shafts is None or is_index(shafts)
+        one_joint = joints is not None and is_index(joints)
         shafts_shown = shaft_items[0] if one_shaft else shaft_items
         joints_shown = joint_items[0] if one_joint else joint_items
-        self._labels = (shafts_shown, joints_shown, shape, reduce)
-        self._places: dict[str, _Place] = {}
+        self.labels = (shafts_shown, joints_shown, shape, reduce)
+        self.places: dict[str, Place] = {}
         first, alone = 0, True
         for name in names:
             output = outputs.OUTPUTS[name]
@@ -117,12 +118,12 @@ class Plan:
             vector = output.vector and reduce != "peak"
             count = len(shaft_items if per_shaft else joint_items)
             items = None if (one_shaft if per_shaft else one_joint) else count
-            self._places[name] = (first, items, vector)
+            self.places[name] = (first, items, vector)
             first += 3 * count if vector else count
             alone = alone and items is None and not vector
-        self._planes = first
-        self._alone = alone
-        self._plain = alone and self._even and self._word is self._dtype
+        self.planes = first
+        self._scalar_outputs = alone
+        self._fast_path = alone and self._single_row and self._word is self.dtype
         threads.at_most(workers)
 
     def __call__(
@@ -141,35 +142,35 @@ class Plan:
             MemoryError: results that do not fit in memory.
             RuntimeError: ``out`` is in use by another call.
         """
-        if self._plain and out is None and type(angle) is np.ndarray and angle.dtype is _DOUBLE:
+        if self._fast_path and out is None and type(angle) is np.ndarray and angle.dtype is DOUBLE:
             # The usual call: on a few angles every question shows, that for equal lengths too.
             block = self._core.run(None, angle, None, threads.at_most(self._workers), self._level)
             if block is not None:
-                return Result(dict(zip(self._places, block)), self._labels, angle)  # noqa: B905
+                return Result(dict(zip(self.places, block)), self.labels, angle)  # noqa: B905
         angles: FloatArray | NativeSweep
-        if type(angle) is np.ndarray and angle.dtype == _DOUBLE:
+        if type(angle) is np.ndarray and angle.dtype == DOUBLE:
             angles = angle
         elif isinstance(angle, Sweep):
             angles = angle._core
-        elif type(angle) is not np.ndarray and (whose := library(angle)):
-            there: Result = _elsewhere(whose, self, angle, out)
-            return there
+        elif type(angle) is not np.ndarray and (name := array_namespace_of(angle)):
+            elsewhere: Result = adapter(name).evaluate(self, angle, out)
+            return elsewhere
         else:
-            angles = angle = real("angle", angle)
-        shape = angle.shape if self._steady else self._sample_shape(angle.shape)
+            angles = angle = as_float64("angle", angle)
+        shape = angle.shape if self._only_angle_varies else self._sample_shape(angle.shape)
         rows = self._rows(shape) if self._reduce else shape
-        samples = None if self._even else shape
+        samples = None if self._single_row else shape
         workers = threads.at_most(self._workers)
         if out is not None:
             return self._into(out, angle, angles, samples, rows, workers)
         block = self._core.run(samples, angles, None, workers, self._level)
         if block is None:
             # The angles do not lie one after another.
-            return self(real("angle", angle))
-        if self._word is not self._dtype:
-            block = block.astype(self._dtype)
-        arrays = {name: _view(block, place) for name, place in self._places.items()}
-        return Result(arrays, self._labels, angle)
+            return self(as_float64("angle", angle))
+        if self._word is not self.dtype:
+            block = block.astype(self.dtype)
+        arrays = {name: view(block, place) for name, place in self.places.items()}
+        return Result(arrays, self.labels, angle)
 
     def _into(
         self,
@@ -182,23 +183,23 @@ class Plan:
     ) -> Result:
         """Evaluate into arrays that are there: as they are, if all are plain ones."""
         # What is a dictionary is known at once, other mappings are looked up.
-        if isinstance(out, (dict, Mapping)) and out.keys() == self._places.keys():
-            alone, dtype, wanted = self._alone, self._dtype, rows
+        if isinstance(out, (dict, Mapping)) and out.keys() == self.places.keys():
+            alone, dtype, wanted = self._scalar_outputs, self.dtype, rows
             arrays, planes = {}, []
-            for name in self._places:
+            for name in self.places:
                 array = arrays[name] = out[name]
                 if not alone:
-                    wanted = self._shape(self._places[name], rows)
+                    wanted = self._shape(self.places[name], rows)
                 if type(array) is not np.ndarray or array.dtype != dtype or array.shape != wanted:
                     break
-                planes.append(array if alone else _components_first(array, self._places[name]))
+                planes.append(array if alone else components_first(array, self.places[name]))
             else:
                 run, level = self._core.run, self._level
                 if dtype is self._word and run(samples, angles, planes, workers, level) is not None:
-                    return Result(arrays, self._labels, angle)
-        return self._with_care(out, angle, angles, samples, rows, workers)
+                    return Result(arrays, self.labels, angle)
+        return self._call_into_arbitrary_layout(out, angle, angles, samples, rows, workers)
 
-    def _with_care(
+    def _call_into_arbitrary_layout(
         self,
         out: Mapping[str, NDArray[Any]],
         angle: FloatArray | Sweep,
@@ -210,23 +211,47 @@ class Plan:
         """Evaluate into arrays of any layout, or say what is wrong with them."""
         given = self._checked_out(out, rows)
         if angles is angle:
-            angles = angle = real("angle", angle)
+            angles = angle = as_float64("angle", angle)
             if any(np.may_share_memory(angle, array) for array in given.values()):
                 angles = angle = angle.copy()
         planes = self._planes_of(given, rows)
         if self._core.run(samples, angles, planes, workers, self._level) is None:
             raise RuntimeError("out is in use by another call")
-        return Result(self._filled(given, planes, rows), self._labels, angle)
+        return Result(self._filled(given, planes, rows), self.labels, angle)
 
-    def explain(self) -> str:
+    @property
+    def request(self) -> Request:
+        """What it was made from."""
+        return Request(*self._arguments)
+
+    def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
         """Return the steps taken, the steps skipped and why, and bytes per sample.
 
-        For a batch the steps are those of its first driveline.
+        The steps depend on what the plan is called with: a sweep has steps of its own, and so has a
+        batch along the axis of the angles. For a batch the steps are those of its first driveline.
+
+        Args:
+            angle: the drive angles or the ``Sweep`` of the call, of which only shape and kind
+                matter; without them, an array of angles along the last axis.
+
+        Raises:
+            ValueError: a shape that does not broadcast against the batch, or no samples.
         """
-        line, names, *_ = self._arguments
+        request = self.request
+        line, names = request.line, request.names
         batch = f" of {math.prod(line.shape)} drivelines" if line.shape else ""
         joints = f"{line.n_joints} joint{'s' if line.n_joints > 1 else ''}"
-        text = self._core.explain(False, self._dtype == np.float32)
+        if angle is None:
+            inertias = None if request.load is None else request.load.inertias
+            of_load = [array.shape for array in self._load]
+            of_inertias = [] if inertias is None else [inertias.shape[:-1]]
+            fixed = _broadcast(self._line_shape, *of_load, *of_inertias) or self._line_shape
+            shape = _broadcast(fixed, (2,)) or fixed
+        else:
+            own = angle.shape if isinstance(angle, Sweep) else np.shape(angle)
+            shape = self._sample_shape(own) or (1,)
+        sweep = angle._core if isinstance(angle, Sweep) else None
+        text = self._core.explain(shape, sweep)
         return f"plan for {', '.join(names)}; {joints}{batch}\n{text}"
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -235,8 +260,8 @@ class Plan:
 
     def __repr__(self) -> str:
         """Show the driveline and the outputs."""
-        line, names, *_ = self._arguments
-        return f"<Plan of {', '.join(names)} for {line!r}>"
+        request = self.request
+        return f"<Plan of {', '.join(request.names)} for {request.line!r}>"
 
     def _sample_shape(self, own: tuple[int, ...]) -> tuple[int, ...]:
         shape = _broadcast(self._line_shape, own)
@@ -255,7 +280,7 @@ class Plan:
             raise ValueError(f"reduce finds no samples in the last axis of {shape}")
         return shape[:-1]
 
-    def _shape(self, place: _Place, rows: tuple[int, ...]) -> tuple[int, ...]:
+    def _shape(self, place: Place, rows: tuple[int, ...]) -> tuple[int, ...]:
         _, items, vector = place
         lead = () if items is None else (items,)
         return lead + rows + ((3,) if vector else ())
@@ -267,15 +292,15 @@ class Plan:
         if not isinstance(out, Mapping):
             raise TypeError(f"out is {type(out).__name__}; it must map names of outputs to arrays")
         for name, array in out.items():
-            if name not in self._places:
+            if name not in self.places:
                 raise ValueError(f"out[{name!r}] is not among the outputs asked for")
             if not isinstance(array, np.ndarray) or isinstance(array, np.ma.MaskedArray):
                 raise TypeError(f"out[{name!r}] is {type(array).__name__}; it must be an array")
-            if array.dtype != self._dtype:
+            if array.dtype != self.dtype:
                 raise ValueError(
-                    f"out[{name!r}] has dtype {array.dtype}; it must be {self._dtype.name}"
+                    f"out[{name!r}] has dtype {array.dtype}; it must be {self.dtype.name}"
                 )
-            wanted = self._shape(self._places[name], rows)
+            wanted = self._shape(self.places[name], rows)
             if array.shape != wanted:
                 raise ValueError(f"out[{name!r}] has shape {array.shape}; it must be {wanted}")
             if not array.flags.writeable:
@@ -291,10 +316,10 @@ class Plan:
     ) -> list[NDArray[Any]]:
         """Planes to fill: of the arrays given where they lie plane by plane, else new ones."""
         planes = []
-        for name, place in self._places.items():
+        for name, place in self.places.items():
             _, items, vector = place
             # Subclasses may have ideas of their own about shapes.
-            target = _components_first(np.asarray(given[name]), place) if name in given else None
+            target = components_first(np.asarray(given[name]), place) if name in given else None
             if (
                 target is None
                 or target.dtype != self._word
@@ -313,113 +338,15 @@ class Plan:
         rows: tuple[int, ...],
     ) -> dict[str, NDArray[Any]]:
         arrays = {}
-        for (name, (_, items, vector)), own in zip(self._places.items(), planes, strict=True):
+        for (name, (_, items, vector)), own in zip(self.places.items(), planes, strict=True):
             target = given.get(name)
             if target is None or not np.may_share_memory(target, own):
-                own = own.astype(self._dtype, copy=False)
-                array = _view(own.reshape(-1, *rows), (0, items, vector))
+                own = own.astype(self.dtype, copy=False)
+                array = view(own.reshape(-1, *rows), (0, items, vector))
                 if target is not None:
                     target[...] = array
             arrays[name] = array if target is None else target
         return arrays
-
-
-def _elsewhere(
-    whose: str,
-    plan: Plan,
-    angle: Any,  # noqa: ANN401 - an array of that library
-    out: Mapping[str, NDArray[Any]] | None,
-) -> Any:  # noqa: ANN401 - a result or a Dataset
-    """Evaluate at the angles of another library's array."""
-    # Here, because these two are built upon plans.
-    from cardan import labelled, lazy
-
-    return (labelled if whose == "xarray" else lazy).evaluate(plan, angle, out)
-
-
-def _view(planes: NDArray[Any], place: _Place) -> Any:  # noqa: ANN401 - an array or a scalar
-    first, items, vector = place
-    if items is None and not vector:
-        return planes[first]
-    if items is None:
-        return _moved(planes[first : first + 3], 0, -1)
-    if not vector:
-        return planes[first : first + items]
-    part = planes[first : first + 3 * items]
-    return _moved(part.reshape(items, 3, *planes.shape[1:]), 1, -1)
-
-
-def _components_first(array: NDArray[Any], place: _Place) -> NDArray[Any]:
-    """An output plane by plane: a vector's components before the samples."""
-    return _moved(array, -1, 0 if place[1] is None else 1) if place[2] else array
-
-
-def _moved(array: NDArray[Any], source: int, to: int) -> NDArray[Any]:
-    """As ``numpy.moveaxis``, which takes ten times as long."""
-    axes = [*range(array.ndim)]
-    axis = axes.pop(source)
-    axes.insert(to % array.ndim, axis)
-    return array.transpose(axes)
-
-
-def item_index(argument: str, value: SupportsIndex, count: int) -> int:
-    """Return the index of a shaft or joint counted from 0; negative ones count from the end."""
-    try:
-        index = operator.index(value)
-    except TypeError:
-        raise TypeError(f"{argument} is {value!r}; it must be an integer") from None
-    if not -count <= index < count:
-        raise IndexError(f"{argument} is {index}; there are {count}, counted from 0")
-    return index % count
-
-
-def _is_index(value: Items) -> bool:
-    # NumPy's arrays have it as well, whatever their shape.
-    return isinstance(value, int) or (hasattr(value, "__index__") and np.ndim(value) == 0)  # type: ignore[arg-type]
-
-
-def _items(argument: str, value: int | slice | Sequence[int], count: int) -> list[int]:
-    if isinstance(value, slice):
-        return list(range(count))[value]
-    if _is_index(value):
-        return [item_index(argument, value, count)]  # type: ignore[arg-type]
-    if isinstance(value, str) or not isinstance(value, Iterable):
-        raise TypeError(f"{argument} is {value!r}; it must be an index, a slice or a list")
-    return [item_index(f"{argument}[{i}]", item, count) for i, item in enumerate(value)]
-
-
-_DOUBLE, _SINGLE = np.dtype(np.float64), np.dtype(np.float32)
-
-
-def _word(dtype: DTypeLike | None) -> np.dtype[Any]:
-    if dtype is None:
-        return _DOUBLE
-    try:
-        word = np.dtype(dtype)
-    except TypeError:
-        word = np.dtype(object)
-    for known in (_DOUBLE, _SINGLE):
-        if word == known:
-            return known
-    raise ValueError(f"dtype is {dtype!r}; it must be float64 or float32")
-
-
-def _reduction(reduce: str | None) -> str | None:
-    if reduce is not None and reduce not in REDUCTIONS:
-        raise ValueError(f"reduce is {reduce!r}; {outputs.nearest(str(reduce), REDUCTIONS)}")
-    return reduce
-
-
-def _permitted(tolerance: float | None) -> float | None:
-    if tolerance is None:
-        return None
-    try:
-        permitted = float(tolerance)
-    except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"tolerance is {tolerance!r}; it must be a number") from None
-    if not permitted >= 0.0:
-        raise ValueError(f"tolerance is {permitted}; it must not be negative")
-    return permitted
 
 
 def _changes(*arrays: FloatArray) -> bool:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from numpy.typing import NDArray
 
-from cardan.arrays import module
+from cardan.arrays import adapter, import_optional
 
 if TYPE_CHECKING:
     import pandas
@@ -75,9 +75,8 @@ class Result(Mapping[str, NDArray[Any]]):
             ImportError: xarray is missing.
             ValueError: a result that was not evaluated but put together.
         """
-        from cardan import labelled
-
-        return labelled.dataset(self)
+        made: xarray.Dataset = _labels().dataset(self)
+        return made
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the samples as rows, indexed by driveline and drive angle in rad.
@@ -89,9 +88,8 @@ class Result(Mapping[str, NDArray[Any]]):
             ImportError: pandas is missing.
             ValueError: a result that was not evaluated but put together.
         """
-        from cardan import labelled
-
-        return labelled.frame(self)
+        made: pandas.DataFrame = _labels().frame(self)
+        return made
 
     def to_arrow(self) -> pyarrow.Table:
         """Return the samples as rows of a table, driveline and drive angle in rad first.
@@ -102,9 +100,8 @@ class Result(Mapping[str, NDArray[Any]]):
             ImportError: pyarrow is missing.
             ValueError: a result that was not evaluated but put together.
         """
-        from cardan import labelled
-
-        return labelled.table(self)
+        made: pyarrow.Table = _labels().table(self)
+        return made
 
     def compute(self, **options: Any) -> Result:  # noqa: ANN401 - those of dask
         """Return the result with arrays of NumPy in place of dask's, all computed in one pass.
@@ -114,7 +111,9 @@ class Result(Mapping[str, NDArray[Any]]):
         """
         if not any(hasattr(array, "__dask_graph__") for array in self._arrays.values()):
             return self
-        arrays, angle = module("dask", "dask").compute(self._arrays, self._angle, **options)
+        arrays, angle = import_optional("dask", "dask").compute(
+            self._arrays, self._angle, **options
+        )
         return Result(arrays, self._labels, angle)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -125,3 +124,8 @@ class Result(Mapping[str, NDArray[Any]]):
         """Show names and shapes."""
         shapes = ", ".join(f"{name}: {array.shape}" for name, array in self._arrays.items())
         return f"Result({shapes})"
+
+
+def _labels() -> Any:  # noqa: ANN401 - a module
+    """The adapter of labelled arrays; frames and tables have the same labels."""
+    return adapter("xarray")

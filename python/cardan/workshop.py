@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, real
+from cardan.arrays import FloatArray, as_float64
 
 VIEW = "looking along the travel"
 """From where a sense of rotation is seen: with the power flow, from the drive to the output."""
@@ -49,7 +49,7 @@ def turn(angle: ArrayLike) -> Turn:
     Raises:
         TypeError: values that are not real numbers.
     """
-    turned = real("angle", angle)
+    turned = as_float64("angle", angle)
     finite = np.isfinite(turned)
     turned = np.where(finite, turned, np.nan)
     wrapped = turned - np.pi * np.round(turned / np.pi)

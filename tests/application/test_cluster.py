@@ -19,9 +19,8 @@ from click.testing import CliRunner
 pytest.importorskip("distributed")
 parquet = pytest.importorskip("pyarrow.parquet")
 
-from cardan import cluster, curves  # noqa: E402
 from cardan.command import commands  # noqa: E402
-from cardan.scene import Scene  # noqa: E402
+from cardan.scene import Scene, cluster, curves  # noqa: E402
 
 SCENE = """\
 [driveline]
@@ -52,8 +51,7 @@ import time
 
 import distributed
 
-from cardan import cluster
-from cardan.scene import Scene
+from cardan.scene import Scene, cluster
 
 
 class Slow(distributed.WorkerPlugin):
@@ -172,7 +170,8 @@ def test_the_command_writes_a_folder_and_goes_on(
     client: Any,  # noqa: ANN401
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(cluster, "_SAMPLES", 72 * 9 * 50)
+    # A speed ratio and two moments of three components, each by three reductions.
+    monkeypatch.setattr(cluster, "_SAMPLES", 72 * 7 * 3 * 50)
     folder = tmp_path / "study.parquet"
     arguments = ["run", str(scene), "--into", str(tmp_path), "--scheduler"]
     arguments.append(client.scheduler.address)

@@ -21,10 +21,10 @@ from click.testing import CliRunner, Result
 
 import cardan
 from cardan.command import commands
-from cardan.curves import write_columns
+from cardan.files.columns import write_columns
 from cardan.scene import Scene
-from cardan.scene_format import FORMAT
-from cardan.starters import STARTERS
+from cardan.scene.format import FORMAT
+from cardan.scene.starters import STARTERS
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
@@ -288,7 +288,7 @@ def test_check_of_a_study_is_of_every_driveline(
     text = "[driveline]\nbends_deg = [2]\n[load]\nspeed_rpm = 100\n[study]\n"
     path.write_text(f"{text}bends_deg = [1, 2, 2.9, 3.1]\nspeed_rpm = [100, 6000]")
     for block in (1 << 21, 3):
-        monkeypatch.setattr("cardan.study._BLOCK", block)
+        monkeypatch.setattr("cardan.scene.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
         assert (

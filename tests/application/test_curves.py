@@ -12,11 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cardan import curves
 from cardan.arrays import FloatArray
-from cardan.curves import check_writable, columns, whole_file, write_curves, write_study
+from cardan.files import columns as curves
+from cardan.files.whole_file import check_writable, whole_file
 from cardan.scene import Scene, SceneResult
-from cardan.study import StudyResult
+from cardan.scene.curves import columns, write_curves, write_study
+from cardan.scene.study import StudyResult
 
 SCENE = """\
 [driveline]

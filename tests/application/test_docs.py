@@ -112,6 +112,7 @@ def test_contributing_names_what_ci_runs() -> None:
         "fuzz/run geometry 3600",
         "python fuzz/scene.py 3600",
         "python tests/load.py --minutes 60",
+        "python benches/pairwise.py --base before/bin/python --new after/bin/python",
         "cargo deny --exclude-dev check",
         "pip-audit",
     }
@@ -126,9 +127,9 @@ def test_every_page_is_in_the_navigation() -> None:
 def test_the_reference_has_every_public_name() -> None:
     pages = "".join(page.read_text("utf-8") for page in (DOCS / "reference").glob("*.md"))
     names = {f"cardan.{name}" for name in cardan.__all__} - {"cardan.__version__"}
-    names |= {"cardan.lazy.LazyDriveline", "cardan.scene.SceneResult", "cardan.study.StudyResult"}
-    names |= {f"cardan.tables.{name}" for name in ("through", "stream")}
-    names |= {f"cardan.cluster.{name}" for name in ("connect", "write_study", "Written")}
+    names |= {f"cardan.scene.{name}" for name in ("SceneResult", "StudyResult", "stream")}
+    names |= {"cardan.interop.lazy.LazyDriveline", "cardan.files.map_parquet"}
+    names |= {f"cardan.scene.cluster.{name}" for name in ("connect", "write_study", "Written")}
     assert {name for name in names if not re.search(rf"{re.escape(name)}\b", pages)} == set()
 
 

@@ -32,7 +32,7 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.plots import plot_scene, write_picture
 from cardan.scene import Scene, SceneResult
-from cardan.study import StudyResult
+from cardan.scene.study import StudyResult
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 

@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan.command import commands
+from limits import OUTPUTS
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -44,3 +45,13 @@ def test_the_first_scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     assert result.output == shown
     shown = next(code for language, code in SNIPPETS if language == "toml")
     assert tomllib.loads(shown) == tomllib.loads((ROOT / scene[1]).read_text(encoding="utf-8"))
+
+
+def test_the_accuracy_table_has_the_limits() -> None:
+    table = README.split("## Accuracy and speed")[1].split("| the three together")[0]
+    rows = re.findall(r"^\| `([^`]+)`.*? \| (\d+) ulp \| (\d+) ulp \|.*\| (\d+) ulp", table, re.M)
+    assert len(rows) == table.count("\n| `") == 6
+    for name, *shown in rows:
+        row = OUTPUTS[name]
+        columns = (row["samples"], row["worst"], row["tolerance_0"])
+        assert tuple(map(int, shown)) == columns, name

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cardan.recording import read_columns
+from cardan.files.recording import read_columns
 
 ANGLE, BEND = [0.0, 0.5, -1e-3], [5.0, 6.25, 7.0]
 

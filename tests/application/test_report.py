@@ -8,6 +8,8 @@ import json
 import os
 import re
 import shutil
+import subprocess
+import sys
 from collections.abc import Iterator
 from html.parser import HTMLParser
 from itertools import pairwise
@@ -15,6 +17,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import jinja2
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -26,16 +29,20 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
 from cardan import Driveline, Load
+from cardan.arrays import FloatArray
 from cardan.command import commands
 from cardan.report import write_report
 from cardan.report.charts import chart
-from cardan.report.page import embedded
+from cardan.report.page import environment
 from cardan.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.scene import Scene
-from cardan.summary import figure_text
+from cardan.words.summary import figure_text
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
-HOSTILE = "</title><script>document.title = 'taken'</script>&amp;\"'<!-- $title ${x}"
+HOSTILE = (
+    "</title><script>document.title = 'taken'</script>&amp;\"'<!-- \x01\x1b"
+    " $title ${x} {{ title }} {% raw %} {#"
+)
 
 Z_SHAFT = """\
 title = "Z shaft"
@@ -72,7 +79,7 @@ def written(of: Scene, folder: Path) -> str:
 
 
 class Text(HTMLParser):
-    """The text of a page and its elements, by the parser of the standard library."""
+    """The text of a page as it is shown and its elements, by the standard library's parser."""
 
     def __init__(self, page: str) -> None:
         super().__init__()
@@ -87,7 +94,7 @@ class Text(HTMLParser):
 
     def handle_data(self, data: str) -> None:
         if self._inside not in ("script", "style"):
-            self.text += data
+            self.text += data if self._inside == "pre" else re.sub(r"\s+", " ", data)
 
 
 def test_answers_are_the_librarys(tmp_path: Path) -> None:
@@ -215,14 +222,11 @@ def test_every_example_has_a_page_that_needs_nothing_else(path: Path, tmp_path: 
     assert str(Path(__file__).parents[2]) not in page
 
 
-def test_every_text_is_escaped(tmp_path: Path) -> None:
-    of = scene(ODD["hostile"])
-    page = written(of, tmp_path)
+def test_title_is_escaped(tmp_path: Path) -> None:
+    page = written(scene(ODD["hostile"]), tmp_path)
     parsed = Text(page)
     assert sum(tag == "script" for tag, _ in parsed.elements) == 2
     assert parsed.text.count(HOSTILE) == 2
-    named = Scene.parse("[driveline]\nbends_deg = [5]\n", "x/<b>&.toml")
-    assert "<b>" not in written(named, tmp_path)
     script, style = (
         re.findall(rf"<{tag}>(.*?)</{tag}>", page, re.S)[-1] for tag in ("script", "style")
     )
@@ -231,17 +235,96 @@ def test_every_text_is_escaped(tmp_path: Path) -> None:
         assert f"'sha256-{digest}'" in page
 
 
+def test_names_of_files_are_escaped(tmp_path: Path) -> None:
+    name = "<b>&amp;\"'{{ x }}"
+    np.savez(tmp_path / f"{name}.npz", a=[0.0, 1.0])
+    given = {"file": f"{name}.npz", "angle_column_deg": "a"}
+    angles = "".join(f"{key} = {json.dumps(value)}\n" for key, value in given.items())
+    path = tmp_path / f"{name}.toml"
+    path.write_text(f"[driveline]\nbends_deg = [5]\n[angles]\n{angles}", encoding="utf-8")
+    parsed = Text(written(Scene.load(path), tmp_path))
+    assert parsed.text.count(f"{name}.toml") == 3
+    assert f"Recorded in{name}.npz" in parsed.text
+    assert "b" not in [tag for tag, _ in parsed.elements]
+    # A file's name that is no text, as the system hands it over.
+    strange = Scene.parse("[driveline]\nbends_deg = [5]\n", "\udcff.toml")
+    assert "<title>?.toml</title>" in written(strange, tmp_path)
+
+
+def hostile(value: Any) -> Any:  # noqa: ANN401
+    """The same data with a hostile end to every text that says something."""
+    if isinstance(value, str):
+        return value and value + HOSTILE
+    if isinstance(value, dict):
+        return {key: hostile(entry) for key, entry in value.items()}
+    if isinstance(value, tuple | list):
+        entries = [hostile(entry) for entry in value]
+        return type(value)(*entries) if hasattr(value, "_fields") else type(value)(entries)
+    return value
+
+
+@pytest.mark.parametrize("name", ["recorded_run", "truck", "suspension", "foeppl", "cube"])
+def test_no_text_changes_the_page(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever Python hands to the templates stays text: the elements are the same."""
+    paths = {path.stem: path for path in EXAMPLES}
+    of = Scene.load(paths[name]) if name in paths else scene(ODD[name])
+    tame = Text(written(of, tmp_path))
+    render, given = jinja2.Template.render, dict[str, Any]()
+
+    def tampered(self: jinja2.Template, first: dict[str, Any], **more: Any) -> str:  # noqa: ANN401
+        own = {key: more.pop(key) for key in ("style", "script")}
+        given.update(hostile({**first, **more}))
+        return render(self, given, **own)
+
+    monkeypatch.setattr(jinja2.Template, "render", tampered)
+    page = written(of, tmp_path)
+    wild = Text(page)
+    assert [(tag, list(has)) for tag, has in wild.elements] == [
+        (tag, list(has)) for tag, has in tame.elements
+    ]
+    assert wild.text.count(HOSTILE) > 50
+    data = re.findall(r'<script type="application/json" id="data">(.*?)</script>', page)
+    assert json.loads(data[0]) == given["data"]
+
+
 def test_embedded_data_cannot_end_their_element() -> None:
+    embedded = environment().from_string("{{ it|tojson }}")
     data = {"</script><!--": ["<", 0.1, None, "é"]}
-    assert "<" not in embedded(data)
-    assert json.loads(embedded(data)) == data
+    assert "<" not in embedded.render(it=data)
+    assert json.loads(embedded.render(it=data)) == data
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        embedded.render(it=np.nan)
+
+
+def test_a_missing_name_is_an_error() -> None:
+    with pytest.raises(jinja2.UndefinedError, match="'dict object' has no attribute 'b'"):
+        environment().from_string("{{ a.b }}").render(a={})
+
+
+def test_without_jinja2(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Known before the scene is run, and only a report needs it."""
+    monkeypatch.setitem(sys.modules, "jinja2", None)
+    monkeypatch.setattr(Scene, "run", None)
+    with pytest.raises(ImportError, match=r"needs jinja2: pip install 'cardan\[app\]'"):
+        write_report(scene(Z_SHAFT), tmp_path / "a.html")
+    assert list(tmp_path.iterdir()) == []
+    script = "import sys, cardan.command, cardan.report; assert 'jinja2' not in sys.modules"
+    subprocess.run([sys.executable, "-c", script], check=True)
+
+
+def drawn(panel: Panel, x: FloatArray, label: str) -> ElementTree.Element:
+    """The figure of a chart, as the page has it."""
+    figure = environment().from_string('{% from "parts.html" import chart %}{{ chart(it) }}')
+    return ElementTree.fromstring(figure.render(it=chart(panel, x, label)))
 
 
 def test_curves_stand_where_the_axes_say() -> None:
     x = np.linspace(-30.0, 240.0, 50)
     rising, other = 3.7e-3 * x - 0.21, np.cos(x)
     panel = Panel("a < b", "N m", (Curve("one", rising), Curve("two", other)))
-    root = ElementTree.fromstring(chart(panel, x, "drive angle [deg]"))
+    root = drawn(panel, x, "drive angle [deg]")
     assert root[0].text == "a < b [N m]"
     ticks: dict[str, list[tuple[float, float]]] = {"x": [], "y": []}
     for line, text in pairwise(root[1]):
@@ -263,8 +346,8 @@ def test_curves_stand_where_the_axes_say() -> None:
 
 def test_what_varies_by_rounding_alone_is_flat() -> None:
     noise = 1.0 + 1e-15 * np.random.default_rng(1).uniform(-1.0, 1.0, 50)
-    page = chart(Panel("ratio", "", (Curve("one", noise),)), np.arange(50.0), "x")
-    line = next(ElementTree.fromstring(page).iter("polyline"))
+    figure = drawn(Panel("ratio", "", (Curve("one", noise),)), np.arange(50.0), "x")
+    line = next(figure.iter("polyline"))
     assert len({point.split(",")[1] for point in line.attrib["points"].split()}) == 1
 
 
@@ -528,7 +611,7 @@ def test_every_page(name: str, browser: webdriver.Chrome, folder: Path) -> None:
         """return [...document.querySelectorAll("a[href]")].every((link) =>
             document.querySelector(link.getAttribute("href")))""",
     )
-    title = js(browser, "return document.title")
+    title = js(browser, "return document.querySelector('title').textContent")
     assert title == js(browser, "return document.querySelector('h1').textContent")
     assert (title == HOSTILE) == (name == "hostile")
 

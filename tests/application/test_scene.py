@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from cardan import Driveline
+from cardan.figures.summary import Row, summary
 from cardan.scene import Scene
-from cardan.scene_format import FORMAT, FORMS, describe
-from cardan.summary import Row, summary, summary_text
+from cardan.scene.format import FORMAT, FORMS, describe
+from cardan.words.summary import summary_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 JOINT = "[driveline]\nbends_deg = [8.5]\n"

@@ -15,11 +15,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.curves import columns, study_columns
+from cardan.figures.extremes import study_data
+from cardan.figures.summary import summary, summary_data
 from cardan.scene import Scene
-from cardan.scene_format import FORMAT
-from cardan.starters import STARTERS
-from cardan.summary import study_data, study_text, summary, summary_data, summary_text
+from cardan.scene.curves import columns, study_columns
+from cardan.scene.format import FORMAT
+from cardan.scene.starters import STARTERS
+from cardan.words.summary import study_text, summary_text
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))

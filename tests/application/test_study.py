@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, axes, study
-from cardan.curves import study_columns
-from cardan.scene import Scene
-from cardan.study import Axis, Column, StudyResult
-from cardan.summary import study_data, study_text
+from cardan import Driveline, Load
+from cardan.figures.extremes import study_data
+from cardan.scene import Scene, axes, study
+from cardan.scene.curves import study_columns
+from cardan.scene.study import Axis, Column, StudyResult
+from cardan.words.summary import study_text
 
 TWO = "[driveline]\nbends_deg = [10, 20]\nphases_deg = [30]\n"
 SWEEP = "[sweep]\nsamples_per_turn = 24\n"
@@ -339,6 +340,17 @@ def test_memory_does_not_grow_with_the_grid() -> None:
     assert load is not None
 
 
+@pytest.mark.parametrize("shafts", ["", "shafts = [0, 1, 2]\n"])
+@pytest.mark.parametrize("quantities", [("torque",), ("moment",), ("angle", "support_moment")])
+def test_the_components_of_vectors_are_counted(quantities: tuple[str, ...], shafts: str) -> None:
+    scene = Scene.parse(
+        f"{TWO}[load]\noutput_torque_Nm = 1\n[output]\nreduce = 'mean'\n{shafts}"
+        f"quantities = {list(quantities)}\n"
+    )
+    assert scene.study is not None
+    assert scene.study.planes == scene.plan().planes
+
+
 STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
 
 
@@ -539,7 +551,7 @@ def test_explain_says_what_the_study_costs(monkeypatch: pytest.MonkeyPatch) -> N
     ]
     assert "plan for angle_error; 2 joints of 6 drivelines" in lines
     assert any("to its rms; no sample is stored" in line for line in lines)
-    monkeypatch.setattr("cardan.study._BLOCK", 4 * 720)
+    monkeypatch.setattr("cardan.scene.study._BLOCK", 4 * 720)
     assert scene.explain().splitlines()[-len(lines)] == "study of 6 drivelines in blocks of 4"
     # Closed forms alone need no plan.
     alone = Scene.parse(f"{TWO}[output]\nclosed_forms = ['k']\n")

@@ -14,10 +14,11 @@ from click.testing import CliRunner
 pyarrow = pytest.importorskip("pyarrow")
 from pyarrow import parquet  # noqa: E402
 
-from cardan import Driveline, Load, recording, tables  # noqa: E402
+from cardan import Driveline, Load  # noqa: E402
 from cardan.command import commands  # noqa: E402
-from cardan.curves import write_curves  # noqa: E402
-from cardan.scene import Scene  # noqa: E402
+from cardan.files import map_parquet, recording  # noqa: E402
+from cardan.scene import Scene, stream  # noqa: E402
+from cardan.scene.curves import write_curves  # noqa: E402
 
 ROWS = 1000
 RANDOM = np.random.default_rng(6)
@@ -59,7 +60,7 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
     whole = tmp_path / "whole.parquet"
     write_curves(Scene.load(scene).run(), whole, radians=radians)
     steps: list[tuple[int, int]] = []
-    path, written = tables.stream(
+    path, written = stream(
         scene,
         tmp_path,
         radians=radians,
@@ -85,7 +86,7 @@ def test_a_plan_for_a_column(scene: Path, tmp_path: Path) -> None:
     options: dict[str, Any] = {"load": Load(drive_torque=2.0), "shafts": [1, 2]}
     plan = line.plan(("angle", "moment"), **options)
     source, target = scene.with_name("in.parquet"), tmp_path / "motion.parquet"
-    assert tables.through(source, target, ["turn_deg"], plan, rows=64) == ROWS
+    assert map_parquet(source, target, ["turn_deg"], plan, rows=64) == ROWS
     read = parquet.read_table(target)
     assert read.equals(plan(RECORDED["turn_deg"]).to_arrow())
     assert read.field("moment_0_x").metadata == {b"units": b"N m", b"long_name": b"moment 0 x"}
@@ -98,7 +99,7 @@ def test_a_function_of_several_columns(tmp_path: Path) -> None:
         return {"larger": np.maximum(front, rear)}
 
     names = ["front_deg", "rear_deg"]
-    tables.through(tmp_path / "in.parquet", tmp_path / "a.parquet", names, larger, rows=10)
+    map_parquet(tmp_path / "in.parquet", tmp_path / "a.parquet", names, larger, rows=10)
     got = parquet.read_table(tmp_path / "a.parquet")["larger"].to_numpy()
     assert np.array_equal(got, np.maximum(RECORDED["front_deg"], RECORDED["rear_deg"]))
 
@@ -109,13 +110,14 @@ import tracemalloc
 import numpy as np
 import pyarrow
 from pyarrow import parquet
-from cardan import Driveline, tables
+from cardan import Driveline
+from cardan.files import map_parquet
 
 rows = 4_000_000
 plan = Driveline.from_bends([0.2]).plan("speed_ratio")
 plan([0.0]).to_arrow()  # imports what it needs
 tracemalloc.start()
-tables.through(sys.argv[1], sys.argv[2], ["angle"], plan, rows=50_000)
+map_parquet(sys.argv[1], sys.argv[2], ["angle"], plan, rows=50_000)
 column = 8 * rows
 assert tracemalloc.get_traced_memory()[1] < column / 4, tracemalloc.get_traced_memory()
 assert pyarrow.default_memory_pool().max_memory() < column / 4
@@ -179,7 +181,7 @@ def test_rows_are_counted_through(
     target = tmp_path / "out.parquet"
     target.write_bytes(b"earlier")
     with pytest.raises(ValueError, match=message) as caught:
-        tables.stream(scene, tmp_path, rows=64)
+        stream(scene, tmp_path, rows=64)
     assert str(caught.value).startswith(f"{scene}, line 1: [angles] {source}: ")
     # Whole or not at all.
     assert target.read_bytes() == b"earlier"
@@ -190,12 +192,12 @@ def test_files_that_cannot_be_streamed(scene: Path, tmp_path: Path) -> None:
     plan = Driveline.from_bends([0.2]).plan()
     source, target = tmp_path / "in.parquet", tmp_path / "out.parquet"
     with pytest.raises(ValueError, match=r"out\.csv must end in \.parquet"):
-        tables.through(source, tmp_path / "out.csv", ["turn_deg"], plan)
+        map_parquet(source, tmp_path / "out.csv", ["turn_deg"], plan)
     with pytest.raises(FileNotFoundError, match="none"):
-        tables.through(tmp_path / "none.parquet", target, ["turn_deg"], plan)
+        map_parquet(tmp_path / "none.parquet", target, ["turn_deg"], plan)
     parquet.write_table(pyarrow.table({"turn_deg": np.empty(0)}), source)
     with pytest.raises(ValueError, match=r"in\.parquet: column 'turn_deg' has no rows"):
-        tables.through(source, target, ["turn_deg"], plan)
+        map_parquet(source, target, ["turn_deg"], plan)
     assert not target.exists()
 
 

@@ -15,9 +15,10 @@ import pytest
 dask = pytest.importorskip("dask")
 da = pytest.importorskip("dask.array")
 
-from cardan import Driveline, Load, Result, Sweep, cluster, threads  # noqa: E402
-from cardan.lazy import LazyDriveline  # noqa: E402
-from cardan.plan import REDUCTIONS  # noqa: E402
+from cardan import Driveline, Load, Result, Sweep, threads  # noqa: E402
+from cardan.interop.lazy import LazyDriveline  # noqa: E402
+from cardan.request import REDUCTIONS  # noqa: E402
+from cardan.scene import cluster  # noqa: E402
 
 RANDOM = np.random.default_rng(7)
 ANGLE = RANDOM.uniform(-9, 9, 200)
@@ -243,5 +244,5 @@ def test_on_a_cluster_of_processes() -> None:
             lazily(BENDS, 7, 1, 2).evaluate(chunked(ANGLE, 64), NAMES, load=VARIED),
             BATCH.evaluate(ANGLE, NAMES, load=VARIED),
         )
-        evaluated = client.run(lambda: "cardan.lazy" in sys.modules)
+        evaluated = client.run(lambda: "cardan.interop.lazy" in sys.modules)
         assert list(evaluated.values()) == [True, True]

@@ -18,9 +18,9 @@ import pytest
 
 import cardan
 from cardan import BallJoint, Driveline, Load, Plan, Scene, Sweep
-from cardan.arrays import real
+from cardan.arrays import as_float64
 from cardan.scene import SceneResult
-from cardan.study import StudyResult
+from cardan.scene.study import StudyResult
 
 GRID = np.linspace(-3.0, 9.0, 60)
 LINE = Driveline.from_bends([0.5, 0.4], 0.1, 0.3)
@@ -118,7 +118,7 @@ def test_a_memory_map_is_read_where_it_lies(tmp_path: Path) -> None:
     mapped = np.memmap(tmp_path / "a", np.float64, "w+", shape=GRID.shape)
     mapped[:] = GRID
     assert np.array_equal(LINE.evaluate(mapped).angle, LINE.evaluate(GRID).angle)
-    assert np.shares_memory(real("angle", mapped), mapped)
+    assert np.shares_memory(as_float64("angle", mapped), mapped)
 
 
 def test_single_precision_in_double_precision_out() -> None:

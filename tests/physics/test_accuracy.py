@@ -28,47 +28,16 @@ import pytest
 
 from cardan import Driveline, Load, Result, _core
 from cardan.plan import Plan
+from limits import limits
 from oracle import EPS, Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
 
 # --- one joint -------------------------------------------------------------------------------
 
-# Largest errors in ulp, a moment's in ulp of its largest component.
-LIMITS = {
-    "angle": 3,
-    "angle_error": 5,
-    "speed_ratio": 5,
-    "acceleration_ratio": 9,
-    "torque of the driven shaft": 10,
-    "torque of the driving shaft": 10,
-    "torque of a flywheel": 10,
-    "moment": 10,
-}
-# The same for the worst samples that a search among 10**9 has found, where all roundings happen to
-# point the same way: above the contract in four of them, and what may be relied on.
-SEARCHED_LIMITS = {
-    "angle": 6,
-    "angle_error": 6,
-    "speed_ratio": 9,
-    "acceleration_ratio": 13,
-    "torque of the driven shaft": 8,
-    "torque of the driving shaft": 8,
-    "torque of a flywheel": 12,
-    "moment": 7,
-}
-# With ``tolerance=0``.
-FAITHFUL_LIMITS = {
-    "angle": 1,
-    "angle_error": 1,
-    "speed_ratio": 1,
-    "acceleration_ratio": 1,
-    "torque of the driven shaft": 2,
-    "torque of the driving shaft": 2,
-    "torque of a flywheel": 2,
-    "moment": 2,
-}
-# Single precision, which a tolerance of 1e-6 permits: relative to the largest over a turn.
-SINGLE_LIMIT = 1e-6
+SAMPLES, KEPT, FAITHFUL, SINGLE = map(limits, ("samples", "kept", "tolerance_0", "single"))
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+TORQUES = ("torque of the driven shaft", "torque of the driving shaft", "torque of a flywheel")
+# The tolerance that single precision keeps.
+COARSE = 1e-6
 
 NORMAL = 2.0**-1022
 TINY = 1e-300
@@ -271,10 +240,15 @@ def judge(where: str, name: str, samples: Grid, got: Doubles, want: Exact, ulps:
     )
     print(report)
     if "faithful" in where:
-        limits = FAITHFUL_LIMITS
+        limit = FAITHFUL[name]
     else:
-        limits = SEARCHED_LIMITS if where.startswith("searched") else LIMITS
-    assert ulps[worst] <= limits[name], report
+        limit = (KEPT if where.startswith("searched") else SAMPLES)[name]
+    assert ulps[worst] <= limit, report
+
+
+def test_every_limit_is_judged() -> None:
+    assert set(SAMPLES) == set(KEPT) == {*MOTION, *TORQUES, "moment"}
+    assert set(CHAINS) == set(POWERS)
 
 
 BEST = _core.levels()[0]
@@ -327,29 +301,27 @@ def test_single_precision_keeps_its_tolerance(generator: str, name: str) -> None
         "acceleration_ratio": joint.max_acceleration_ratio,
     }[name]
     want = samples.exact(name).high.reshape(len(bends), -1)
-    got = samples.evaluate((name,), level=BEST, tolerance=SINGLE_LIMIT)[name][1]
+    got = samples.evaluate((name,), level=BEST, tolerance=COARSE)[name][1]
     got = got.reshape(want.shape)
     # Nothing smaller has all digits in single precision.
     counts = largest > 1e-30
     size = np.maximum(largest[counts, None], np.abs(want[counts]) if name == "angle" else 0.0)
     error = np.max(np.abs(got[counts] - want[counts]) / size)
     print(f"{generator}: {name} in single precision is {error:.2e} off")
-    assert error <= SINGLE_LIMIT
+    assert error <= SINGLE[name]
 
 
 @generators
 def test_torque(generator: str) -> None:
     samples = grid(generator)
     torque = samples.torque
-    for name, shaft, load in (
-        ("torque of the driven shaft", 1, {"drive_torque": torque}),
-        ("torque of the driving shaft", 0, {"output_torque": torque}),
-        (
-            "torque of a flywheel",
-            1,
-            {"speed": 1.0, "inertias": torque[:, None] * [0, math.copysign(1, torque[0])]},
-        ),
-    ):
+    inertias = torque[:, None] * [0, math.copysign(1, torque[0])]
+    loads: tuple[dict[str, Any], ...] = (
+        {"drive_torque": torque},
+        {"output_torque": torque},
+        {"speed": 1, "inertias": inertias},
+    )
+    for name, shaft, load in zip(TORQUES, (1, 0, 1), loads, strict=True):
         want = samples.exact(name)
         for where, tolerance in ((generator, None), (f"{generator}, faithful", 0)):
             result = samples.evaluate(("torque",), level=BEST, tolerance=tolerance, **load)
@@ -395,15 +367,7 @@ def test_other_levels_give_the_same(generator: str, level: str) -> None:
 
 # --- closed forms ----------------------------------------------------------------------------
 
-CLOSED_FORMS = {
-    "bend": 1,
-    "k": 4,
-    "non_uniformity": 4,
-    "max_angle_error": 4,
-    "min_speed_ratio": 2,
-    "max_speed_ratio": 3,
-    "max_acceleration_ratio": 7,
-}
+CLOSED_FORMS = limits("joint", "equivalent")
 
 
 @generators
@@ -446,12 +410,7 @@ def test_offset_of_one_joint_is_zero() -> None:
 # acceleration ratio: a change e of q = B/A turns 1 + q exp(-2 i angle) by up to e/(1 - k), and each
 # derivative costs another 1/(1 - k).
 # Rounding grows on its way through steep joints, by more the more there are: few are tested.
-CHAIN_LIMITS = {
-    "any": {"k": 2, "angle_error": 3, "speed_ratio": 3, "acceleration_ratio": 12},
-    "small": {"k": 2, "angle_error": 3, "speed_ratio": 3, "acceleration_ratio": 16},
-    "compensated": {"k": 1, "angle_error": 1, "speed_ratio": 4, "acceleration_ratio": 4},
-    "steep": {"k": 3, "angle_error": 3, "speed_ratio": 6, "acceleration_ratio": 14},
-}
+CHAINS = limits("chains") | limits("chains", "equivalent")
 CHAIN_LENGTHS = {"any": (2, 3, 5, 8), "small": (2, 5), "compensated": (2, 3, 8), "steep": (2, 3)}
 POWERS = {"k": 0, "angle_error": 1, "speed_ratio": 2, "acceleration_ratio": 3}
 
@@ -513,4 +472,4 @@ def test_chains(kind: str, n: int) -> None:
         report = f"{kind}, {n} joints: {name} is {units[worst]:.3f} units off"
         print(report)
         where = [getattr(line, part)[worst].tolist() for part in ("bends", "twists", "phases")]
-        assert units[worst] <= CHAIN_LIMITS[kind][name], f"{report} at {where}"
+        assert units[worst] <= CHAINS[name][kind], f"{report} at {where}"

@@ -19,6 +19,7 @@ import pytest
 
 from cardan import ball_joint
 from cardan.ball_joint import BallJoint
+from limits import TABLE
 from oracle import EPS, Doubles, Exact, Number, mp, radians, read
 
 DATA = read("ball_joint.json")
@@ -277,11 +278,7 @@ def test_friction_of_a_small_contact() -> None:
 
 # --- accuracy --------------------------------------------------------------------------------
 
-# Largest errors in ulp of the exact result for the exact doubles.
-LIMITS = {
-    "cut": {"peak": 4, "radius": 3, "friction": 3, "tilting": 7},
-    "loose": {"approach": 6, "peak": 6, "angle": 3, "friction": 16, "tilting": 12},
-}
+LIMITS = TABLE["ball_joint"]
 
 
 def judge(law: str, name: str, got: Doubles, want: Sequence[Number], at: Sequence[Any]) -> None:

@@ -1,4 +1,4 @@
-"""The worst samples of the stress command against mpmath; its limits are those of the contract.
+"""The worst samples of the stress command against mpmath.
 
 ``cardan-stress --worst`` writes them (rust/stress): per output and tier the sample among 10**8,
 random and adversarial, at which the result was farthest off, with the exact bits of its inputs.
@@ -6,23 +6,16 @@ random and adversarial, at which the result was farthest off, with the exact bit
 
 from __future__ import annotations
 
-import tomllib
 from typing import Any
 
 import pytest
 
-import test_accuracy
-from cardan import Driveline, Load
-from oracle import DATA, Exact, ExactJoint, Number, Turn, mp, read
+from cardan import OUTPUTS, Driveline, Load
+from limits import limits
+from oracle import Exact, ExactJoint, Number, Turn, mp, read
 
 CASES = read("worst_cases.json")["cases"]
-LIMITS = tomllib.loads((DATA / "limits.toml").read_text(encoding="utf-8"))
-
-
-def test_the_limits_are_those_of_the_contract() -> None:
-    for name, limit in test_accuracy.FAITHFUL_LIMITS.items():
-        assert LIMITS["faithful"][name] == limit, name
-    assert LIMITS["single"]["every output"] == test_accuracy.SINGLE_LIMIT
+LIMITS = {"tolerance=0": limits("tolerance_0"), "default": limits("worst")}
 
 
 def exact(name: str, joint: ExactJoint, at: Turn, torque: Number) -> list[Number]:
@@ -58,29 +51,36 @@ def exact(name: str, joint: ExactJoint, at: Turn, torque: Number) -> list[Number
     raise AssertionError(name)
 
 
-ENDS: dict[str, tuple[str, int, dict[str, Any]]] = {
-    "torque of the driving shaft": ("torque", 0, {}),
-    "torque of the driven shaft": ("torque", 1, {}),
-    "support of the driving shaft": ("support_moment", 0, {}),
-    "support of the driven shaft": ("support_moment", 1, {}),
+ENDS = {
+    "torque of the driving shaft": ("torque", 0),
+    "torque of the driven shaft": ("torque", 1),
+    "torque of a flywheel": ("torque", 1),
+    "support of the driving shaft": ("support_moment", 0),
+    "support of the driven shaft": ("support_moment", 1),
 }
+
+
+def test_every_output_has_limits_and_kept_samples() -> None:
+    for tier, rows in LIMITS.items():
+        assert {ENDS.get(name, (name, 1))[0] for name in rows} == set(OUTPUTS), tier
+        assert sorted(case["output"] for case in CASES if case["tier"] == tier) == sorted(rows)
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case['tier']} {case['output']}")
 def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
     bend, angle, torque = (float.fromhex(case[key]) for key in ("bend", "angle", "torque"))
     name = case["output"]
-    output, shaft, _ = ENDS.get(name, (name, 1, {}))
+    output, shaft = ENDS.get(name, (name, 1))
     if name == "torque of a flywheel":
         # An inertia is not negative; the error does not depend on the sign.
-        output, torque = "torque", abs(torque)
+        torque = abs(torque)
         load = Load(speed=1.0, inertias=[0.0, torque])
     elif name == "torque of the driving shaft":
         load = Load(output_torque=torque)
     else:
         load = Load(drive_torque=torque)
-    faithful = case["tier"] == "tolerance=0"
-    limit = LIMITS["faithful" if faithful else "default"][name]
+    tier = case["tier"]
+    limit = LIMITS[tier][name]
     joint, at = ExactJoint.bent(bend), Turn.by(angle)
     want = Exact.of(exact(name, joint, at, mp.mpf(torque)))
     unit = want.ulp[abs(want.high).argmax()]
@@ -93,7 +93,7 @@ def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
             shafts=shaft,
             joints=0,
             load=load,
-            tolerance=0 if faithful else None,
+            tolerance=0 if tier == "tolerance=0" else None,
         )[output]
         off = want.distance(got.reshape(-1)).max() / unit
         assert off <= limit, f"{off:.3f} ulp"

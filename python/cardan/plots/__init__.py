@@ -10,6 +10,7 @@ differ in dashes as well as colour, so that they can be told apart in grey.
 >>> cardan.plots.save(axes.figure, "ratio.svg")  # doctest: +SKIP
 """
 
+from cardan.files.pictures import SUFFIXES
 from cardan.plots.bend_vectors import plot_bend_vectors
 from cardan.plots.catalogue import (
     plot_angle_error,
@@ -24,7 +25,7 @@ from cardan.plots.harmonics import plot_harmonics
 from cardan.plots.hodograph import plot_hodograph
 from cardan.plots.scene import plot_scene, write_picture
 from cardan.plots.study import plot_study
-from cardan.plots.style import STYLE, SUFFIXES, save
+from cardan.plots.style import STYLE, save
 from cardan.plots.thoma import plot_small_angle
 
 __all__ = [

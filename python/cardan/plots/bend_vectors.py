@@ -9,8 +9,8 @@ import numpy as np
 from cardan import workshop
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.plan import item_index
 from cardan.plots.style import LINES, MARKERS, THIN, drawing, legend_above
+from cardan.request import item_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import real
+import cardan.plots.panel as panel
+from cardan.arrays import as_float64
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, checked
-from cardan.plan import item_index
-from cardan.plots import panel
 from cardan.plots.style import drawing, legend_above
+from cardan.request import item_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -59,7 +59,7 @@ def plot_curves(
     if len(line.shape) > (0 if what.vector else 1):
         fits = "one driveline" if what.vector else "one driveline or a batch of one dimension"
         raise ValueError(f"line has shape {line.shape}; a picture of {output} shows {fits}")
-    turn = np.radians(np.arange(721) / 2.0) if angle is None else real("angle", angle)
+    turn = np.radians(np.arange(721) / 2.0) if angle is None else as_float64("angle", angle)
     if turn.ndim != 1:
         raise ValueError(f"angle has shape {turn.shape}; a curve needs (samples,)")
     of_shaft = what.per == "shaft"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, real
+from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
 from cardan.plots.style import LINES, MARKERS, drawing, legend_above
 
@@ -138,7 +138,7 @@ def _yoke_size(lengths: FloatArray) -> float:
 def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:
     if points is None:
         return np.concatenate([np.zeros((1, 3)), np.cumsum(line.directions, axis=0)])
-    places = real("points", points)
+    places = as_float64("points", points)
     if places.shape != (line.n_joints + 2, 3):
         raise ValueError(f"points has shape {places.shape}; it must be ({line.n_joints + 2}, 3)")
     steps = np.diff(places, axis=0)

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+import cardan.plots.panel as panel
 from cardan.driveline import Driveline
 from cardan.outputs import OUTPUTS
-from cardan.plan import item_index
-from cardan.plots import panel
 from cardan.plots.style import MARKERS, drawing, legend_above, line_style
+from cardan.request import item_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,8 +8,8 @@ import numpy as np
 
 from cardan.driveline import Driveline
 from cardan.load import Load
-from cardan.plan import item_index
 from cardan.plots.style import LINES, MARKERS, drawing, legend_above, value_ticks
+from cardan.request import item_index
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -9,8 +9,10 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.rounding import flat_limits
 from cardan.outputs import Output
-from cardan.plots.style import degree_ticks, flat_limits, line_style, value_ticks
+from cardan.plots.style import degree_ticks, line_style, value_ticks
+from cardan.scene.units import in_degrees
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,9 +20,8 @@ if TYPE_CHECKING:
 
 def in_unit(output: Output, values: FloatArray) -> tuple[FloatArray, str]:
     """Return values of an output with angles in degrees, and the unit in brackets."""
-    if output.unit == "rad":
-        return np.degrees(values), " [deg]"
-    return values, "" if output.unit == "1" else f" [{output.unit}]"
+    converted, unit = in_degrees(values, output.unit)
+    return converted, unit and f" [{unit}]"
 
 
 def draw(

@@ -8,15 +8,14 @@ from dataclasses import dataclass
 from os import PathLike
 from typing import TYPE_CHECKING
 
+import cardan.plots.panel as panel
 from cardan.arrays import FloatArray
-from cardan.plots import panel
 from cardan.plots.study import plot_study
 from cardan.plots.style import MM, STYLE, WIDTH, legend_above, matplotlib, save
+from cardan.scene.scene import SceneResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from cardan.scene import SceneResult
 
 _PANEL, _FRAME = 24.0 * MM, 14.0 * MM
 

@@ -10,35 +10,23 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.check import MAX_EQUIVALENT_BEND
+from cardan.figures.rounding import ROUNDING, flat_limits
 from cardan.plots.style import (
     LINES,
     THIN,
     degree_ticks,
     drawing,
-    flat_limits,
     legend_above,
     number,
     value_ticks,
 )
+from cardan.scene.study import StudyResult
+from cardan.scene.units import ENDINGS, in_degrees, split
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.contour import QuadContourSet
-
-    from cardan.study import StudyResult
-
-# The units at the end of a scene's keys, the longer before those that they end in.
-_UNITS = {
-    "_rad_s2": "rad/s²",
-    "_rad_s": "rad/s",
-    "_kgm2": "kg m²",
-    "_Nm": "N m",
-    "_rpm": "rpm",
-    "_deg": "deg",
-    "_mm": "mm",
-    "_m": "m",
-}
 
 _FEW = 5
 
@@ -83,9 +71,8 @@ def plot_study(
     if limit is None and column == "equivalent_bend":
         limit = float(MAX_EQUIVALENT_BEND)
     if unit == "rad":
-        values, unit = np.degrees(values), "deg"
         limit = None if limit is None else float(np.degrees(limit))
-    unit = "" if unit == "1" else unit
+    values, unit = in_degrees(values, unit)
     marked = "" if limit is None else f"limit {number(limit)} {unit}".strip()
     heading = f"{column.replace('_', ' ')}{unit and f' [{unit}]'}"
     keys = [axis.key for axis in varied]
@@ -129,7 +116,7 @@ def _map(axes: Axes, x: FloatArray, y: FloatArray, z: FloatArray, limit: float |
     axes.contourf(x, y, z, levels=levels, colors=colours)
     if flat:
         return
-    near = 1e-9 * (high - low)
+    near = ROUNDING * (high - low)
     taken = math.inf if limit is None else limit
     inner = [level for level in levels if low < level < high and abs(level - taken) > near]
     lines = axes.contour(x, y, z, levels=inner, colors="0.15", linewidths=0.5)
@@ -170,12 +157,12 @@ _ENTRIES = {
 def _name(key: str) -> str:
     """A scene's key as a label: ``phases_deg.0`` as ``phase, shaft 1 [deg]``."""
     name, dot, place = key.partition(".")
-    ending = next((ending for ending in _UNITS if name.endswith(ending)), "")
-    unit = f" [{_UNITS[ending]}]" if ending else ""
+    quantity, ending = split(name)
+    unit = f" [{ENDINGS[ending].symbol}]" if ending else ""
     if name in _ENTRIES and place.isdecimal():
         entry, first = _ENTRIES[name]
         return f"{entry} {first + int(place)}{unit}"
-    return f"{name.removesuffix(ending).replace('_', ' ')}{dot}{place}{unit}"
+    return f"{quantity.replace('_', ' ')}{dot}{place}{unit}"
 
 
 def _label(axis: Axis, key: str) -> None:

@@ -10,20 +10,13 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from cardan.curves import whole_file
+from cardan.files.pictures import SUFFIXES
+from cardan.files.whole_file import whole_file
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
-
-# What makes a file differ from run to run is left out.
-SUFFIXES: Mapping[str, dict[str, Any]] = {
-    ".svg": {"Date": None},
-    ".png": {},
-    ".pdf": {"CreationDate": None},
-}
-"""Formats of a picture file, by suffix, and the metadata to write."""
 
 STYLE: Mapping[str, Any] = {
     "font.size": 7.0,
@@ -165,23 +158,3 @@ def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axe
             **options,
         }
     )
-
-
-def flat_limits(low: float, high: float, scale: float) -> tuple[float, float] | None:
-    """Return limits for values that only vary by rounding, which would else fill the axes.
-
-    Args:
-        low: least value.
-        high: largest value.
-        scale: what they would be measured in, if they are 0.
-    """
-    noise = _FLAT * max(scale, abs(low), abs(high))
-    if not high - low <= noise:
-        return None
-    middle = (low + high) / 2.0
-    room = 0.05 * abs(middle) if abs(middle) > noise else scale
-    return middle - room, middle + room
-
-
-# Relative to scale or size.
-_FLAT = 1e-9

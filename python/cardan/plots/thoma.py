@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+import cardan.plots.panel as panel
 from cardan.approximations import thoma_small_angle
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
-from cardan.plots import panel
 from cardan.plots.style import drawing, legend_above
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ import os
 from os import PathLike
 from pathlib import Path
 
-from cardan.curves import whole_file
+from cardan.files.progress import Progress
+from cardan.files.whole_file import whole_file
 from cardan.report.page import page
-from cardan.scene import Scene
-from cardan.study import Progress
+from cardan.scene.scene import Scene
 
 SUFFIXES = (".html", ".htm")
 """Suffixes of a report."""
@@ -29,6 +29,7 @@ def write_report(scene: Scene, path: str | PathLike[str], progress: Progress | N
         progress: called after each block of the scene's study, as by ``Scene.run``.
 
     Raises:
+        ImportError: jinja2 is missing.
         OSError: the file cannot be written; nothing of it is left behind then.
         ValueError: another suffix, a point of the study that makes no driveline.
     """
@@ -36,4 +37,5 @@ def write_report(scene: Scene, path: str | PathLike[str], progress: Progress | N
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
     text = page(scene, progress)
     with whole_file(path) as file:
-        file.write(text.encode())
+        # A file's name, which the page shows, may hold bytes that are not UTF-8.
+        file.write(text.encode(errors="replace"))

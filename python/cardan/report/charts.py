@@ -1,18 +1,27 @@
-"""Charts as inline SVG: axes with units, curves that dashes alone tell apart, a cursor."""
+"""Charts as data for SVG: axes with units, curves that dashes alone tell apart, a cursor."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from html import escape
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.report.samples import Panel
 
-_WIDTH, _HEIGHT = 360, 180
-_LEFT, _RIGHT, _TOP, _BOTTOM = 56, 344, 8, 142
+
+class _Frame(NamedTuple):
+    width: int = 360
+    height: int = 180
+    left: int = 56
+    right: int = 344
+    top: int = 8
+    bottom: int = 142
+
+
+_FRAME = _Frame()
 
 _DEGREES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)
 
@@ -21,8 +30,8 @@ _DEGREES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)
 _FLAT = 1e-9
 
 
-def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -> str:
-    """Return a figure with heading, curves and legend as HTML.
+def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -> dict[str, Any]:
+    """Return heading, ticks, curves and legend as plain data for the macro ``chart``.
 
     Args:
         panel: what to draw.
@@ -31,54 +40,38 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
         first: number of the first curve, by which the script finds it to set its cursor; without
             one the chart has no cursor.
     """
-    low, high, noise = _extent(panel)
+    low, high, flat = _extent(panel)
     y_ticks = _ticks(low, high)
     low, high = min(low, y_ticks[0]), max(high, y_ticks[-1])
     start, stop = float(np.min(x)), float(np.max(x))
     stop = stop if stop > start else start + 1.0
-    across = _LEFT + (_RIGHT - _LEFT) * (x - start) / (stop - start)
-    parts = []
-    for tick in _degree_ticks(start, stop) if "deg" in x_label else _ticks(start, stop):
-        if start <= tick <= stop:
-            at = _LEFT + (_RIGHT - _LEFT) * (tick - start) / (stop - start)
-            parts.append(
-                f'<line class="grid" x1="{at:.1f}" x2="{at:.1f}" y1="{_TOP}" y2="{_BOTTOM}"/>'
-            )
-            parts.append(
-                f'<text x="{at:.1f}" y="{_BOTTOM + 15}" class="middle">{number(tick)}</text>'
-            )
-    for tick in y_ticks:
-        at = _BOTTOM - (_BOTTOM - _TOP) * (tick - low) / (high - low)
-        parts.append(f'<line class="grid" x1="{_LEFT}" x2="{_RIGHT}" y1="{at:.1f}" y2="{at:.1f}"/>')
-        parts.append(f'<text x="{_LEFT - 5}" y="{at + 4:.1f}" class="end">{number(tick)}</text>')
-    middle = (_LEFT + _RIGHT) / 2
-    parts.append(f'<text x="{middle}" y="{_HEIGHT - 5}" class="middle">{escape(x_label)}</text>')
-    if first is not None:
-        parts.append(f'<line class="cursor" x1="{_LEFT}" x2="{_LEFT}" y1="{_TOP}" y2="{_BOTTOM}"/>')
-    legend = []
-    for i, curve in enumerate(panel.curves):
-        values = np.full_like(curve.values, np.mean(curve.values)) if noise else curve.values
-        up = _BOTTOM - (_BOTTOM - _TOP) * (values - low) / (high - low)
-        points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(across, up, strict=True))
-        key = "" if first is None else f' id="curve-{first + i}"'
-        parts.append(f'<polyline{key} class="curve c{i}" points="{points}"/>')
-        if first is not None:
-            parts.append(f'<circle class="dot c{i}" r="3.5"/>')
-        swatch = (
-            f'<svg class="swatch" aria-hidden="true"><path class="curve c{i}" d="M0 6H30"/></svg>'
-        )
-        value = "" if first is None else f' <output data-curve="{first + i}"></output>'
-        unit = f" {escape(panel.unit)}" if value and panel.unit else ""
-        legend.append(f"<li>{swatch} {escape(curve.label)}{value}{unit}</li>")
-    unit = f" [{panel.unit}]" if panel.unit else ""
-    heading = f"{panel.heading}{unit}"
-    said = f"{heading} over {x_label}, from {low:.4g} to {high:.4g}"
-    rest = f"<li>and {panel.left_out} that vary no more</li>" if panel.left_out else ""
-    return (
-        f"<figure><figcaption>{escape(heading)}</figcaption>"
-        f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" role="img" aria-label="{escape(said)}">'
-        f'{"".join(parts)}</svg><ul class="legend">{"".join(legend)}{rest}</ul></figure>'
-    )
+    x_ticks = _degree_ticks(start, stop) if "deg" in x_label else _ticks(start, stop)
+
+    def across(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
+        return _FRAME.left + (_FRAME.right - _FRAME.left) * (value - start) / (stop - start)
+
+    def up(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
+        return _FRAME.bottom - (_FRAME.bottom - _FRAME.top) * (value - low) / (high - low)
+
+    lines = []
+    for i, curve in enumerate(panel.curves, first or 0):
+        values = np.full_like(curve.values, np.mean(curve.values)) if flat else curve.values
+        points = zip(across(x), up(values), strict=True)
+        text = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
+        lines.append({"number": i, "label": curve.label, "points": text})
+    heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
+    return {
+        "frame": _FRAME,
+        "moves": first is not None,
+        "heading": heading,
+        "spoken": f"{heading} over {x_label}, from {low:.4g} to {high:.4g}",
+        "x_label": x_label,
+        "x_ticks": [(f"{across(t):.1f}", number(t)) for t in x_ticks if start <= t <= stop],
+        "y_ticks": [(f"{up(t):.1f}", f"{up(t) + 4:.1f}", number(t)) for t in y_ticks],
+        "lines": lines,
+        "unit": panel.unit,
+        "left_out": panel.left_out,
+    }
 
 
 def decimals(panel: Panel) -> int:

@@ -10,7 +10,7 @@ from cardan.arrays import FloatArray
 from cardan.report.samples import Samples
 
 # Pixels; numbers of shafts stand in the margin above.
-_WIDTH, _SIDE, _ABOVE = 1000.0, 16.0, 40.0
+_WIDTH, _SIDE, _ABOVE = 1000, 16.0, 40.0
 
 # Lengths beside a shaft between two joints, which is 1; scenes need not give any.
 _END, _PIN, _YOKE = 0.75, 0.19, 0.22

@@ -1,116 +1,93 @@
-"""The page of a scene, put together from its sections."""
+"""The page of a scene: the data of its sections, which ``templates/page.html`` puts together."""
 
 from __future__ import annotations
 
 import base64
 import hashlib
-import json
-from html import escape
 from importlib import resources
 from pathlib import Path
-from string import Template
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cardan import __version__
 from cardan.arrays import FloatArray
-from cardan.report import answer, tables
+from cardan.files.progress import Progress
+from cardan.report import tables
+from cardan.report.answer import answer
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
 from cardan.report.samples import NOMINAL_TORQUE, Panel, Samples, evaluated
-from cardan.report.study import study_section
-from cardan.scene import Scene
-from cardan.study import Progress
+from cardan.report.study import study
+from cardan.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
 
 
 def page(scene: Scene, progress: Progress | None = None) -> str:
     """Return the whole page as HTML; arguments and errors as of ``write_report``."""
+    template = environment().get_template("page.html")
     result = scene.run(progress)
     samples = evaluated(scene)
-    panels, drawn = samples.panels(), drawing(samples)
-    sections = {
-        "answer": ("Answer", answer.section(scene, samples)),
-        "inputs": ("Inputs", tables.inputs(scene)),
-        "results": ("Results", tables.results(result, samples)),
-        "study": (
-            "Study" if scene.study and scene.study.axes else "Figures",
-            study_section(result.study) if result.study else "",
-        ),
-        "pictures": ("Over the drive angle", _pictures(samples, panels, drawn["views"])),
-        "skipped": ("Computed and skipped", _plan(scene)),
-        "catalogue": ("Exact bend and catalogue rule", tables.catalogue(scene)),
-    }
-    sections = {key: section for key, section in sections.items() if section[1]}
-    name = Path(scene.name).name
-    title = scene.title or name
-    script, style = _part("page.js"), _part("page.css")
-    return Template(_part("page.html")).substitute(
-        version=f"cardan {__version__}",
-        title=escape(title),
-        subtitle=escape(_subtitle(scene, name)),
-        contents="".join(
-            f'<li><a href="#{key}">{escape(heading)}</a></li>'
-            for key, (heading, _) in sections.items()
-        ),
-        body="\n".join(
-            f'<section id="{key}" aria-labelledby="{key}-heading">'
-            f'<h2 id="{key}-heading">{escape(heading)}</h2>\n{body}</section>'
-            for key, (heading, body) in sections.items()
-        ),
-        style=style,
-        style_hash=_hash(style),
-        script=script,
-        script_hash=_hash(script),
-        data=embedded(_data(samples, panels, drawn)),
+    panels, (x, x_label) = samples.panels(), _abscissa(samples)
+    firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
+    return template.render(
+        answer(scene, samples),
+        version=__version__,
+        style=_part("page.css"),
+        script=_part("page.js"),
+        title=scene.title or Path(scene.name).name,
+        name=Path(scene.name).name,
+        joints=scene.line.n_joints,
+        varied=bool(scene.study and scene.study.axes),
+        recorded=scene.recording is not None,
+        nominal=f"{NOMINAL_TORQUE:g} N m" if samples.nominal else "",
+        every=samples.every,
+        inputs=tables.inputs(scene),
+        results=tables.results(result, samples),
+        study=study(result.study) if result.study else None,
+        charts=[
+            chart(panel, x, x_label, int(first))
+            for panel, first in zip(panels, firsts[:-1], strict=True)
+        ],
+        plan=scene.explain(),
+        catalogue=tables.catalogue(scene),
+        data=_data(samples, panels),
     )
 
 
-def _subtitle(scene: Scene, name: str) -> str:
-    joints = scene.line.n_joints
-    what = "A single joint" if joints == 1 else f"A driveline with {joints} joints"
-    if scene.study and scene.study.axes:
-        what += ", and a study of it"
-    return f"{what}; report on the scene {name}"
+def environment() -> Environment:
+    """Return what renders the templates: it escapes every text and refuses a missing name.
 
-
-def _pictures(samples: Samples, panels: list[Panel], views: list[dict[str, Any]]) -> str:
-    x, label = _abscissa(samples)
-    note = ""
-    if samples.nominal:
-        note = (
-            f'<p class="note">Torques and moments are for {NOMINAL_TORQUE:g} N m of drive torque, '
-            "because the scene gives none; they grow in proportion.</p>"
-        )
-    if samples.every > 1:
-        note += f'<p class="note">One in {samples.every} recorded samples is shown.</p>'
-    figures, first = [], 0
-    for panel in panels:
-        figures.append(chart(panel, x, label, first))
-        first += len(panel.curves)
-    what = "Drive angle" if samples.result.scene.recording is None else "Recorded sample"
-    return (
-        "<p>Move the slider, also with the arrow keys, to turn the driveline. Bends and yokes are "
-        "drawn true, lengths are not to scale. The driving yoke of each joint is blue, the driven "
-        "one orange, the cross black; what points away from you is faint. Shafts are numbered.</p>"
-        f"{note}"
-        f'<div class="slider"><label for="sample">{what}</label> '
-        '<output for="sample"></output>'
-        f'<input type="range" id="sample" min="0" max="{len(x) - 1}" step="1" value="0" '
-        'autocomplete="off"></div>'
-        "<noscript><p>The drawing and the numbers at the slider need JavaScript.</p></noscript>"
-        f'<div class="turn"><div class="views">{_views(views)}</div>'
-        f'<div class="charts">{"".join(figures)}</div></div>'
+    Raises:
+        ImportError: jinja2 is missing.
+    """
+    try:
+        import jinja2
+    except ModuleNotFoundError:
+        hint = "a report needs jinja2: pip install 'cardan[app]'"
+        raise ModuleNotFoundError(hint) from None
+    made = jinja2.Environment(
+        loader=jinja2.FunctionLoader(_part),
+        undefined=jinja2.StrictUndefined,
+        autoescape=True,
+        trim_blocks=True,
+        keep_trailing_newline=True,
     )
+    made.policies["json.dumps_kwargs"] = {"allow_nan": False, "separators": (",", ":")}
+    made.filters["digest"] = _digest
+    return made
 
 
-def _views(views: list[dict[str, Any]]) -> str:
-    return "".join(
-        f"<figure><figcaption>{escape(view['name'])}</figcaption>"
-        f'<svg id="view-{number}" viewBox="0 0 {view["size"][0]:g} {view["size"][1]}" role="img" '
-        f'aria-label="The driveline. {escape(view["name"])}"></svg></figure>'
-        for number, view in enumerate(views)
-    )
+def _part(name: str) -> str:
+    return resources.files("cardan.report").joinpath("templates", name).read_text(encoding="utf-8")
+
+
+def _digest(text: str) -> str:
+    """The source by which the page's policy lets this text alone be a script or a style."""
+    digest = base64.b64encode(hashlib.sha256(text.encode()).digest())
+    return f"sha256-{digest.decode()}"
 
 
 def _abscissa(samples: Samples) -> tuple[FloatArray, str]:
@@ -121,7 +98,8 @@ def _abscissa(samples: Samples) -> tuple[FloatArray, str]:
     return samples.every * np.arange(float(len(angle))), "recorded sample"
 
 
-def _data(samples: Samples, panels: list[Panel], drawn: dict[str, Any]) -> dict[str, Any]:
+def _data(samples: Samples, panels: list[Panel]) -> dict[str, Any]:
+    """What the script reads."""
     curves = []
     for panel in panels:
         digits = decimals(panel)
@@ -129,7 +107,7 @@ def _data(samples: Samples, panels: list[Panel], drawn: dict[str, Any]) -> dict[
             {"decimals": digits, "values": np.round(curve.values, digits).tolist()}
             for curve in panel.curves
         ]
-    return {"places": _places(samples), "curves": curves, "drawing": drawn}
+    return {"places": _places(samples), "curves": curves, "drawing": drawing(samples)}
 
 
 def _places(samples: Samples) -> list[str]:
@@ -140,29 +118,3 @@ def _places(samples: Samples) -> list[str]:
     if samples.result.scene.recording is not None:
         places = [f"{samples.every * i}, drive angle {place}" for i, place in enumerate(places)]
     return places
-
-
-def _plan(scene: Scene) -> str:
-    return (
-        "<p>How the quantities that the scene asks for are evaluated, as "
-        f"<code>cardan explain</code> says it.</p><pre>{escape(scene.explain())}</pre>"
-    )
-
-
-def embedded(data: object) -> str:
-    """Return plain data as JSON that can stand in a script element.
-
-    That ends at the first "</script", wherever it stands.
-    """
-    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
-    return text.replace("<", "\\u003c")
-
-
-def _part(name: str) -> str:
-    return resources.files("cardan.report").joinpath(name).read_text(encoding="utf-8")
-
-
-def _hash(text: str) -> str:
-    """What lets this text alone be a script or a style, whatever else the page may hold."""
-    digest = base64.b64encode(hashlib.sha256(text.encode()).digest())
-    return f"sha256-{digest.decode()}"

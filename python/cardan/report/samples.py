@@ -12,7 +12,7 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import Output
-from cardan.scene import Scene, SceneResult
+from cardan.scene.scene import Scene, SceneResult
 
 NOMINAL_TORQUE = 100.0
 """Drive torque in N m that stands in where a scene gives neither torques nor inertias in motion."""

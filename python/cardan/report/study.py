@@ -2,29 +2,27 @@
 
 from __future__ import annotations
 
-from html import escape
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.curves import converted
+from cardan.figures.extremes import study_data
+from cardan.figures.rounding import alike
 from cardan.report.charts import chart, number
 from cardan.report.samples import Curve, Panel
-from cardan.report.tables import table
-from cardan.study import StudyResult
-from cardan.summary import alike, figure_text, range_ends, study_data
+from cardan.report.tables import Table
+from cardan.scene.study import StudyResult
+from cardan.scene.units import converted
+from cardan.words.summary import figure_text, range_ends
 
 _MOST_CHARTS, _MOST_CURVES, _MOST_POINTS = 12, 5, 1000
 
 
-def study_section(result: StudyResult) -> str:
-    """Return tables and charts of a study as HTML."""
+def study(result: StudyResult) -> dict[str, Any]:
+    """Return tables and charts of a study as plain data for the page."""
     data = study_data(result)
-    varied = [
-        (axis.key, str(len(axis.values)), f"{np.min(axis.values):.6g} to {np.max(axis.values):.6g}")
-        for axis in result.axes
-    ]
+    keys = [f"at {axis.key}" for axis in result.axes]
     rows = []
     for name, found in data["figures"].items():
         cells = [name]
@@ -39,19 +37,24 @@ def study_section(result: StudyResult) -> str:
             placed = at and not same
             cells += [f"{at[axis.key]:.6g}" if placed else "" for axis in result.axes]
         rows.append(cells)
-    keys = [f"at {axis.key}" for axis in result.axes]
-    parts = []
-    if varied:
+    tables = [Table("Extremes", ("Figure", "Least", *keys, "Largest", *keys), rows)]
+    if result.axes:
+        varied = [
+            (a.key, str(len(a.values)), f"{np.min(a.values):.6g} to {np.max(a.values):.6g}")
+            for a in result.axes
+        ]
         caption = f"What varies: {result.rows} drivelines"
-        parts.append(table(caption, ("Key", "Values", "Range"), varied))
-    parts.append(table("Extremes", ("Figure", "Least", *keys, "Largest", *keys), rows))
-    if any(len(axis.values) > 1 for axis in result.axes):
-        parts.append(_charts(result))
-    return "".join(parts)
+        tables.insert(0, Table(caption, ("Key", "Values", "Range"), varied))
+    varies = any(len(axis.values) > 1 for axis in result.axes)
+    charts, held = _charts(result) if varies else ([], "")
+    return {"tables": tables, "charts": charts, "held": held}
 
 
-def _charts(result: StudyResult) -> str:
-    """Figures over the axis with most values, a curve for each of some values of the next one."""
+def _charts(result: StudyResult) -> tuple[list[dict[str, Any]], str]:
+    """Charts over the axis with most values, with a curve for each of some values of the next one.
+
+    Also returns the values at which the other axes are held, in words.
+    """
     order = sorted(range(len(result.axes)), key=lambda i: -len(result.axes[i].values))
     along = result.axes[order[0]]
     points = _some(len(along.values), _MOST_POINTS)
@@ -59,7 +62,7 @@ def _charts(result: StudyResult) -> str:
     family = result.axes[order[1]] if len(order) > 1 else None
     members = _some(len(family.values), _MOST_CURVES) if family else np.array([0])
     place = [len(axis.values) // 2 for axis in result.axes]
-    figures = []
+    charts = []
     for column in result.columns[:_MOST_CHARTS]:
         suffix, values = converted(result.values[column.name], column.unit, False)
         curves = []
@@ -73,12 +76,9 @@ def _charts(result: StudyResult) -> str:
             curves.append(Curve(label, np.asarray(values[tuple(index)])))
         if all(np.isfinite(curve.values).all() for curve in curves):
             panel = Panel(f"{column.name}{suffix}", "", tuple(curves))
-            figures.append(chart(panel, along.values[points], along.key))
-    held = ", ".join(
-        f"{result.axes[i].key} = {number(result.axes[i].values[place[i]])}" for i in order[2:]
-    )
-    note = f'<p class="note">With {escape(held)}.</p>' if held else ""
-    return f'{note}<div class="charts">{"".join(figures)}</div>'
+            charts.append(chart(panel, along.values[points], along.key))
+    held = (f"{result.axes[i].key} = {number(result.axes[i].values[place[i]])}" for i in order[2:])
+    return charts, ", ".join(held)
 
 
 def _some(count: int, most: int) -> NDArray[np.intp]:

@@ -2,38 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from html import escape
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.report.samples import Samples
-from cardan.scene import Scene, SceneResult
-from cardan.summary import equivalent_bend_deg, figure_text, row_text, summary
+from cardan.figures.rounding import equivalent_bend_deg
+from cardan.figures.summary import summary
+from cardan.report.samples import NOMINAL_TORQUE, Samples
+from cardan.scene.scene import Scene, SceneResult
+from cardan.words.summary import figure_text, row_text
 from cardan.workshop import turn
 
 
-def table(caption: str, head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table as HTML; the first cell of a row is its heading. All texts are escaped."""
-    lines = []
-    for first, *cells in rows:
-        data = "".join(f"<td>{escape(cell)}</td>" for cell in cells)
-        lines.append(f'<tr><th scope="row">{escape(first)}</th>{data}</tr>')
-    heads = "".join(f'<th scope="col">{escape(cell)}</th>' for cell in head)
-    # Two columns fit any screen if they may break; wider tables scroll by themselves.
-    kind = ' class="narrow"' if len(head) == 2 else ""
-    said = escape(caption)
-    return (
-        f'<div class="scroll" tabindex="0" role="region" aria-label="{said}"><table{kind}>'
-        f"<caption>{said}</caption><thead><tr>{heads}</tr></thead>"
-        f"<tbody>{''.join(lines)}</tbody></table></div>"
-    )
+class Table(NamedTuple):
+    """What the macro ``table`` takes; the first cell of a row is its heading."""
+
+    caption: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
 
 
-def inputs(scene: Scene) -> str:
-    """Return what the scene gives: joints, shafts, load and drive angles."""
+def inputs(scene: Scene) -> dict[str, Table]:
+    """Return what the scene gives: joints, load and drive angles, shafts."""
     line = scene.line
     joints = [(f"joint {j}", _span(np.degrees(line.bends[..., j]))) for j in range(line.n_joints)]
     heads = ["Shaft"]
@@ -81,62 +74,56 @@ def inputs(scene: Scene) -> str:
     given += [
         (key.replace("_", " ").capitalize(), str(value)) for key, value in scene.options.items()
     ]
-    return (
-        f'<div class="tables">{table("Joints", ("Joint", "Bend [deg]"), joints)}'
-        f"{table('Load and drive', ('What', 'Value'), given)}</div>"
-        f"{table('Shafts', heads, shafts)}"
-    )
+    return {
+        "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
+        "drive": Table("Load and drive", ("What", "Value"), given),
+        "shafts": Table("Shafts", heads, shafts),
+    }
 
 
-def results(result: SceneResult, samples: Samples) -> str:
+def results(result: SceneResult, samples: Samples) -> list[Table]:
     """Return the scene's own table, the loads shaft by shaft and the harmonics."""
     rows = [(row.label[0].upper() + row.label[1:], row_text(row)) for row in summary(result)]
-    parts = [table("Summary, as cardan run prints it", ("What", "Value"), rows)]
+    found = [Table("Summary, as cardan run prints it", ("What", "Value"), rows)]
     torques = samples.result.values["torque"]
     loads = []
     for peak, torque in zip(samples.support_peaks(), torques, strict=True):
         at = "everywhere" if peak.at_deg is None else f"{peak.at_deg:.1f}"
         vector = ", ".join(map(_figure, peak.vector))
         loads.append((f"shaft {peak.item}", _span(torque), figure_text(peak.size), at, vector))
-    heads = (
+    per = f", per {NOMINAL_TORQUE:g} N m at the drive" if samples.nominal else ""
+    caption = f"What the bearings give each shaft{per}"
+    heads = [
         "Shaft",
         "Torque [N m]",
         "Largest support moment [N m]",
         "at drive angle [deg]",
         "its components x, y, z [N m]",
-    )
-    caption = "What the bearings give each shaft"
-    parts.append(
-        table(caption + (", per 100 N m at the drive" if samples.nominal else ""), heads, loads)
-    )
+    ]
+    found.append(Table(caption, heads, loads))
     line = result.scene.line
     if not line.shape:
         orders = (2, 4, 6)
-        found = line.harmonics(orders)
-        harmonics = [
+        series = line.harmonics(orders)
+        amplitudes = [
             (f"order {order}", f"{np.degrees(error):.3g}", f"{ratio:.3g}")
             for order, error, ratio in zip(
-                orders, found.angle_error, found.speed_ratio, strict=True
+                orders, series.angle_error, series.speed_ratio, strict=True
             )
         ]
-        parts.append(
-            table(
-                "Amplitudes of the last shaft's motion",
-                ("Order of the drive", "Angle error [deg]", "Speed ratio"),
-                harmonics,
-            )
-        )
-    return f'<div class="tables">{"".join(parts)}</div>'
+        heads = ["Order of the drive", "Angle error [deg]", "Speed ratio"]
+        found.append(Table("Amplitudes of the last shaft's motion", heads, amplitudes))
+    return found
 
 
-def catalogue(scene: Scene) -> str:
-    """Return the exact equivalent bend beside what the catalogues' root rule makes of it."""
+def catalogue(scene: Scene) -> Table | None:
+    """Return the exact equivalent bend beside what the catalogues' root rule makes of it.
+
+    For one joint both are its bend, and there is no table.
+    """
     line = scene.line
     if line.n_joints == 1:
-        return (
-            "<p>For one joint both are its bend: "
-            f"{escape(_span(np.degrees(line.bends[..., 0])))} deg.</p>"
-        )
+        return None
     settings = {"as it is": line}
     if not line.shape:
         settings["set best"] = line.with_phases(line.optimal_phases())
@@ -147,15 +134,8 @@ def catalogue(scene: Scene) -> str:
             exact = np.radians(equivalent_bend_deg(set_so))
         signs, astray = _forks(set_so)
         rule = set_so.catalogue_bend(signs)
-        rows.append(
-            (
-                name,
-                _fixed(exact),
-                _fixed(rule),
-                _fixed(rule - exact),
-                _fixed(np.max(astray)),
-            )
-        )
+        figures = (exact, rule, rule - exact, np.max(astray))
+        rows.append((name, *(_fixed(figure) for figure in figures)))
     heads = (
         "Yokes",
         "Exact [deg]",
@@ -163,12 +143,7 @@ def catalogue(scene: Scene) -> str:
         "Catalogue less exact [deg]",
         "Forks off the rule by [deg]",
     )
-    return (
-        "<p>The catalogues take the root of |Σ ± β²| and know forks only as alike or crossed in "
-        "their bend planes. The last column says how far a fork is from the nearer of the two, "
-        "where the rule takes it to be; the exact bend is right at any setting.</p>"
-        + table("Equivalent bend", heads, rows)
-    )
+    return Table("Equivalent bend", heads, rows)
 
 
 def _forks(line: Driveline) -> tuple[FloatArray, FloatArray]:

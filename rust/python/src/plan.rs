@@ -36,6 +36,9 @@ const WATCHED: usize = 1 << 21;
 /// An array that is broadcast over the samples.
 type Spread = Py<PyArrayDyn<f64>>;
 
+/// An array with its strides over the samples.
+type Strided<'py> = (PyReadonlyArrayDyn<'py, f64>, Cow<'static, [usize]>);
+
 /// The end at which the torque is given, torque, speed, acceleration, and the inertias with their
 /// shafts.
 type LoadArrays = (PyBackedStr, Spread, Spread, Spread, Vec<(usize, Spread)>);
@@ -163,13 +166,32 @@ impl Plan {
         })
     }
 
-    /// The steps taken and skipped, in words.
-    fn explain(&self, py: Python<'_>, sweep: bool, single: bool) -> PyResult<String> {
-        let (precision, reduction) = (self.precision, self.reduction);
-        let call = Call { precision, reduction, sweep, single };
-        self.lines
-            .get()
-            .with(py, |lines| self.steps.explain(&lines, call).map_err(|error| value_error(&error)))
+    /// The steps taken and skipped, in words, over samples of a shape that the drivelines and the angles
+    /// broadcast to; the angles are those of a sweep, if one is given.
+    fn explain(
+        &self,
+        py: Python<'_>,
+        shape: Vec<usize>,
+        sweep: Option<&DriveSweep>,
+    ) -> PyResult<String> {
+        let lines = self.lines.get();
+        let Some(line_strides) = strides(lines.shape(), &shape) else {
+            return Err(misfit(py, "the driveline's batch", lines.shape(), &shape));
+        };
+        let still = vec![0; shape.len()];
+        let angle = match sweep {
+            Some(sweep) => Angles::Sweep(sweep.0),
+            None => Angles::Array(Source { data: &[0.0], strides: &still }),
+        };
+        let load = self.read_load(py, &shape)?;
+        let load = self.load_of(&load)?;
+        let (precision, reduction, single) = (self.precision, self.reduction, self.single);
+        let call = Call { precision, reduction, single };
+        lines.with(py, |lines| {
+            let (shape, line_strides) = (&shape, &line_strides);
+            let samples = Samples { shape, lines, line_strides, angle, load };
+            self.steps.explain(&samples, call).map_err(|error| value_error(&error))
+        })
     }
 
     /// Fills the arrays of `out`, which hold the planes one after another, or a new array of all planes,
@@ -212,12 +234,7 @@ impl Plan {
         let lines = self.lines.get();
         let line_strides = strides_of("the driveline's batch", lines.shape())?;
         let angle_strides = strides_of("angle", own)?;
-        let read = |(name, array): &(&str, Spread)| {
-            let array = array.bind(py).try_readonly()?;
-            let strides = strides_of(name, array.shape())?;
-            Ok((array, strides))
-        };
-        let load = self.load.iter().map(read).collect::<PyResult<Vec<_>>>()?;
+        let load = self.read_load(py, shape)?;
         let rows = match (self.reduction, shape.split_last()) {
             (Some(_), Some((1.., rows))) => rows,
             (Some(_), _) => return Err(PyValueError::new_err("shape has no samples to reduce")),
@@ -230,22 +247,7 @@ impl Plan {
             }
             Drive::Sweep(sweep) => Angles::Sweep(*sweep),
         };
-        let source = |i: usize| -> PyResult<_> {
-            let (array, strides) = &load[i];
-            let data = elements(array).ok_or_else(|| not_contiguous(self.load[i].0))?;
-            Ok(Source { data, strides })
-        };
-        let inertia = |(i, &shaft)| Ok((shaft, source(3 + i)?));
-        let load = if load.is_empty() {
-            None
-        } else {
-            Some(Load {
-                torque: source(0)?,
-                speed: source(1)?,
-                acceleration: source(2)?,
-                inertias: self.inertias.iter().enumerate().map(inertia).collect::<PyResult<_>>()?,
-            })
-        };
+        let load = self.load_of(&load)?;
         lines.with(py, |lines| {
             let line_strides = &line_strides;
             let samples = Samples { shape, lines, line_strides, angle, load };
@@ -268,6 +270,36 @@ impl Plan {
 }
 
 impl Plan {
+    /// The arrays of the load with their strides over samples of this shape.
+    fn read_load<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Vec<Strided<'py>>> {
+        let read = |(name, array): &(&str, Spread)| {
+            let array = array.bind(py).try_readonly()?;
+            let own = array.shape();
+            let strides = strides(own, shape).ok_or_else(|| misfit(py, name, own, shape))?;
+            Ok((array, strides))
+        };
+        self.load.iter().map(read).collect()
+    }
+
+    /// The load that these arrays hold, if there is one.
+    fn load_of<'a>(&self, arrays: &'a [Strided<'_>]) -> PyResult<Option<Load<'a>>> {
+        if arrays.is_empty() {
+            return Ok(None);
+        }
+        let source = |i: usize| -> PyResult<_> {
+            let (array, strides) = &arrays[i];
+            let data = elements(array).ok_or_else(|| not_contiguous(self.load[i].0))?;
+            Ok(Source { data, strides })
+        };
+        let inertia = |(i, &shaft)| Ok((shaft, source(3 + i)?));
+        Ok(Some(Load {
+            torque: source(0)?,
+            speed: source(1)?,
+            acceleration: source(2)?,
+            inertias: self.inertias.iter().enumerate().map(inertia).collect::<PyResult<_>>()?,
+        }))
+    }
+
     /// Runs or reduces: at once if it is brief, watched if it is long.
     fn execute(
         &self,

@@ -88,42 +88,48 @@ impl Tier {
         matches!(self, Self::Loose | Self::Float32)
     }
 
-    /// The largest error that is accepted.
+    /// The largest error of one joint that is accepted.
     pub(crate) fn limit(self, quantity: Quantity) -> f64 {
-        let (section, key) = match self {
-            Self::Faithful => ("faithful", quantity.name()),
-            Self::Default => ("default", quantity.name()),
-            Self::Loose | Self::Float32 => ("single", "every output"),
+        let column = match self {
+            Self::Faithful => "tolerance_0",
+            Self::Default => "worst",
+            Self::Loose | Self::Float32 => "single",
         };
-        LIMITS[&(section, key)]
+        limit("output", quantity.name(), column)
+            .unwrap_or_else(|| panic!("{} has no limit {column:?}", quantity.name()))
     }
 
-    /// The same behind a chain.
+    /// The same of chains, in their units.
     pub(crate) fn chain_limit(self, quantity: Quantity) -> f64 {
-        let own = LIMITS.get(&("chains", quantity.name())).filter(|_| self == Self::Default);
-        own.copied().unwrap_or_else(|| self.limit(quantity))
+        let own = limit("output", quantity.name(), "worst_chain");
+        own.filter(|_| self == Self::Default).unwrap_or_else(|| self.limit(quantity))
     }
 }
 
-type Limits = BTreeMap<(&'static str, &'static str), f64>;
-
-/// The table that the Python tests share.
-static LIMITS: LazyLock<Limits> = LazyLock::new(|| {
-    let text = include_str!("../../../tests/data/limits.toml");
-    let mut section = "";
-    let mut limits = Limits::new();
-    for line in text.lines() {
-        if let Some(name) = line.strip_prefix('[') {
-            section = name.trim_end_matches(']');
-        } else if let Some((key, value)) = line.split_once('=')
+/// The one table of limits, which the Python tests read too; it explains its columns. The texts of
+/// the values by table, row and column; a table without rows has an empty one.
+static LIMITS: LazyLock<BTreeMap<[&str; 3], &str>> = LazyLock::new(|| {
+    let (mut table, mut row) = ("", "");
+    let mut limits = BTreeMap::new();
+    for line in include_str!("../../../tests/data/limits.toml").lines() {
+        if let Some(header) = line.strip_prefix('[') {
+            let header = header.trim_end_matches(']');
+            (table, row) = header.split_once('.').unwrap_or((header, ""));
+            row = row.trim_matches('"');
+        } else if let Some((column, value)) = line.split_once(" = ")
             && !line.starts_with('#')
         {
-            let limit = value.trim().parse().expect("a limit is a number");
-            limits.insert((section, key.trim().trim_matches('"')), limit);
+            limits.insert([table, row, column], value);
         }
     }
     limits
 });
+
+/// A limit of the table.
+pub(crate) fn limit(table: &str, row: &str, column: &str) -> Option<f64> {
+    let value = LIMITS.get(&[table, row, column])?;
+    Some(value.parse().expect("a limit is a number"))
+}
 
 /// Ends of the ranges of bends that the table shows apart, in rad; the last ones from 90°.
 const BENDS: [(f64, &str); 14] = [
@@ -285,5 +291,29 @@ impl Ledger {
         all.map(|(t, q)| (t, q, self.of(t, q).worst))
             .filter(|&(t, q, worst)| worst.off > t.limit(q))
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_quantity_has_its_limits_and_every_row_is_judged() {
+        let mut rows: Vec<&str> =
+            LIMITS.keys().filter(|[table, ..]| *table == "output").map(|key| key[1]).collect();
+        rows.dedup();
+        let mut names = Quantity::ALL.map(Quantity::name);
+        names.sort_unstable();
+        assert_eq!(rows, names);
+        for quantity in Quantity::ALL {
+            assert!(Tier::Faithful.limit(quantity) <= 2.0);
+            for (tier, least) in [(Tier::Default, 3.0), (Tier::Loose, 1e-7), (Tier::Float32, 1e-7)]
+            {
+                assert!(tier.limit(quantity) >= least, "{} {}", tier.name(), quantity.name());
+                assert!(tier.chain_limit(quantity) >= tier.limit(quantity));
+            }
+        }
+        assert!(Tier::Default.chain_limit(Quantity::AngleError) > 9.0);
     }
 }

@@ -7,12 +7,14 @@
 use cardan::{Geometry, Vector};
 
 use crate::angle::atan2;
+use crate::judge::limit;
 use crate::samples::Random;
 use crate::wide::{Wide, two_sum};
 
-/// The largest errors, in these units. Cross product, length, product and inverse tangent round to
-/// 3, 2.5, 3.5 and 2 times 2⁻⁵³ at most, which is 6 ulp at the most.
-pub(crate) const LIMITS: [f64; 2] = [6.0, 6.0];
+/// The largest errors of bends and of twists, in these units.
+pub(crate) fn limits() -> [f64; 2] {
+    ["bends", "twists"].map(|name| limit("points", "", name).expect("the table has it"))
+}
 
 /// A kind of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

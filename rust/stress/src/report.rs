@@ -92,7 +92,7 @@ impl Report<'_> {
             }
         }
         for points in self.points {
-            for (which, limit) in points::LIMITS.into_iter().enumerate() {
+            for (which, limit) in points::limits().into_iter().enumerate() {
                 if points.off[which] > limit {
                     lines.push(format!("{:.3} units: {}", points.off[which], points.place[which]));
                 }
@@ -173,8 +173,9 @@ impl Report<'_> {
             if threads == 1 { "" } else { "s" }
         )
         .expect("text grows");
+        // The single tiers have one limit, behind the second of them.
         let names = Tier::ALL.iter().flat_map(|tier| match tier {
-            Tier::Loose | Tier::Float32 => vec![tier.name().into()],
+            Tier::Loose => vec![tier.name().into()],
             _ => vec![tier.name().to_string(), "limit".into()],
         });
         text.push_str(&head("one joint", names));
@@ -182,13 +183,13 @@ impl Report<'_> {
             let cells = Tier::ALL.iter().flat_map(|&tier| {
                 let off = shown(tier, self.ledger.of(tier, quantity).worst.off);
                 match tier {
-                    Tier::Loose | Tier::Float32 => vec![off],
+                    Tier::Loose => vec![off],
+                    Tier::Float32 => vec![off, format!("{:e}", tier.limit(quantity))],
                     _ => vec![off, tier.limit(quantity).to_string()],
                 }
             });
             text.push_str(&row(quantity.name(), cells));
         }
-        text.push_str("\nThe limit of the single tiers is 1e-6 of the largest over a turn.\n");
         text.push_str("\n## Chains\n\n");
         text.push_str(include_str!("../chains.md"));
         text.push('\n');
@@ -209,7 +210,7 @@ impl Report<'_> {
             let off = points.off.map(|off| format!("{off:.2}"));
             text.push_str(&row(points.shape.name(), off));
         }
-        let limits = points::LIMITS.map(|limit| format!("{limit}"));
+        let limits = points::limits().map(|limit| format!("{limit}"));
         text.push_str(&row("limit", limits));
         for tier in [Tier::Default, Tier::Faithful] {
             for (by, what) in [

@@ -129,6 +129,11 @@ impl<'a> Table<'a> {
         }
     }
 
+    /// Whether the load changes along the rows.
+    pub(crate) fn load_varies(&self) -> bool {
+        self.columns.iter().skip(1).any(|column| column.strides.last() != Some(&0))
+    }
+
     /// Number of rows.
     pub(crate) fn rows(&self) -> usize {
         self.shape[..self.shape.len() - 1].iter().product()

@@ -10,7 +10,6 @@ use std::ops::{Mul, Sub};
 
 use crate::mechanics::joint::Joint;
 use crate::mechanics::transmission::Ideal;
-use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction;
@@ -251,11 +250,6 @@ impl Equivalent {
             turn_cos: equivalent.turn_cos.value(),
             turn_sin: equivalent.turn_sin.value(),
         }
-    }
-
-    /// The inverse tangent that serves its angle error.
-    pub(crate) fn range(&self) -> AtanRange {
-        AtanRange::holding(self.joint.max_error_tangent())
     }
 
     /// `φ` in radians, in `(−π/2, π/2]`: the joint's driving angle is `α + φ`.

@@ -91,6 +91,8 @@ pub(crate) struct DoubleAngleTerms<T> {
     pub(crate) neg_im: T,
     /// `1 − Re p`.
     pub(crate) one_minus_re: T,
+    /// `Re p`.
+    re: T,
     /// `(1 + k²)/2 − Re p`.
     mean_minus_re: T,
     /// `(1 − k²)/2`.
@@ -111,6 +113,7 @@ impl<T: Angle, const PARTS: usize> Ideal<T, PARTS> {
         };
         DoubleAngleTerms {
             neg_im,
+            re: p,
             one_minus_re: T::from_f64(1.0).fast_add(-p),
             mean_minus_re: self.mean.fast_add(-p),
             complement: self.complement,
@@ -123,12 +126,21 @@ impl<T: Angle> DoubleAngleTerms<T> {
     /// Speed ratio and acceleration ratio.
     #[inline(always)]
     pub(crate) fn rates(&self) -> (T, T) {
-        if T::DOUBLED {
+        if T::PRECISION.costs().double_angle {
             // By one inverse, two quotients cost less than one and products.
             let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
             return (ratio, (swing * ratio).scaled(-2.0));
         }
         let ratio = self.complement / self.mean_minus_re;
         (ratio, (self.neg_im * ratio) * (self.gain * ratio))
+    }
+
+    /// Jerk ratio, `4 r (2 (Im p)² − Re p · across)/across²` with `across = (1 + k²)/2 − Re p`.
+    #[inline(always)]
+    pub(crate) fn jerk_ratio(&self) -> T {
+        let across = self.mean_minus_re;
+        let [ratio, swing] = T::both_over(self.complement, self.neg_im, across);
+        let real = self.re / across;
+        ratio * (swing.square().scaled(2.0) - real).scaled(4.0)
     }
 }

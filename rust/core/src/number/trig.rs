@@ -7,6 +7,7 @@
 //! itself (Remez exchange in 50-digit arithmetic); the tests check them against an independent
 //! evaluation.
 
+use crate::number::Precision;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::reduction::{self, LargeAngleFlag};
@@ -96,9 +97,8 @@ pub trait Angle: Real {
     /// Numerator and denominator of the rational tangent of a remainder.
     fn tangent(remainder: Self) -> (Self, Self);
 
-    /// Whether moderate bends go by sine and cosine of twice the angle: they save numbers
-    /// with error terms a fifth of the time, and cost others an eighth.
-    const DOUBLED: bool;
+    /// The arithmetic that computes with these numbers.
+    const PRECISION: Precision;
 
     /// Sine and cosine of a remainder.
     fn sin_cos(remainder: Self) -> (Self, Self);
@@ -106,13 +106,6 @@ pub trait Angle: Real {
     /// The number with its sign turned if the lowest bit is one.
     #[must_use]
     fn turned_if(self, bit: u64) -> Self;
-
-    /// Whether a number is shorter than the angles it comes from.
-    const SHORT: bool;
-
-    /// Whether reduction and tangent are better two loops: because vectors hold more short numbers
-    /// than angles, or because the two together are too long for a core to overlap.
-    const APART: bool;
 
     /// Remainder and quadrant of a phase (`reduction::phase`).
     fn from_turn_fraction(phase: u64) -> (Self, u64);
@@ -131,7 +124,7 @@ pub trait Angle: Real {
 }
 
 macro_rules! plain {
-    ($($float:ident $bits:ident $tangent:ident)*) => {$(
+    ($($float:ident $precision:ident $bits:ident $tangent:ident)*) => {$(
         impl Angle for $float {
             #[inline(always)]
             fn reduce(angle: f64) -> (Self, u64) {
@@ -144,7 +137,7 @@ macro_rules! plain {
                 $tangent.of(r)
             }
 
-            const DOUBLED: bool = false;
+            const PRECISION: Precision = Precision::$precision;
 
             #[inline(always)]
             fn sin_cos(remainder: Self) -> (Self, Self) {
@@ -155,9 +148,6 @@ macro_rules! plain {
             fn turned_if(self, bit: u64) -> Self {
                 Self::from_bits(self.to_bits() ^ (bit as $bits) << ($bits::BITS - 1))
             }
-
-            const SHORT: bool = size_of::<Self>() < size_of::<f64>();
-            const APART: bool = Self::SHORT;
 
             #[inline(always)]
             fn from_turn_fraction(phase: u64) -> (Self, u64) {
@@ -189,7 +179,7 @@ macro_rules! plain {
     )*};
 }
 
-plain!(f32 u32 TANGENT_SINGLE f64 u64 TANGENT);
+plain!(f32 Single u32 TANGENT_SINGLE f64 Double u64 TANGENT);
 
 impl Angle for DoubleDouble {
     #[inline(always)]
@@ -221,7 +211,7 @@ impl Angle for DoubleDouble {
         (numerator, Self { high, low: low + part.low })
     }
 
-    const DOUBLED: bool = true;
+    const PRECISION: Precision = Precision::DoubleDouble;
 
     // Within 2⁻⁵⁸: each polynomial is small beside the term before it.
     #[inline(always)]
@@ -248,9 +238,6 @@ impl Angle for DoubleDouble {
     fn turned_if(self, bit: u64) -> Self {
         Self { high: self.high.turned_if(bit), low: self.low.turned_if(bit) }
     }
-
-    const SHORT: bool = false;
-    const APART: bool = true;
 
     #[inline(always)]
     fn from_turn_fraction(phase: u64) -> (Self, u64) {

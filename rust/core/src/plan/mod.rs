@@ -1,11 +1,11 @@
 //! From the outputs requested to the steps that compute them.
 
-pub(crate) mod explain;
 pub mod output;
 pub mod reduction;
+pub(crate) mod route;
 pub(crate) mod steps;
 
-pub use explain::Call;
-pub use output::Output;
+pub use output::{Output, Per, Row};
 pub use reduction::Reduction;
+pub use route::Route;
 pub use steps::{End, Plan, Request};

@@ -8,15 +8,16 @@ use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
+use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
+use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
 use crate::run::chunk;
-use crate::run::execution::{FoldedDriveline, Kept};
 use crate::run::extrema;
-use crate::run::fold::{Folded, GeometryIndex};
+use crate::run::fold::{Folded, FoldedAs, FoldedDriveline, GeometryIndex};
 use crate::run::level::{Level, compiled_for};
-use crate::run::long_sweep::{self, LongSweep};
-use crate::run::scratch::{Scratch, Way};
+use crate::run::scratch::Scratch;
+use crate::run::sweep_tables::SweepTables;
 use crate::sincos::array::Drive;
 
 /// Samples per chunk: what is kept of so many stays in the first-level cache, or nearly.
@@ -37,20 +38,20 @@ pub(crate) trait StoresAs<W: Float>: Number {
     /// The words that the kernels put.
     type Plane: Float;
 
-    /// The constants that were kept for this type.
-    fn kept(constants: &FoldedDriveline) -> Option<&Folded<Self>>;
+    /// The constants of a driveline that was folded for this type.
+    fn folded(driveline: &FoldedDriveline) -> Option<&Folded<Self>>;
 
     /// The planes themselves, where the kernels put what they hold.
     fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Plane]]>;
 }
 
-macro_rules! deliver {
-    ($($number:ident as $kept:ident by $plane:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
+macro_rules! stores_as {
+    ($($number:ident as $precision:ident by $plane:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
         impl StoresAs<$word> for $number {
             type Plane = $plane;
 
-            fn kept(constants: &FoldedDriveline) -> Option<&Folded<Self>> {
-                if let Kept::$kept(folded) = &constants.0 { Some(folded) } else { None }
+            fn folded(driveline: &FoldedDriveline) -> Option<&Folded<Self>> {
+                if let FoldedAs::$precision(folded) = &driveline.0 { Some(folded) } else { None }
             }
 
             fn direct<'a, 'b>(
@@ -62,7 +63,7 @@ macro_rules! deliver {
     )*};
 }
 
-deliver! {
+stores_as! {
     f32 as Single by f32 to f32: planes => Some(planes);
     f32 as Single by f64 to f64: planes => Some(planes);
     f64 as Double by f64 to f64: planes => Some(planes);
@@ -84,20 +85,17 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) plan: &'a Plan,
     pub(crate) table: &'a Table<'s>,
     pub(crate) level: Level,
+    pub(crate) routes: Routes,
+    pub(crate) tables: SweepTables<T>,
     /// The only driveline, folded before.
-    pub(crate) kept: Option<&'a Folded<T>>,
-    pub(crate) long_sweep: &'a LongSweep<T>,
+    pub(crate) folded: Option<&'a Folded<T>>,
     /// Whether to leave out the rest.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
 
 /// A block and what it needs at hand.
 pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
-    plan: &'a Plan,
-    table: &'a Table<'s>,
-    level: Level,
-    long_sweep: &'a LongSweep<T>,
-    stop: Option<&'a AtomicBool>,
+    shared: &'a Shared<'a, 's, T>,
     /// The only driveline, or those of these rows, or of the samples of one chunk.
     folded: Cow<'a, Folded<T>>,
     rows: Range<usize>,
@@ -122,17 +120,12 @@ struct RowPart {
 }
 
 impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
-    pub(crate) fn new(shared: &Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
-        let Shared { plan, table, level, kept, long_sweep, stop } = *shared;
+    pub(crate) fn new(shared: &'a Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
+        let Shared { plan, table, ref routes, .. } = *shared;
         let row_length = table.row_length();
-        let way = match long_sweep.twice {
-            _ if T::DOUBLED => Way::Twice,
-            Some(_) => Way::Rotations,
-            None => Way::SinCos,
-        };
         let chunk_length = if plan.load.is_some() {
             SHORT_CHUNK
-        } else if way == Way::Rotations && plan.moderate && !plan.needs_poses() && !spare {
+        } else if routes.has_rotation() && plan.moderate && !plan.needs_poses() && !spare {
             LONG_CHUNK
         } else if T::LOW {
             // Loops so long take longer to begin than what leaves the cache takes to come back.
@@ -148,18 +141,14 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 GeometryVariation::ByRow => (GROUP.min(rows), false),
                 GeometryVariation::BySample => (longest, true),
             };
-            Cow::Owned(Folded::new(plan, lines, by_sample, way != Way::SinCos))
+            Cow::Owned(Folded::new(plan, lines, by_sample, routes))
         };
         Self {
-            plan,
-            table,
-            level,
-            long_sweep,
-            stop,
-            folded: kept.map_or_else(room, Cow::Borrowed),
+            shared,
+            folded: shared.folded.map_or_else(room, Cow::Borrowed),
             rows: 0..0,
             chunk_length,
-            scratch: Scratch::new(plan, table, longest, way),
+            scratch: Scratch::new(plan, table, longest, routes),
             spare: if spare {
                 vec![vec![T::Plane::default(); longest]; plan.planes]
             } else {
@@ -173,7 +162,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
 
     /// Runs the samples, row after row.
     pub(crate) fn run(&mut self, samples: Range<usize>, target: &mut Target<'_, '_, W>) {
-        let row_length = self.table.row_length();
+        let row_length = self.shared.table.row_length();
         let last_row = (samples.end - 1) / row_length;
         let mut at = samples.start;
         while at < samples.end && !self.stopped() {
@@ -189,26 +178,26 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
 
     #[inline(always)]
     fn stopped(&self) -> bool {
-        self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
+        self.shared.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
     fn load_row(&mut self, row: usize, last: usize) {
-        for (column, cursor) in self.table.columns.iter().zip(&mut self.scratch.cursors) {
-            *cursor = self.table.locate(&column.strides, row);
+        for (column, cursor) in self.shared.table.columns.iter().zip(&mut self.scratch.cursors) {
+            *cursor = self.shared.table.locate(&column.strides, row);
         }
         // What is the same at every sample of the row is not gathered again chunk by chunk.
         for index in self.loads() {
             if let (origin, 0) = self.scratch.cursors[index] {
-                self.scratch.gathered[index].fill(self.table.columns[index].data[origin]);
+                self.scratch.gathered[index].fill(self.shared.table.columns[index].data[origin]);
             }
         }
-        let rows = match self.table.geometry_variation() {
+        let rows = match self.shared.table.geometry_variation() {
             GeometryVariation::One => row..row + 1,
             GeometryVariation::ByRow => row..(last + 1).min(row + GROUP),
             GeometryVariation::BySample => return,
         };
-        let at_hand = match (&self.folded, self.table.geometry_variation()) {
+        let at_hand = match (&self.folded, self.shared.table.geometry_variation()) {
             (Cow::Borrowed(_), _) => true,
             (_, GeometryVariation::One) => !self.rows.is_empty(),
             _ => self.rows.contains(&row),
@@ -216,19 +205,22 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         if at_hand {
             return;
         }
-        let table = self.table;
+        let table = self.shared.table;
         let line_of = |i: usize| table.locate(&table.line, row + i).0;
         let folded = self.folded.to_mut();
-        compiled_for!(self.level, folded.fold(self.plan, &table.lines, rows.len(), line_of));
+        compiled_for!(
+            self.shared.level,
+            folded.fold(self.shared.plan, &table.lines, rows.len(), line_of)
+        );
         self.rows = rows;
     }
 
     /// The columns of the load that matter: speed and acceleration do to inertias alone.
     fn loads(&self) -> Range<usize> {
-        match &self.plan.load {
+        match &self.shared.plan.load {
             None => 0..0,
             Some(load) if load.stations.iter().any(|station| station.absorbs) => {
-                TORQUE..self.table.columns.len()
+                TORQUE..self.shared.table.columns.len()
             }
             Some(_) => TORQUE..TORQUE + 1,
         }
@@ -242,7 +234,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             None => end,
         };
         if stop < end {
-            self.scratch.keep_errors(self.plan, stop - start);
+            self.scratch.keep_errors(self.shared.plan, stop - start);
         }
         if let Target::Reduced(reduction, ..) = target
             && let Some(picked) = self.extremes(part.row, start..stop, *reduction)
@@ -273,16 +265,14 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
 
     /// After how many samples the results of a row repeat themselves, if they are to be repeated.
     fn period(&self, part: &RowPart, target: &Target<'_, '_, W>) -> Option<usize> {
-        let period = long_sweep::repeated(self.plan, self.table)?;
-        let steady = self.scratch.cursors.iter().skip(1).all(|&(_, step)| step == 0);
-        let one = self.table.geometry_variation() != GeometryVariation::BySample;
-        let repeats = steady && one && 2 * period <= part.samples.len();
+        let period = self.shared.routes.period?;
+        let repeats = 2 * period <= part.samples.len();
         match target {
             Target::Planes(_) => repeats.then_some(period),
             // Whole periods of what repeats are as good as one that counts as often.
             Target::Reduced(..) => {
                 let whole = part.samples.len().is_multiple_of(period);
-                (repeats && whole && !self.plan.needs_angle()).then_some(period)
+                (repeats && whole && !self.shared.plan.needs_angle()).then_some(period)
             }
         }
     }
@@ -294,15 +284,16 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         samples: Range<usize>,
         reduction: Reduction,
     ) -> Option<Vec<f64>> {
-        let sweep = self.table.sweep.as_ref()?;
+        let sweep = self.shared.table.sweep.as_ref()?;
         let (_, along) = self.scratch.cursors[ANGLE];
-        let one = self.table.geometry_variation() != GeometryVariation::BySample;
-        if !(reduction.is_extreme() && self.plan.has_closed_extremes() && one && along == 1) {
+        let one = self.shared.table.geometry_variation() != GeometryVariation::BySample;
+        if !(reduction.is_extreme() && self.shared.plan.has_closed_extremes() && one && along == 1)
+        {
             return None;
         }
-        let one = self.table.geometry_variation() == GeometryVariation::One;
+        let one = self.shared.table.geometry_variation() == GeometryVariation::One;
         let index = if one { 0 } else { row - self.rows.start };
-        let shafts = self.plan.moving().filter_map(|step| {
+        let shafts = self.shared.plan.moving().filter_map(|step| {
             self.folded.shafts[step.shaft]
                 .as_ref()
                 .map(|shaft| (step, shaft.extrema_locator(index)))
@@ -320,9 +311,9 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         target: &mut Target<'_, '_, W>,
     ) {
         let loads = self.loads();
-        let Self { plan, table, level, long_sweep, scratch, .. } = self;
-        let rotations = long_sweep.twice.as_ref();
-        let level = *level;
+        let Self { shared, scratch, .. } = self;
+        let &Shared { plan, table, level, ref routes, ref tables, .. } = *shared;
+        let rotations = tables.rotations.as_ref();
         let size = samples.len();
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
@@ -349,9 +340,9 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         };
         let folded: &Folded<T> = &self.folded;
         let place = picked.is_none().then_some((begin, step, size));
-        let [pinned, doubled] = chunk::ways(plan, folded, geometry);
+        let [pinned, doubled] = chunk::sines_needed(plan, routes, folded, geometry);
         if pinned && (place.is_none() || self.pins != place) {
-            let group = long_sweep.pins.as_ref();
+            let group = tables.tangent_sum.as_ref();
             compiled_for!(level, chunk::find_pins(plan, drive, group, scratch, size));
             self.pins = place;
         }
@@ -374,7 +365,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         compiled_for!(
             level,
             chunk::run_motion(
-                plan, drive, rotations, folded, geometry, scratch, &mut views, size, kept_from
+                plan, routes, drive, rotations, folded, geometry, scratch, &mut views, size,
+                kept_from
             )
         );
         if let Some(load) = &plan.load {
@@ -413,7 +405,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     fn repeat(&mut self, part: &RowPart, period: usize, planes: &mut [&mut [W]]) {
         let length = part.samples.len();
         for (i, plane) in planes.iter_mut().enumerate() {
-            if !self.plan.is_angle(i) {
+            if !self.shared.plan.is_angle(i) {
                 let row = &mut plane[part.place..part.place + length];
                 let (first, rest) = row.split_at_mut(period);
                 for again in rest.chunks_mut(period) {
@@ -424,9 +416,10 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 }
             }
         }
-        let Some(sweep) = &self.table.sweep else { return };
+        let Some(sweep) = &self.shared.table.sweep else { return };
         let (origin, _) = self.scratch.cursors[ANGLE];
-        let angles = self.plan.shafts.iter().filter_map(|step| step.angle);
+        let angles =
+            self.shared.plan.shafts.iter().filter_map(|step| step.planes.get(Output::Angle));
         for (slot, plane) in angles.enumerate() {
             let mut at = period;
             while at < length && !self.stopped() {
@@ -434,7 +427,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let size = (period - in_period).min(length - at).min(self.chunk_length);
                 let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
                 let place = part.place + at..part.place + at + size;
-                let (scratch, level) = (&self.scratch, self.level);
+                let (scratch, level) = (&self.scratch, self.shared.level);
                 if let Some(direct) = T::direct(planes) {
                     let out = &mut direct[plane][place];
                     compiled_for!(level, chunk::repeat_angle(scratch, slot, in_period, drive, out));

@@ -1,12 +1,13 @@
 //! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
 
-use crate::input::drivelines::Drivelines;
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
+use crate::plan::output::{Needs, Output};
+use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::run::fold::{Folded, GeometryIndex};
 use crate::run::map::{self, MotionFormula};
@@ -77,23 +78,28 @@ pub(crate) fn find_twice<T: Number>(
         }
         Drive::Array(_) => {}
     }
-    if T::LOW {
+    if T::PRECISION.costs().double_angle {
         rotations.twice(groups, sine, cosine);
     }
 }
 
-/// Whether any shaft goes by pins, and whether any goes by twice the drive angle.
+/// Whether any route of the chunk reads pins, and whether any reads twice the drive angle.
 #[inline(always)]
-pub(crate) fn ways<T: Number>(
+pub(crate) fn sines_needed<T: Number>(
     plan: &Plan,
+    routes: &Routes,
     folded: &Folded<T>,
     geometry: GeometryIndex,
 ) -> [bool; 2] {
-    let mut ways = [plan.needs_poses(), false];
-    for folded in plan.moving().filter_map(|step| folded.shafts[step.shaft].as_ref()) {
-        ways[usize::from(folded.is_doubled() && folded.range(geometry).is_moderate())] = true;
+    let mut needed = [plan.needs_poses(), false];
+    for step in &plan.shafts {
+        match folded.route(routes, step.shaft, geometry).0 {
+            Route::Drive => {}
+            Route::Tangent => needed[0] = true,
+            Route::DoubleAngle | Route::Rotation => needed[1] = true,
+        }
     }
-    ways
+    needed
 }
 
 /// Angles and rates of every shaft of the plan at one chunk.
@@ -101,6 +107,7 @@ pub(crate) fn ways<T: Number>(
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
 pub(crate) fn run_motion<T: Number, W: Float>(
     plan: &Plan,
+    routes: &Routes,
     drive: Drive<'_>,
     rotations: Option<&Rotations<T>>,
     folded: &Folded<T>,
@@ -116,16 +123,19 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     let mut errors = errors.iter_mut();
     for step in &plan.shafts {
         let mut none = Column::new(0);
-        let errors = step.angle.and_then(|_| errors.next()).unwrap_or(&mut none);
+        let errors =
+            step.planes.get(Output::Angle).and_then(|_| errors.next()).unwrap_or(&mut none);
         let errors = errors.window_mut(kept_from, size);
         let rates = rates[step.shaft].each_mut();
-        let bent = step.shaft > plan.first_bent();
-        let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| bent) else {
+        let (route, range) = folded.route(routes, step.shaft, geometry);
+        #[cfg(test)]
+        crate::run::taken::note(step.shaft, route, range);
+        let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| route != Route::Drive)
+        else {
             run_drive_shaft::<T, W>(step, drive, rates, planes, size);
             continue;
         };
-        let range = shaft.range(geometry);
-        if !(shaft.is_doubled() && range.is_moderate()) {
+        if route == Route::Tangent {
             let equivalents = shaft.equivalents(geometry, size);
             with_constants!(geometry, |i| equivalents.get(i), at => {
                 let mut pins = pins;
@@ -140,38 +150,34 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             continue;
         }
         let ideals = shaft.ideals(geometry, size);
-        if let (false, Some(rotations), GeometryIndex::Shared(index)) =
-            (T::LOW, rotations, geometry)
-        {
+        // Each number type has one of the two routes, so only that one is compiled for it.
+        if T::PRECISION.costs().double_angle {
+            if step.shaft == 1 {
+                with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
+                    run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+                });
+            } else {
+                with_constants!(geometry, |i| ideals.get(i), at => {
+                    run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+                });
+            }
+        } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
             let ideal = ideals.get(index);
             let swept = Swept::new(rotations, groups, ideal.q);
             let at = |_| ideal.with_parts::<0>();
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
-            continue;
-        }
-        if !T::DOUBLED {
-            continue;
-        }
-        if step.shaft == 1 {
-            with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
-                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
-            });
-        } else {
-            with_constants!(geometry, |i| ideals.get(i), at => {
-                run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
-            });
         }
     }
     for (step, poses) in plan.joints.iter().zip(&folded.poses) {
-        if !step.needs_tilt() {
+        if !step.needs_tilt {
             continue;
         }
         let poses = &poses[..geometry.count(size)];
         with_constants!(geometry, |i: usize| poses[i], at => {
-            if let Some(plane) = step.tilt_driving {
+            if let Some(plane) = step.planes.get(Output::TiltDriving) {
                 map::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
             }
-            if let Some(plane) = step.tilt_driven {
+            if let Some(plane) = step.planes.get(Output::TiltDriven) {
                 map::tilt(at, Pose::tilt_driven, pins, &mut *planes[plane]);
             }
         });
@@ -205,14 +211,11 @@ fn run_drive_shaft<T: Number, W: Float>(
     planes: &mut [&mut [W]],
     size: usize,
 ) {
-    if let Some(plane) = step.angle {
-        map::drive_angle::<T, W>(drive, &mut *planes[plane]);
-    }
-    let constants =
-        [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
-    for (plane, value) in constants {
-        if let Some(plane) = plane {
-            map::constant::<T>(value, drive, &mut *planes[plane]);
+    for output in Output::ALL {
+        let Some(plane) = step.planes.get(output) else { continue };
+        match output.row().needs {
+            Needs::Motion(Some(value)) => map::constant::<T>(value, drive, &mut *planes[plane]),
+            _ => map::drive_angle::<T, W>(drive, &mut *planes[plane]),
         }
     }
     if step.keep_ratio {
@@ -245,7 +248,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
             .expect("a plan gives every output planes of its own");
         let rates: [&mut [W]; 2] = [ratio, acceleration];
         match drive {
-            _ if step.angle.is_none() => {
+            _ if step.planes.get(Output::Angle).is_none() => {
                 map::motion(range, at, pins, &mut **rotation, rates);
             }
             Drive::Array(angle) => {
@@ -265,12 +268,18 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
                 map::add_drive(drive, errors.view(), rotation);
             }
         }
+        if let Some(plane) = step.planes.get(Output::JerkRatio) {
+            map::jerk_ratio(at, pins, &mut *planes[plane]);
+        }
         return;
     }
-    if let Some(plane) = step.angle_error {
+    if let Some(plane) = step.planes.get(Output::JerkRatio) {
+        map::jerk_ratio(at, pins, &mut *planes[plane]);
+    }
+    if let Some(plane) = step.planes.get(Output::AngleError) {
         map::angle_error(range, at, pins, &mut *planes[plane]);
     }
-    if let Some(plane) = step.angle {
+    if let Some(plane) = step.planes.get(Output::Angle) {
         let out = &mut *planes[plane];
         match drive {
             Drive::Array(angle) => {
@@ -289,7 +298,8 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
             }
         }
     }
-    let mut wanted = (step.speed_ratio, step.acceleration_ratio);
+    let mut wanted =
+        (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
     if step.keep_acceleration {
         map::rates(at, pins, ratio.view_mut(size), acceleration.view_mut(size));
         if let Some(plane) = wanted.1.take() {
@@ -408,11 +418,11 @@ fn run_bending<T: Number, W: Float>(
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
-    if let Some(plane) = step.bending_driving {
+    if let Some(plane) = step.planes.get(Output::BendingDriving) {
         let out = &mut *planes[plane];
         map::size::<T>(at, Pose::bending_driving, pins, torsion, out);
     }
-    if let Some(plane) = step.bending_driven {
+    if let Some(plane) = step.planes.get(Output::BendingDriven) {
         let out = &mut *planes[plane];
         map::size::<T>(at, Pose::bending_driven, pins, torsion, out);
     }
@@ -430,7 +440,7 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
-    if let Some(plane) = step.moment {
+    if let Some(plane) = step.planes.get(Output::Moment) {
         let out = vector(planes, plane, axes);
         map::moment::<PLANAR, T>(at, pins, torsion, out);
     }
@@ -490,29 +500,4 @@ fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
 fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> [&'a mut [W]; 3] {
     let found = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
     found.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
-}
-
-impl Plan {
-    /// Terms of vectors that vanish all over the first driveline, because of where it lies.
-    pub(crate) fn vanishing(&self, lines: &Drivelines<'_>) -> Vec<String> {
-        let mut folded = Folded::<f64>::new(self, 1, false, false);
-        folded.fold(self, lines, 1, |_| 0);
-        let mut vanishing = vec![];
-        for (j, step) in self.joints.iter().enumerate() {
-            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane) else {
-                continue;
-            };
-            let plane = ["yz", "zx", "xy"][normal];
-            let why = format!("zero because its shafts lie along the {plane} plane");
-            if step.moment.is_some() {
-                vanishing.push(format!("joint {j}: 4 of the moment's 9 terms, {why}"));
-            }
-            for support in step.support.iter().flatten() {
-                let shaft = if support.driving { j } else { j + 1 };
-                let what = format!("3 of 6 terms of its part of shaft {shaft}'s support");
-                vanishing.push(format!("joint {j}: {what}, {why}"));
-            }
-        }
-        vanishing
-    }
 }

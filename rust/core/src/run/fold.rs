@@ -4,6 +4,7 @@
 //! vectorises as the kernels do: a batch of geometry_variation, or a geometry that changes with the angle.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
+use crate::error::Result;
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::chain::{self, Complex, Equivalent, Transfer};
 use crate::mechanics::extremes::ExtremaLocator;
@@ -16,7 +17,10 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::storage::{Column, View, columns, views, views_mut};
 use crate::number::trig::{self, Angle};
+use crate::number::{Number, Precision};
+use crate::plan::route::{Route, Routes};
 use crate::plan::steps::Plan;
+use crate::run::level::{Level, compiled_for};
 
 /// Drivelines that are folded together: their running maps stay in the first-level cache.
 const LANES: usize = 64;
@@ -43,18 +47,19 @@ pub(crate) struct FoldedShaft<T: Angle> {
 }
 
 impl<T: Angle> FoldedShaft<T> {
-    /// Room for so many; a geometry `by_sample` goes one way at all samples.
-    fn new(bound: AtanRange, length: usize, by_sample: bool, doubled: bool) -> Self {
+    /// Room for so many, where moderate bends may have constants apart; a geometry `by_sample` has one
+    /// kind of them at all samples.
+    fn new(bound: AtanRange, length: usize, by_sample: bool, splits: bool) -> Self {
         let moderate = bound.is_moderate();
-        let steep = !doubled || !moderate;
-        let doubled = doubled && (moderate || !by_sample);
+        let steep = !splits || !moderate;
+        let doubled = splits && (moderate || !by_sample);
         let size = |needed: bool| if needed { length } else { 0 };
         Self { bound, ideals: columns(size(doubled)), equivalents: columns(size(steep)) }
     }
 
     /// The largest tangents that the samples of a chunk reach.
     #[inline(always)]
-    pub(crate) fn range(&self, geometry: GeometryIndex) -> AtanRange {
+    fn range(&self, geometry: GeometryIndex) -> AtanRange {
         match geometry {
             GeometryIndex::Shared(index) if self.is_doubled() => {
                 self.ideals(geometry, 0).get(index).range().min(self.bound)
@@ -64,9 +69,9 @@ impl<T: Angle> FoldedShaft<T> {
         }
     }
 
-    /// Whether moderate bends go by twice the drive angle.
+    /// Whether moderate bends have constants in twice the drive angle.
     #[inline(always)]
-    pub(crate) fn is_doubled(&self) -> bool {
+    fn is_doubled(&self) -> bool {
         !self.ideals[0].is_empty()
     }
 
@@ -157,6 +162,40 @@ impl<T: Angle> FoldedShaft<T> {
             turn_sin.set(i, T::from_double_double(equivalent.turn_sin));
         }
     }
+}
+
+/// The folded constants of one driveline, prepared for any number of runs over arrays of angles.
+#[derive(Clone, Debug)]
+pub struct FoldedDriveline(pub(crate) FoldedAs);
+
+/// The constants by the arithmetic of the runs.
+#[derive(Clone, Debug)]
+pub(crate) enum FoldedAs {
+    Single(Folded<f32>),
+    Double(Folded<f64>),
+    DoubleDouble(Folded<DoubleDouble>),
+}
+
+impl Plan {
+    /// Folds the first of the drivelines once for all runs.
+    ///
+    /// # Errors
+    /// Arrays of other lengths than one driveline has, or fewer.
+    pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<FoldedDriveline> {
+        lines.check(self.joint_count)?;
+        Ok(FoldedDriveline(match precision {
+            Precision::Single => FoldedAs::Single(fold_first(self, lines)),
+            Precision::Double => FoldedAs::Double(fold_first(self, lines)),
+            Precision::DoubleDouble => FoldedAs::DoubleDouble(fold_first(self, lines)),
+        }))
+    }
+}
+
+/// The first driveline folded for arrays of angles.
+pub(crate) fn fold_first<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
+    let mut folded = Folded::new(plan, 1, false, &Routes::of_arrays(plan, T::PRECISION));
+    compiled_for!(Level::new(), folded.fold(plan, lines, 1, |_| 0));
+    folded
 }
 
 /// Which of the folded drivelines the samples of a chunk have.
@@ -370,17 +409,29 @@ impl Turns {
 }
 
 impl<T: Angle> Folded<T> {
-    /// Room for a run of so many drivelines, of different rows or of different samples; moderate bends
-    /// may go by twice the drive angle.
-    pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool, doubled: bool) -> Self {
+    /// Room for a run of so many drivelines, of different rows or of different samples.
+    pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool, routes: &Routes) -> Self {
         let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
         let (maps, turns) = (Maps::new(lanes), Turns(columns(lanes)));
         let mut shafts: Vec<_> = (0..=plan.joint_count).map(|_| None).collect();
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);
-            shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample, doubled));
+            shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample, routes.splits()));
         }
         Self { shafts, poses: vec![vec![]; plan.joint_count], maps, turns }
+    }
+
+    /// The route of a shaft at a chunk with this geometry, and the tangents that it reaches.
+    #[inline(always)]
+    pub(crate) fn route(
+        &self,
+        routes: &Routes,
+        shaft: usize,
+        geometry: GeometryIndex,
+    ) -> (Route, AtanRange) {
+        let constants = self.shafts[shaft].as_ref().filter(|_| routes.is_bent(shaft));
+        let range = constants.map_or(AtanRange::Hundredth, |shaft| shaft.range(geometry));
+        (routes.of(shaft, range), range)
     }
 
     /// Folds `count` drivelines, of which `line_of(i)` is the index, each once up to the last shaft

@@ -77,13 +77,16 @@ pub(crate) trait MotionFormula<T: Real>: Copy {
     /// The same by a quotient with fewer roundings where bends are the steepest.
     fn steep_error_tangent(&self, s: T, c: T) -> (T, T);
 
+    /// Jerk ratio.
+    fn jerk_ratio(&self, s: T, c: T) -> T;
+
     /// Tangent and rates.
     fn motion(&self, s: T, c: T) -> ((T, T), (T, T));
 }
 
 /// From the pins of the joint's driving angle.
 impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
-    const MODERATE: bool = !T::DOUBLED;
+    const MODERATE: bool = !T::PRECISION.costs().double_angle;
     const STEEP: bool = true;
 
     #[inline(always)]
@@ -99,6 +102,11 @@ impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
     #[inline(always)]
     fn rates(&self, s: T, c: T) -> (T, T) {
         joint::rates(self, s, c)
+    }
+
+    #[inline(always)]
+    fn jerk_ratio(&self, s: T, c: T) -> T {
+        joint::jerk_ratio(self, s, c)
     }
 
     #[inline(always)]
@@ -126,6 +134,11 @@ impl<T: Angle, const PARTS: usize> MotionFormula<T> for Ideal<T, PARTS> {
     #[inline(always)]
     fn rates(&self, s: T, c: T) -> (T, T) {
         self.terms(s, c).rates()
+    }
+
+    #[inline(always)]
+    fn jerk_ratio(&self, s: T, c: T) -> T {
+        self.terms(s, c).jerk_ratio()
     }
 
     #[inline(always)]
@@ -246,6 +259,22 @@ pub(crate) fn acceleration_ratio<T: Real, S: MotionFormula<T>>(
         for i in 0..pins.len() {
             let (s, c) = pins.get(i);
             out.store(i, at(start + i).rates(s, c).1);
+        }
+    }
+}
+
+/// Jerk ratio.
+#[inline(always)]
+pub(crate) fn jerk_ratio<T: Real, S: MotionFormula<T>>(
+    at: impl Fn(usize) -> S,
+    pins: impl SinCosBlocks<T>,
+    mut out: impl Sink<T>,
+) {
+    for (start, pins) in pins.parts() {
+        let mut out = out.slice(start, pins.len());
+        for i in 0..pins.len() {
+            let (s, c) = pins.get(i);
+            out.store(i, at(start + i).jerk_ratio(s, c));
         }
     }
 }

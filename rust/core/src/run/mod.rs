@@ -3,12 +3,16 @@
 mod block;
 mod chunk;
 pub mod execution;
+pub mod explain;
 mod extrema;
-mod fold;
+pub mod fold;
 pub mod level;
-mod long_sweep;
 mod map;
 pub mod phases;
 mod reduce;
 mod scratch;
 mod sink;
+mod sweep_tables;
+#[cfg(test)]
+mod taken;
+mod threads;

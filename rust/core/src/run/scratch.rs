@@ -3,19 +3,10 @@
 use crate::input::table::Table;
 use crate::number::Number;
 use crate::number::storage::{Column, columns};
+use crate::plan::output::Output;
+use crate::plan::route::Routes;
 use crate::plan::steps::{JointStep, Plan};
 use crate::sincos::rotation;
-
-/// How moderate bends are gone by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Way {
-    /// By pins, as all others.
-    SinCos,
-    /// By sine and cosine of twice the drive angle.
-    Twice,
-    /// By those of a long sweep, turned from group to group.
-    Rotations,
-}
 
 /// The buffers of one block, each as long as its longest chunk.
 pub(crate) struct Scratch<T: Number> {
@@ -40,7 +31,7 @@ pub(crate) struct Scratch<T: Number> {
 }
 
 impl<T: Number> Scratch<T> {
-    pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize, way: Way) -> Self {
+    pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize, routes: &Routes) -> Self {
         let size = |needed: bool| if needed { longest } else { 0 };
         let rates = (0..=plan.joint_count).map(|shaft| {
             let kept = plan.shafts.iter().find(|step| step.shaft == shaft);
@@ -50,7 +41,7 @@ impl<T: Number> Scratch<T> {
             ]
         });
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let pinned = way == Way::SinCos || steep || plan.needs_poses();
+        let pinned = !routes.splits() || steep || plan.needs_poses();
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
         let supports = plan.joints.iter().any(JointStep::needs_support);
@@ -58,7 +49,7 @@ impl<T: Number> Scratch<T> {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
             pins: columns(size(pinned)),
-            twice: columns(size(way == Way::Twice)),
+            twice: columns(size(routes.has_double_angle())),
             groups: vec![],
             turned: columns(size(pinned && plan.moving().any(|step| step.shaft > 1))),
             rates: rates.collect(),
@@ -72,7 +63,7 @@ impl<T: Number> Scratch<T> {
 
     /// Makes room for the angle errors of a period that is to be repeated.
     pub(crate) fn keep_errors(&mut self, plan: &Plan, period: usize) {
-        let angles = plan.shafts.iter().filter(|step| step.angle.is_some());
+        let angles = plan.shafts.iter().filter(|step| step.planes.get(Output::Angle).is_some());
         self.errors = angles.map(|_| Column::new(period)).collect();
     }
 }

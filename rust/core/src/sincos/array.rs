@@ -148,7 +148,10 @@ pub(crate) fn find<K: SinCosKind, T: Angle>(
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..length];
-            if T::SHORT && coarse && coarse_sin_cos::<K, T>(angle, sine.again(), cosine.again()) {
+            if T::PRECISION.costs().turn_fractions
+                && coarse
+                && coarse_sin_cos::<K, T>(angle, sine.again(), cosine.again())
+            {
                 return;
             }
             let mut far = LargeAngleFlag::for_quadrants();
@@ -206,7 +209,7 @@ pub(crate) fn find<K: SinCosKind, T: Angle>(
             }
         }
     }
-    if T::APART {
+    if T::PRECISION.costs().separate_reduction {
         for i in 0..length {
             let reduced = (sine.get(i), cosine.get_high(i).bits());
             set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
@@ -248,7 +251,7 @@ fn set_reduced<K: SinCosKind, T: Angle>(
     i: usize,
     (remainder, quadrant): (T, u64),
 ) {
-    if T::APART {
+    if T::PRECISION.costs().separate_reduction {
         sine.set(i, remainder);
         cosine.set_high(i, T::of_bits(quadrant));
     } else {

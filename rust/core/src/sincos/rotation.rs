@@ -53,17 +53,10 @@ impl<T: Angle> Rotations<T> {
     /// The most groups on either side of a multiple of a quarter turn that are turned from there.
     const BESIDE: f64 = 8.0;
 
-    /// The fewest samples to a quarter turn that repay a group, and the most whose number is exact enough.
-    const FEWEST: f64 = 32.0;
-    const MOST: f64 = (1_u64 << 40) as f64;
-
-    /// A table for the steps of a sweep, if they are short enough to repay one.
+    /// A table for the steps of a sweep.
     #[inline(always)]
-    pub(crate) fn new(sweep: &Sweep) -> Option<Self> {
+    pub(crate) fn new(sweep: &Sweep) -> Self {
         let quarter = FRAC_PI_2 / sweep.step().abs();
-        if !(Self::FEWEST..Self::MOST).contains(&quarter) {
-            return None;
-        }
         // An odd number of groups to a quarter turn: one in its middle and as many on both sides.
         let beside = (0.5 * quarter / Self::LONGEST - 0.5).ceil().max(0.0);
         let half = (0.5 * quarter / (2.0 * beside + 1.0)).ceil() as usize + 1;
@@ -97,7 +90,7 @@ impl<T: Angle> Rotations<T> {
             each.set(i, sweep.turned(f64::from(i as u32)));
         }
         let [quarter, zero] = sweep.quarter_and_zero();
-        Some(Self { steps, half, groups, turns, quarter, zero })
+        Self { steps, half, groups, turns, quarter, zero }
     }
 
     /// Adds the groups of so many samples from `first` on; the first of them stands at `start` in the chunk.
@@ -304,7 +297,7 @@ mod tests {
     ];
 
     fn groups(sweep: &Sweep, first: usize, count: usize) -> Vec<(usize, [f64; 2])> {
-        let rotations = Rotations::<f64>::new(sweep).unwrap();
+        let rotations = Rotations::<f64>::new(sweep);
         let mut groups = vec![];
         rotations.group(sweep, first, count, 0, &mut groups);
         let swept = Swept::new(&rotations, &groups, [1.0, 0.0]);
@@ -344,14 +337,6 @@ mod tests {
                     assert_eq!(groups(&sweep, first, count), all[first..first + count]);
                 }
             }
-        }
-    }
-
-    #[test]
-    fn steps_that_are_too_long_or_too_short_have_no_table() {
-        for (stop, count) in [(1e3, 5000), (1e-9, 10_000), (0.0, 5000)] {
-            let sweep = Sweep::new(0.0, stop, count).unwrap();
-            assert!(Rotations::<f64>::new(&sweep).is_none());
         }
     }
 }

@@ -14,25 +14,13 @@ pub(crate) struct TangentSum<T: Angle> {
 }
 
 impl<T: Angle> TangentSum<T> {
-    /// The widest turn from the middle: with the eighth of a turn that its remainder may have, the
-    /// cosine of the sum stays away from zero.
-    const WIDEST: f64 = 0.39;
-
     /// Samples that are nearer to a quarter turn than this part of their middle have a sum that
     /// cancels more than its error terms make good.
     const CANCELLED: f64 = 1.0 / 1024.0;
 
-    /// The fewest samples that repay a group.
-    const FEWEST: usize = 32;
-
-    /// A group of at most so many samples of a sweep, if its steps are short enough to repay one.
+    /// Groups of so many samples of a sweep, a multiple of 16.
     #[inline(always)]
-    pub(crate) fn new(sweep: &Sweep, longest: usize) -> Option<Self> {
-        let half = (Self::WIDEST / sweep.step.high.abs()).min(longest as f64 / 2.0) as usize;
-        let length = 2 * half / 16 * 16;
-        if length < Self::FEWEST {
-            return None;
-        }
+    pub(crate) fn new(sweep: &Sweep, length: usize) -> Self {
         let mut tangents = [vec![T::Float::default(); length], vec![T::Float::default(); length]];
         let [high, low] = &mut tangents;
         for (i, (high, low)) in high.iter_mut().zip(low).enumerate() {
@@ -40,7 +28,7 @@ impl<T: Angle> TangentSum<T> {
             let (numerator, denominator) = DoubleDouble::tangent(steps * sweep.step);
             [*high, *low] = words::<T>(numerator / denominator);
         }
-        Some(Self { tangents })
+        Self { tangents }
     }
 
     pub(crate) fn length(&self) -> usize {
@@ -136,9 +124,11 @@ mod tests {
 
     #[test]
     fn sums_of_tangents_keep_their_digits_beside_quarter_turns() {
-        for (start, stop, count) in [(-0.3, 0.2, 5000), (1.0, 20.0, 20_000), (9.7, -5.3, 8191)] {
+        for (start, stop, count, length) in
+            [(-0.3, 0.2, 5000, 512), (1.0, 20.0, 20_000, 512), (9.7, -5.3, 8191, 416)]
+        {
             let sweep = Sweep::new(start, stop, count).unwrap();
-            let group = TangentSum::<DoubleDouble>::new(&sweep, 512).unwrap();
+            let group = TangentSum::<DoubleDouble>::new(&sweep, length);
             let mut pins: [Column<DoubleDouble>; 2] = columns(count);
             let [sine, cosine] = views_mut(&mut pins, 0, count);
             group.pins(&sweep, 0, sine, cosine);

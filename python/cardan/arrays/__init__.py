@@ -1,0 +1,22 @@
+"""Arrays as arguments: their coercion, and the libraries beside NumPy that make them."""
+
+from cardan.arrays.coercion import (
+    FloatArray,
+    as_float64,
+    at_place,
+    common_shape,
+    scalar_or_array,
+)
+from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
+
+__all__ = [
+    "FloatArray",
+    "adapter",
+    "array_namespace_of",
+    "as_float64",
+    "at_place",
+    "common_shape",
+    "deferring",
+    "import_optional",
+    "scalar_or_array",
+]

@@ -1,0 +1,255 @@
+"""The command ``cardan`` and its subcommands."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+import cardan.command.help_text as help_text
+from cardan import __version__
+from cardan.command.files import (
+    check_for_cluster,
+    check_output,
+    write_files,
+    write_on_cluster,
+    wrote,
+)
+from cardan.command.terminal import as_json_text, give_up_output, progress_bar, say
+from cardan.figures.extremes import study_data
+from cardan.figures.limits import check_scene
+from cardan.figures.summary import summary, summary_data
+from cardan.figures.yokes import yoke_settings
+from cardan.files.whole_file import check_writable, whole_file
+from cardan.plots import write_picture
+from cardan.report import write_report
+from cardan.scene import starters
+from cardan.scene.scene import Scene
+from cardan.scene.streaming import stream as stream_curves
+from cardan.words.summary import study_text, summary_text
+from cardan.words.yokes import yoke_text
+
+if TYPE_CHECKING:
+    import click
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def commands() -> click.Group:
+    """Return the command with its subcommands.
+
+    Raises:
+        ImportError: click is missing.
+    """
+    import click
+
+    class OneLine(click.Group):
+        """A group that reports every error in one line with exit status 2."""
+
+        def main(self, *args: Any, **extra: Any) -> Any:  # noqa: ANN401 - as click has it
+            try:
+                status = super().main(*args, **{**extra, "standalone_mode": False})
+                sys.stdout.flush()
+            except click.Abort:
+                sys.exit(130)
+            except click.ClickException as error:
+                message = error.format_message()
+            except SystemExit:
+                # So click ends where whoever reads has stopped, as in "cardan schema | head"; its 1
+                # would say that a check had failed.
+                if hasattr(signal, "SIGPIPE"):
+                    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+                    signal.raise_signal(signal.SIGPIPE)
+                raise
+            except OSError as error:
+                if error.filename is None:
+                    give_up_output()
+                message = f"{error.filename or 'output'}: {error.strerror or error}"
+            except MemoryError:
+                message = "not enough memory; a smaller samples_per_turn or study needs less"
+            except (ValueError, ImportError) as error:
+                message = str(error)
+            else:
+                sys.exit(status or 0)
+            with suppress(BrokenPipeError):
+                click.echo(f"cardan: {' '.join(message.split())}", err=True)
+            sys.exit(2)
+
+    scene_argument = click.argument("scene", type=click.Path(path_type=Path))
+    as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
+    into_option = click.option(
+        "--into",
+        type=click.Path(exists=True, file_okay=False, path_type=Path),
+        default=".",
+        metavar="DIR",
+        help="Folder for the files to write; by default the current one.",
+    )
+    units = click.option(
+        "--radians/--degrees",
+        help="Angles printed and in files of numbers; by default in degrees, as in pictures.",
+    )
+
+    def output_option(text: str) -> Callable[[_Function], _Function]:
+        return click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help=text)
+
+    @click.group(cls=OneLine, help=help_text.HELP, invoke_without_command=True)
+    @click.version_option(__version__, prog_name="cardan", message="%(prog)s %(version)s")
+    @click.pass_context
+    def cardan(context: click.Context) -> None:
+        if context.invoked_subcommand is None:
+            click.echo(context.get_help())
+
+    @cardan.command(help=help_text.NEW, short_help="Write a scene to begin with.")
+    @click.argument("kind", type=click.Choice(list(starters.STARTERS)), metavar="KIND")
+    @click.argument("file", type=click.Path(path_type=Path))
+    def new(kind: str, file: Path) -> None:
+        for path in starters.write_starter(kind, file):
+            click.echo(f"wrote {path}")
+        click.echo(f"next: cardan run {file}")
+
+    @cardan.command(help=help_text.RUN, short_help="Evaluate a scene.")
+    @scene_argument
+    @into_option
+    @click.option(
+        "--local", type=click.IntRange(1), metavar="N", help="Do the study in N processes."
+    )
+    @click.option(
+        "--scheduler", metavar="ADDRESS", help="Do the study on the cluster of this dask scheduler."
+    )
+    @units
+    @as_json
+    def run(
+        scene: Path,
+        into: Path,
+        local: int | None,
+        scheduler: str | None,
+        radians: bool,
+        as_json: bool,
+    ) -> None:
+        whole = loaded = Scene.load(scene)
+        on_cluster = local is not None or scheduler is not None
+        if on_cluster:
+            check_for_cluster(whole, local, scheduler)
+            loaded = replace(whole, study=None, table_file=None)
+        for name in (loaded.curves_file, loaded.table_file, loaded.picture_file):
+            if name:
+                check_output(loaded, into / name)
+        with progress_bar() as progress:
+            result = loaded.run(progress)
+        files = write_files(result, into, radians)
+        if on_cluster:
+            files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
+        if as_json:
+            data: dict[str, Any] = {"title": loaded.title}
+            data["summary"] = summary_data(summary(result), radians=radians)
+            if result.study:
+                data["study"] = study_data(result.study, radians=radians)
+            click.echo(as_json_text({**data, "files": list(files)}))
+            return
+        if loaded.title:
+            say(f"{loaded.title}\n")
+        say(summary_text(summary(result), radians=radians))
+        if result.study:
+            say(f"\n{study_text(result.study, radians=radians)}")
+        for number, entry in enumerate(files):
+            if number == 0:
+                say()
+            say(wrote(**entry))
+
+    @cardan.command(help=help_text.STREAM, short_help="Evaluate recorded angles of any number.")
+    @scene_argument
+    @into_option
+    @units
+    def stream(scene: Path, into: Path, radians: bool) -> None:
+        begun = time.perf_counter()
+        with progress_bar("rows") as progress:
+            path, rows = stream_curves(scene, into, radians=radians, progress=progress)
+        rate = rows / (time.perf_counter() - begun) / 1e6
+        click.echo(f"wrote {path} ({rows} rows, {rate:.3g} million a second)")
+
+    @cardan.command(help=help_text.EXPLAIN, short_help="Say how a scene is evaluated.")
+    @scene_argument
+    def explain(scene: Path) -> None:
+        click.echo(Scene.load(scene).explain())
+
+    @cardan.command(help=help_text.PLOT, short_help="Draw a scene.")
+    @scene_argument
+    @output_option("Picture to write; by default named as the scene, .svg, in the current folder.")
+    @click.option(
+        "--study", metavar="FIGURE", help="Draw this figure of the study over its keys instead."
+    )
+    def plot(scene: Path, output: Path | None, study: str | None) -> None:
+        path = output or Path(f"{scene.stem}.svg")
+        loaded = Scene.load(scene)
+        check_writable(path)
+        with progress_bar() as progress:
+            result = loaded.run(progress)
+        write_picture(result, path, study)
+        click.echo(f"wrote {path}")
+
+    @cardan.command(help=help_text.REPORT, short_help="Write a page to hand on.")
+    @scene_argument
+    @output_option("Page to write; by default named as the scene, .html, in the current folder.")
+    def report(scene: Path, output: Path | None) -> None:
+        path = output or Path(f"{scene.stem}.html")
+        loaded = Scene.load(scene)
+        check_output(loaded, path)
+        with progress_bar() as progress:
+            write_report(loaded, path, progress)
+        click.echo(f"wrote {path}")
+
+    @cardan.command(help=help_text.CHECK, short_help="Check a scene against the limits.")
+    @scene_argument
+    @as_json
+    def check(scene: Path, as_json: bool) -> int:
+        loaded = Scene.load(scene)
+        with progress_bar() as progress:
+            found = check_scene(loaded, progress)
+        passes = bool(np.all(found.passes))
+        if as_json:
+            findings = [
+                {
+                    "name": finding.name,
+                    "worst": float(np.max(finding.value)),
+                    **({"worst_at": finding.worst_at} if finding.worst_at else {}),
+                    "limit": finding.limit,
+                    "maximum": finding.maximum,
+                    "unit": finding.unit,
+                    "passes": bool(np.all(finding.passes)),
+                }
+                for finding in found.findings
+            ]
+            click.echo(
+                as_json_text({"title": loaded.title, "passes": passes, "findings": findings})
+            )
+        else:
+            click.echo(str(found))
+        return 0 if passes else 1
+
+    @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")
+    @scene_argument
+    @as_json
+    def phase(scene: Path, as_json: bool) -> None:
+        data = yoke_settings(Scene.load(scene))
+        click.echo(as_json_text(data) if as_json else yoke_text(data))
+
+    @cardan.command(help=help_text.SCHEMA, short_help="Print the JSON Schema of scenes.")
+    @output_option("File to write; by default it is printed.")
+    def schema(output: Path | None) -> None:
+        text = as_json_text(Scene.schema())
+        if output is None:
+            click.echo(text)
+            return
+        with whole_file(output) as file:
+            file.write(f"{text}\n".encode())
+        click.echo(f"wrote {output}")
+
+    return cardan

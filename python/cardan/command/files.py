@@ -1,0 +1,77 @@
+"""The files that the command writes for a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from cardan.command.terminal import progress_bar
+from cardan.files.whole_file import check_writable
+from cardan.plots import write_picture
+from cardan.scene import cluster
+from cardan.scene.curves import write_curves, write_study
+from cardan.scene.scene import Scene, SceneResult
+
+
+def write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict[str, Any]]:
+    """Write the files of a scene one by one; yield path and number of rows of each."""
+    scene = result.scene
+    if scene.curves_file:
+        path = into / scene.curves_file
+        with progress_bar(path.name) as progress:
+            rows = write_curves(result, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
+    if scene.table_file and result.study:
+        path = into / scene.table_file
+        with progress_bar(path.name) as progress:
+            rows = write_study(result.study, path, radians=radians, progress=progress)
+        yield {"file": str(path), "rows": rows}
+    if scene.picture_file:
+        path = into / scene.picture_file
+        write_picture(result, path)
+        yield {"file": str(path)}
+
+
+def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
+    """Return the line that says which file was written."""
+    if not rows:
+        return f"wrote {file}"
+    there = f", {found} of them found there" if found else ""
+    count = f"{rows} row{'s' if rows > 1 else ''}"
+    return f"wrote {file} ({count}{f' in {parts} files{there}' if parts else ''})"
+
+
+def check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:
+    """Refuse options and scenes that do not go with a cluster."""
+    if local and scheduler:
+        raise ValueError("--local and --scheduler are both given; give one of them")
+    if scheduler == "":
+        raise ValueError("--scheduler is empty; give an address, as tcp://host:8786")
+    if not scene.study or not str(scene.table_file).endswith(".parquet"):
+        option = "--local" if local else "--scheduler"
+        raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")
+
+
+def write_on_cluster(
+    scene: Scene, into: Path, radians: bool, local: int | None, scheduler: str | None
+) -> Iterator[dict[str, Any]]:
+    """Write the table of a scene as a folder; yield path, rows and files."""
+    assert scene.study
+    assert scene.table_file
+    path = into / scene.table_file
+    with cluster.connect(scheduler, local) as client, progress_bar() as progress:
+        try:
+            done = cluster.write_study(
+                scene.study, path, client, radians=radians, progress=progress
+            )
+        except ValueError as error:
+            raise ValueError(f"{scene.name}: [study] {error}") from None
+    yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}
+
+
+def check_output(scene: Scene, path: Path) -> None:
+    """Refuse a file that cannot be written or that the scene reads."""
+    if scene.recording and path.exists() and path.samefile(scene.recording):
+        raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
+    check_writable(path)

@@ -1,0 +1,1 @@
+"""Figures of scenes that reports, pictures and printed tables have in common."""

@@ -1,0 +1,58 @@
+"""What differs by rounding only, and what rounding leaves of motions that cancel each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.equivalent import EquivalentJoint
+
+ROUNDING = 1e-9
+"""Values that differ by less than this share of their size differ by rounding only."""
+
+# What joints leave of each other's k below this share is rounding of the geometry, not motion.
+_CANCELLED = 1e-12
+
+
+def alike(low: float, high: float) -> bool:
+    """Whether the ends of a range differ by no more than rounding."""
+    return high - low <= ROUNDING * max(abs(low), abs(high))
+
+
+def first_peak(sizes: FloatArray) -> tuple[int, bool]:
+    """Return the place of the first of equal peaks, however they are rounded, and whether all are.
+
+    Args:
+        sizes: magnitudes, ``(samples,)``.
+    """
+    largest = np.max(sizes)
+    place = int(np.argmax(sizes >= (1.0 - ROUNDING) * largest))
+    return place, bool(np.ptp(sizes) <= ROUNDING * largest)
+
+
+def flat_limits(low: float, high: float, scale: float) -> tuple[float, float] | None:
+    """Return limits for values that only vary by rounding, which would else fill the axes.
+
+    Args:
+        low: least value.
+        high: largest value.
+        scale: what they would be measured in, if they are 0.
+    """
+    noise = ROUNDING * max(scale, abs(low), abs(high))
+    if not high - low <= noise:
+        return None
+    middle = (low + high) / 2.0
+    room = 0.05 * abs(middle) if abs(middle) > noise else scale
+    return middle - room, middle + room
+
+
+def equivalent_bend_deg(line: Driveline) -> float:
+    """Return the equivalent bend of one driveline in degrees; what is mere rounding is 0."""
+    joint = line.equivalent()
+    return 0.0 if is_cancelled(line, joint) else float(np.degrees(joint.bend))
+
+
+def is_cancelled(line: Driveline, joint: EquivalentJoint) -> bool:
+    """Whether what is left of a shaft's motion is rounding of joints that cancel each other."""
+    return bool(joint.k <= _CANCELLED * np.max(np.tan(line.bends / 2.0) ** 2))

@@ -1,0 +1,226 @@
+"""Results with labels: Datasets of xarray, frames of pandas, tables of Arrow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import import_optional
+from cardan.outputs import OUTPUTS, Output
+from cardan.plan import Plan
+from cardan.result import Result
+
+if TYPE_CHECKING:
+    import pandas
+    import pyarrow
+    import xarray
+
+# By the names of the CF conventions, appendix E.
+_CELL_METHODS = {
+    "min": "minimum",
+    "max": "maximum",
+    "mean": "mean",
+    "rms": "root_mean_square",
+    "peak": "maximum_absolute_value",
+}
+
+_RADIANS = ("rad", "radian", "radians", "1")
+
+_DRIVE_ANGLE = {
+    "units": "rad",
+    "long_name": "drive angle",
+    "comment": "0 has the driving pin of joint 0 in the plane of shafts 0 and 1",
+}
+
+
+def evaluate(
+    plan: Plan, angle: xarray.DataArray, out: Mapping[str, NDArray[Any]] | None
+) -> xarray.Dataset:
+    """Evaluate a plan at angles with labels, which the Dataset returned keeps.
+
+    Raises:
+        TypeError: arrays to fill, which have no labels.
+        ValueError: angles in another unit than rad; a name of theirs that is also an output's.
+    """
+    if out is not None:
+        raise TypeError("out does not go with an angle that is a DataArray; give its values")
+    units = angle.attrs.get("units", "rad")
+    if units not in _RADIANS:
+        raise ValueError(f"angle has units {units!r}; make it rad and say so in attrs['units']")
+    return _dataset(plan(angle.data), angle)
+
+
+def dataset(result: Result) -> xarray.Dataset:
+    """Return what ``Result.to_xarray`` does."""
+    return _dataset(result, None)
+
+
+def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
+    library = import_optional("xarray", "xarray")
+    samples = _Samples.of(result, given)
+    taken = set() if given is None else {*map(str, given.dims), *map(str, given.coords)}
+    coordinates: dict[str, Any] = {}
+    if samples.angle is not None and "drive_angle" not in taken:
+        coordinates["drive_angle"] = (samples.angle_dims, samples.angle, _DRIVE_ANGLE)
+    variables = {}
+    for name, array in result.items():
+        output, items = OUTPUTS[name], samples.items[OUTPUTS[name].per]
+        of_items = () if isinstance(items, int) else (output.per,)
+        coordinates[output.per] = (of_items, items, {"long_name": f"{output.per}, counted from 0"})
+        of_vector = ("component",) if output.vector and samples.reduce != "peak" else ()
+        if of_vector:
+            axis = {"long_name": "component along an axis of the driveline"}
+            coordinates["component"] = ("component", list("xyz"), axis)
+        attributes = {
+            "units": output.unit,
+            "long_name": _long_name(name),
+            "comment": output.meaning,
+            **samples.cell_methods,
+        }
+        variables[name] = ((*of_items, *samples.dims, *of_vector), array, attributes)
+    twice = {dim for dim in samples.dims if samples.dims.count(dim) > 1}
+    for name in sorted(taken & {*variables, *coordinates} | twice):
+        raise ValueError(f"angle has a dimension or coordinate {name!r}, as the result; rename it")
+    if given is not None:
+        sizes = dict(zip(samples.dims, samples.shape, strict=True))
+        for key, kept in given.coords.items():
+            if all(sizes.get(str(dim)) == size for dim, size in kept.sizes.items()):
+                coordinates[str(key)] = kept
+    made: xarray.Dataset = library.Dataset(variables, coordinates)
+    return made
+
+
+class _Samples(NamedTuple):
+    """How the samples of a result lie."""
+
+    items: Mapping[str, int | list[int]]
+    reduce: str | None
+    dims: tuple[str, ...]
+    shape: tuple[int, ...]
+    angle_dims: tuple[str, ...]
+    angle: Any  # along these; None where its last axis is reduced
+    cell_methods: Mapping[str, str]
+
+    @classmethod
+    def of(cls, result: Result, given: xarray.DataArray | None = None) -> _Samples:
+        if result._labels is None:
+            raise ValueError("the result has no labels; only one that was evaluated has")
+        shafts, joints, line_shape, reduce = result._labels
+        angle = result._angle
+        own = np.shape(angle) if given is None else given.shape
+        shape = np.broadcast_shapes(line_shape, own)
+        before = len(shape) - len(own)
+        runs = [k for k in range(before, len(shape)) if own[k - before] == shape[k]]
+        if given is not None:
+            of_angle = {k: str(given.dims[k - before]) for k in runs}
+        else:
+            varied = (1,) * (len(shape) - len(line_shape)) + line_shape
+            # As a dimension's own coordinate the angles would be computed at once.
+            later = hasattr(angle, "__dask_graph__")
+            alone = len(runs) == 1 and varied[runs[0]] == 1 and not later
+            of_angle = dict(zip(runs, _numbered("sample", len(runs)), strict=True))
+            if alone:
+                of_angle[runs[0]] = "drive_angle"
+        others = [k for k in range(len(shape)) if k not in of_angle]
+        names = of_angle | dict(zip(others, _numbered("driveline", len(others)), strict=True))
+        dims = tuple(names[k] for k in range(len(shape)))
+        angle_dims = tuple(of_angle[k] for k in runs)
+        methods = {}
+        if reduce:
+            methods = {"cell_methods": f"{dims[-1]}: {_CELL_METHODS[reduce]}"}
+            angle = None if runs and runs[-1] == len(shape) - 1 else angle
+            dims, shape = dims[:-1], shape[:-1]
+        if angle is not None:
+            whole = angle if hasattr(angle, "__dask_graph__") else np.asarray(angle)
+            angle = whole.reshape(tuple(own[k - before] for k in runs))
+        items = {"shaft": shafts, "joint": joints}
+        return cls(items, reduce, dims, shape, angle_dims, angle, methods)
+
+
+def _numbered(name: str, count: int) -> list[str]:
+    return [name] if count == 1 else [f"{name}_{i}" for i in range(count)]
+
+
+def _long_name(name: str) -> str:
+    return name.replace("_", " ")
+
+
+class _Column(NamedTuple):
+    name: str
+    values: NDArray[Any]
+    unit: str
+    long_name: str
+
+
+def frame(result: Result) -> pandas.DataFrame:
+    """Return what ``Result.to_pandas`` does."""
+    library = import_optional("pandas", "xarray")
+    index, figures = _columns(result)
+    columns = {column.name: column.values for column in (*index, *figures)}
+    made: pandas.DataFrame = library.DataFrame(columns)
+    made.attrs["units"] = {column.name: column.unit for column in (*index, *figures)}
+    return made.set_index([column.name for column in index]) if index else made
+
+
+def table(result: Result) -> pyarrow.Table:
+    """Return what ``Result.to_arrow`` does."""
+    pyarrow = import_optional("pyarrow", "table")
+    index, figures = _columns(result)
+    fields = [
+        pyarrow.field(
+            column.name,
+            pyarrow.from_numpy_dtype(column.values.dtype),
+            metadata={"units": column.unit, "long_name": column.long_name},
+        )
+        for column in (*index, *figures)
+    ]
+    arrays = [column.values for column in (*index, *figures)]
+    return pyarrow.table(arrays, schema=pyarrow.schema(fields))
+
+
+def _columns(result: Result) -> tuple[list[_Column], list[_Column]]:
+    """What tells the samples apart, and the outputs, as columns of one length."""
+    result = result.compute()
+    samples = _Samples.of(result)
+    index = []
+    for k, dim in enumerate(samples.dims):
+        if dim.startswith("driveline"):
+            number = _spread(np.arange(samples.shape[k]), (dim,), samples)
+            index.append(_Column(dim, number, "1", f"{_long_name(dim)}, counted from 0"))
+    if samples.angle is not None:
+        spread = _spread(samples.angle, samples.angle_dims, samples)
+        index.append(_Column("drive_angle", spread, "rad", "drive angle"))
+    figures = []
+    for name, array in result.items():
+        output = OUTPUTS[name]
+        for part, values in _parts(output, np.asarray(array), samples):
+            flat = values.reshape(-1)
+            figures.append(_Column(part, flat, output.unit, _long_name(part)))
+    return index, figures
+
+
+def _spread(values: NDArray[Any], dims: tuple[str, ...], samples: _Samples) -> NDArray[Any]:
+    """Values along some dimensions as one for every sample."""
+    own = tuple(
+        size if dim in dims else 1 for dim, size in zip(samples.dims, samples.shape, strict=True)
+    )
+    return np.broadcast_to(values.reshape(own), samples.shape).reshape(-1)
+
+
+def _parts(
+    output: Output, array: NDArray[Any], samples: _Samples
+) -> Iterator[tuple[str, NDArray[Any]]]:
+    """Each shaft or joint and component of an output under a name of its own."""
+    items = samples.items[output.per]
+    named = {output.name: array}
+    if not isinstance(items, int):
+        named = {f"{output.name}_{item}": array[i] for i, item in enumerate(items)}
+    for name, values in named.items():
+        if output.vector and samples.reduce != "peak":
+            for i, axis in enumerate("xyz"):
+                yield f"{name}_{axis}", values[..., i]
+        else:
+            yield name, values

@@ -1,0 +1,115 @@
+"""What is asked of a driveline: outputs, of which shafts and joints, and how to evaluate them."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, SupportsIndex, TypeAlias
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from cardan import _core
+from cardan.load import Load
+from cardan.outputs import nearest
+
+Items: TypeAlias = int | slice | Sequence[int] | None
+Reduction: TypeAlias = Literal["min", "max", "mean", "rms", "peak"]
+
+REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
+"""What rows of samples can be reduced to."""
+
+
+class Plannable(Protocol):
+    """What a plan needs of a driveline."""
+
+    _lines: _core.Lines
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """The arguments of ``Driveline.plan`` and the driveline; names of outputs are checked."""
+
+    line: Plannable
+    names: tuple[str, ...]
+    shafts: Items = None
+    joints: Items = None
+    load: Load | None = None
+    reduce: Reduction | None = None
+    dtype: DTypeLike | None = None
+    tolerance: float | None = None
+    workers: int | None = None
+
+
+def item_index(argument: str, value: SupportsIndex, count: int) -> int:
+    """Return the index of a shaft or joint counted from 0; negative ones count from the end."""
+    try:
+        index = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{argument} is {value!r}; it must be an integer") from None
+    if not -count <= index < count:
+        raise IndexError(f"{argument} is {index}; there are {count}, counted from 0")
+    return index % count
+
+
+def is_index(value: Items) -> bool:
+    """Whether one item is asked for, not a list of one."""
+    # NumPy's arrays have it as well, whatever their shape.
+    return isinstance(value, int) or (hasattr(value, "__index__") and np.ndim(value) == 0)  # type: ignore[arg-type]
+
+
+def item_indices(argument: str, value: int | slice | Sequence[int], count: int) -> list[int]:
+    """Return the indices of the shafts or joints asked for."""
+    if isinstance(value, slice):
+        return list(range(count))[value]
+    if is_index(value):
+        return [item_index(argument, value, count)]  # type: ignore[arg-type]
+    if isinstance(value, str) or not isinstance(value, Iterable):
+        raise TypeError(f"{argument} is {value!r}; it must be an index, a slice or a list")
+    return [item_index(f"{argument}[{i}]", item, count) for i, item in enumerate(value)]
+
+
+DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
+
+
+def checked_dtype(dtype: DTypeLike | None) -> np.dtype[Any]:
+    """Return the dtype of the results, one of two objects."""
+    if dtype is None:
+        return DOUBLE
+    try:
+        word = np.dtype(dtype)
+    except TypeError:
+        word = np.dtype(object)
+    for known in (DOUBLE, SINGLE):
+        if word == known:
+            return known
+    raise ValueError(f"dtype is {dtype!r}; it must be float64 or float32")
+
+
+def checked_reduction(reduce: str | None) -> str | None:
+    """Return the reduction, which must be a known one."""
+    if reduce is not None and reduce not in REDUCTIONS:
+        raise ValueError(f"reduce is {reduce!r}; {nearest(str(reduce), REDUCTIONS)}")
+    return reduce
+
+
+def checked_tolerance(tolerance: float | None) -> float | None:
+    """Return the tolerance as a number that is not negative."""
+    if tolerance is None:
+        return None
+    try:
+        permitted = float(tolerance)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"tolerance is {tolerance!r}; it must be a number") from None
+    if not permitted >= 0.0:
+        raise ValueError(f"tolerance is {permitted}; it must not be negative")
+    return permitted

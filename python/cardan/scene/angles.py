@@ -1,0 +1,88 @@
+"""The drive angles of a scene, swept or recorded, and the bends recorded with them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.files.recording import read_columns
+from cardan.scene.format import BEND_COLUMNS, FORMAT
+from cardan.scene.values import shown
+
+_MOST_STEPS = 10_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Angles:
+    """Drive angles in both units, those to take figures over, and the bends recorded with them."""
+
+    degrees: FloatArray
+    radians: FloatArray
+    to_reduce: FloatArray
+    bends: FloatArray | None = None
+
+    @classmethod
+    def swept(cls, values: Mapping[str, Any]) -> Self:
+        """Take the keys of the section [sweep]."""
+        keys = FORMAT["sweep"].keys
+        turns, per_turn, start = (
+            values.get(key, keys[key].default) for key in ("turns", "samples_per_turn", "start_deg")
+        )
+        # Cut off, because no float holds every whole number of the file.
+        steps = turns * min(per_turn, 1 << 60)
+        if steps > _MOST_STEPS:
+            raise ValueError(
+                f"samples_per_turn is {shown(per_turn)} over turns = {turns:g}; "
+                f"a sweep takes at most {_MOST_STEPS} steps"
+            )
+        steps = max(1, round(steps))
+        # Dividing last keeps round degrees round.
+        degrees: FloatArray = start + 360.0 * turns * np.arange(steps + 1) / steps
+        radians = np.radians(degrees)
+        # The last angle of whole turns is the first one again: in a mean it would count twice.
+        return cls(degrees, radians, radians[:-1] if float(turns).is_integer() else radians)
+
+    @classmethod
+    def recorded(cls, values: Mapping[str, Any], folder: Path) -> Self:
+        """Read the file of the section [angles]."""
+        return cls.of(values, folder, read_columns(folder / values["file"], cls.columns(values)), 0)
+
+    @staticmethod
+    def columns(values: Mapping[str, Any]) -> list[str]:
+        """Return the columns that the section [angles] names, that of the angles first."""
+        in_degrees = "angle_column_deg" in values
+        angles = values["angle_column_deg" if in_degrees else "angle_column_rad"]
+        return [angles, *_bend_columns(values)]
+
+    @classmethod
+    def of(
+        cls, values: Mapping[str, Any], folder: Path, read: Sequence[FloatArray], first: int
+    ) -> Self:
+        """Take columns as they were read, from some row on."""
+        column, *bend_columns = read
+        end, unit = (math.pi / 2, "pi/2) rad") if BEND_COLUMNS[1] in values else (90.0, "90) deg")
+        for name, bend in zip(_bend_columns(values), bend_columns, strict=True):
+            wrong = np.flatnonzero(~((bend >= 0.0) & (bend < end)))
+            if wrong.size:
+                row = first + wrong[0]
+                raise ValueError(
+                    f"{folder / values['file']}: row {row}, counted from 0, column {name!r} "
+                    f"is {bend[wrong[0]]}; a bend must lie in [0, {unit}"
+                )
+        in_degrees = "angle_column_deg" in values
+        radians = np.radians(column) if in_degrees else column
+        degrees = column if in_degrees else np.degrees(column)
+        bends = np.stack(bend_columns, -1) if bend_columns else None
+        if bends is not None and BEND_COLUMNS[1] in values:
+            bends = np.degrees(bends)
+        return cls(degrees, radians, radians, bends)
+
+
+def _bend_columns(values: Mapping[str, Any]) -> list[str]:
+    return next((values[key] for key in BEND_COLUMNS if key in values), [])

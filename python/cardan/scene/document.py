@@ -1,0 +1,148 @@
+"""The text of a scene file as checked sections, and where in the text something is wrong."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from cardan.outputs import nearest
+from cardan.scene.format import FORMAT, Section
+from cardan.scene.units import units_of
+from cardan.scene.values import shown
+
+
+class Document:
+    """A scene file being read: its sections, and the first or all of what is wrong with them.
+
+    Attributes:
+        name: what to call it in messages.
+        sections: values by section and key, each of the right kind.
+        problems: what is wrong, one line each, if they are being gathered.
+    """
+
+    def __init__(self, text: str, name: str, *, gather: bool = False) -> None:
+        """Read the text; raises ValueError at the first problem unless they are gathered."""
+        self.name = name
+        self.sections: dict[str, dict[str, Any]] = {}
+        self.problems: list[str] = []
+        self._text = text
+        self._gather = gather
+        self._document: dict[str, Any] = {}
+        with self.within(""):
+            self._document = _toml(text)
+        if not self.problems:
+            self._read()
+
+    def _read(self) -> None:
+        top, *sections = FORMAT
+        known = [*FORMAT[top].keys, *sections]
+        for name, value in self._document.items():
+            with self.within(""):
+                if name in sections:
+                    if not isinstance(value, dict):
+                        raise ValueError(f"{name} is {shown(value)}; it must be a section [{name}]")
+                elif name not in FORMAT[top].keys:
+                    what = "section" if isinstance(value, dict) else "key"
+                    raise ValueError(f"unknown {what} {shown(name)}; {_meant(name, known)}")
+        entries = self._document.items()
+        given = {top: {key: value for key, value in entries if key in FORMAT[top].keys}}
+        given |= {
+            name: part for name, part in entries if name in sections and isinstance(part, dict)
+        }
+        for name, values in given.items():
+            self.sections[name] = self._checked(name, FORMAT[name], values)
+
+    def _checked(self, name: str, section: Section, values: Mapping[str, Any]) -> dict[str, Any]:
+        checked = {}
+        for key, value in values.items():
+            with self.within(name):
+                if key not in section.keys:
+                    raise ValueError(f"unknown key {shown(key)}; {_meant(key, section.keys)}")
+                checked[key] = section.keys[key].kind.read(key, value)
+        for one, other in section.together:
+            with self.within(name):
+                if one in values and other in values:
+                    raise ValueError(f"{one} and {other} are both given; give one of them")
+        for keys in section.needed:
+            with self.within(name):
+                if not set(keys) & set(values):
+                    others = "".join(f"; or give {key}" for key in keys[1:])
+                    raise ValueError(f"{keys[0]} is missing{others}")
+        with self.within(name):
+            if len(values) < section.fewest:
+                raise ValueError("it is empty; it needs a key at least")
+        return checked
+
+    @contextmanager
+    def within(self, section: str) -> Iterator[None]:
+        """Put file, line and section in front of what is wrong there, and raise or gather it."""
+        try:
+            yield
+        except ValueError as error:
+            line = self._line(section, str(error))
+            place = f"{self.name}, line {line}:" if line else f"{self.name}:"
+            problem = f"{place} [{section}] {error}" if section else f"{place} {error}"
+            if not self._gather:
+                raise ValueError(problem) from None
+            self.problems.append(problem)
+
+    def _line(self, section: str, message: str) -> int | None:
+        """The line of the key that a message begins with, or of its section.
+
+        TOML readers keep no line numbers, so the key is looked for in the text; None where no line
+        or more than one could be meant.
+        """
+        # In strings of several lines anything could look like a key.
+        if '"""' in self._text or "'''" in self._text:
+            return None
+        start = re.match(r"unknown (?:key|section) '([^']*)'|([\w.-]+)", message)
+        key = (start[1] or start[2] or "") if start else ""
+        target = f"{section}.{key}" if section else key
+        lines = _keys_by_line(self._text)
+        ways: tuple[Callable[[str], bool], ...] = (
+            lambda path: path == target,
+            lambda path: path != section and target.startswith(f"{path}."),
+            lambda path: path.startswith(f"{target}."),
+            lambda path: path == section,
+        )
+        for fits in ways:
+            found = {number for number, path in lines if fits(path)}
+            if found:
+                return found.pop() if len(found) == 1 else None
+        return None
+
+
+def _keys_by_line(text: str) -> list[tuple[int, str]]:
+    """Every line that begins a section or a value, with the dotted path to it."""
+    found, section = [], ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        if header := re.match(r"\s*\[\[?\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
+            section = _path(header[1])
+            found.append((number, section))
+        elif entry := re.match(r"\s*([A-Za-z0-9][\w .-]*?)\s*=", line):
+            found.append((number, _path(f"{section}.{entry[1]}" if section else entry[1])))
+    return found
+
+
+def _path(key: str) -> str:
+    return ".".join(part.strip() for part in key.split("."))
+
+
+def _toml(text: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except ValueError as error:
+        raise ValueError(f"not TOML: {error}") from None
+    except RecursionError:
+        raise ValueError("not TOML: nested too deeply") from None
+
+
+def _meant(key: str, known: Iterable[str]) -> str:
+    known = list(known)
+    for name, section in FORMAT.items():
+        if name and key in section.keys:
+            return f"it belongs in [{name}]"
+    return units_of(key, known) or nearest(key, known)

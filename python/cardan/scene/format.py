@@ -1,0 +1,330 @@
+"""The format of a scene file, written down once: sections, keys, help text and JSON Schema."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import cardan.scene.values as kinds
+from cardan.driveline import Driveline
+from cardan.files import columns, pictures, recording
+from cardan.outputs import OUTPUTS
+from cardan.reductions import CLOSED_FORMS, REDUCTIONS
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key of a scene file.
+
+    Attributes:
+        kind: what its value must be.
+        meaning: one line.
+        argument: the parameter of the constructor that it sets.
+        factor: what to multiply the value by to get that parameter's unit.
+        default: the value where the key is left out.
+    """
+
+    kind: kinds.Kind
+    meaning: str
+    argument: str = ""
+    factor: float = 1.0
+    default: Any = None
+
+
+@dataclass(frozen=True)
+class Section:
+    """One section of a scene file.
+
+    Attributes:
+        meaning: one line.
+        keys: what may stand in it.
+        together: keys of which at most one may be given.
+        needed: keys that must be given, one of each group.
+        fewest: how many keys there must be.
+    """
+
+    meaning: str
+    keys: Mapping[str, Key]
+    together: tuple[tuple[str, str], ...] = ()
+    needed: tuple[tuple[str, ...], ...] = ()
+    fewest: int = 0
+
+
+@dataclass(frozen=True)
+class Form:
+    """One way to describe a driveline: the keys that it needs and those that may go with it.
+
+    Attributes:
+        make: the constructor that the keys' arguments belong to.
+        keys: needed, all of one length.
+        optional: may go with them.
+        ends: how many entries the needed keys have beyond one per joint.
+    """
+
+    make: Callable[..., Driveline]
+    keys: tuple[str, ...]
+    optional: tuple[str, ...]
+    ends: int
+
+
+_BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
+BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
+"""The keys for recorded bends, of which a scene uses at most one."""
+
+_SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
+_PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
+
+FORMS = (
+    Form(Driveline.from_bends, (_BENDS,), (_TWISTS, _PHASES), 0),
+    Form(Driveline.from_points, ("points_m",), (_PHASES,), 2),
+    Form(Driveline.from_points, ("points_mm",), (_PHASES,), 2),
+    Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
+    Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1),
+    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0),
+)
+"""The ways to describe a driveline, of which a scene uses exactly one."""
+
+_DRIVELINE = Section(
+    "joints and shafts, described in exactly one way; needed",
+    {
+        "bends_deg": Key(kinds.BENDS, "bend of each joint, in [0, 90)", "bends"),
+        "twists_deg": Key(
+            kinds.NUMBERS,
+            "with bends_deg: turn from bend plane to bend plane about each shaft between "
+            "two joints, clockwise seen along the power flow; default 0",
+            "twists",
+        ),
+        "points_m": Key(kinds.VECTORS, "driving end, joint centres, driven end", "points"),
+        "points_mm": Key(kinds.VECTORS, "the same in mm", "points"),
+        "directions": Key(kinds.VECTORS, "along each shaft, any length", "directions"),
+        "slopes_vertical_deg": Key(
+            kinds.SLOPES, "slope of each shaft in side view, up positive", "vertical"
+        ),
+        "slopes_horizontal_deg": Key(
+            kinds.SLOPES, "slope of each shaft in top view, right positive", "horizontal"
+        ),
+        "projected_bends_vertical_deg": Key(
+            kinds.SLOPES, "bends of two joints in side view, from the common shaft", "vertical"
+        ),
+        "projected_bends_horizontal_deg": Key(
+            kinds.SLOPES, "bends of two joints in top view, from the common shaft", "horizontal"
+        ),
+        "phases_deg": Key(
+            kinds.NUMBERS,
+            "turn of the output-side fork against the input-side one on each shaft between "
+            "two joints, clockwise seen along the power flow; default 0",
+            "phases",
+        ),
+    },
+)
+
+_LOAD = Section(
+    "speed, torque and inertias",
+    {
+        "speed_rpm": Key(kinds.NUMBER, "speed of the drive", "speed", math.tau / 60.0),
+        "speed_rad_s": Key(kinds.NUMBER, "the same in rad/s", "speed"),
+        "acceleration_rad_s2": Key(kinds.NUMBER, "acceleration of the drive", "acceleration"),
+        "drive_torque_Nm": Key(kinds.NUMBER, "torque put into shaft 0", "drive_torque"),
+        "output_torque_Nm": Key(
+            kinds.NUMBER, "or: torque delivered by the last shaft", "output_torque"
+        ),
+        "inertias_kgm2": Key(
+            kinds.NUMBERS, "moment of inertia of each shaft about its axis", "inertias"
+        ),
+    },
+    together=(("speed_rpm", "speed_rad_s"), ("drive_torque_Nm", "output_torque_Nm")),
+)
+
+
+def _axis_of(kind: kinds.Kind) -> kinds.Kind:
+    return {kinds.NUMBER: kinds.AXIS, kinds.VECTORS: kinds.COMPONENT_AXES}.get(kind, kinds.AXES)
+
+
+FORMAT: Mapping[str, Section] = MappingProxyType(
+    {
+        "": Section(
+            "above all sections",
+            {"title": Key(kinds.TEXT, "heading of the table and the picture")},
+        ),
+        "driveline": _DRIVELINE,
+        "load": _LOAD,
+        "sweep": Section(
+            "drive angles, both ends included",
+            {
+                "turns": Key(kinds.POSITIVE, "turns of the drive", default=1),
+                "samples_per_turn": Key(kinds.NATURAL, "steps per turn", default=720),
+                "start_deg": Key(kinds.NUMBER, "first drive angle", default=0),
+            },
+        ),
+        "angles": Section(
+            "or: recorded drive angles, a sample in each row of a file",
+            {
+                "file": Key(
+                    kinds.RECORDING,
+                    "from the folder of the scene; its name ends in "
+                    + ", ".join(recording.SUFFIXES),
+                ),
+                "angle_column_deg": Key(kinds.TEXT, "name of the column in degrees"),
+                "angle_column_rad": Key(kinds.TEXT, "or: of the column in radians"),
+                "bend_columns_deg": Key(
+                    kinds.COLUMNS,
+                    "in place of bends_deg: a column per joint with its bend at each sample",
+                ),
+                "bend_columns_rad": Key(kinds.COLUMNS, "or: the same in radians"),
+            },
+            together=(("angle_column_deg", "angle_column_rad"), BEND_COLUMNS),
+            needed=(("file",), ("angle_column_deg", "angle_column_rad")),
+        ),
+        "study": Section(
+            "keys to vary; several make a grid, and each of its drivelines a row of the table",
+            {
+                name: Key(_axis_of(key.kind), f"values for this key of [{section}]")
+                for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
+                for name, key in part.keys.items()
+            },
+            together=_LOAD.together,
+            fewest=1,
+        ),
+        "output": Section(
+            "what to evaluate and which files to write",
+            {
+                "quantities": Key(
+                    kinds.QUANTITIES,
+                    f"from {', '.join(OUTPUTS)}; default: errors, ratios and what the load causes",
+                ),
+                "shafts": Key(kinds.INDICES, "of which shafts, counted from 0; default: the last"),
+                "joints": Key(kinds.INDICES, "of which joints, counted from 0; default: all"),
+                "reduce": Key(
+                    kinds.REDUCED,
+                    "figures of the quantities over the drive angle for the table, from "
+                    f"{', '.join(REDUCTIONS)}; peak is the largest magnitude",
+                ),
+                "closed_forms": Key(
+                    kinds.CLOSED,
+                    "figures of the motion for the table that need no samples, from "
+                    + ", ".join(CLOSED_FORMS),
+                ),
+                "curves": Key(
+                    kinds.CURVES_FILE,
+                    "file for the quantities over the drive angle; its name ends in "
+                    + ", ".join(columns.SUFFIXES),
+                ),
+                "table": Key(kinds.TABLE_FILE, "file for the table, likewise"),
+                "picture": Key(
+                    kinds.PICTURE_FILE, f"its name ends in {', '.join(pictures.SUFFIXES)}"
+                ),
+                "tolerance": Key(
+                    kinds.TOLERANCE,
+                    "error permitted, relative to the largest magnitude of each quantity; 0 for "
+                    "every result within 1 ulp; default: the fast double",
+                ),
+                "dtype": Key(kinds.DTYPE, "float64 or float32; default: float64"),
+                "workers": Key(
+                    kinds.WORKERS, "at most so many threads, -1 for all cores; default: as useful"
+                ),
+            },
+        ),
+    }
+)
+"""The format of a scene file: sections, their keys, what these hold and mean."""
+
+_STUDY_HELP = """\
+A key of [driveline] or [load], its value {from = …, to = …, steps = …} (both ends included) or a \
+list of numbers. Of a list bends_deg varies all entries alike, bends_deg.0 the first and \
+bends_deg.0-1 the first two; of points and directions points_mm.2.y varies one coordinate.\
+"""
+
+
+def describe() -> str:
+    """Return the format of a scene file as plain text, at most 77 characters wide."""
+    lines = []
+    for name, section in FORMAT.items():
+        lines += _filled(f"{f'[{name}]  ' if name else ''}{section.meaning}", "", "  ")
+        if name == "study":
+            lines += _filled(_STUDY_HELP, "  ", "  ")
+        else:
+            for key, entry in section.keys.items():
+                default = "" if entry.default is None else f"; default {entry.default}"
+                text = f"{entry.kind.name}: {entry.meaning}{default}"
+                lines += _filled(text, f"  {key:32}", " " * 36)
+        lines.append("")
+    return "\n".join(lines)
+
+
+def _filled(text: str, first: str, rest: str) -> list[str]:
+    return textwrap.wrap(
+        text, width=77, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False
+    )
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema (draft 2020-12) of a scene file, for editors and other tools.
+
+    It knows what can be said of each value and of keys that need or exclude each other; lengths
+    that must fit, and files, are for ``Scene.parse`` to check.
+    """
+    top, *names = FORMAT
+    sections = {name: _section_schema(FORMAT[name]) for name in names}
+    recorded = {"anyOf": [{"required": [key]} for key in BEND_COLUMNS]}
+    columns = {"properties": {"angles": recorded}, "required": ["angles"]}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Scene of a driveline",
+        **_section_schema(FORMAT[top]),
+        "properties": {**_properties(FORMAT[top]), **sections},
+        "$defs": dict(kinds.DEFINITIONS),
+        "allOf": [
+            _not_both("sweep", "angles"),
+            {
+                "if": columns,
+                "then": {"properties": {"driveline": _only(_TWISTS, _PHASES)}},
+                "else": {
+                    "required": ["driveline"],
+                    "properties": {
+                        "driveline": {
+                            "oneOf": [
+                                {"required": list(form.keys), **_only(*form.keys, *form.optional)}
+                                for form in FORMS
+                            ]
+                        }
+                    },
+                },
+            },
+        ],
+    }
+
+
+def _section_schema(section: Section) -> dict[str, Any]:
+    described: dict[str, Any] = {
+        "description": section.meaning,
+        "type": "object",
+        "properties": _properties(section),
+        "additionalProperties": False,
+    }
+    if section.fewest:
+        described["minProperties"] = section.fewest
+    rules = [_not_both(*keys) for keys in section.together]
+    rules += [{"anyOf": [{"required": [key]} for key in keys]} for keys in section.needed]
+    if rules:
+        described["allOf"] = rules
+    return described
+
+
+def _properties(section: Section) -> dict[str, Any]:
+    return {
+        name: {"description": key.meaning, **key.kind.schema}
+        | ({} if key.default is None else {"default": key.default})
+        for name, key in section.keys.items()
+    }
+
+
+def _not_both(*keys: str) -> dict[str, Any]:
+    return {"not": {"required": list(keys)}}
+
+
+def _only(*keys: str) -> dict[str, Any]:
+    return {"propertyNames": {"enum": list(keys)}}

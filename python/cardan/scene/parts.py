@@ -1,0 +1,113 @@
+"""The driveline and the load that the keys of a scene describe, single or as a batch."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from cardan.driveline import Driveline
+from cardan.load import Load
+from cardan.scene.format import FORMAT, FORMS, Form
+
+
+def form_of(values: Mapping[str, Any]) -> Form:
+    """Return the form in which keys describe a driveline, their lengths checked.
+
+    Raises:
+        ValueError: no form, more than one, keys that do not go together, lengths that do not fit.
+    """
+    used = [form for form in FORMS if any(key in values for key in form.keys)]
+    if not used:
+        ways = "; ".join(" with ".join(form.keys) for form in FORMS)
+        raise ValueError(f"no shafts or joints; give one of: {ways}")
+    form = used[0]
+    if len(used) > 1:
+        one, other = (next(key for key in form.keys if key in values) for form in used[:2])
+        raise ValueError(f"{one} and {other} are both given; describe the driveline in one way")
+    for key in form.keys:
+        if key not in values:
+            raise ValueError(f"{key} is missing; {' and '.join(form.keys)} go together")
+    for key in values:
+        if key not in form.keys + form.optional:
+            raise ValueError(f"{key} does not go with {form.keys[0]}, which says it already")
+
+    first = form.keys[0]
+    joints = len(values[first]) - form.ends
+    if joints < 1:
+        raise ValueError(
+            f"{first} has length {len(values[first])}; one joint needs {1 + form.ends}"
+        )
+    if form.make == Driveline.from_projected_bends and joints != 2:
+        raise ValueError(f"{first} has length {joints}; it needs 2, one per joint")
+    for key in form.keys[1:]:
+        _check_count(key, values[key], joints + form.ends, f"as many as {first}")
+    for key in form.optional:
+        if key in values:
+            _check_count(key, values[key], joints - 1, "one per shaft between two joints")
+    return form
+
+
+def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
+    """Return the driveline of a form, or a batch if the values have leading dimensions.
+
+    Raises:
+        ValueError: values that make no driveline.
+    """
+    keys = FORMAT["driveline"].keys
+    names = {keys[key].argument: key for key in values}
+    # Slopes become directions before their bends are known.
+    names.setdefault("directions", " and ".join(form.keys))
+    with _named(names):
+        # Neither points nor directions are angles: what is in degrees is what can be.
+        return form.make(**{keys[key].argument: values[key] for key in values}, degrees=True)
+
+
+def check_load(values: Mapping[str, Any], joints: int) -> None:
+    """Refuse a load that does not fit the driveline.
+
+    Raises:
+        ValueError: not one inertia per shaft.
+    """
+    if "inertias_kgm2" in values:
+        _check_count("inertias_kgm2", values["inertias_kgm2"], joints + 1, "one per shaft")
+
+
+def make_load(values: Mapping[str, Any]) -> Load:
+    """Return the load that keys describe, of arrays if the values are.
+
+    Raises:
+        ValueError: a negative inertia.
+    """
+    keys = FORMAT["load"].keys
+    with _named({keys[key].argument: key for key in values}):
+        return Load(
+            **{
+                keys[key].argument: np.multiply(value, keys[key].factor)
+                for key, value in values.items()
+            }
+        )
+
+
+def _check_count(key: str, values: Sequence[Any], wanted: int, why: str) -> None:
+    if len(values) != wanted:
+        raise ValueError(f"{key} has length {len(values)}; it needs {wanted}, {why}")
+
+
+@contextmanager
+def _named(names: Mapping[str, str]) -> Iterator[None]:
+    """Let messages speak of the keys of the file instead of a constructor's arguments."""
+    try:
+        yield
+    except ValueError as error:
+        arguments = "|".join(names)
+        raise ValueError(
+            re.sub(
+                rf"\b({arguments})(?=\[| give| and| are)",
+                lambda match: names[match[1]],
+                str(error),
+            )
+        ) from None

@@ -1,0 +1,382 @@
+"""Scene files: a driveline, its load, the drive angles, a study and what to write, in TOML."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from os import PathLike, fspath
+from pathlib import Path
+from typing import Any, Self
+
+import cardan.scene.format as scene_format
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.files.progress import Progress
+from cardan.files.recording import read_chunks
+from cardan.load import Load
+from cardan.outputs import OUTPUTS, Output
+from cardan.result import Result
+from cardan.scene.angles import Angles
+from cardan.scene.axes import axes_of
+from cardan.scene.document import Document
+from cardan.scene.format import BEND_COLUMNS, FORMS, Form, describe
+from cardan.scene.parts import check_load, form_of, make_driveline, make_load
+from cardan.scene.study import Study, StudyResult
+
+_OPTIONS = ("tolerance", "dtype", "workers")
+
+_CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A driveline, its load, the drive angles to evaluate and the files to write.
+
+    Make one with ``load`` or ``parse``.
+
+    Attributes:
+        name: where it came from, for messages.
+        title: heading, or "".
+        line: the driveline; where its bends were recorded a batch, ``(samples,)``.
+        load_case: its load, if any.
+        drive_angle_deg: drive angles in degrees, ``(samples,)``.
+        drive_angle: the same in rad.
+        quantities: outputs to evaluate.
+        shafts: of which shafts, where the scene says so; ``None`` for the last one alone.
+        joints: of which joints, where the scene says so; ``None`` for all.
+        options: further arguments of ``Driveline.evaluate``.
+        study: what to vary and the figures wanted, if any.
+        recording: file that the drive angles come from, if any.
+        curves_file: name of the file for the curves, if any.
+        table_file: name of the file for the table of the study, if any.
+        picture_file: name of the file for the picture, if any.
+    """
+
+    name: str
+    title: str
+    line: Driveline
+    load_case: Load | None
+    drive_angle_deg: FloatArray
+    drive_angle: FloatArray
+    quantities: tuple[str, ...]
+    shafts: tuple[int, ...] | None
+    joints: tuple[int, ...] | None
+    options: Mapping[str, Any]
+    study: Study | None
+    recording: Path | None
+    curves_file: str | None
+    table_file: str | None
+    picture_file: str | None
+
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> Self:
+        """Read a scene file; the files that it names are looked for beside it.
+
+        Raises:
+            ImportError: it names a Parquet file and pyarrow is missing.
+            OSError: the file or a recording cannot be read.
+            ValueError: it is not a scene; one line with file, line where that is certain,
+                section, key, rule and value.
+        """
+        return cls.parse(_text(path), fspath(path), Path(path).parent)
+
+    @classmethod
+    def parse(cls, text: str, name: str = "scene", folder: str | PathLike[str] = ".") -> Self:
+        """Make a scene from the text of a scene file.
+
+        Args:
+            text: TOML.
+            name: what to call it in messages.
+            folder: where to look for the files that it names.
+
+        Raises:
+            ImportError: it names a Parquet file and pyarrow is missing.
+            OSError: a recording cannot be read.
+            ValueError: it is not a scene; one line with name, line where that is certain, section,
+                key, rule and value.
+        """
+        return cls._of(Document(text, name), Path(folder))
+
+    @classmethod
+    def parts(cls, path: str | PathLike[str], rows: int) -> Iterator[tuple[Self, int]]:
+        """Read a scene file whose recorded angles may be too many to be held.
+
+        Args:
+            path: the scene file.
+            rows: at most so many angles at a time.
+
+        Yields:
+            the scene with the next angles, and the number of all.
+
+        Raises:
+            ImportError: pyarrow is missing.
+            OSError: the file or its recording cannot be read.
+            ValueError: as for ``load``; no recording or curves in Parquet files; a key of which the
+                value needs all angles.
+        """
+        document, folder = Document(_text(path), fspath(path)), Path(path).parent
+        recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
+        with document.within(""):
+            if not recorded or "study" in document.sections:
+                raise ValueError("it must have a section [angles] and no [study] to be streamed")
+        with document.within("output"):
+            if not str(output.get("curves", "")).endswith(".parquet"):
+                raise ValueError("curves must name a .parquet file for a scene to be streamed")
+            for key in ("reduce", "closed_forms", "table", "picture"):
+                if key in output:
+                    raise ValueError(f"{key} does not go with streaming; it needs all angles")
+        chunks = read_chunks(folder / recorded["file"], Angles.columns(recorded), rows)
+        while True:
+            with document.within("angles"):
+                chunk = next(chunks, None)
+                if chunk is None:
+                    return
+                angle = Angles.of(recorded, folder, chunk.columns, chunk.first)
+            yield cls._of(document, folder, angle), chunk.total
+
+    @classmethod
+    def validate(cls, path: str | PathLike[str]) -> list[str]:
+        """Return what is wrong with a scene file, a line each; nothing if it is right.
+
+        All unknown keys and values of the wrong kind are found at once, what does not fit together
+        only when there are none of these.
+
+        Raises:
+            ImportError: it names a Parquet file and pyarrow is missing.
+            OSError: the file or a recording cannot be read.
+        """
+        try:
+            document = Document(_text(path), fspath(path), gather=True)
+            if not document.problems:
+                cls.load(path)
+        except ValueError as error:
+            return [str(error)]
+        return document.problems
+
+    @staticmethod
+    def schema() -> dict[str, Any]:
+        """Return the JSON Schema of a scene file, for editors and other tools."""
+        return scene_format.schema()
+
+    @classmethod
+    def _of(cls, document: Document, folder: Path, angle: Angles | None = None) -> Self:
+        given = document.sections
+        output, recorded = given.get("output", {}), given.get("angles", {})
+        driveline, loaded = given.get("driveline", {}), given.get("load")
+        with document.within(""):
+            if "driveline" not in given and not recorded.keys() & set(BEND_COLUMNS):
+                raise ValueError(
+                    "section [driveline] is missing; it describes the joints and shafts"
+                )
+            if "sweep" in given and "angles" in given:
+                raise ValueError("sections [sweep] and [angles] are both given; give one of them")
+        with document.within("angles"):
+            if recorded and angle is None:
+                angle = Angles.recorded(recorded, folder)
+        with document.within("sweep"):
+            angle = angle or Angles.swept(given.get("sweep", {}))
+        with document.within("driveline"):
+            form, driveline = _filled(driveline, angle)
+            line = make_driveline(form, driveline)
+        with document.within("load"):
+            load = None
+            if loaded is not None:
+                check_load(loaded, line.n_joints)
+                load = make_load(loaded)
+        with document.within("output"):
+            quantities = _quantities(output, loaded)
+            shafts = _items(output, "shafts", line.n_joints + 1)
+            joints = _items(output, "joints", line.n_joints)
+            options = {key: output[key] for key in _OPTIONS if key in output}
+            if angle.bends is not None and "closed_forms" in output:
+                raise ValueError("closed_forms do not go with recorded bends")
+            wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
+            if "table" in output and output["table"] == output.get("curves"):
+                raise ValueError(f"table is {output['table']!r}; that is the file of the curves")
+            if "table" in output and not wanted:
+                raise ValueError("table needs a section [study], reduce or closed_forms")
+        study = None
+        with document.within("study"):
+            varied = given.get("study", {})
+            if varied and angle.bends is not None:
+                raise ValueError(f"{next(iter(varied))} does not go with recorded bends")
+            if wanted:
+                default = () if angle.bends is not None else _CLOSED_FORMS
+                study = Study(
+                    axes_of(varied, driveline, loaded),
+                    form,
+                    driveline,
+                    loaded,
+                    angle.to_reduce,
+                    _reduced(output, quantities, loaded),
+                    tuple(output.get("reduce", ("peak",))),
+                    tuple(output.get("closed_forms", default)),
+                    shafts,
+                    tuple(range(line.n_joints)) if joints is None else joints,
+                    options,
+                )
+                # The ends of the grid, so that a value out of range shows before a long run.
+                study.check_ends()
+        return cls(
+            name=document.name,
+            title=given[""].get("title", ""),
+            line=line,
+            load_case=load,
+            drive_angle_deg=angle.degrees,
+            drive_angle=angle.radians,
+            quantities=quantities,
+            shafts=shafts,
+            joints=joints,
+            options=options,
+            study=study,
+            recording=folder / recorded["file"] if recorded else None,
+            curves_file=output.get("curves"),
+            table_file=output.get("table"),
+            picture_file=output.get("picture"),
+        )
+
+    @property
+    def speed(self) -> float:
+        """Speed of the drive in rad/s; 0 where the scene does not say."""
+        return float(self.load_case.speed) if self.load_case else 0.0
+
+    @property
+    def accelerates(self) -> bool:
+        """Whether the speed of the drive changes."""
+        return self.load_case is not None and float(self.load_case.acceleration) != 0.0
+
+    def run(self, progress: Progress | None = None) -> SceneResult:
+        """Evaluate the scene and its study; writes nothing.
+
+        Args:
+            progress: called after each block of the study with the rows done and all rows.
+
+        Raises:
+            ValueError: a point of the study that makes no driveline; the message names it.
+        """
+        values = self.evaluate()
+        try:
+            study = self.study.run(progress) if self.study else None
+        except ValueError as error:
+            raise ValueError(f"{self.name}: [study] {error}") from None
+        return SceneResult(self, values, study)
+
+    def evaluate(self) -> Result:
+        """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
+        return self.line.evaluate(self.drive_angle, self.quantities, **self._arguments())
+
+    def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
+        """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
+        line: Any = self.line
+        return line.plan(self.quantities, **self._arguments())
+
+    def explain(self) -> str:
+        """Say how the curves over the drive angle are evaluated, and how the study is."""
+        curves: str = self.plan().explain()
+        return f"{curves}\n\n{self.study.explain()}" if self.study else curves
+
+    def _arguments(self) -> dict[str, Any]:
+        return {
+            "load": self.load_case,
+            "shafts": None if self.shafts is None else list(self.shafts),
+            "joints": None if self.joints is None else list(self.joints),
+            **self.options,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class SceneResult:
+    """What a scene evaluates to.
+
+    Attributes:
+        scene: the scene.
+        values: its quantities in SI units by name, over the drive angles: ``(samples,)`` for the
+            last shaft, ``(shafts, samples)`` for shafts that the scene names, ``(joints, samples,
+            3)`` for the moments of the joints.
+        study: the table of its study, if it has one.
+    """
+
+    scene: Scene
+    values: Result
+    study: StudyResult | None = None
+
+    @property
+    def drive_angle(self) -> FloatArray:
+        """Drive angles in rad."""
+        return self.scene.drive_angle
+
+    def curves(self) -> Iterator[tuple[Output, int, FloatArray]]:
+        """Yield every quantity of every shaft or joint: what, of which, ``(samples, [3])``."""
+        joints = self.scene.line.n_joints
+        shafts = self.scene.shafts
+        items = {
+            "shaft": (joints,) if shafts is None else shafts,
+            "joint": range(joints) if self.scene.joints is None else self.scene.joints,
+        }
+        for name, values in self.values.items():
+            output = OUTPUTS[name]
+            single = output.per == "shaft" and shafts is None
+            parts = [values] if single else values
+            for item, part in zip(items[output.per], parts, strict=True):
+                yield output, item, part
+
+
+Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
+    describe(), " " * 8
+)
+
+
+def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, Any]]:
+    """Form and keys of the driveline, with twists and phases that are left out as zeros."""
+    filled = dict(values)
+    if angle.bends is not None:
+        for key in values:
+            if key not in FORMS[0].optional:
+                raise ValueError(f"{key} does not go with recorded bends")
+        filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
+    form = form_of(filled)
+    joints = len(filled[form.keys[0]]) - form.ends
+    for key in form.optional:
+        filled.setdefault(key, [0.0] * (joints - 1))
+    if angle.bends is not None:
+        filled[form.keys[0]] = angle.bends
+    return form, filled
+
+
+def _quantities(output: Mapping[str, Any], load: Mapping[str, Any] | None) -> tuple[str, ...]:
+    if "quantities" not in output:
+        return ("angle_error", "speed_ratio", "acceleration_ratio", *_caused(load))
+    for i, name in enumerate(output["quantities"]):
+        if load is None and OUTPUTS[name].needs_load:
+            raise ValueError(f"quantities[{i}] is {name!r}; it needs a section [load]")
+    return tuple(output["quantities"])
+
+
+def _reduced(
+    output: Mapping[str, Any], quantities: tuple[str, ...], load: Mapping[str, Any] | None
+) -> tuple[str, ...]:
+    """Motion is in the closed forms already, unless the scene asks for it."""
+    asked = "quantities" in output or "reduce" in output
+    return quantities if asked else _caused(load)
+
+
+def _caused(load: Mapping[str, Any] | None) -> tuple[str, ...]:
+    loaded = load is not None and any("torque" in key or "inertia" in key for key in load)
+    return ("torque", "moment") if loaded else ()
+
+
+def _items(output: Mapping[str, Any], key: str, count: int) -> tuple[int, ...] | None:
+    for i, item in enumerate(output.get(key, ())):
+        if item >= count:
+            raise ValueError(f"{key}[{i}] is {item}; there are {count}, counted from 0")
+    return tuple(output[key]) if key in output else None
+
+
+def _text(path: str | PathLike[str]) -> str:
+    try:
+        # Some editors put a byte order mark in front, which TOML does not know.
+        with open(path, encoding="utf-8-sig") as file:
+            return file.read()
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{fspath(path)}: not UTF-8 text at byte {error.start}") from None

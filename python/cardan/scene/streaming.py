@@ -1,0 +1,62 @@
+"""Scenes with recorded angles of any length, by chunks in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from cardan.files.progress import Progress
+from cardan.files.tables import ROWS, write_pieces
+from cardan.scene.curves import columns
+from cardan.scene.scene import Scene, SceneResult
+
+
+def stream(
+    scene: str | PathLike[str],
+    into: str | PathLike[str] = ".",
+    *,
+    radians: bool = False,
+    rows: int = ROWS,
+    progress: Progress | None = None,
+) -> tuple[Path, int]:
+    """Write the curves of a scene with recorded angles, whose files may be of any length.
+
+    The file has the rows and columns that ``cardan run`` writes, to the same bits; only where bends
+    are recorded too, the steepest of those in a chunk decide on its inverse tangent, which may move
+    last digits.
+
+    Args:
+        scene: a scene file with ``[angles]`` from a Parquet file and ``curves`` into one.
+        into: folder for the curves.
+        radians: whether angles are written in radians.
+        rows: at most so many at a time.
+        progress: called after each chunk with the rows done and all rows.
+
+    Returns:
+        the file written and its rows.
+
+    Raises:
+        ImportError: pyarrow is missing.
+        OSError: a file cannot be read or written.
+        ValueError: as for ``Scene.load``; keys of the scene that need all samples at once.
+    """
+    parts = Scene.parts(scene, rows)
+    first, total = next(parts)
+    assert first.curves_file
+    path = Path(into) / first.curves_file
+    if first.recording and path.exists() and path.samefile(first.recording):
+        raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
+
+    def pieces() -> Iterable[tuple[Mapping[str, NDArray[Any]], int]]:
+        yield curves(first), total
+        for part, _ in parts:
+            yield curves(part), total
+
+    def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
+        return columns(SceneResult(part, part.evaluate()), radians=radians)
+
+    return path, write_pieces(path, pieces(), progress)

@@ -1,0 +1,305 @@
+"""Studies: a scene's keys varied over a grid, each of its drivelines a row of figures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, import_optional
+from cardan.driveline import Driveline
+from cardan.files.progress import Progress
+from cardan.load import Load
+from cardan.outputs import OUTPUTS
+from cardan.reductions import CLOSED_FORMS, reduced
+from cardan.request import Reduction
+from cardan.scene.axes import Axis as Axis
+from cardan.scene.axes import per_row, put, values_at
+from cardan.scene.format import FORMAT, Form
+from cardan.scene.parts import make_driveline, make_load
+from cardan.scene.values import VECTORS
+
+if TYPE_CHECKING:
+    import xarray
+
+# Doubles of one block: enough to hide the overhead of a call, few enough for any machine.
+_BLOCK = 1 << 21
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One figure of every driveline of a study.
+
+    Attributes:
+        name: quantity, shaft or joint, component and reduction: ``moment_0_x_mean``.
+        unit: SI unit; ``"1"`` for a ratio.
+    """
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult:
+    """The table of a study, as a grid.
+
+    Attributes:
+        axes: what is varied; none where only the figures of one driveline are wanted.
+        columns: what the figures are.
+        values: the figures in SI units by the name of their column, each of ``shape``.
+    """
+
+    axes: tuple[Axis, ...]
+    columns: tuple[Column, ...]
+    values: Mapping[str, FloatArray]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def rows(self) -> int:
+        """Number of drivelines."""
+        return math.prod(self.shape)
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the values of every axis over the grid, by key; views, nothing is copied."""
+        grids = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij", copy=False)
+        return {axis.key: grid for axis, grid in zip(self.axes, grids, strict=True)}
+
+    def to_xarray(self) -> xarray.Dataset:
+        """Return the figures as variables over the keys that are varied, with their units.
+
+        Raises:
+            ImportError: xarray is missing.
+        """
+        library = import_optional("xarray", "xarray")
+        keys = tuple(axis.key for axis in self.axes)
+        figures = {
+            column.name: (keys, self.values[column.name], {"units": column.unit})
+            for column in self.columns
+        }
+        made: xarray.Dataset = library.Dataset(figures, {a.key: a.values for a in self.axes})
+        return made
+
+
+@dataclass(frozen=True, eq=False)
+class StudyPart:
+    """Some rows of the table of a study.
+
+    Attributes:
+        axes: what is varied.
+        rows: which rows of the grid.
+        columns: what the figures are.
+        values: the figures in SI units by the name of their column, ``(rows,)``.
+    """
+
+    axes: tuple[Axis, ...]
+    rows: range
+    columns: tuple[Column, ...]
+    values: Mapping[str, FloatArray]
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the values of every axis at these rows, by key."""
+        keys = (axis.key for axis in self.axes)
+        return dict(zip(keys, values_at(self.axes, self.rows), strict=True))
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What a scene varies and which figures it wants of each driveline.
+
+    Attributes:
+        axes: what is varied.
+        form: how the scene describes its driveline.
+        driveline: the values of its keys as they stand in the file.
+        load: likewise those of its load; ``None`` without one.
+        angle: drive angles to reduce over, in rad.
+        quantities: what to reduce.
+        reductions: how.
+        closed_forms: figures that need no samples.
+        shafts: of which shafts; ``None`` for the last one, without its number in the names.
+        joints: of which joints.
+        options: further arguments of ``evaluate``.
+    """
+
+    axes: tuple[Axis, ...]
+    form: Form
+    driveline: Mapping[str, Any]
+    load: Mapping[str, Any] | None
+    angle: ArrayLike
+    quantities: tuple[str, ...]
+    reductions: tuple[Reduction, ...]
+    closed_forms: tuple[str, ...]
+    shafts: tuple[int, ...] | None
+    joints: tuple[int, ...]
+    options: Mapping[str, Any]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def planes(self) -> int:
+        """Numbers that the quantities take for one drive angle of one driveline."""
+        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
+        outputs = (OUTPUTS[name] for name in self.quantities)
+        return sum(items[output.per] * output.components for output in outputs)
+
+    def run(self, progress: Progress | None = None) -> StudyResult:
+        """Evaluate every driveline of the grid, block by block.
+
+        Memory is that of the table and of one block.
+
+        Args:
+            progress: called after each block.
+
+        Raises:
+            ValueError: a point of the grid that makes no driveline; the message names it.
+        """
+        part = self.part(range(math.prod(self.shape)), progress)
+        values = {name: figures.reshape(self.shape) for name, figures in part.values.items()}
+        return StudyResult(self.axes, part.columns, values)
+
+    def part(self, rows: range, progress: Progress | None = None) -> StudyPart:
+        """Evaluate some rows of the grid as ``run`` does all of them, to the same bits."""
+        columns: dict[str, Column] = {}
+        table: dict[str, FloatArray] = {}
+        for first, line, load in self.blocks(rows):
+            done = first - rows.start
+            for column, figures in self._figures(line, load):
+                if column.name not in table:
+                    columns[column.name] = column
+                    table[column.name] = np.empty(len(rows))
+                table[column.name][done : done + len(figures)] = figures
+            if progress:
+                progress(done + line.shape[0], len(rows))
+        return StudyPart(self.axes, rows, tuple(columns.values()), table)
+
+    def explain(self) -> str:
+        """Say how the study is evaluated: what needs no samples, and a block's plan."""
+        _, line, load = next(self.blocks())
+        rows, block = math.prod(self.shape), line.shape[0]
+        text = f"study of {rows} driveline{'s' if rows > 1 else ''}"
+        text += f" in blocks of {block}" if block < rows else ""
+        if self.closed_forms:
+            text += f"\nclosed forms, without samples: {', '.join(self.closed_forms)}"
+        if self.quantities:
+            first, *others = self.reductions
+            plan: Any = line
+            plan = plan.plan(
+                self.quantities,
+                reduce=first,
+                load=load,
+                shafts=None if self.shafts is None else list(self.shafts),
+                joints=list(self.joints),
+                **self.options,
+            )
+            likewise = f", likewise {', '.join(others)}" if others else ""
+            text += f"\n{first} over {np.size(self.angle)} drive angles{likewise}:\n"
+            text += plan.explain()
+        return text
+
+    def check_ends(self) -> None:
+        """Refuse a study with values out of range at either end of an axis.
+
+        Raises:
+            ValueError: the first such point of the grid.
+        """
+        for row in sorted({0, *self._extremes()}):
+            self._block(np.array([row]))
+
+    def _extremes(self) -> Iterator[int]:
+        """The row of each axis's largest and smallest value, the others at their first."""
+        for number, axis in enumerate(self.axes):
+            step = math.prod(self.shape[number + 1 :])
+            yield int(np.argmax(axis.values)) * step
+            yield int(np.argmin(axis.values)) * step
+
+    def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
+        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows."""
+        rows = range(math.prod(self.shape)) if rows is None else rows
+        # The geometry of one joint takes some 30 doubles itself, several times over.
+        geometry = 64 * len(self.driveline[self.form.keys[0]])
+        block = max(1, _BLOCK // max(geometry, self.planes * np.size(self.angle)))
+        for first in rows[::block]:
+            yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
+
+    def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
+        """The drivelines and loads of some rows of the grid."""
+        columns = values_at(self.axes, rows)
+        driveline, load = dict(self.driveline), dict(self.load or {})
+        try:
+            for axis, column in zip(self.axes, columns, strict=True):
+                values = driveline if axis.section == "driveline" else load
+                put(values, axis, column)
+            if not self.axes:
+                driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
+            elif all(axis.section == "load" for axis in self.axes):
+                key = self.form.keys[0]
+                driveline[key] = per_row(driveline[key], len(rows))
+            line = make_driveline(self.form, driveline)
+            return line, None if self.load is None else make_load(load)
+        except ValueError as error:
+            if len(rows) == 1:
+                point = ", ".join(
+                    f"{axis.key} = {column[0]:.10g}"
+                    for axis, column in zip(self.axes, columns, strict=True)
+                )
+                # The first places count rows of the block, which the reader has not seen.
+                message = re.sub(r"\[0, 0(?:\]|, )", _own_place, str(error))
+                raise ValueError(f"at {point}: {message}" if point else message) from None
+            half = len(rows) // 2
+            for part in (rows[:half], rows[half:]):
+                self._block(part)
+            raise
+
+    def _figures(self, line: Driveline, load: Load | None) -> Iterator[tuple[Column, FloatArray]]:
+        shafts = [line.n_joints] if self.shafts is None else list(self.shafts)
+        equivalent = [line.equivalent(shaft) for shaft in shafts if self.closed_forms]
+        for name in self.closed_forms:
+            field, unit = CLOSED_FORMS[name]
+            for shaft, joint in zip(shafts, equivalent, strict=True):
+                number = "" if self.shafts is None else f"_{shaft}"
+                yield Column(f"{name}{number}", unit), getattr(joint, field)[:, 0]
+        if not self.quantities:
+            return
+        items = {"shaft": shafts, "joint": list(self.joints)}
+        found = reduced(
+            line,
+            self.angle,
+            self.quantities,
+            self.reductions,
+            load=load,
+            shafts=items["shaft"],
+            joints=items["joint"],
+            options=self.options,
+        )
+        for (name, reduction), of_items in found.items():
+            output = OUTPUTS[name]
+            for item, figures in zip(items[output.per], of_items, strict=True):
+                number = "" if output.per == "shaft" and self.shafts is None else f"_{item}"
+                if output.vector and reduction != "peak":
+                    for i, axis in enumerate("xyz"):
+                        column = Column(f"{name}{number}_{axis}_{reduction}", output.unit)
+                        yield column, figures[:, i]
+                else:
+                    yield Column(f"{name}{number}_{reduction}", output.unit), figures
+
+
+def _one_row(key: str, value: ArrayLike) -> FloatArray:
+    """A list of the file as a batch of one; recorded bends have their samples already."""
+    array = np.asarray(value, dtype=np.float64)
+    core = 2 if FORMAT["driveline"].keys[key].kind is VECTORS else 1
+    return array.reshape((1,) * (core + 2 - array.ndim) + array.shape)
+
+
+def _own_place(found: re.Match[str]) -> str:
+    return "[" if found[0].endswith(", ") else ""

@@ -1,0 +1,1 @@
+"""Printed text: what the command and the report say in words."""

@@ -1,0 +1,169 @@
+//! One call over threads: its samples cut into blocks, rows reduced in the same parts on any number of
+//! threads.
+
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::input::table::{GeometryVariation, Table};
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
+use crate::plan::reduction::Reduction;
+use crate::plan::route::Routes;
+use crate::plan::steps::Plan;
+use crate::run::block::{Block, CHUNK, Shared, StoresAs, Target};
+use crate::run::execution::Execution;
+use crate::run::fold::FoldedDriveline;
+use crate::run::level::Level;
+use crate::run::sweep_tables::SweepTables;
+
+/// Samples per block of a threaded run, at most: some 20 µs of work. A multiple of the chunk.
+pub(crate) const BLOCK: usize = 16 * CHUNK;
+
+/// Samples from which a run uses threads: about 100 µs of work, where one thread and four measure the
+/// same for the cheapest output.
+const THREADED: usize = 6 * BLOCK;
+
+/// One call: what it computes and reads, and how it is spread over the machine.
+pub(crate) struct Run<'a, 's> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) table: &'a Table<'s>,
+    /// The only driveline, if it was folded before.
+    pub(crate) folded: Option<&'a FoldedDriveline>,
+    pub(crate) execution: Execution<'a>,
+}
+
+impl<'a, 's> Run<'a, 's> {
+    /// Fills the planes, in blocks if threads repay it.
+    pub(crate) fn fill<T: StoresAs<W>, W: Float>(&self, planes: &mut [&mut [W]]) -> Result<()> {
+        let workers = self.execution.workers;
+        let total = self.table.samples();
+        if planes.len() != self.plan.planes || planes.iter().any(|plane| plane.len() != total) {
+            let (found, wanted) = (planes.len(), self.plan.planes);
+            let problem = format!("has {found} planes; it needs {wanted} of {total} samples");
+            return Err(Error::new("planes", &[], problem));
+        }
+        if total == 0 || planes.is_empty() {
+            return Ok(());
+        }
+        let size = block_size(total, workers);
+        let shared = self.shared::<T, _>();
+        if size >= total {
+            run_block(&shared, 0..total, Target::Planes(planes));
+            return Ok(());
+        }
+        let mut rests: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
+        let blocks: Vec<Vec<&mut [W]>> = (0..total.div_ceil(size))
+            .map(|_| rests.iter_mut().filter_map(Iterator::next).collect())
+            .collect();
+        blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
+            let samples = i * size..total.min((i + 1) * size);
+            run_block(&shared, samples, Target::Planes(&mut block));
+        });
+        Ok(())
+    }
+
+    /// Reduces every row to one number per result. Rows are cut into the same parts whatever the
+    /// number of threads, so that sums are the same.
+    pub(crate) fn reduce<T: StoresAs<f64>>(
+        &self,
+        reduction: Reduction,
+        out: &mut [&mut [f64]],
+    ) -> Result<()> {
+        let workers = self.execution.workers;
+        let (rows, length) = (self.table.rows(), self.table.row_length());
+        let groups = reduction.groups(self.plan);
+        if out.len() != groups.len() || out.iter().any(|plane| plane.len() != rows) {
+            let (found, wanted) = (out.len(), groups.len());
+            let problem = format!("has {found} planes; it needs {wanted} of {rows} rows");
+            return Err(Error::new("planes", &[], problem));
+        }
+        if groups.is_empty() || rows * length == 0 {
+            return Ok(());
+        }
+        let parts = length.div_ceil(BLOCK);
+        let rows_per_block = (BLOCK / length).max(1);
+        let results = groups.len();
+        let mut partials = vec![reduction.start(); rows * parts * results];
+        let per_block = rows_per_block * results;
+        let shared = self.shared::<T, _>();
+        let run = |(i, partials): (usize, &mut [DoubleDouble])| {
+            let samples = if parts > 1 {
+                let (row, part) = (i / parts, i % parts);
+                row * length + part * BLOCK..row * length + length.min((part + 1) * BLOCK)
+            } else {
+                let first = i * rows_per_block;
+                first * length..(first + partials.len() / results) * length
+            };
+            run_block(&shared, samples, Target::Reduced(reduction, &groups, partials));
+        };
+        if block_size(rows * length, workers) >= rows * length {
+            partials.chunks_mut(per_block).enumerate().for_each(run);
+        } else {
+            let blocks = rows.div_ceil(rows_per_block) * parts;
+            let most = workers.map_or(1, |workers| blocks.div_ceil(workers.max(1)));
+            partials
+                .par_chunks_mut(per_block)
+                .with_min_len(if workers.is_some() { most } else { 1 })
+                .enumerate()
+                .for_each(run);
+        }
+        for row in 0..rows {
+            for (result, plane) in out.iter_mut().enumerate() {
+                let own = (0..parts).map(|part| partials[(row * parts + part) * results + result]);
+                plane[row] = reduction.finish(own, length);
+            }
+        }
+        Ok(())
+    }
+
+    /// What the blocks of this run share.
+    fn shared<T: StoresAs<W>, W: Float>(&self) -> Shared<'a, 's, T> {
+        let Self { plan, table, folded, execution } = *self;
+        let level = execution.level.unwrap_or_else(Level::new);
+        let routes = Routes::of_run(plan, table, T::PRECISION);
+        let tables = SweepTables::new(&routes, table.sweep.as_ref(), level);
+        // A driveline that was folded before has the constants for arrays of angles.
+        let arrays = Routes::of_arrays(plan, T::PRECISION);
+        let one = table.geometry_variation() == GeometryVariation::One;
+        let serves = one && routes.splits() == arrays.splits();
+        let folded = folded.filter(|_| serves).and_then(T::folded);
+        Shared { plan, table, level, routes, tables, folded, stop: execution.stop }
+    }
+}
+
+/// Runs a range of the samples.
+fn run_block<T: StoresAs<W>, W: Float>(
+    shared: &Shared<'_, '_, T>,
+    samples: Range<usize>,
+    mut target: Target<'_, '_, W>,
+) {
+    if shared.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+        return;
+    }
+    let spare = match &mut target {
+        Target::Planes(planes) => T::direct(planes).is_none(),
+        Target::Reduced(..) => true,
+    };
+    let mut block = Block::<T, W>::new(shared, &samples, spare);
+    block.run(samples, &mut target);
+}
+
+/// Samples per block: all of them where threads do not repay their waking.
+fn block_size(total: usize, workers: Option<usize>) -> usize {
+    match workers {
+        _ if total < THREADED => total,
+        // Without a look at the pool, which may not be there.
+        Some(1) => total,
+        Some(workers) if workers < rayon::current_num_threads() => {
+            total.div_ceil(workers.max(1)).next_multiple_of(BLOCK)
+        }
+        // Two for each thread at least, so that none waits long for the last one.
+        _ => {
+            let shared = total.div_ceil(2 * rayon::current_num_threads());
+            BLOCK.min(shared.next_multiple_of(CHUNK))
+        }
+    }
+}
