@@ -186,7 +186,7 @@ def test_explain_says_what_is_skipped_and_why(
 
 def test_explain_leaves_nothing_out_that_runs() -> None:
     text = STEEP.plan("speed_ratio").explain()
-    assert "angle to sine and cosine" in text
+    assert "angle to unnormalised sine and cosine" in text
     assert "everything turns with" not in text
 
 

@@ -462,7 +462,7 @@ fn reduction(name: &str) -> PyResult<Reduction> {
 fn quantity(name: &str) -> PyResult<Quantity> {
     Quantity::ALL
         .into_iter()
-        .find(|output| output.name() == name)
+        .find(|output| output.row().name == name)
         .ok_or_else(|| argument_error("outputs", &[], format!("holds {name:?}, which is unknown")))
 }
 
@@ -478,4 +478,16 @@ fn named_level(name: &str) -> PyResult<Level> {
 #[pyfunction]
 pub(crate) fn levels() -> Vec<&'static str> {
     level::available().into_iter().map(|(name, _)| name).collect()
+}
+
+/// The table of outputs: name, what there is one for, unit, names of the components, and whether it
+/// needs a load.
+#[pyfunction]
+pub(crate) fn outputs() -> Vec<(&'static str, &'static str, &'static str, Vec<&'static str>, bool)>
+{
+    let row = |output: Quantity| {
+        let row = output.row();
+        (row.name, row.per.name(), row.unit, row.components.to_vec(), output.needs_load())
+    };
+    Quantity::ALL.into_iter().map(row).collect()
 }

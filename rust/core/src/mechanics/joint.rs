@@ -138,6 +138,14 @@ impl<T: Real> JointConstants<T> {
     }
 }
 
+impl JointConstants<f64> {
+    /// Those of a joint in doubles.
+    pub(crate) fn of_doubles(joint: &Joint) -> Self {
+        let Joint { cos, cos2, sin2, versine, inverse_exsecant, .. } = *joint;
+        Self { cos, cos2, sin2, versine, inverse_exsecant }
+    }
+}
+
 #[inline(always)]
 fn inverse_exsecant(cos: DoubleDouble, versine: DoubleDouble) -> DoubleDouble {
     let quotient = cos / versine;
@@ -221,9 +229,7 @@ impl Joint {
     /// The largest acceleration ratio.
     pub fn max_acceleration_ratio(&self) -> f64 {
         let (c, s) = self.steepest();
-        let Self { cos, cos2, sin2, versine, inverse_exsecant, .. } = *self;
-        let constants = JointConstants { cos, cos2, sin2, versine, inverse_exsecant };
-        let (_, acceleration) = rates(&constants, s, c);
+        let (_, acceleration) = rates(&JointConstants::of_doubles(self), s, c);
         acceleration
     }
 }
@@ -271,4 +277,21 @@ pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let inverse = across.recip();
     let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
     (ratio, T::from_f64(-2.0) * joint.sin2 * (s * c * inverse) * ratio)
+}
+
+/// Jerk ratio, the derivative of the acceleration ratio by the drive angle,
+/// `2 cos β sin² β (s⁴ + 3 sin² β s² c² − cos² β c⁴) (s² + c²)/(c² cos² β + s²)³` (derived here from the
+/// speed ratio); it vanishes where both parts of the bracket are alike.
+#[inline(always)]
+pub(crate) fn jerk_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
+    let s2 = s.square();
+    let c_cos = c * joint.cos;
+    let across = c_cos.mul_add(c_cos, s2);
+    let inverse = across.recip();
+    let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
+    let c2 = c.square();
+    let sum = s2.mul_add(s2, T::from_f64(3.0) * joint.sin2 * (s2 * c2));
+    let across_c = joint.cos2 * c2;
+    let bracket = (-across_c).mul_add(c2, sum);
+    T::from_f64(2.0) * joint.sin2 * (bracket * inverse * inverse) * ratio
 }

@@ -5,7 +5,7 @@ pub mod reduction;
 pub(crate) mod route;
 pub(crate) mod steps;
 
-pub use output::Output;
+pub use output::{Output, Per, Row};
 pub use reduction::Reduction;
 pub use route::Route;
 pub use steps::{End, Plan, Request};

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::mechanics::joint::Joint;
 use crate::number::Precision;
 use crate::number::atan::AtanRange;
-use crate::plan::output::Output;
+use crate::plan::output::{Needs, Output, OutputPlanes, Per};
 
 /// Where the load's torque is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,10 +62,7 @@ pub struct Plan {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ShaftStep {
     pub(crate) shaft: usize,
-    pub(crate) angle: Option<usize>,
-    pub(crate) angle_error: Option<usize>,
-    pub(crate) speed_ratio: Option<usize>,
-    pub(crate) acceleration_ratio: Option<usize>,
+    pub(crate) planes: OutputPlanes,
     /// Whether the load needs the one and the other.
     pub(crate) keep_ratio: bool,
     pub(crate) keep_acceleration: bool,
@@ -75,23 +72,24 @@ impl ShaftStep {
     /// The planes of rotation, speed ratio and acceleration ratio, if one loop finds all three:
     /// the angle or its error, not both, and rates that nothing else reads.
     pub(crate) fn together(&self) -> Option<[usize; 3]> {
-        let ((Some(rotation), None) | (None, Some(rotation))) = (self.angle, self.angle_error)
+        let plane = |output| self.planes.get(output);
+        let ((Some(rotation), None) | (None, Some(rotation))) =
+            (plane(Output::Angle), plane(Output::AngleError))
         else {
             return None;
         };
-        let all = [rotation, self.speed_ratio?, self.acceleration_ratio?];
+        let all = [rotation, plane(Output::SpeedRatio)?, plane(Output::AccelerationRatio)?];
         (!self.keep_ratio).then_some(all)
     }
 }
 
-/// What to compute of one joint: the plane, or the first of three, of each output.
+/// What to compute of one joint.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointStep {
-    pub(crate) tilt_driving: Option<usize>,
-    pub(crate) tilt_driven: Option<usize>,
-    pub(crate) moment: Option<usize>,
-    pub(crate) bending_driving: Option<usize>,
-    pub(crate) bending_driven: Option<usize>,
+    pub(crate) planes: OutputPlanes,
+    /// Whether any of them is a tilt, and whether any is made of the torsion.
+    pub(crate) needs_tilt: bool,
+    needs_moment: bool,
     /// Its parts of the support moments of the shaft that the load leaves here and of the one that
     /// it comes to.
     pub(crate) support: [Option<Support>; 2],
@@ -111,20 +109,13 @@ pub(crate) struct Support {
 }
 
 impl JointStep {
-    pub(crate) fn needs_tilt(&self) -> bool {
-        self.tilt_driving.is_some() || self.tilt_driven.is_some()
-    }
-
     /// Whether it takes part in a support moment.
     pub(crate) fn needs_support(&self) -> bool {
         self.support.iter().any(Option::is_some)
     }
 
     pub(crate) fn needs_torsion(&self) -> bool {
-        self.moment.is_some()
-            || self.needs_support()
-            || self.bending_driving.is_some()
-            || self.bending_driven.is_some()
+        self.needs_moment || self.needs_support()
     }
 }
 
@@ -174,34 +165,38 @@ impl Plan {
         let mut torque = vec![None; n + 1];
         for (i, &output) in request.outputs.iter().enumerate() {
             if request.outputs[..i].contains(&output) {
-                let problem = format!("is {:?} again; name each output once", output.name());
+                let problem = format!("is {:?} again; name each output once", output.row().name);
                 return Err(Error::new("outputs", &[i], problem));
             }
             if output.needs_load() && request.load.is_none() {
-                let problem = format!("is {:?}, which needs a load", output.name());
+                let problem = format!("is {:?}, which needs a load", output.row().name);
                 return Err(Error::new("outputs", &[i], problem));
             }
-            let items = if output.per_joint() { request.joints } else { request.shafts };
+            let row = output.row();
+            let items = match row.per {
+                Per::Shaft => request.shafts,
+                Per::Joint => request.joints,
+            };
             for &item in items {
-                let plane = Some(plan.planes);
-                plan.planes += output.components();
-                plan.components.push(output.components());
-                match output {
-                    Output::Angle => plan.step(item).angle = plane,
-                    Output::AngleError => plan.step(item).angle_error = plane,
-                    Output::SpeedRatio => plan.step(item).speed_ratio = plane,
-                    Output::AccelerationRatio => plan.step(item).acceleration_ratio = plane,
-                    Output::Torque => torque[item] = plane,
-                    Output::SupportMoment => {
-                        if let (Some(end), Some(plane)) = (request.load, plane) {
+                let plane = plan.planes;
+                plan.planes += row.components.len();
+                plan.components.push(row.components.len());
+                match row.needs {
+                    Needs::Motion(_) => plan.step(item).planes.set(output, plane),
+                    Needs::Power => torque[item] = Some(plane),
+                    Needs::Support => {
+                        if let Some(end) = request.load {
                             plan.plan_support(end, item, plane);
                         }
                     }
-                    Output::Moment => plan.joints[item].moment = plane,
-                    Output::BendingDriving => plan.joints[item].bending_driving = plane,
-                    Output::BendingDriven => plan.joints[item].bending_driven = plane,
-                    Output::TiltDriving => plan.joints[item].tilt_driving = plane,
-                    Output::TiltDriven => plan.joints[item].tilt_driven = plane,
+                    Needs::Torsion => {
+                        plan.joints[item].planes.set(output, plane);
+                        plan.joints[item].needs_moment = true;
+                    }
+                    Needs::Tilt => {
+                        plan.joints[item].planes.set(output, plane);
+                        plan.joints[item].needs_tilt = true;
+                    }
                 }
             }
         }
@@ -248,12 +243,12 @@ impl Plan {
 
     /// Whether anything is wanted of a joint itself.
     pub(crate) fn needs_pose(&self, joint: usize) -> bool {
-        self.joints[joint].needs_tilt() || self.joints[joint].needs_torsion()
+        self.joints[joint].needs_tilt || self.joints[joint].needs_torsion()
     }
 
     /// Whether any shaft's own angle is wanted.
     pub(crate) fn needs_angle(&self) -> bool {
-        self.shafts.iter().any(|step| step.angle.is_some())
+        self.shafts.iter().any(|step| step.planes.get(Output::Angle).is_some())
     }
 
     /// What is needed of the shafts beyond the first bend.
@@ -264,7 +259,7 @@ impl Plan {
 
     /// Whether this plane holds angles.
     pub(crate) fn is_angle(&self, plane: usize) -> bool {
-        self.shafts.iter().any(|step| step.angle == Some(plane))
+        self.shafts.iter().any(|step| step.planes.get(Output::Angle) == Some(plane))
     }
 
     /// Whether anything is wanted of any joint itself.
@@ -279,7 +274,7 @@ impl Plan {
 
     /// Whether the sense of a pin matters and not only its line.
     pub(crate) fn needs_sense(&self) -> bool {
-        self.joints.iter().any(JointStep::needs_tilt)
+        self.joints.iter().any(|step| step.needs_tilt)
     }
 
     /// The first joint that is bent in any driveline; the shafts up to it turn with the drive.

@@ -8,6 +8,7 @@ use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
+use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
@@ -417,7 +418,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         }
         let Some(sweep) = &self.shared.table.sweep else { return };
         let (origin, _) = self.scratch.cursors[ANGLE];
-        let angles = self.shared.plan.shafts.iter().filter_map(|step| step.angle);
+        let angles =
+            self.shared.plan.shafts.iter().filter_map(|step| step.planes.get(Output::Angle));
         for (slot, plane) in angles.enumerate() {
             let mut at = period;
             while at < length && !self.stopped() {

@@ -6,6 +6,7 @@ use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
+use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::run::fold::{Folded, GeometryIndex};
@@ -122,7 +123,8 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     let mut errors = errors.iter_mut();
     for step in &plan.shafts {
         let mut none = Column::new(0);
-        let errors = step.angle.and_then(|_| errors.next()).unwrap_or(&mut none);
+        let errors =
+            step.planes.get(Output::Angle).and_then(|_| errors.next()).unwrap_or(&mut none);
         let errors = errors.window_mut(kept_from, size);
         let rates = rates[step.shaft].each_mut();
         let (route, range) = folded.route(routes, step.shaft, geometry);
@@ -147,36 +149,36 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             });
             continue;
         }
-        let ideals = shaft.ideals(geometry, size);
+        let double_angles = shaft.double_angles(geometry, size);
         // Each number type has one of the two routes, so only that one is compiled for it.
         if T::PRECISION.costs().double_angle {
             if step.shaft == 1 {
-                with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
+                with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
                     run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
                 });
             } else {
-                with_constants!(geometry, |i| ideals.get(i), at => {
+                with_constants!(geometry, |i| double_angles.get(i), at => {
                     run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
                 });
             }
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
-            let ideal = ideals.get(index);
-            let swept = Swept::new(rotations, groups, ideal.q);
-            let at = |_| ideal.with_parts::<0>();
+            let double_angle = double_angles.get(index);
+            let swept = Swept::new(rotations, groups, double_angle.q);
+            let at = |_| double_angle.with_parts::<0>();
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
         }
     }
     for (step, poses) in plan.joints.iter().zip(&folded.poses) {
-        if !step.needs_tilt() {
+        if !step.needs_tilt {
             continue;
         }
         let poses = &poses[..geometry.count(size)];
         with_constants!(geometry, |i: usize| poses[i], at => {
-            if let Some(plane) = step.tilt_driving {
-                map::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
+            if let Some(plane) = step.planes.get(Output::TiltDriving) {
+                map::formula(Pose::tilt_driving, at, pins, &mut *planes[plane]);
             }
-            if let Some(plane) = step.tilt_driven {
-                map::tilt(at, Pose::tilt_driven, pins, &mut *planes[plane]);
+            if let Some(plane) = step.planes.get(Output::TiltDriven) {
+                map::formula(Pose::tilt_driven, at, pins, &mut *planes[plane]);
             }
         });
     }
@@ -209,14 +211,11 @@ fn run_drive_shaft<T: Number, W: Float>(
     planes: &mut [&mut [W]],
     size: usize,
 ) {
-    if let Some(plane) = step.angle {
-        map::drive_angle::<T, W>(drive, &mut *planes[plane]);
-    }
-    let constants =
-        [(step.angle_error, 0.0), (step.speed_ratio, 1.0), (step.acceleration_ratio, 0.0)];
-    for (plane, value) in constants {
-        if let Some(plane) = plane {
-            map::constant::<T>(value, drive, &mut *planes[plane]);
+    for output in Output::ALL {
+        let Some(plane) = step.planes.get(output) else { continue };
+        match output.row().needs {
+            Needs::Motion(Some(value)) => map::constant::<T>(value, drive, &mut *planes[plane]),
+            _ => map::drive_angle::<T, W>(drive, &mut *planes[plane]),
         }
     }
     if step.keep_ratio {
@@ -242,14 +241,17 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     planes: &mut [&mut [W]],
     size: usize,
 ) {
+    if let Some(plane) = step.planes.get(Output::JerkRatio) {
+        map::formula(S::jerk_ratio, at, pins, &mut *planes[plane]);
+    }
     let together = step.together().filter(|_| S::MODERATE && range.is_moderate());
     if let Some([rotation, ratio, acceleration]) = together {
         let [rotation, ratio, acceleration] = planes
             .get_disjoint_mut([rotation, ratio, acceleration])
             .expect("a plan gives every output planes of its own");
-        let rates: [&mut [W]; 2] = [ratio, acceleration];
+        let rates: (&mut [W], &mut [W]) = (ratio, acceleration);
         match drive {
-            _ if step.angle.is_none() => {
+            _ if step.planes.get(Output::Angle).is_none() => {
                 map::motion(range, at, pins, &mut **rotation, rates);
             }
             Drive::Array(angle) => {
@@ -271,10 +273,10 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
         }
         return;
     }
-    if let Some(plane) = step.angle_error {
+    if let Some(plane) = step.planes.get(Output::AngleError) {
         map::angle_error(range, at, pins, &mut *planes[plane]);
     }
-    if let Some(plane) = step.angle {
+    if let Some(plane) = step.planes.get(Output::Angle) {
         let out = &mut *planes[plane];
         match drive {
             Drive::Array(angle) => {
@@ -293,14 +295,15 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
             }
         }
     }
-    let mut wanted = (step.speed_ratio, step.acceleration_ratio);
+    let mut wanted =
+        (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
     if step.keep_acceleration {
-        map::rates(at, pins, ratio.view_mut(size), acceleration.view_mut(size));
+        map::formula(S::rates, at, pins, (ratio.view_mut(size), acceleration.view_mut(size)));
         if let Some(plane) = wanted.1.take() {
             map::copy::<T>(acceleration.view(size), &mut *planes[plane]);
         }
     } else if step.keep_ratio {
-        map::speed_ratio(at, pins, ratio.view_mut(size));
+        map::formula(S::speed_ratio, at, pins, ratio.view_mut(size));
     }
     if step.keep_ratio
         && let Some(plane) = wanted.0.take()
@@ -308,15 +311,15 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
         map::copy::<T>(ratio.view(size), &mut *planes[plane]);
     }
     match wanted {
-        (Some(ratio), None) => map::speed_ratio(at, pins, &mut *planes[ratio]),
+        (Some(ratio), None) => map::formula(S::speed_ratio, at, pins, &mut *planes[ratio]),
         (None, Some(acceleration)) => {
-            map::acceleration_ratio(at, pins, &mut *planes[acceleration]);
+            map::formula(S::acceleration_ratio, at, pins, &mut *planes[acceleration]);
         }
         (Some(ratio), Some(acceleration)) => {
             let [ratio, acceleration] = planes
                 .get_disjoint_mut([ratio, acceleration])
                 .expect("a plan gives every output planes of its own");
-            map::rates(at, pins, &mut **ratio, &mut **acceleration);
+            map::formula(S::rates, at, pins, (&mut **ratio, &mut **acceleration));
         }
         (None, None) => {}
     }
@@ -412,11 +415,11 @@ fn run_bending<T: Number, W: Float>(
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
-    if let Some(plane) = step.bending_driving {
+    if let Some(plane) = step.planes.get(Output::BendingDriving) {
         let out = &mut *planes[plane];
         map::size::<T>(at, Pose::bending_driving, pins, torsion, out);
     }
-    if let Some(plane) = step.bending_driven {
+    if let Some(plane) = step.planes.get(Output::BendingDriven) {
         let out = &mut *planes[plane];
         map::size::<T>(at, Pose::bending_driven, pins, torsion, out);
     }
@@ -434,7 +437,7 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     torsion: View<'_, T>,
     planes: &mut [&mut [W]],
 ) {
-    if let Some(plane) = step.moment {
+    if let Some(plane) = step.planes.get(Output::Moment) {
         let out = vector(planes, plane, axes);
         map::moment::<PLANAR, T>(at, pins, torsion, out);
     }

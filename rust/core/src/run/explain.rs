@@ -7,6 +7,7 @@ use crate::mechanics::moment::Pose;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::{Number, Precision};
+use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{Plan, ShaftStep};
@@ -137,7 +138,8 @@ impl Plan {
                     .push(format!("shaft {shaft}: sine and cosine turned to its equivalent joint"));
             }
             let mut how = String::new();
-            if step.angle.is_some() || step.angle_error.is_some() {
+            let rotates = |output| step.planes.get(output).is_some();
+            if rotates(Output::Angle) || rotates(Output::AngleError) {
                 let terms = range.terms()[call.precision as usize];
                 how = format!(" (inverse tangent of {terms} terms)");
             }
@@ -147,7 +149,7 @@ impl Plan {
             steps.push(format!("shaft {shaft}: {found}{how}"));
         }
         for (j, step) in self.joints.iter().enumerate() {
-            if step.needs_tilt() {
+            if step.needs_tilt {
                 steps.push(format!("joint {j}: tilts of the cross"));
             }
         }
@@ -162,10 +164,10 @@ impl Plan {
             if station.torsion {
                 let step = &self.joints[shaft - 1];
                 let parts = [
-                    (step.moment.is_some(), "moment"),
+                    (step.planes.get(Output::Moment).is_some(), "moment"),
                     (step.needs_support(), "support moments"),
-                    (step.bending_driving.is_some(), "bending, driving side"),
-                    (step.bending_driven.is_some(), "bending, driven side"),
+                    (step.planes.get(Output::BendingDriving).is_some(), "bending, driving side"),
+                    (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
                 ];
                 let names: Vec<&str> =
                     parts.iter().filter(|(wanted, _)| *wanted).map(|(_, name)| *name).collect();
@@ -234,7 +236,7 @@ impl Plan {
             };
             let plane = ["yz", "zx", "xy"][normal];
             let why = format!("zero because its shafts lie along the {plane} plane");
-            if step.moment.is_some() {
+            if step.planes.get(Output::Moment).is_some() {
                 vanishing.push(format!("joint {j}: 4 of the moment's 9 terms, {why}"));
             }
             for support in step.support.iter().flatten() {
@@ -249,13 +251,13 @@ impl Plan {
 
 /// What is wanted of a shaft.
 fn found(step: &ShaftStep) -> String {
-    let names = [
-        (step.angle.is_some(), "angle"),
-        (step.angle_error.is_some(), "angle error"),
-        (step.speed_ratio.is_some() || step.keep_ratio, "speed ratio"),
-        (step.acceleration_ratio.is_some() || step.keep_acceleration, "acceleration ratio"),
-    ];
-    let names: Vec<&str> = names.iter().filter(|(wanted, _)| *wanted).map(|(_, n)| *n).collect();
+    let wanted = |output: &Output| {
+        step.planes.get(*output).is_some()
+            || *output == Output::SpeedRatio && step.keep_ratio
+            || *output == Output::AccelerationRatio && step.keep_acceleration
+    };
+    let names: Vec<String> =
+        Output::ALL.iter().filter(|o| wanted(o)).map(|o| o.row().name.replace('_', " ")).collect();
     names.join(", ")
 }
 
@@ -263,7 +265,6 @@ fn found(step: &ShaftStep) -> String {
 mod tests {
     use super::*;
     use crate::input::{Angles, Drivelines, Source, Sweep};
-    use crate::plan::output::Output;
     use crate::plan::steps::Request;
     use crate::run::execution::{Execution, Planes};
     use crate::run::taken;

@@ -5,7 +5,12 @@ use std::ops::Range;
 
 use crate::input::sweep::Sweep;
 use crate::mechanics::extremes::ExtremaLocator;
+use crate::plan::output::Output;
 use crate::plan::steps::ShaftStep;
+
+/// The outputs whose extremes a locator knows, in its order.
+const LOCATED: [Output; 4] =
+    [Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio, Output::JerkRatio];
 
 /// The samples of a sweep beside the extremes of the shafts, and both ends; `None` if there are too
 /// many to repay it: each finds its own sine and cosine, which rows have in common otherwise.
@@ -14,7 +19,6 @@ pub(crate) fn samples_near_extrema<'a>(
     samples: Range<usize>,
     shafts: impl Iterator<Item = (&'a ShaftStep, ExtremaLocator)>,
 ) -> Option<Vec<f64>> {
-    const EXTREMES: usize = 6;
     const SAMPLES_PER_CANDIDATE: usize = 64;
     let [first, last] = [samples.start, samples.end - 1].map(|i| sweep.angle(i as f64).value());
     let half_turns = ((last - first).abs() / PI) as usize + 2;
@@ -26,11 +30,12 @@ pub(crate) fn samples_near_extrema<'a>(
     let (remainder, quadrant) = sweep.reduction().of(samples.start as f64);
     let first = remainder.value() + (quadrant & 1) as f64 * FRAC_PI_2;
     for (step, extrema_locator) in shafts {
-        if (half_turns * EXTREMES * 2 + found.len()) * SAMPLES_PER_CANDIDATE > samples.len() {
+        let wanted = LOCATED.map(|output| step.planes.get(output).is_some());
+        let extremes = if wanted[3] { 10 } else { 6 };
+        if (half_turns * extremes * 2 + found.len()) * SAMPLES_PER_CANDIDATE > samples.len() {
             return None;
         }
-        let wanted = [step.angle_error, step.speed_ratio, step.acceleration_ratio];
-        for angle in extrema_locator.angles(wanted.map(|plane| plane.is_some())) {
+        for angle in extrema_locator.angles(wanted) {
             // The first one at or after the start, in the sense of the sweep.
             let width = sweep.step() / PI;
             let offset = (angle - first) / PI;

@@ -3,6 +3,7 @@
 use crate::input::table::Table;
 use crate::number::Number;
 use crate::number::storage::{Column, columns};
+use crate::plan::output::Output;
 use crate::plan::route::Routes;
 use crate::plan::steps::{JointStep, Plan};
 use crate::sincos::rotation;
@@ -62,7 +63,7 @@ impl<T: Number> Scratch<T> {
 
     /// Makes room for the angle errors of a period that is to be repeated.
     pub(crate) fn keep_errors(&mut self, plan: &Plan, period: usize) {
-        let angles = plan.shafts.iter().filter(|step| step.angle.is_some());
+        let angles = plan.shafts.iter().filter(|step| step.planes.get(Output::Angle).is_some());
         self.errors = angles.map(|_| Column::new(period)).collect();
     }
 }
