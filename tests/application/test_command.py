@@ -394,11 +394,13 @@ def test_plot_of_a_study(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Plan:
-        def explain(self) -> str:
-            return "one step"
+        def explain(self, angle: object) -> str:
+            return f"one step over {angle}"
 
     monkeypatch.setattr("cardan.scene.Scene.plan", lambda _: Plan())
-    assert run("explain", scene).output == "one step\n"
+    assert (
+        run("explain", scene).output == "one step over Sweep.revolutions(1.0013888888888889, 720)\n"
+    )
 
 
 @pytest.mark.parametrize("kind", STARTERS)

@@ -15,6 +15,7 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, checked
 from cardan.plots.style import drawing, legend_above
 from cardan.request import item_index
+from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +28,7 @@ def plot_curves(
     shaft: int = -1,
     joint: int = 0,
     load: Load | None = None,
-    angle: ArrayLike | None = None,
+    angle: ArrayLike | Sweep | None = None,
     labels: Sequence[str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
@@ -42,7 +43,8 @@ def plot_curves(
         shaft: of which shaft, if it is a quantity of shafts.
         joint: of which joint, if it is a quantity of joints.
         load: the load, for the outputs that need one.
-        angle: drive angles in rad, ``(samples,)``; by default a turn in steps of half a degree.
+        angle: drive angles in rad, ``(samples,)``, or a ``Sweep``; by default a turn in
+            steps of half a degree.
         labels: what to call the curves; by default components, bends of single joints or numbers.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
@@ -59,8 +61,9 @@ def plot_curves(
     if len(line.shape) > (0 if what.vector else 1):
         fits = "one driveline" if what.vector else "one driveline or a batch of one dimension"
         raise ValueError(f"line has shape {line.shape}; a picture of {output} shows {fits}")
-    turn = np.radians(np.arange(721) / 2.0) if angle is None else as_float64("angle", angle)
-    if turn.ndim != 1:
+    turn = panel.TURN if angle is None else angle
+    turn = turn if isinstance(turn, Sweep) else as_float64("angle", turn)
+    if len(turn.shape) != 1:
         raise ValueError(f"angle has shape {turn.shape}; a curve needs (samples,)")
     of_shaft = what.per == "shaft"
     item = item_index(

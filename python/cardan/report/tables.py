@@ -67,7 +67,7 @@ def inputs(scene: Scene) -> dict[str, Table]:
         given += [("Speed of the drive", f"{_figure(scene.speed)} rad/s, {_figure(rpm)} rpm")]
         if scene.accelerates:
             given += [("Acceleration of the drive", f"{_figure(load.acceleration)} rad/s²")]
-    count, span = len(scene.drive_angle), _span(scene.drive_angle_deg)
+    count, span = len(scene.drive_angle_deg), _span(scene.drive_angle_deg)
     given += [("Drive angles", f"{span} deg, {count} samples")]
     if scene.recording is not None:
         given += [("Recorded in", scene.recording.name)]
