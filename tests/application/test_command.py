@@ -464,7 +464,7 @@ def test_scene_errors(tmp_path: Path) -> None:
     path.write_text("[driveline]\nbends_deg = [8, 95]\n")
     failed(
         run("run", path),
-        f"{path}, line 2: [driveline] bends_deg[1] is 95.0 deg; a bend must lie in [0, 90) deg",
+        f"{path}, line 2: [driveline] bends_deg[1] is 95 deg; a bend must lie in [0, 90) deg",
     )
     path.write_text("[driveline\n")
     failed(

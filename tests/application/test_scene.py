@@ -275,12 +275,12 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         DRIVELINE + "bends_deg = [8, 95]",
         2,
-        "[driveline] bends_deg[1] is 95.0 deg; a bend must lie in [0, 90) deg",
+        "[driveline] bends_deg[1] is 95 deg; a bend must lie in [0, 90) deg",
     ),
     (
         DRIVELINE + "bends_deg = [-1]",
         2,
-        "[driveline] bends_deg[0] is -1.0 deg; a bend must lie in [0, 90) deg",
+        "[driveline] bends_deg[0] is -1 deg; a bend must lie in [0, 90) deg",
     ),
     (DRIVELINE + "bends_deg = []", 2, "[driveline] bends_deg has length 0; one joint needs 1"),
     (
@@ -374,7 +374,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("load") + "inertias_kgm2 = [0, -1]",
         4,
-        "[load] inertias_kgm2[1] is -1.0; an inertia must not be negative",
+        "[load] inertias_kgm2[1] is -1; an inertia must not be negative",
     ),
     (
         DRIVELINE + f"bends_deg = '{'x' * 58}'",
@@ -518,7 +518,7 @@ def test_load_names_the_file(tmp_path: Path) -> None:
     path.write_text("[driveline]\nbends_deg = [99]\n", encoding="utf-8")
     with pytest.raises(ValueError, match="99") as caught:
         Scene.load(path)
-    assert str(caught.value).startswith(f"{path}, line 2: [driveline] bends_deg[0] is 99.0 deg")
+    assert str(caught.value).startswith(f"{path}, line 2: [driveline] bends_deg[0] is 99 deg")
 
     with pytest.raises(FileNotFoundError):
         Scene.load(tmp_path / "missing.toml")
@@ -840,7 +840,7 @@ def test_validate_finds_all_at_once(tmp_path: Path) -> None:
     ]
     path.write_text("[driveline]\nbends_deg = [95]\n")
     assert Scene.validate(path) == [
-        f"{path}, line 2: [driveline] bends_deg[0] is 95.0 deg; a bend must lie in [0, 90) deg"
+        f"{path}, line 2: [driveline] bends_deg[0] is 95 deg; a bend must lie in [0, 90) deg"
     ]
     path.write_text("[driveline")
     assert len(Scene.validate(path)) == 1

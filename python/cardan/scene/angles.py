@@ -13,7 +13,7 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.files.recording import read_columns
 from cardan.scene.format import BEND_COLUMNS, FORMAT
-from cardan.scene.values import shown
+from cardan.scene.rules import shown
 from cardan.sweep import Sweep
 
 _MOST_STEPS = 10_000_000

@@ -10,8 +10,8 @@ from typing import Any
 
 from cardan.outputs import nearest
 from cardan.scene.format import FORMAT, Section
+from cardan.scene.rules import shown
 from cardan.scene.units import units_of
-from cardan.scene.values import shown
 
 
 class Document:
@@ -61,7 +61,7 @@ class Document:
             with self.within(name):
                 if key not in section.keys:
                     raise ValueError(f"unknown key {shown(key)}; {_meant(key, section.keys)}")
-                checked[key] = section.keys[key].kind.read(key, value)
+                checked[key] = section.keys[key].kind.rule.read(key, value)
         for one, other in section.together:
             with self.within(name):
                 if one in values and other in values:

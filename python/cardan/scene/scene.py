@@ -22,7 +22,7 @@ from cardan.result import Result
 from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.document import Document
-from cardan.scene.format import BEND_COLUMNS, FORMS, Form, describe
+from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, Form, describe
 from cardan.scene.parts import check_load, form_of, make_driveline, make_load
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
@@ -172,8 +172,9 @@ class Scene:
                 raise ValueError(
                     "section [driveline] is missing; it describes the joints and shafts"
                 )
-            if "sweep" in given and "angles" in given:
-                raise ValueError("sections [sweep] and [angles] are both given; give one of them")
+            if given.keys() >= set(DRIVE_ANGLES):
+                both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
+                raise ValueError(f"sections {both} are both given; give one of them")
         with document.within("angles"):
             if recorded and angle is None:
                 angle = Angles.recorded(recorded, folder)
