@@ -116,7 +116,7 @@ fn criterion_groups(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("one thread, {name}"));
         group.throughput(Throughput::Elements(samples as u64));
         for outputs in [&MOTION[..], &[SpeedRatio], &[AngleError], &[Angle]] {
-            let names: Vec<&str> = outputs.iter().map(|output| output.name()).collect();
+            let names: Vec<&str> = outputs.iter().map(|output| output.row().name).collect();
             let mut case = Case::new(1, 30.0, outputs, samples);
             group.bench_function(names.join("+"), |b| b.iter(|| case.run(level, Some(1))));
         }

@@ -90,8 +90,8 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
     let precision = *u.choose(&[Precision::Single, Precision::Double, Precision::DoubleDouble])?;
     let reduction = u.choose(&[None, Some(0), Some(1), Some(2), Some(3), Some(4)])?;
     let reduction = reduction.map(|i| Reduction::ALL[i]);
-    let call = Call { precision, reduction, sweep: sweep.is_some(), single: false };
-    if let Ok(text) = plan.explain(&lines, call) {
+    let call = Call { precision, reduction, single: false };
+    if let Ok(text) = plan.explain(&samples, call) {
         assert!(text.contains("per sample"));
     }
 

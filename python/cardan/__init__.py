@@ -18,7 +18,7 @@ from cardan._core import __version__
 from cardan.ball_joint import BallJoint
 from cardan.check import Check, Finding
 from cardan.driveline import Driveline
-from cardan.equivalent import EquivalentJoint, Harmonics
+from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
@@ -39,11 +39,13 @@ __all__ = [
     "Finding",
     "Harmonics",
     "Load",
+    "Motion",
     "Output",
     "Plan",
     "Result",
     "Scene",
     "Sweep",
+    "Transmission",
     "__version__",
     "approximations",
     "plots",

@@ -1,5 +1,5 @@
 from collections.abc import Sequence
-from typing import Any, TypeAlias, final
+from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ __all__ = [
     "Lines",
     "Plan",
     "Sweep",
+    "Transmission",
     "__version__",
     "equivalent",
     "from_bends",
@@ -18,11 +19,13 @@ __all__ = [
     "from_points",
     "levels",
     "optimal_phases",
+    "outputs",
 ]
 
 __version__: str
 
 def levels() -> list[str]: ...
+def outputs() -> list[tuple[str, Literal["shaft", "joint"], str, list[str], bool]]: ...
 def from_bends(
     joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat
 ) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...
@@ -71,3 +74,10 @@ class Plan:
         workers: int | None,
         level: str | None,
     ) -> Any: ...  # noqa: ANN401 - an array, or the list given
+
+@final
+class Transmission:
+    def __new__(cls, lines: Lines, shaft: int) -> Transmission: ...
+    def q(self) -> NDArray[np.complex128]: ...
+    def motion(self, lines: NDArray[np.int64], angles: _Flat) -> list[_Flat]: ...
+    def gradient(self, lines: NDArray[np.int64], angles: _Flat) -> list[NDArray[np.complex128]]: ...

@@ -11,11 +11,17 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cardan import _core, approximations, geometry, threads
 from cardan.arrays import FloatArray, deferring
 from cardan.check import Check, check
-from cardan.equivalent import EquivalentJoint, Harmonics, equivalent, harmonics
+from cardan.equivalent import (
+    EquivalentJoint,
+    Harmonics,
+    Transmission,
+    equivalent,
+    harmonics,
+)
 from cardan.geometry import Geometry
 from cardan.load import Load
 from cardan.plan import Plan
-from cardan.request import Items, Reduction
+from cardan.request import Items, Reduction, item_index
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -291,6 +297,22 @@ class Driveline:
             ValueError: an order below 1.
         """
         return harmonics(self._geometry, orders, shaft)
+
+    def transmission(self, shaft: int = -1) -> Transmission:
+        """Return how a shaft follows the drive: motion at one angle, derivatives by ``q``.
+
+        Args:
+            shaft: index of the shaft, by default the last.
+
+        Returns:
+            ``q``, ``motion(angle)`` and ``gradient(angle)``, each in the shape of the batch.
+
+        Raises:
+            IndexError: a shaft that does not exist.
+            TypeError: a shaft that is not an integer.
+        """
+        index = item_index("shaft", shaft, self.n_joints + 1)
+        return Transmission(self._lines, self.shape, index)
 
     def optimal_phases(self) -> FloatArray:
         """Return the phases that bring the last shaft closest to constant velocity.

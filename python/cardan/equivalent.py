@@ -1,14 +1,17 @@
-"""The one joint that moves a shaft as its whole chain does, and its harmonics."""
+"""The one joint that moves a shaft as its whole chain does: closed forms and transmission."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import at_place, scalar_or_array
+from cardan.arrays import as_float64, at_place, common_shape, scalar_or_array
 from cardan.geometry import Geometry
 from cardan.request import item_index
 
@@ -67,6 +70,86 @@ class Harmonics:
     orders: NDArray[np.int64]
     angle_error: NDArray[np.float64]
     speed_ratio: NDArray[np.float64]
+
+
+class Motion(NamedTuple):
+    """The motion of a shaft at drive angles, differentiated by the drive angle."""
+
+    angle_error: Any
+    """Angle of the shaft less the drive angle in rad, mean zero over a turn."""
+    speed_ratio: Any
+    """First derivative of the shaft's angle."""
+    acceleration_ratio: Any
+    """Second derivative."""
+    jerk_ratio: Any
+    """Third derivative."""
+
+
+class Transmission:
+    """How one shaft follows the drive: its motion at one angle, and the derivatives by ``q``.
+
+    Behind a chain of joints all motion of a shaft depends on the drive angle ``a`` and on one
+    complex number ``q = B/A`` of the map ``w -> A w + B conj(w)``. With ``u = exp(-2 i a)`` and
+    ``g = 1/(1 + q u)`` the angle error is ``arg(1 + q u)``, the speed ratio
+    ``Re((1 - q u) g)``, the acceleration ratio ``Re(4 i q u g**2)`` and the jerk ratio
+    ``Re(8 q u (1 - q u) g**3)`` (derived here from Thoma 4). ``abs(q)`` is ``tan(bend/2)**2`` of
+    the equivalent bend. Unlike the bend, ``q`` is smooth where the driveline becomes uniform.
+
+    For many angles ``Driveline.evaluate`` is faster.
+    """
+
+    __slots__ = ("_core", "_shape", "q")
+
+    q: NDArray[np.complex128]
+    """The complex number, in the shape of the batch."""
+
+    def __init__(self, lines: _core.Lines, shape: tuple[int, ...], shaft: int) -> None:
+        """Take the drivelines as ``Driveline.transmission`` does."""
+        self._core = _core.Transmission(lines, shaft)
+        self._shape = shape
+        self.q = self._core.q().reshape(shape)[()]
+
+    def motion(self, angle: ArrayLike) -> Motion:
+        """Return the motion at drive angles.
+
+        Args:
+            angle: in rad, any shape; broadcasts against the batch. NaN and infinite angles give
+                NaN.
+
+        Returns:
+            angle error in rad, speed ratio, acceleration ratio and jerk ratio, each of the
+            broadcast shape.
+
+        Raises:
+            TypeError: angles that are not real numbers.
+            ValueError: shapes that do not broadcast.
+        """
+        return self._columns(self._core.motion, angle)
+
+    def gradient(self, angle: ArrayLike) -> Motion:
+        """Return the derivatives of the motion by ``q``.
+
+        A change ``dq`` changes each quantity by ``(derivative * dq).real``.
+
+        Args:
+            angle: as of ``motion``.
+
+        Returns:
+            complex derivatives of angle error, speed ratio, acceleration ratio and jerk ratio, each
+            of the broadcast shape.
+
+        Raises:
+            TypeError: angles that are not real numbers.
+            ValueError: shapes that do not broadcast.
+        """
+        return self._columns(self._core.gradient, angle)
+
+    def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
+        angles = as_float64("angle", angle)
+        shape = common_shape(driveline=self._shape, angle=angles.shape)
+        lines = np.arange(math.prod(self._shape)).reshape(self._shape)
+        flat = [np.broadcast_to(array, shape).ravel() for array in (lines, angles)]
+        return Motion(*(column.reshape(shape)[()] for column in of(*flat)))
 
 
 def equivalent(geometry: Geometry, shaft: int) -> EquivalentJoint:

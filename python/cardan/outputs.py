@@ -7,6 +7,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from cardan import _core
+
 
 @dataclass(frozen=True)
 class Output:
@@ -19,7 +21,7 @@ class Output:
         meaning: one line.
         source: its equation, with where it comes from; ``a`` is the driving angle of the joint, or
             of the one joint that is equivalent to the chain, ``b`` its bend.
-        vector: whether it has three components.
+        axes: names of the components of a vector; empty for a scalar.
         needs_load: whether ``evaluate`` needs ``load=``.
     """
 
@@ -28,13 +30,18 @@ class Output:
     unit: str
     meaning: str
     source: str
-    vector: bool = False
+    axes: tuple[str, ...] = ()
     needs_load: bool = False
 
     @property
+    def vector(self) -> bool:
+        """Whether it has three components."""
+        return bool(self.axes)
+
+    @property
     def components(self) -> int:
-        """Numbers for each sample: three of a vector."""
-        return 3 if self.vector else 1
+        """How many numbers it is: 3 for a vector, else 1."""
+        return len(self.axes) or 1
 
     @property
     def label(self) -> str:
@@ -70,95 +77,70 @@ class _Outputs(Mapping[str, Output]):
         return "OUTPUTS"
 
 
-OUTPUTS: Mapping[str, Output] = _Outputs(
-    (
-        Output(
-            "angle",
-            "shaft",
-            "rad",
-            "rotation, mean-synchronous with the drive",
-            "tan angle = tan a / cos b (Thoma 4, Grossmann 1)",
-        ),
-        Output(
-            "angle_error",
-            "shaft",
-            "rad",
-            "rotation less the drive angle, mean zero",
-            "atan2((1 - cos b) sin a cos a, cos b cos² a + sin² a) (from Thoma 4; Bild 11)",
-        ),
-        Output(
-            "speed_ratio",
-            "shaft",
-            "1",
-            "speed over that of the drive",
-            "cos b / (cos² b cos² a + sin² a) (from Thoma 4)",
-        ),
-        Output(
-            "acceleration_ratio",
-            "shaft",
-            "1",
-            "second derivative of the rotation by the drive angle; times the square of the "
-            "drive speed it is the acceleration at constant drive speed",
-            "-2 cos b sin² b sin a cos a / (cos² b cos² a + sin² a)² (from Thoma 4)",
-        ),
-        Output(
-            "torque",
-            "shaft",
-            "N m",
-            "torsion entering the shaft",
-            "D / speed ratio of the joint (Grossmann 7), less what inertias take (Thoma 8)",
-            needs_load=True,
-        ),
-        Output(
-            "support_moment",
-            "shaft",
-            "N m",
-            "vector that the bearings must give the shaft",
-            "moment of the joint at its end less that at its start, without the part along it",
-            vector=True,
-            needs_load=True,
-        ),
-        Output(
-            "moment",
-            "joint",
-            "N m",
-            "vector that the joint exerts on its driven shaft",
-            "D (u_in + tan b sin a (sin a e_in - cos a m)), normal to both pins (Thoma 5)",
-            vector=True,
-            needs_load=True,
-        ),
-        Output(
-            "bending_driving",
-            "joint",
-            "N m",
-            "size of the bending moment in the driving shaft",
-            "D tan b |sin a| (Grossmann 6)",
-            needs_load=True,
-        ),
-        Output(
-            "bending_driven",
-            "joint",
-            "N m",
-            "size of the bending moment in the driven shaft",
-            "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)",
-            needs_load=True,
-        ),
-        Output(
-            "tilt_driving",
-            "joint",
-            "rad",
-            "signed tilt of the cross, driving shaft",
-            "tan tilt = tan b sin a (Grossmann 3)",
-        ),
-        Output(
-            "tilt_driven",
-            "joint",
-            "rad",
-            "signed tilt of the cross, driven shaft",
-            "sin tilt = sin b cos a (Grossmann 5)",
-        ),
-    )
-)
+# What each output means, and its equation; the core's table says everything else.
+_PROSE = {
+    "angle": (
+        "rotation, mean-synchronous with the drive",
+        "tan angle = tan a / cos b (Thoma 4, Grossmann 1)",
+    ),
+    "angle_error": (
+        "rotation less the drive angle, mean zero",
+        "atan2((1 - cos b) sin a cos a, cos b cos² a + sin² a) (from Thoma 4; Bild 11)",
+    ),
+    "speed_ratio": (
+        "speed over that of the drive",
+        "cos b / (cos² b cos² a + sin² a) (from Thoma 4)",
+    ),
+    "acceleration_ratio": (
+        "second derivative of the rotation by the drive angle; times the square of the "
+        "drive speed it is the acceleration at constant drive speed",
+        "-2 cos b sin² b sin a cos a / (cos² b cos² a + sin² a)² (from Thoma 4)",
+    ),
+    "jerk_ratio": (
+        "third derivative of the rotation by the drive angle; times the cube of the "
+        "drive speed it is the jerk at constant drive speed",
+        "2 cos b sin² b (sin⁴ a + 3 sin² b sin² a cos² a - cos² b cos⁴ a) / "
+        "(cos² b cos² a + sin² a)³ (derived here from Thoma 4)",
+    ),
+    "torque": (
+        "torsion entering the shaft",
+        "D / speed ratio of the joint (Grossmann 7), less what inertias take (Thoma 8)",
+    ),
+    "support_moment": (
+        "vector that the bearings must give the shaft",
+        "moment of the joint at its end less that at its start, without the part along it",
+    ),
+    "moment": (
+        "vector that the joint exerts on its driven shaft",
+        "D (u_in + tan b sin a (sin a e_in - cos a m)), normal to both pins (Thoma 5)",
+    ),
+    "bending_driving": (
+        "size of the bending moment in the driving shaft",
+        "D tan b |sin a| (Grossmann 6)",
+    ),
+    "bending_driven": (
+        "size of the bending moment in the driven shaft",
+        "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)",
+    ),
+    "tilt_driving": (
+        "signed tilt of the cross, driving shaft",
+        "tan tilt = tan b sin a (Grossmann 3)",
+    ),
+    "tilt_driven": (
+        "signed tilt of the cross, driven shaft",
+        "sin tilt = sin b cos a (Grossmann 5)",
+    ),
+}
+
+
+def _rows() -> Iterator[Output]:
+    for name, per, unit, components, needs_load in _core.outputs():
+        meaning, source = _PROSE[name]
+        named = tuple(filter(None, components))
+        yield Output(name, per, unit, meaning, source, named, needs_load)
+
+
+OUTPUTS: Mapping[str, Output] = _Outputs(_rows())
 """Every output by name, in the order of the documentation."""
 
 

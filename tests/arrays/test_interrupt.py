@@ -1,7 +1,7 @@
 """Ctrl-C and other signals during long native work: it ends at once, and says nothing false.
 
 Every evaluation here that is to be interrupted would go on for minutes or for ever. That it ends is
-what is tested; docs/faults.md says how soon.
+what is tested; docs/testing.md says how soon.
 """
 
 from __future__ import annotations

@@ -210,7 +210,7 @@ def rates(line: Driveline) -> dict[str, float]:
 def folding(line: Driveline) -> float:
     """Return what sines and cosines within 2**-62 of all joints and shafts change of the motion.
 
-    Steep joints stretch that by 1/|A|, as in docs/stress.md.
+    Steep joints stretch that by 1/|A|, as in docs/testing.md.
     """
     joint = line.equivalent()
     k, stretch = float(joint.k), (float(joint.max_speed_ratio) + 1) / 2

@@ -15,6 +15,7 @@ pub use mechanics::chain::Equivalent;
 pub use mechanics::geometry::{Geometry, Vector};
 pub use mechanics::joint::Joint;
 pub use mechanics::phasing::optimal_phases;
+pub use mechanics::transmission::{General, Ideal, Motion, MotionGradient, Transmission};
 pub use number::{DoubleDouble, Precision};
 pub use plan::{End, Output, Per, Plan, Reduction, Request, Route, Row};
 pub use run::execution::{Execution, Planes};

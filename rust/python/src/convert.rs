@@ -9,7 +9,10 @@ use pyo3::prelude::*;
 pub(crate) type Input<'py> = PyReadonlyArray1<'py, f64>;
 
 /// The elements of a contiguous array.
-pub(crate) fn slice<'a>(name: &str, array: &'a Input<'_>) -> PyResult<&'a [f64]> {
+pub(crate) fn slice<'a, N: Element>(
+    name: &str,
+    array: &'a PyReadonlyArray1<'_, N>,
+) -> PyResult<&'a [N]> {
     array.as_slice().map_err(|_| not_contiguous(name))
 }
 

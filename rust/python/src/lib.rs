@@ -10,6 +10,7 @@ mod convert;
 mod driveline;
 mod lines;
 mod plan;
+mod transmission;
 mod watch;
 
 use pyo3::prelude::*;
@@ -24,7 +25,9 @@ mod _core {
     #[pymodule_export]
     use super::lines::Lines;
     #[pymodule_export]
-    use super::plan::{DriveSweep, Plan, levels};
+    use super::plan::{DriveSweep, NativePlan, levels, outputs};
+    #[pymodule_export]
+    use super::transmission::Transmission;
 
     use super::PyResult;
     use pyo3::prelude::*;

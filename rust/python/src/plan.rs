@@ -6,8 +6,8 @@ use std::iter::once;
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output as Quantity,
-    Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
+    Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan, Planes,
+    Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use numpy::npyffi::npy_intp;
 use numpy::{
@@ -44,7 +44,7 @@ type Strided<'py> = (PyReadonlyArrayDyn<'py, f64>, Cow<'static, [usize]>);
 type LoadArrays = (PyBackedStr, Spread, Spread, Spread, Vec<(usize, Spread)>);
 
 /// The drive angles of a run.
-enum Drive<'py> {
+enum AngleArgument<'py> {
     Array(PyReadonlyArrayDyn<'py, f64>),
     Sweep(Sweep),
 }
@@ -79,9 +79,9 @@ impl DriveSweep {
 }
 
 /// The steps for one set of outputs, and the drivelines they are for.
-#[pyclass(frozen, module = "cardan._core")]
-pub(crate) struct Plan {
-    steps: CorePlan,
+#[pyclass(frozen, name = "Plan", module = "cardan._core")]
+pub(crate) struct NativePlan {
+    steps: Plan,
     precision: Precision,
     reduction: Option<Reduction>,
     /// Whether results are in single precision.
@@ -98,7 +98,7 @@ pub(crate) struct Plan {
 }
 
 #[pymethods]
-impl Plan {
+impl NativePlan {
     /// The end of the load is `"drive"` or `"output"`; its arrays are read when the plan runs. Without
     /// a tolerance the arithmetic is that of the results, `single` or double.
     #[new]
@@ -137,7 +137,7 @@ impl Plan {
             load: end,
             inertias: &inertias,
         };
-        let plan = CorePlan::new(&request).map_err(|error| value_error(&error))?;
+        let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
         let precision = match tolerance {
             Some(tolerance) => plan.precision(tolerance),
             None if single => Precision::Single,
@@ -211,16 +211,18 @@ impl Plan {
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let level = level.map(named_level).transpose()?;
         let angle = match angle.extract() {
-            Ok(array) => Drive::Array(array),
-            Err(error) => Drive::Sweep(angle.cast::<DriveSweep>().map_err(|_| error)?.get().0),
+            Ok(array) => AngleArgument::Array(array),
+            Err(error) => {
+                AngleArgument::Sweep(angle.cast::<DriveSweep>().map_err(|_| error)?.get().0)
+            }
         };
         let count = match &angle {
-            Drive::Array(array) => array.len(),
-            Drive::Sweep(sweep) => sweep.count(),
+            AngleArgument::Array(array) => array.len(),
+            AngleArgument::Sweep(sweep) => sweep.count(),
         };
         let own = match &angle {
-            Drive::Array(array) => array.shape(),
-            Drive::Sweep(_) => &[count],
+            AngleArgument::Array(array) => array.shape(),
+            AngleArgument::Sweep(_) => &[count],
         };
         let shape = shape.map(|shape| numbers(shape.iter())).transpose()?;
         // Where nothing else changes, the samples are one row, whatever the shape of the angles.
@@ -241,11 +243,11 @@ impl Plan {
             (None, _) => rows,
         };
         let angle = match &angle {
-            Drive::Array(array) => {
+            AngleArgument::Array(array) => {
                 let Some(data) = elements(array) else { return Ok(None) };
                 Angles::Array(Source { data, strides: &angle_strides })
             }
-            Drive::Sweep(sweep) => Angles::Sweep(*sweep),
+            AngleArgument::Sweep(sweep) => Angles::Sweep(*sweep),
         };
         let load = self.load_of(&load)?;
         lines.with(py, |lines| {
@@ -269,7 +271,7 @@ impl Plan {
     }
 }
 
-impl Plan {
+impl NativePlan {
     /// The arrays of the load with their strides over samples of this shape.
     fn read_load<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Vec<Strided<'py>>> {
         let read = |(name, array): &(&str, Spread)| {
@@ -458,10 +460,10 @@ fn reduction(name: &str) -> PyResult<Reduction> {
         .ok_or_else(|| PyValueError::new_err(format!("reduce is {name:?}, which is unknown")))
 }
 
-fn quantity(name: &str) -> PyResult<Quantity> {
-    Quantity::ALL
+fn quantity(name: &str) -> PyResult<Output> {
+    Output::ALL
         .into_iter()
-        .find(|output| output.name() == name)
+        .find(|output| output.row().name == name)
         .ok_or_else(|| PyValueError::new_err(format!("outputs holds {name:?}, which is unknown")))
 }
 
@@ -477,4 +479,16 @@ fn named_level(name: &str) -> PyResult<Level> {
 #[pyfunction]
 pub(crate) fn levels() -> Vec<&'static str> {
     level::available().into_iter().map(|(name, _)| name).collect()
+}
+
+/// The table of outputs: name, what there is one for, unit, names of the components, and whether it
+/// needs a load.
+#[pyfunction]
+pub(crate) fn outputs() -> Vec<(&'static str, &'static str, &'static str, Vec<&'static str>, bool)>
+{
+    let row = |output: Output| {
+        let row = output.row();
+        (row.name, row.per.name(), row.unit, row.components.to_vec(), output.needs_load())
+    };
+    Output::ALL.into_iter().map(row).collect()
 }

@@ -91,8 +91,9 @@ pub(crate) fn room(bytes: usize) -> PyResult<()> {
 }
 
 /// Makes room for so many elements.
-pub(crate) fn reserve(array: &mut Vec<f64>, count: usize) -> PyResult<()> {
-    array.try_reserve_exact(count).map_err(|_| no_memory(count.saturating_mul(8)))
+pub(crate) fn reserve<N>(array: &mut Vec<N>, count: usize) -> PyResult<()> {
+    let bytes = count.saturating_mul(size_of::<N>());
+    array.try_reserve_exact(count).map_err(|_| no_memory(bytes))
 }
 
 pub(crate) fn no_memory(bytes: usize) -> PyErr {

@@ -159,7 +159,7 @@ impl Report<'_> {
         text
     }
 
-    /// The page of the documentation.
+    /// The record of a run, as Markdown.
     pub(crate) fn table(&self, threads: u64) -> String {
         let mut text = String::from(include_str!("../head.md"));
         let least = self.ledger.0.iter().flat_map(|tier| tier.iter().map(|e| e.judged)).min();

@@ -8,8 +8,8 @@
 
 use std::ops::{Mul, Sub};
 
+use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::joint::Joint;
-use crate::mechanics::transmission::Ideal;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction;
@@ -142,11 +142,11 @@ impl Transfer {
 
     /// The shaft's motion in twice the drive angle.
     #[inline(always)]
-    pub(crate) fn ideal(&self) -> Ideal<DoubleDouble> {
+    pub(crate) fn double_angle(&self) -> DoubleAngle<DoubleDouble> {
         let a2 = self.a.norm_squared();
         let inverse = a2.recip();
         let q = (self.b * self.a.conj()).apart().times(-inverse);
-        Ideal::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
+        DoubleAngle::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
     }
 
     /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`: the rows give the cosine and the sine of

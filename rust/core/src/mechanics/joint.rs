@@ -138,6 +138,14 @@ impl<T: Real> JointConstants<T> {
     }
 }
 
+impl JointConstants<f64> {
+    /// Those of a joint in doubles.
+    pub(crate) fn of_doubles(joint: &Joint) -> Self {
+        let Joint { cos, cos2, sin2, versine, inverse_exsecant, .. } = *joint;
+        Self { cos, cos2, sin2, versine, inverse_exsecant }
+    }
+}
+
 #[inline(always)]
 fn inverse_exsecant(cos: DoubleDouble, versine: DoubleDouble) -> DoubleDouble {
     let quotient = cos / versine;
@@ -221,9 +229,7 @@ impl Joint {
     /// The largest acceleration ratio.
     pub fn max_acceleration_ratio(&self) -> f64 {
         let (c, s) = self.steepest();
-        let Self { cos, cos2, sin2, versine, inverse_exsecant, .. } = *self;
-        let constants = JointConstants { cos, cos2, sin2, versine, inverse_exsecant };
-        let (_, acceleration) = rates(&constants, s, c);
+        let (_, acceleration) = rates(&JointConstants::of_doubles(self), s, c);
         acceleration
     }
 }

@@ -1,9 +1,10 @@
 //! The physics of one sample: geometry, joints, chains, moments, phasing. No slices, no threads.
 
 pub mod chain;
+pub(crate) mod double_angle;
 pub(crate) mod extremes;
 pub mod geometry;
 pub mod joint;
 pub(crate) mod moment;
 pub mod phasing;
-pub(crate) mod transmission;
+pub mod transmission;

@@ -1,146 +1,317 @@
-//! Moderate bends in twice the drive angle.
+//! How one shaft follows the drive: the motion at one drive angle, and its derivatives.
 //!
-//! A shaft behind any chain of joints stands at `α + arg(1 − q e^{−2iα})` with `q = −B/A` of the
-//! chain's map ([`crate::mechanics::chain`]) and `|q| = k`; for one joint on the drive shaft `q = tan²(β/2)`.
-//! With `p = q e^{−2iα}`:
-//!
-//! `tan Δ = −Im p/(1 − Re p)`, speed ratio `r = (1 − k²)/(1 + k² − 2 Re p)`, acceleration ratio
-//! `4 Im p r/(1 + k² − 2 Re p)`, or `4 Im p r²/(1 − k²)`.
-//!
-//! Here all but `Im p` is a small number beside 1, and so are its roundings. For steep bends
-//! `1 + k² − 2 Re p` nearly vanishes; they have the formulas of [`crate::mechanics::joint`].
+//! Behind ideal joints all motion of a shaft depends on the drive angle and on one complex number,
+//! `q = B/A` of the map `w → A w + B w̄` ([`crate::mechanics::chain`]). With `u = e^{−2iα}` and
+//! `g = 1/(1 + q u)` the angle error is `arg(1 + q u)`, the speed ratio `Re((1 − q u) g)`, the
+//! acceleration ratio `Re(4 i q u g²)` and the jerk ratio `Re(8 q u (1 − q u) g³)`.
 
-use crate::number::atan::AtanRange;
-use crate::number::double_double::DoubleDouble;
-use crate::number::float::Real;
-use crate::number::trig::Angle;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How a shaft swings about the drive, twice in a turn, and how many parts of `q` are left to multiply by: the
-/// shaft behind the first joint has a real one, as its pin is that of the drive, and pins that hold `p`
-/// itself leave none.
+use nalgebra::Complex;
+
+use crate::mechanics::chain::Equivalent;
+use crate::mechanics::joint::{self, Joint, JointConstants};
+use crate::number::trig;
+
+/// The motion of a shaft at one drive angle, differentiated by the drive angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ideal<T, const PARTS: usize = 2> {
-    /// Real and imaginary part of `q`.
-    pub(crate) q: [T; 2],
-    /// `(1 + k²)/2`.
-    pub(crate) mean: T,
-    /// `(1 − k²)/2`.
-    pub(crate) complement: T,
-    /// `−4/(1 − k²)`.
-    pub(crate) gain: T,
+pub struct Motion {
+    /// Angle of the shaft less the drive angle, in rad, mean zero over a turn.
+    pub angle_error: f64,
+    /// First derivative of the shaft's angle.
+    pub speed_ratio: f64,
+    /// Second derivative.
+    pub acceleration_ratio: f64,
+    /// Third derivative.
+    pub jerk_ratio: f64,
 }
 
-impl Ideal<DoubleDouble> {
-    /// That of `q`, given `|q|²` and `1 − |q|²`.
-    #[inline(always)]
-    pub(crate) fn new(
-        q: [DoubleDouble; 2],
-        square: DoubleDouble,
-        complement: DoubleDouble,
-    ) -> Self {
-        Self {
-            q,
-            mean: DoubleDouble::exact(0.5).fast_add(square.scaled(0.5)),
-            complement: complement.scaled(0.5),
-            gain: DoubleDouble::exact(-4.0) / complement,
+/// The derivatives of the motion by `q`: a change `dq` changes each quantity by the real part of
+/// `derivative · dq`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MotionGradient {
+    /// Of the angle error.
+    pub angle_error: Complex<f64>,
+    /// Of the speed ratio.
+    pub speed_ratio: Complex<f64>,
+    /// Of the acceleration ratio.
+    pub acceleration_ratio: Complex<f64>,
+    /// Of the jerk ratio.
+    pub jerk_ratio: Complex<f64>,
+}
+
+/// How one shaft follows the drive.
+#[derive(Clone, Debug)]
+pub enum Transmission {
+    /// Through ideal joints, which act as one.
+    Ideal(Ideal),
+    /// Joint by joint.
+    General(General),
+}
+
+impl Transmission {
+    /// The motion at a drive angle in rad; NaN if it is not finite.
+    pub fn motion(&self, angle: f64) -> Motion {
+        match self {
+            Self::Ideal(ideal) => ideal.motion(angle),
+            Self::General(general) => general.motion(angle),
+        }
+    }
+}
+
+/// A chain of ideal joints, by its equivalent joint.
+#[derive(Clone, Copy, Debug)]
+pub struct Ideal {
+    equivalent: Equivalent,
+}
+
+impl Ideal {
+    /// The transmission to the output of the last of these joints.
+    ///
+    /// ```
+    /// use cardan::Ideal;
+    ///
+    /// let joint = Ideal::of_chain(&[0.5], &[], &[]);
+    /// assert!((joint.q().re + (0.25_f64).tan().powi(2)).abs() < 1e-16);
+    /// assert!((joint.motion(0.0).speed_ratio - 1.0 / 0.5_f64.cos()).abs() < 1e-15);
+    /// ```
+    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        Self { equivalent: Equivalent::of_chain(bends, twists, phases) }
+    }
+
+    /// `q = B/A`; `|q| = tan²(β/2)` of the equivalent bend `β`.
+    pub fn q(&self) -> Complex<f64> {
+        let Equivalent { joint, turn_cos, turn_sin } = self.equivalent;
+        let turn = Complex::new(turn_cos, -turn_sin);
+        turn * turn * -joint.k
+    }
+
+    /// Sine and cosine of the equivalent joint's driving angle.
+    fn sin_cos(&self, angle: f64) -> (f64, f64) {
+        let (s, c) = trig::sin_cos(angle);
+        let Equivalent { turn_cos, turn_sin, .. } = self.equivalent;
+        (s.mul_add(turn_cos, c * turn_sin), c.mul_add(turn_cos, -(s * turn_sin)))
+    }
+
+    /// The motion at a drive angle in rad; NaN if it is not finite.
+    pub fn motion(&self, angle: f64) -> Motion {
+        let (s, c) = self.sin_cos(angle);
+        joint_motion(&self.equivalent.joint, s, c)
+    }
+
+    /// The derivatives of the motion by `q` at a drive angle in rad.
+    ///
+    /// With `a` the equivalent joint's driving angle, `1 + q u` is
+    /// `2 (cos β cos² a + sin² a + i (1 − cos β) sin a cos a)/(1 + cos β)`: neither part cancels for
+    /// steep bends.
+    pub fn gradient(&self, angle: f64) -> MotionGradient {
+        let (s, c) = self.sin_cos(angle);
+        let Joint { cos, versine, k, .. } = self.equivalent.joint;
+        let inverse = Complex::new((cos * c).mul_add(c, s * s), versine * s * c);
+        let g = Complex::new(0.5 * (1.0 + cos), 0.0) / inverse;
+        // q u = −k e^{−2ia}.
+        let half = Complex::new(c, -s);
+        let z = half * half * -k;
+        let (sine, cosine) = trig::sin_cos(angle);
+        let u = Complex::new(cosine, -sine).powu(2);
+        let i = Complex::new(0.0, 1.0);
+        let one = Complex::new(1.0, 0.0);
+        MotionGradient {
+            angle_error: -i * u * g,
+            speed_ratio: u * g * g * -2.0,
+            acceleration_ratio: i * u * (one - z) * g * g * g * 4.0,
+            jerk_ratio: u * (one - z * g * g * 6.0) * g * g * 8.0,
+        }
+    }
+}
+
+/// A chain whose joints are evaluated one after the other: the way of joints that no single `q`
+/// describes.
+#[derive(Clone, Debug)]
+pub struct General {
+    /// Each joint with the angle by which the shaft before it turns its pin on.
+    stages: Vec<(f64, Joint)>,
+    /// The mean of the sum of the joints' own angle errors.
+    mean: f64,
+}
+
+impl General {
+    /// The transmission to the output of the last of these joints.
+    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        let turns = phases.iter().zip(twists).map(|(phase, twist)| phase - twist + FRAC_PI_2);
+        let turns = std::iter::once(0.0).chain(turns);
+        let stages = turns.zip(bends.iter().map(|&bend| Joint::new(bend))).collect();
+        let mut general = Self { stages, mean: 0.0 };
+        general.mean = general.mean_error();
+        general
+    }
+
+    /// The mean over half a turn by the trapezoidal rule, whose error falls geometrically.
+    fn mean_error(&self) -> f64 {
+        const MOST: u32 = 1 << 16;
+        let mut count = 16;
+        let mut sum: f64 = (0..count).map(|i| self.error_at(i, count)).sum();
+        loop {
+            let before = sum / f64::from(count);
+            // The samples halfway between those that are known.
+            count *= 2;
+            sum += (1..count).step_by(2).map(|i| self.error_at(i, count)).sum::<f64>();
+            let mean = sum / f64::from(count);
+            if (mean - before).abs() <= 1e-16 || count >= MOST {
+                return mean;
+            }
         }
     }
 
-    /// That of a joint on the drive shaft.
-    #[inline(always)]
-    pub(crate) fn of_joint(bend: f64) -> Self {
-        let (numerator, denominator) = DoubleDouble::tangent(DoubleDouble::exact(0.5 * bend));
-        let k = (numerator / denominator).square();
-        let square = k.square();
-        Self::new([k, DoubleDouble::exact(0.0)], square, DoubleDouble::ONE.fast_add(-square))
-    }
-}
-
-impl<T: Real> Ideal<T> {
-    /// The nearest numbers of a kernel.
-    #[inline(always)]
-    pub(crate) fn nearest(ideal: &Ideal<DoubleDouble>) -> Self {
-        Self {
-            q: ideal.q.map(T::from_double_double),
-            mean: T::from_double_double(ideal.mean),
-            complement: T::from_double_double(ideal.complement),
-            gain: T::from_double_double(ideal.gain),
-        }
+    fn error_at(&self, i: u32, count: u32) -> f64 {
+        self.motion(PI * f64::from(i) / f64::from(count)).angle_error
     }
 
-    /// The inverse tangent that serves its angle error, at most `asin k`.
-    #[inline(always)]
-    pub(crate) fn range(&self) -> AtanRange {
-        let [re, im] = self.q.map(|x| x.value().into());
-        let complement: f64 = self.complement.value().into();
-        AtanRange::holding_squares(re * re + im * im, 2.0 * complement)
-    }
-
-    /// The same with so many parts of `q` left.
-    #[inline(always)]
-    pub(crate) fn with_parts<const PARTS: usize>(self) -> Ideal<T, PARTS> {
-        let Self { q, mean, complement, gain } = self;
-        Ideal { q, mean, complement, gain }
-    }
-}
-
-/// The parts of a swing.
-#[derive(Clone, Copy)]
-pub(crate) struct DoubleAngleTerms<T> {
-    /// `−Im p`.
-    pub(crate) neg_im: T,
-    /// `1 − Re p`.
-    pub(crate) one_minus_re: T,
-    /// `Re p`.
-    re: T,
-    /// `(1 + k²)/2 − Re p`.
-    mean_minus_re: T,
-    /// `(1 − k²)/2`.
-    complement: T,
-    /// `−4/(1 − k²)`.
-    gain: T,
-}
-
-impl<T: Angle, const PARTS: usize> Ideal<T, PARTS> {
-    /// The parts from sine and cosine of `2α`, or from `−Im p` and `Re p`.
-    #[inline(always)]
-    pub(crate) fn terms(&self, s: T, c: T) -> DoubleAngleTerms<T> {
-        let [re, im] = self.q;
-        let (neg_im, p) = match PARTS {
-            0 => (s, c),
-            1 => (re * s, re * c),
-            _ => (re.mul_add(s, -(im * c)), re.mul_add(c, im * s)),
+    /// The motion at a drive angle in rad; NaN if it is not finite.
+    pub fn motion(&self, angle: f64) -> Motion {
+        let (mut s, mut c) = trig::sin_cos(angle);
+        let mut whole = Motion {
+            angle_error: -self.mean,
+            speed_ratio: 1.0,
+            acceleration_ratio: 0.0,
+            jerk_ratio: 0.0,
         };
-        DoubleAngleTerms {
-            neg_im,
-            re: p,
-            one_minus_re: T::from_f64(1.0).fast_add(-p),
-            mean_minus_re: self.mean.fast_add(-p),
-            complement: self.complement,
-            gain: self.gain,
+        for (turn, joint) in &self.stages {
+            (s, c) = turned((s, c), trig::sin_cos(*turn));
+            let own = joint_motion(joint, s, c);
+            (s, c) = turned((s, c), trig::sin_cos(own.angle_error));
+            whole = own.after(&whole);
+        }
+        whole
+    }
+}
+
+impl Motion {
+    /// The motion of a shaft that follows one with the motion `before`, by the chain rule.
+    fn after(&self, before: &Self) -> Self {
+        let (r, a, j) = (before.speed_ratio, before.acceleration_ratio, before.jerk_ratio);
+        let Self { angle_error, speed_ratio, acceleration_ratio, jerk_ratio } = *self;
+        Self {
+            angle_error: before.angle_error + angle_error,
+            speed_ratio: speed_ratio * r,
+            acceleration_ratio: acceleration_ratio * r * r + speed_ratio * a,
+            jerk_ratio: jerk_ratio * r.powi(3) + 3.0 * acceleration_ratio * r * a + speed_ratio * j,
         }
     }
 }
 
-impl<T: Angle> DoubleAngleTerms<T> {
-    /// Speed ratio and acceleration ratio.
-    #[inline(always)]
-    pub(crate) fn rates(&self) -> (T, T) {
-        if T::PRECISION.costs().double_angle {
-            // By one inverse, two quotients cost less than one and products.
-            let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
-            return (ratio, (swing * ratio).scaled(-2.0));
-        }
-        let ratio = self.complement / self.mean_minus_re;
-        (ratio, (self.neg_im * ratio) * (self.gain * ratio))
+/// The motion behind one joint from sine and cosine of its driving angle.
+fn joint_motion(joint: &Joint, s: f64, c: f64) -> Motion {
+    let constants = JointConstants::of_doubles(joint);
+    let (y, x) = joint::error_tangent(&constants, s, c);
+    let (speed_ratio, acceleration_ratio) = joint::rates(&constants, s, c);
+    let jerk_ratio = joint::jerk_ratio(&constants, s, c);
+    Motion { angle_error: y.atan2(x), speed_ratio, acceleration_ratio, jerk_ratio }
+}
+
+/// Sine and cosine of a sum of angles.
+fn turned((s, c): (f64, f64), (by_s, by_c): (f64, f64)) -> (f64, f64) {
+    (s * by_c + c * by_s, c * by_c - s * by_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CHAINS: [(&[f64], &[f64], &[f64]); 5] = [
+        (&[0.5], &[], &[]),
+        (&[0.3, 0.2], &[0.4], &[-1.1]),
+        (&[0.17, 0.0, 0.4, 0.3], &[0.3, 2.0, -0.7], &[1.0, 0.2, 0.9]),
+        (&[1.3, 0.9], &[-0.5], &[0.8]),
+        (&[1.45, 0.2, 0.1], &[0.2, 0.3], &[0.5, -4.0]),
+    ];
+
+    fn numbers(motion: Motion) -> [f64; 4] {
+        let Motion { angle_error, speed_ratio, acceleration_ratio, jerk_ratio } = motion;
+        [angle_error, speed_ratio, acceleration_ratio, jerk_ratio]
     }
 
-    /// Jerk ratio, `4 r (2 (Im p)² − Re p · across)/across²` with `across = (1 + k²)/2 − Re p`.
-    #[inline(always)]
-    pub(crate) fn jerk_ratio(&self) -> T {
-        let across = self.mean_minus_re;
-        let [ratio, swing] = T::both_over(self.complement, self.neg_im, across);
-        let real = self.re / across;
-        ratio * (swing.square().scaled(2.0) - real).scaled(4.0)
+    /// The motion of `q` by the formulas of this page.
+    fn plain(q: Complex<f64>, angle: f64) -> [f64; 4] {
+        let z = q * Complex::from_polar(1.0, -2.0 * angle);
+        let one = Complex::new(1.0, 0.0);
+        let g = one / (one + z);
+        let i = Complex::new(0.0, 1.0);
+        [
+            (one + z).arg(),
+            ((one - z) * g).re,
+            (i * z * g * g * 4.0).re,
+            (z * (one - z) * g.powu(3) * 8.0).re,
+        ]
+    }
+
+    #[test]
+    fn joint_by_joint_is_as_the_equivalent_joint() {
+        for (bends, twists, phases) in CHAINS {
+            let ideal = Transmission::Ideal(Ideal::of_chain(bends, twists, phases));
+            let general = Transmission::General(General::of_chain(bends, twists, phases));
+            for i in 0..100 {
+                let angle = 0.1 * f64::from(i) - 3.0;
+                let [one, other] = [&ideal, &general].map(|way| numbers(way.motion(angle)));
+                for (x, y) in one.into_iter().zip(other) {
+                    assert!((x - y).abs() < 1e-12 * (1.0 + x.abs()), "{bends:?} {angle}: {x} {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn motion_is_that_of_q() {
+        for (bends, twists, phases) in CHAINS {
+            let ideal = Ideal::of_chain(bends, twists, phases);
+            for i in 0..50 {
+                let angle = 0.13 * f64::from(i);
+                let wanted = plain(ideal.q(), angle);
+                for (x, y) in numbers(ideal.motion(angle)).into_iter().zip(wanted) {
+                    assert!((x - y).abs() < 2e-11 * (1.0 + y.abs()), "{bends:?} {angle}: {x} {y}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_are_the_differences_by_q() {
+        const STEP: f64 = 1e-5;
+        for (bends, twists, phases) in CHAINS {
+            let ideal = Ideal::of_chain(bends, twists, phases);
+            let q = ideal.q();
+            for i in 0..30 {
+                let angle = 0.21 * f64::from(i);
+                let gradient = ideal.gradient(angle);
+                let derivatives = [
+                    gradient.angle_error,
+                    gradient.speed_ratio,
+                    gradient.acceleration_ratio,
+                    gradient.jerk_ratio,
+                ];
+                for direction in [Complex::new(1.0, 0.0), Complex::new(0.0, 1.0)] {
+                    let at = |steps: f64| plain(q + direction * (steps * STEP), angle);
+                    let (far, near) = ([at(2.0), at(-2.0)], [at(1.0), at(-1.0)]);
+                    for (n, derivative) in derivatives.into_iter().enumerate() {
+                        // Five points: the error is of the fourth order in the step.
+                        let wide = far[0][n] - far[1][n];
+                        let slope = (8.0 * (near[0][n] - near[1][n]) - wide) / (12.0 * STEP);
+                        let found = (derivative * direction).re;
+                        let scale = 1.0 + derivative.norm();
+                        assert!(
+                            (found - slope).abs() < 1e-6 * scale,
+                            "{bends:?} {angle} {n}: {found} {slope}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_angle_has_no_motion() {
+        let ideal = Ideal::of_chain(&[0.5], &[], &[]);
+        assert!(numbers(ideal.motion(f64::INFINITY)).into_iter().all(f64::is_nan));
+        assert!(numbers(ideal.motion(f64::NAN)).into_iter().all(f64::is_nan));
     }
 }

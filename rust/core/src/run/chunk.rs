@@ -149,22 +149,22 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             });
             continue;
         }
-        let ideals = shaft.ideals(geometry, size);
+        let double_angles = shaft.double_angles(geometry, size);
         // Each number type has one of the two routes, so only that one is compiled for it.
         if T::PRECISION.costs().double_angle {
             if step.shaft == 1 {
-                with_constants!(geometry, |i| ideals.get(i).with_parts::<1>(), at => {
+                with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
                     run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
                 });
             } else {
-                with_constants!(geometry, |i| ideals.get(i), at => {
+                with_constants!(geometry, |i| double_angles.get(i), at => {
                     run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
                 });
             }
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
-            let ideal = ideals.get(index);
-            let swept = Swept::new(rotations, groups, ideal.q);
-            let at = |_| ideal.with_parts::<0>();
+            let double_angle = double_angles.get(index);
+            let swept = Swept::new(rotations, groups, double_angle.q);
+            let at = |_| double_angle.with_parts::<0>();
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
         }
     }
@@ -175,10 +175,10 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         let poses = &poses[..geometry.count(size)];
         with_constants!(geometry, |i: usize| poses[i], at => {
             if let Some(plane) = step.planes.get(Output::TiltDriving) {
-                map::tilt(at, Pose::tilt_driving, pins, &mut *planes[plane]);
+                map::formula(Pose::tilt_driving, at, pins, &mut *planes[plane]);
             }
             if let Some(plane) = step.planes.get(Output::TiltDriven) {
-                map::tilt(at, Pose::tilt_driven, pins, &mut *planes[plane]);
+                map::formula(Pose::tilt_driven, at, pins, &mut *planes[plane]);
             }
         });
     }
@@ -241,12 +241,15 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     planes: &mut [&mut [W]],
     size: usize,
 ) {
+    if let Some(plane) = step.planes.get(Output::JerkRatio) {
+        map::formula(S::jerk_ratio, at, pins, &mut *planes[plane]);
+    }
     let together = step.together().filter(|_| S::MODERATE && range.is_moderate());
     if let Some([rotation, ratio, acceleration]) = together {
         let [rotation, ratio, acceleration] = planes
             .get_disjoint_mut([rotation, ratio, acceleration])
             .expect("a plan gives every output planes of its own");
-        let rates: [&mut [W]; 2] = [ratio, acceleration];
+        let rates: (&mut [W], &mut [W]) = (ratio, acceleration);
         match drive {
             _ if step.planes.get(Output::Angle).is_none() => {
                 map::motion(range, at, pins, &mut **rotation, rates);
@@ -268,13 +271,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
                 map::add_drive(drive, errors.view(), rotation);
             }
         }
-        if let Some(plane) = step.planes.get(Output::JerkRatio) {
-            map::jerk_ratio(at, pins, &mut *planes[plane]);
-        }
         return;
-    }
-    if let Some(plane) = step.planes.get(Output::JerkRatio) {
-        map::jerk_ratio(at, pins, &mut *planes[plane]);
     }
     if let Some(plane) = step.planes.get(Output::AngleError) {
         map::angle_error(range, at, pins, &mut *planes[plane]);
@@ -301,12 +298,12 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     let mut wanted =
         (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
     if step.keep_acceleration {
-        map::rates(at, pins, ratio.view_mut(size), acceleration.view_mut(size));
+        map::formula(S::rates, at, pins, (ratio.view_mut(size), acceleration.view_mut(size)));
         if let Some(plane) = wanted.1.take() {
             map::copy::<T>(acceleration.view(size), &mut *planes[plane]);
         }
     } else if step.keep_ratio {
-        map::speed_ratio(at, pins, ratio.view_mut(size));
+        map::formula(S::speed_ratio, at, pins, ratio.view_mut(size));
     }
     if step.keep_ratio
         && let Some(plane) = wanted.0.take()
@@ -314,15 +311,15 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
         map::copy::<T>(ratio.view(size), &mut *planes[plane]);
     }
     match wanted {
-        (Some(ratio), None) => map::speed_ratio(at, pins, &mut *planes[ratio]),
+        (Some(ratio), None) => map::formula(S::speed_ratio, at, pins, &mut *planes[ratio]),
         (None, Some(acceleration)) => {
-            map::acceleration_ratio(at, pins, &mut *planes[acceleration]);
+            map::formula(S::acceleration_ratio, at, pins, &mut *planes[acceleration]);
         }
         (Some(ratio), Some(acceleration)) => {
             let [ratio, acceleration] = planes
                 .get_disjoint_mut([ratio, acceleration])
                 .expect("a plan gives every output planes of its own");
-            map::rates(at, pins, &mut **ratio, &mut **acceleration);
+            map::formula(S::rates, at, pins, (&mut **ratio, &mut **acceleration));
         }
         (None, None) => {}
     }

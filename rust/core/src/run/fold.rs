@@ -1,17 +1,17 @@
 //! The constants that a plan needs of its drivelines.
 //!
 //! Drivelines are folded many at a time, joint by joint over all of them, so that folding
-//! vectorises as the kernels do: a batch of geometry_variation, or a geometry that changes with the angle.
+//! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::chain::{self, Complex, Equivalent, Transfer};
+use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::extremes::ExtremaLocator;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::{Joint, JointConstants};
 use crate::mechanics::moment::Pose;
-use crate::mechanics::transmission::Ideal;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
@@ -42,7 +42,7 @@ pub(crate) struct Folded<T: Angle> {
 pub(crate) struct FoldedShaft<T: Angle> {
     /// The largest tangents in reach.
     bound: AtanRange,
-    ideals: [Column<T>; 5],
+    double_angles: [Column<T>; 5],
     equivalents: [Column<T>; 7],
 }
 
@@ -54,7 +54,7 @@ impl<T: Angle> FoldedShaft<T> {
         let steep = !splits || !moderate;
         let doubled = splits && (moderate || !by_sample);
         let size = |needed: bool| if needed { length } else { 0 };
-        Self { bound, ideals: columns(size(doubled)), equivalents: columns(size(steep)) }
+        Self { bound, double_angles: columns(size(doubled)), equivalents: columns(size(steep)) }
     }
 
     /// The largest tangents that the samples of a chunk reach.
@@ -62,7 +62,7 @@ impl<T: Angle> FoldedShaft<T> {
     fn range(&self, geometry: GeometryIndex) -> AtanRange {
         match geometry {
             GeometryIndex::Shared(index) if self.is_doubled() => {
-                self.ideals(geometry, 0).get(index).range().min(self.bound)
+                self.double_angles(geometry, 0).get(index).range().min(self.bound)
             }
             GeometryIndex::Shared(index) => self.equivalents(geometry, 0).get(index).0.range(),
             GeometryIndex::PerSample => self.bound,
@@ -72,7 +72,7 @@ impl<T: Angle> FoldedShaft<T> {
     /// Whether moderate bends have constants in twice the drive angle.
     #[inline(always)]
     fn is_doubled(&self) -> bool {
-        !self.ideals[0].is_empty()
+        !self.double_angles[0].is_empty()
     }
 
     /// What the extremes of one of them need.
@@ -80,7 +80,7 @@ impl<T: Angle> FoldedShaft<T> {
         let geometry = GeometryIndex::Shared(index);
         if self.is_doubled() {
             let [re, im]: [f64; 2] =
-                self.ideals(geometry, 0).get(index).q.map(|x| x.value().into());
+                self.double_angles(geometry, 0).get(index).q.map(|x| x.value().into());
             return ExtremaLocator { twice_offset: -im.atan2(re), k: re.hypot(im) };
         }
         let (joint, turn) = self.equivalents(geometry, 0).get(index);
@@ -91,8 +91,12 @@ impl<T: Angle> FoldedShaft<T> {
 
     /// The constants by twice the drive angle.
     #[inline(always)]
-    pub(crate) fn ideals(&self, geometry: GeometryIndex, size: usize) -> IdealColumns<'_, T> {
-        IdealColumns(views(&self.ideals, geometry.count(size)))
+    pub(crate) fn double_angles(
+        &self,
+        geometry: GeometryIndex,
+        size: usize,
+    ) -> DoubleAngleColumns<'_, T> {
+        DoubleAngleColumns(views(&self.double_angles, geometry.count(size)))
     }
 
     /// The equivalent joints.
@@ -124,21 +128,22 @@ impl<T: Angle> FoldedShaft<T> {
     #[inline(always)]
     fn set<L>(&mut self, start: usize, length: usize, source: &L)
     where
-        L: Lane<Ideal<DoubleDouble>> + Lane<Equivalent<DoubleDouble>>,
+        L: Lane<DoubleAngle<DoubleDouble>> + Lane<Equivalent<DoubleDouble>>,
     {
-        if !self.ideals[0].is_empty() {
-            let [re, im, mean, complement, gain] = views_mut(&mut self.ideals, start, length);
+        if !self.double_angles[0].is_empty() {
+            let [re, im, mean, complement, gain] =
+                views_mut(&mut self.double_angles, start, length);
             let (mut re, mut im) = (re.cut(length), im.cut(length));
             let (mut mean, mut complement) = (mean.cut(length), complement.cut(length));
             let mut gain = gain.cut(length);
             for i in 0..length {
-                let ideal: Ideal<DoubleDouble> = source.at(i);
-                let ideal = Ideal::<T>::nearest(&ideal);
-                re.set(i, ideal.q[0]);
-                im.set(i, ideal.q[1]);
-                mean.set(i, ideal.mean);
-                complement.set(i, ideal.complement);
-                gain.set(i, ideal.gain);
+                let double_angle: DoubleAngle<DoubleDouble> = source.at(i);
+                let double_angle = DoubleAngle::<T>::nearest(&double_angle);
+                re.set(i, double_angle.q[0]);
+                im.set(i, double_angle.q[1]);
+                mean.set(i, double_angle.mean);
+                complement.set(i, double_angle.complement);
+                gain.set(i, double_angle.gain);
             }
         }
         if self.equivalents[0].is_empty() {
@@ -220,13 +225,13 @@ impl GeometryIndex {
 
 /// A run of constants by twice the drive angle to read.
 #[derive(Clone, Copy)]
-pub(crate) struct IdealColumns<'a, T: Real>([View<'a, T>; 5]);
+pub(crate) struct DoubleAngleColumns<'a, T: Real>([View<'a, T>; 5]);
 
-impl<T: Real> IdealColumns<'_, T> {
+impl<T: Real> DoubleAngleColumns<'_, T> {
     #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> Ideal<T> {
+    pub(crate) fn get(&self, i: usize) -> DoubleAngle<T> {
         let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
-        Ideal { q: [re, im], mean, complement, gain }
+        DoubleAngle { q: [re, im], mean, complement, gain }
     }
 }
 
@@ -312,11 +317,11 @@ impl Lane<Transfer> for Read<'_> {
     }
 }
 
-impl Lane<Ideal<DoubleDouble>> for Read<'_> {
+impl Lane<DoubleAngle<DoubleDouble>> for Read<'_> {
     #[inline(always)]
-    fn at(&self, i: usize) -> Ideal<DoubleDouble> {
+    fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
         let transfer: Transfer = self.at(i);
-        transfer.ideal()
+        transfer.double_angle()
     }
 }
 
@@ -331,10 +336,10 @@ impl Lane<Equivalent<DoubleDouble>> for Read<'_> {
 /// First joints, by their bends.
 struct First<'a>(&'a [f64]);
 
-impl Lane<Ideal<DoubleDouble>> for First<'_> {
+impl Lane<DoubleAngle<DoubleDouble>> for First<'_> {
     #[inline(always)]
-    fn at(&self, i: usize) -> Ideal<DoubleDouble> {
-        Ideal::of_joint(self.0[i])
+    fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
+        DoubleAngle::of_joint(self.0[i])
     }
 }
 

@@ -1,21 +1,22 @@
-//! Loops over slices, one per output.
+//! The loops over a chunk: three shapes, and what runs in them.
 //!
-//! Each is a plain loop without branches over one sample after the other, which the compiler
+//! Each shape is a plain loop without branches over one sample after the other, which the compiler
 //! vectorises for whichever instruction set the caller was compiled for; all are inlined into the
-//! functions that [`crate::run::block`] calls for the instruction set. The slices are a chunk of the angles, small enough
-//! for the first-level cache, so a loop per output costs no more than one loop for all and keeps
-//! each skippable.
+//! functions that [`crate::run::block`] calls for the instruction set. The slices are a chunk of the
+//! angles, small enough for the first-level cache, so a loop per output costs no more than one loop for
+//! all and keeps each skippable.
 //!
 //! Constants come through `at(i)`: one value for the whole chunk, or one per sample.
 //!
 //! Whatever a loop touches is first cut to one length, and it counts instead of iterating: a check
 //! that is left in it costs more than itself, because the last vectors of every chunk would then be
-//! computed number by number.
+//! computed number by number. The closures are inlined by command: one that is compiled by itself has
+//! not the instruction set of the loop that calls it.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
+use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::joint;
 use crate::mechanics::moment::{self, Pose, TorsionParts};
-use crate::mechanics::transmission::Ideal;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
@@ -25,40 +26,55 @@ use crate::number::trig::Angle;
 use crate::run::sink::Sink;
 use crate::sincos::array::{Drive, SinCos, SinCosBlock, SinCosBlocks, number};
 
-/// The drive angle plus an angle error.
+/// A value for each sample from its number, its sine and its cosine.
 #[inline(always)]
-pub(crate) fn add_drive<T: Number, W: Float>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [W]) {
-    let errors = errors.cut(out.len());
-    add_drive_to(drive, |i| errors.get(i), out);
+pub(crate) fn over_sin_cos<T: Real, V>(
+    sin_cos: impl SinCosBlocks<T>,
+    mut out: impl Sink<V>,
+    value: impl Fn(usize, T, T) -> V,
+) {
+    for (start, block) in sin_cos.parts() {
+        let length = block.len();
+        let mut out = out.slice(start, length);
+        for i in 0..length {
+            let (s, c) = block.get(i);
+            out.store(i, value(start + i, s, c));
+        }
+    }
 }
 
+/// The value of a formula for each sample.
 #[inline(always)]
-fn add_drive_to<T: Number, W: Float>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [W]) {
-    let length = out.len();
-    match drive {
-        Drive::Array(angle) => {
-            let angle = &angle[..length];
-            for i in 0..length {
-                // Not the bare angle: an infinite one is none.
-                out[i] = error(i).after(DoubleDouble::exact(angle[i].mul_add(0.0, angle[i])));
-            }
-        }
-        Drive::Sweep(sweep, first) if sweep.starts_at_zero() => {
-            for i in 0..length {
-                out[i] = error(i).after(sweep.turned(number(first, i)));
-            }
-        }
-        Drive::Sweep(sweep, first) => {
-            for i in 0..length {
-                out[i] = error(i).after(sweep.angle(number(first, i)));
-            }
-        }
-        Drive::Picked(sweep, samples) => {
-            let samples = &samples[..length];
-            for i in 0..length {
-                out[i] = error(i).after(sweep.angle(samples[i]));
-            }
-        }
+pub(crate) fn formula<T: Real, C, V>(
+    formula: impl Fn(&C, T, T) -> V,
+    at: impl Fn(usize) -> C,
+    sin_cos: impl SinCosBlocks<T>,
+    out: impl Sink<V>,
+) {
+    over_sin_cos(
+        sin_cos,
+        out,
+        #[inline(always)]
+        |i, s, c| formula(&at(i), s, c),
+    );
+}
+
+/// A value for each of so many samples from its number.
+#[inline(always)]
+pub(crate) fn over_samples<V>(length: usize, mut out: impl Sink<V>, value: impl Fn(usize) -> V) {
+    let mut out = out.slice(0, length);
+    for i in 0..length {
+        out.store(i, value(i));
+    }
+}
+
+/// Each number of a column by what `value` makes of it.
+#[inline(always)]
+fn update<T: Real>(column: ViewMut<'_, T>, value: impl Fn(usize, T) -> T) {
+    let length = column.len();
+    let mut column = column.cut(length);
+    for i in 0..length {
+        column.set(i, value(i, column.get(i)));
     }
 }
 
@@ -76,6 +92,16 @@ pub(crate) trait MotionFormula<T: Real>: Copy {
 
     /// The same by a quotient with fewer roundings where bends are the steepest.
     fn steep_error_tangent(&self, s: T, c: T) -> (T, T);
+
+    #[inline(always)]
+    fn speed_ratio(&self, s: T, c: T) -> T {
+        self.rates(s, c).0
+    }
+
+    #[inline(always)]
+    fn acceleration_ratio(&self, s: T, c: T) -> T {
+        self.rates(s, c).1
+    }
 
     /// Jerk ratio.
     fn jerk_ratio(&self, s: T, c: T) -> T;
@@ -116,7 +142,7 @@ impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
 }
 
 /// From twice the drive angle.
-impl<T: Angle, const PARTS: usize> MotionFormula<T> for Ideal<T, PARTS> {
+impl<T: Angle, const PARTS: usize> MotionFormula<T> for DoubleAngle<T, PARTS> {
     const MODERATE: bool = true;
     const STEEP: bool = false;
 
@@ -153,40 +179,34 @@ impl<T: Angle, const PARTS: usize> MotionFormula<T> for Ideal<T, PARTS> {
 pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
     range: AtanRange,
     at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
+    sin_cos: impl SinCosBlocks<T>,
     out: impl Sink<T>,
 ) {
-    let tangent = S::error_tangent;
+    macro_rules! by {
+        ($tangent:expr, $atan:expr) => {
+            over_sin_cos(
+                sin_cos,
+                out,
+                #[inline(always)]
+                |i, s, c| {
+                    let (y, x) = $tangent(&at(i), s, c);
+                    $atan(y, x)
+                },
+            )
+        };
+    }
     if S::MODERATE && range.is_moderate() {
         match range {
-            AtanRange::Hundredth => error_by(tangent, T::atan_hundredth, at, pins, out),
-            AtanRange::Tenth => error_by(tangent, T::atan_tenth, at, pins, out),
-            _ => error_by(tangent, T::atan_third, at, pins, out),
+            AtanRange::Hundredth => by!(S::error_tangent, T::atan_hundredth),
+            AtanRange::Tenth => by!(S::error_tangent, T::atan_tenth),
+            _ => by!(S::error_tangent, T::atan_third),
         }
     } else if S::STEEP {
         match range {
             // With error terms the infinite inverse exsecant of a straight joint would be no number.
-            AtanRange::Any if T::LOW => error_by(tangent, T::atan_any, at, pins, out),
-            AtanRange::Any => error_by(S::steep_error_tangent, T::atan_any, at, pins, out),
-            _ => error_by(tangent, T::atan_one, at, pins, out),
-        }
-    }
-}
-
-#[inline(always)]
-fn error_by<T: Number, S: MotionFormula<T>>(
-    tangent: impl Fn(&S, T, T) -> (T, T),
-    atan: impl Fn(T, T) -> T,
-    at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
-    mut out: impl Sink<T>,
-) {
-    for (start, pins) in pins.parts() {
-        let mut out = out.slice(start, pins.len());
-        for i in 0..pins.len() {
-            let (s, c) = pins.get(i);
-            let (y, x) = tangent(&at(start + i), s, c);
-            out.store(i, atan(y, x));
+            AtanRange::Any if T::LOW => by!(S::error_tangent, T::atan_any),
+            AtanRange::Any => by!(S::steep_error_tangent, T::atan_any),
+            _ => by!(S::error_tangent, T::atan_one),
         }
     }
 }
@@ -197,115 +217,39 @@ fn error_by<T: Number, S: MotionFormula<T>>(
 pub(crate) fn motion<T: Number, S: MotionFormula<T>>(
     range: AtanRange,
     at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
+    sin_cos: impl SinCosBlocks<T>,
     rotations: impl Sink<T>,
-    rates: [impl Sink<T>; 2],
+    rates: (impl Sink<T>, impl Sink<T>),
 ) {
+    macro_rules! by {
+        ($atan:expr) => {
+            over_sin_cos(
+                sin_cos,
+                (rotations, rates),
+                #[inline(always)]
+                |i, s, c| {
+                    let ((y, x), rates) = at(i).motion(s, c);
+                    ($atan(y, x), rates)
+                },
+            )
+        };
+    }
     match range {
-        AtanRange::Hundredth => motion_by(T::atan_hundredth, at, pins, rotations, rates),
-        AtanRange::Tenth => motion_by(T::atan_tenth, at, pins, rotations, rates),
-        _ => motion_by(T::atan_third, at, pins, rotations, rates),
+        AtanRange::Hundredth => by!(T::atan_hundredth),
+        AtanRange::Tenth => by!(T::atan_tenth),
+        _ => by!(T::atan_third),
     }
 }
 
+/// A column to another place.
 #[inline(always)]
-fn motion_by<T: Number, S: MotionFormula<T>>(
-    atan: impl Fn(T, T) -> T,
-    at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
-    mut rotations: impl Sink<T>,
-    [mut ratios, mut accelerations]: [impl Sink<T>; 2],
-) {
-    for (start, pins) in pins.parts() {
-        let length = pins.len();
-        let mut rotations = rotations.slice(start, length);
-        let mut ratios = ratios.slice(start, length);
-        let mut accelerations = accelerations.slice(start, length);
-        for i in 0..length {
-            let (s, c) = pins.get(i);
-            let ((y, x), (ratio, acceleration)) = at(start + i).motion(s, c);
-            rotations.store(i, atan(y, x));
-            ratios.store(i, ratio);
-            accelerations.store(i, acceleration);
-        }
-    }
-}
-
-/// Speed ratio.
-#[inline(always)]
-pub(crate) fn speed_ratio<T: Real, S: MotionFormula<T>>(
-    at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
-    mut out: impl Sink<T>,
-) {
-    for (start, pins) in pins.parts() {
-        let mut out = out.slice(start, pins.len());
-        for i in 0..pins.len() {
-            let (s, c) = pins.get(i);
-            out.store(i, at(start + i).rates(s, c).0);
-        }
-    }
-}
-
-/// Acceleration ratio.
-#[inline(always)]
-pub(crate) fn acceleration_ratio<T: Real, S: MotionFormula<T>>(
-    at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
-    mut out: impl Sink<T>,
-) {
-    for (start, pins) in pins.parts() {
-        let mut out = out.slice(start, pins.len());
-        for i in 0..pins.len() {
-            let (s, c) = pins.get(i);
-            out.store(i, at(start + i).rates(s, c).1);
-        }
-    }
-}
-
-/// Jerk ratio.
-#[inline(always)]
-pub(crate) fn jerk_ratio<T: Real, S: MotionFormula<T>>(
-    at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
-    mut out: impl Sink<T>,
-) {
-    for (start, pins) in pins.parts() {
-        let mut out = out.slice(start, pins.len());
-        for i in 0..pins.len() {
-            let (s, c) = pins.get(i);
-            out.store(i, at(start + i).jerk_ratio(s, c));
-        }
-    }
-}
-
-/// Speed ratio and acceleration ratio, which share a division.
-#[inline(always)]
-pub(crate) fn rates<T: Real, S: MotionFormula<T>>(
-    at: impl Fn(usize) -> S,
-    pins: impl SinCosBlocks<T>,
-    mut ratios: impl Sink<T>,
-    mut accelerations: impl Sink<T>,
-) {
-    for (start, pins) in pins.parts() {
-        let mut ratios = ratios.slice(start, pins.len());
-        let mut accelerations = accelerations.slice(start, pins.len());
-        for i in 0..pins.len() {
-            let (s, c) = pins.get(i);
-            let (ratio, acceleration) = at(start + i).rates(s, c);
-            ratios.store(i, ratio);
-            accelerations.store(i, acceleration);
-        }
-    }
-}
-
-/// A column to where it is wanted.
-#[inline(always)]
-pub(crate) fn copy<T: Real>(column: View<'_, T>, mut out: impl Sink<T>) {
-    let mut out = out.slice(0, column.len());
-    for i in 0..column.len() {
-        out.store(i, column.get(i));
-    }
+pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Sink<T>) {
+    over_samples(
+        column.len(),
+        out,
+        #[inline(always)]
+        |i| column.get(i),
+    );
 }
 
 /// The power that a shaft's inertia takes, added to the running power times `sign`.
@@ -318,45 +262,52 @@ pub(crate) fn absorb<T: Real>(
     power: ViewMut<'_, T>,
 ) {
     let length = power.len();
-    let mut power = power.cut(length);
     let (ratio, acceleration_ratio) = (ratio.cut(length), acceleration_ratio.cut(length));
     let (inertia, speed) = (&inertia[..length], &speed[..length]);
     let acceleration = &acceleration[..length];
-    for i in 0..length {
-        let inertia = T::from_f64(sign * inertia[i]);
-        let (speed, acceleration) = (T::from_f64(speed[i]), T::from_f64(acceleration[i]));
-        let (r, a) = (ratio.get(i), acceleration_ratio.get(i));
-        let taken = moment::absorbed_power(inertia, speed, acceleration, r, a);
-        power.set(i, power.get(i) + taken);
-    }
+    update(
+        power,
+        #[inline(always)]
+        |i, power| {
+            let inertia = T::from_f64(sign * inertia[i]);
+            let (speed, acceleration) = (T::from_f64(speed[i]), T::from_f64(acceleration[i]));
+            let (r, a) = (ratio.get(i), acceleration_ratio.get(i));
+            power + moment::absorbed_power(inertia, speed, acceleration, r, a)
+        },
+    );
 }
 
 /// Element by element `a / b`.
 #[inline(always)]
-pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, mut out: impl Sink<T>) {
-    let length = a.len();
-    let (b, mut out) = (b.cut(length), out.slice(0, length));
-    for i in 0..length {
-        out.store(i, a.get(i) / b.get(i));
-    }
+pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>) {
+    let b = b.cut(a.len());
+    over_samples(
+        a.len(),
+        out,
+        #[inline(always)]
+        |i| a.get(i) / b.get(i),
+    );
 }
 
 /// A column of doubles, times another column if there is one.
 #[inline(always)]
 pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_, T>) {
-    let mut out = out.cut(a.len());
     match b {
         Some(b) => {
             let b = b.cut(a.len());
-            for i in 0..a.len() {
-                out.set(i, T::from_f64(a[i]) * b.get(i));
-            }
+            over_samples(
+                a.len(),
+                out,
+                #[inline(always)]
+                |i| T::from_f64(a[i]) * b.get(i),
+            );
         }
-        None => {
-            for i in 0..a.len() {
-                out.set(i, T::from_f64(a[i]));
-            }
-        }
+        None => over_samples(
+            a.len(),
+            out,
+            #[inline(always)]
+            |i| T::from_f64(a[i]),
+        ),
     }
 }
 
@@ -368,19 +319,16 @@ pub(crate) fn parts<T: Real>(
     torsion: View<'_, T>,
     parts: [ViewMut<'_, T>; 3],
 ) {
-    let length = pins.len();
-    let torsion = torsion.cut(length);
-    let [sine2, cosine2, product] = parts;
-    let (mut sine2, mut cosine2) = (sine2.cut(length), cosine2.cut(length));
-    let mut product = product.cut(length);
-    for i in 0..length {
-        let (s, c) = pins.get(i);
-        let TorsionParts { sine2: ss, cosine2: cc, product: sc } =
-            at(i).parts(torsion.get(i), s, c);
-        sine2.set(i, ss);
-        cosine2.set(i, cc);
-        product.set(i, sc);
-    }
+    let torsion = torsion.cut(pins.len());
+    over_sin_cos(
+        pins,
+        parts,
+        #[inline(always)]
+        |i, s, c| {
+            let TorsionParts { sine2, cosine2, product } = at(i).parts(torsion.get(i), s, c);
+            [sine2, cosine2, product]
+        },
+    );
 }
 
 /// The moment that a joint passes on.
@@ -389,18 +337,15 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    [mut x, mut y, mut z]: [impl Sink<T>; 3],
+    out: [impl Sink<T>; 3],
 ) {
-    let length = pins.len();
-    let torsion = torsion.cut(length);
-    let (mut x, mut y, mut z) = (x.slice(0, length), y.slice(0, length), z.slice(0, length));
-    for i in 0..length {
-        let (s, c) = pins.get(i);
-        let [along_x, along_y, along_z] = at(i).moment::<PLANAR>(torsion.get(i), s, c);
-        x.store(i, along_x);
-        y.store(i, along_y);
-        z.store(i, along_z);
-    }
+    let torsion = torsion.cut(pins.len());
+    over_sin_cos(
+        pins,
+        out,
+        #[inline(always)]
+        |i, s, c| at(i).moment::<PLANAR>(torsion.get(i), s, c),
+    );
 }
 
 /// A joint's part of a component of the support moment of one of its shafts, after what `before` begins
@@ -411,14 +356,18 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
     driving: bool,
     [square, product]: [View<'_, T>; 2],
     before: impl Fn(usize) -> Option<T>,
-    mut out: impl Sink<T>,
+    out: impl Sink<T>,
 ) {
-    let length = square.len();
-    let (product, mut out) = (product.cut(length), out.slice(0, length));
-    for i in 0..length {
-        let numbers = [square.get(i), product.get(i)];
-        out.store(i, at(i).support::<PLANAR, COMPONENT>(driving, numbers, before(i)));
-    }
+    let product = product.cut(square.len());
+    over_samples(
+        square.len(),
+        out,
+        #[inline(always)]
+        |i| {
+            let numbers = [square.get(i), product.get(i)];
+            at(i).support::<PLANAR, COMPONENT>(driving, numbers, before(i))
+        },
+    );
 }
 
 /// A number per sample that the pose gives for its torsion.
@@ -428,53 +377,102 @@ pub(crate) fn size<T: Real>(
     size_of: impl Fn(&Pose<T>, T, T, T) -> T,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    mut out: impl Sink<T>,
+    out: impl Sink<T>,
 ) {
-    let (torsion, mut out) = (torsion.cut(pins.len()), out.slice(0, pins.len()));
-    for i in 0..pins.len() {
-        let (s, c) = pins.get(i);
-        out.store(i, size_of(&at(i), torsion.get(i), s, c));
-    }
+    let torsion = torsion.cut(pins.len());
+    over_sin_cos(
+        pins,
+        out,
+        #[inline(always)]
+        |i, s, c| size_of(&at(i), torsion.get(i), s, c),
+    );
 }
 
-/// A tilt of the cross, from pins whose sense is right.
+/// Words from the numbers of samples.
 #[inline(always)]
-pub(crate) fn tilt<T: Real>(
-    at: impl Fn(usize) -> Pose<T>,
-    tilt_of: impl Fn(&Pose<T>, T, T) -> T,
-    pins: SinCos<'_, T>,
-    mut out: impl Sink<T>,
-) {
-    let mut out = out.slice(0, pins.len());
-    for i in 0..pins.len() {
-        let (s, c) = pins.get(i);
-        out.store(i, tilt_of(&at(i), s, c));
+fn fill<W>(out: &mut [W], word: impl Fn(usize) -> W) {
+    for i in 0..out.len() {
+        out[i] = word(i);
     }
 }
 
-/// The drive shaft turns with the drive: its angle, NaN where that is not finite.
+/// The drive angle plus an angle error; NaN where the drive angle is not finite.
+#[inline(always)]
+fn add_drive_to<T: Number, W: Float>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [W]) {
+    let length = out.len();
+    match drive {
+        Drive::Array(angle) => {
+            let angle = &angle[..length];
+            fill(
+                out,
+                #[inline(always)]
+                |i| error(i).after(DoubleDouble::exact(angle[i].mul_add(0.0, angle[i]))),
+            );
+        }
+        Drive::Sweep(sweep, first) if sweep.starts_at_zero() => fill(
+            out,
+            #[inline(always)]
+            |i| error(i).after(sweep.turned(number(first, i))),
+        ),
+        Drive::Sweep(sweep, first) => fill(
+            out,
+            #[inline(always)]
+            |i| error(i).after(sweep.angle(number(first, i))),
+        ),
+        Drive::Picked(sweep, samples) => {
+            let samples = &samples[..length];
+            fill(
+                out,
+                #[inline(always)]
+                |i| error(i).after(sweep.angle(samples[i])),
+            );
+        }
+    }
+}
+
+/// The drive angle plus the angle errors of a column.
+#[inline(always)]
+pub(crate) fn add_drive<T: Number, W: Float>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [W]) {
+    let errors = errors.cut(out.len());
+    add_drive_to(
+        drive,
+        #[inline(always)]
+        |i| errors.get(i),
+        out,
+    );
+}
+
+/// The angle of a shaft that turns with the drive.
 #[inline(always)]
 pub(crate) fn drive_angle<T: Number, W: Float>(drive: Drive<'_>, out: &mut [W]) {
     let zero = T::from_f64(0.0);
-    add_drive_to(drive, |_| zero, out);
+    add_drive_to(
+        drive,
+        #[inline(always)]
+        |_| zero,
+        out,
+    );
 }
 
 /// A constant, NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, mut out: impl Sink<T>) {
+pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, out: impl Sink<T>) {
     let length = out.length();
-    let mut out = out.slice(0, length);
     match drive {
         Drive::Array(angle) => {
             let angle = &angle[..length];
-            for i in 0..length {
-                out.store(i, T::from_f64(angle[i].mul_add(0.0, value)));
-            }
+            over_samples(
+                length,
+                out,
+                #[inline(always)]
+                |i| T::from_f64(angle[i].mul_add(0.0, value)),
+            );
         }
-        Drive::Sweep(..) | Drive::Picked(..) => {
-            for i in 0..length {
-                out.store(i, T::from_f64(value));
-            }
-        }
+        Drive::Sweep(..) | Drive::Picked(..) => over_samples(
+            length,
+            out,
+            #[inline(always)]
+            |_| T::from_f64(value),
+        ),
     }
 }

@@ -7,7 +7,7 @@ use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::sincos::array::number;
 
-/// Where a loop puts its results: a column of numbers, or words of a plane.
+/// Where a loop puts its results: a column of numbers, words of a plane, or several of these.
 pub(crate) trait Sink<T> {
     /// Where a part of them goes.
     type Slice<'a>: Sink<T>
@@ -65,6 +65,55 @@ impl<T: Real, W: Float> Sink<T> for &mut [W] {
     #[inline(always)]
     fn store(&mut self, i: usize, number: T) {
         self[i] = W::near(number.value().into());
+    }
+}
+
+impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
+    type Slice<'a>
+        = (A::Slice<'a>, B::Slice<'a>)
+    where
+        Self: 'a;
+
+    #[inline(always)]
+    fn length(&self) -> usize {
+        self.0.length()
+    }
+
+    #[inline(always)]
+    fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_> {
+        (self.0.slice(start, length), self.1.slice(start, length))
+    }
+
+    #[inline(always)]
+    fn store(&mut self, i: usize, (first, second): (V, U)) {
+        self.0.store(i, first);
+        self.1.store(i, second);
+    }
+}
+
+impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
+    type Slice<'a>
+        = [S::Slice<'a>; 3]
+    where
+        Self: 'a;
+
+    #[inline(always)]
+    fn length(&self) -> usize {
+        self[0].length()
+    }
+
+    #[inline(always)]
+    fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_> {
+        let [x, y, z] = self;
+        [x.slice(start, length), y.slice(start, length), z.slice(start, length)]
+    }
+
+    #[inline(always)]
+    fn store(&mut self, i: usize, [along_x, along_y, along_z]: [V; 3]) {
+        let [x, y, z] = self;
+        x.store(i, along_x);
+        y.store(i, along_y);
+        z.store(i, along_z);
     }
 }
 

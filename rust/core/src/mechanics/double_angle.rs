@@ -1,0 +1,146 @@
+//! Moderate bends in twice the drive angle.
+//!
+//! A shaft behind any chain of joints stands at `α + arg(1 − q e^{−2iα})` with `q = −B/A` of the
+//! chain's map ([`crate::mechanics::chain`]) and `|q| = k`; for one joint on the drive shaft `q = tan²(β/2)`.
+//! With `p = q e^{−2iα}`:
+//!
+//! `tan Δ = −Im p/(1 − Re p)`, speed ratio `r = (1 − k²)/(1 + k² − 2 Re p)`, acceleration ratio
+//! `4 Im p r/(1 + k² − 2 Re p)`, or `4 Im p r²/(1 − k²)`.
+//!
+//! Here all but `Im p` is a small number beside 1, and so are its roundings. For steep bends
+//! `1 + k² − 2 Re p` nearly vanishes; they have the formulas of [`crate::mechanics::joint`].
+
+use crate::number::atan::AtanRange;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Real;
+use crate::number::trig::Angle;
+
+/// How a shaft swings about the drive, twice in a turn, and how many parts of `q` are left to multiply by: the
+/// shaft behind the first joint has a real one, as its pin is that of the drive, and pins that hold `p`
+/// itself leave none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct DoubleAngle<T, const PARTS: usize = 2> {
+    /// Real and imaginary part of `q`.
+    pub(crate) q: [T; 2],
+    /// `(1 + k²)/2`.
+    pub(crate) mean: T,
+    /// `(1 − k²)/2`.
+    pub(crate) complement: T,
+    /// `−4/(1 − k²)`.
+    pub(crate) gain: T,
+}
+
+impl DoubleAngle<DoubleDouble> {
+    /// That of `q`, given `|q|²` and `1 − |q|²`.
+    #[inline(always)]
+    pub(crate) fn new(
+        q: [DoubleDouble; 2],
+        square: DoubleDouble,
+        complement: DoubleDouble,
+    ) -> Self {
+        Self {
+            q,
+            mean: DoubleDouble::exact(0.5).fast_add(square.scaled(0.5)),
+            complement: complement.scaled(0.5),
+            gain: DoubleDouble::exact(-4.0) / complement,
+        }
+    }
+
+    /// That of a joint on the drive shaft.
+    #[inline(always)]
+    pub(crate) fn of_joint(bend: f64) -> Self {
+        let (numerator, denominator) = DoubleDouble::tangent(DoubleDouble::exact(0.5 * bend));
+        let k = (numerator / denominator).square();
+        let square = k.square();
+        Self::new([k, DoubleDouble::exact(0.0)], square, DoubleDouble::ONE.fast_add(-square))
+    }
+}
+
+impl<T: Real> DoubleAngle<T> {
+    /// The nearest numbers of a kernel.
+    #[inline(always)]
+    pub(crate) fn nearest(double_angle: &DoubleAngle<DoubleDouble>) -> Self {
+        Self {
+            q: double_angle.q.map(T::from_double_double),
+            mean: T::from_double_double(double_angle.mean),
+            complement: T::from_double_double(double_angle.complement),
+            gain: T::from_double_double(double_angle.gain),
+        }
+    }
+
+    /// The inverse tangent that serves its angle error, at most `asin k`.
+    #[inline(always)]
+    pub(crate) fn range(&self) -> AtanRange {
+        let [re, im] = self.q.map(|x| x.value().into());
+        let complement: f64 = self.complement.value().into();
+        AtanRange::holding_squares(re * re + im * im, 2.0 * complement)
+    }
+
+    /// The same with so many parts of `q` left.
+    #[inline(always)]
+    pub(crate) fn with_parts<const PARTS: usize>(self) -> DoubleAngle<T, PARTS> {
+        let Self { q, mean, complement, gain } = self;
+        DoubleAngle { q, mean, complement, gain }
+    }
+}
+
+/// The parts of a swing.
+#[derive(Clone, Copy)]
+pub(crate) struct DoubleAngleTerms<T> {
+    /// `−Im p`.
+    pub(crate) neg_im: T,
+    /// `1 − Re p`.
+    pub(crate) one_minus_re: T,
+    /// `Re p`.
+    re: T,
+    /// `(1 + k²)/2 − Re p`.
+    mean_minus_re: T,
+    /// `(1 − k²)/2`.
+    complement: T,
+    /// `−4/(1 − k²)`.
+    gain: T,
+}
+
+impl<T: Angle, const PARTS: usize> DoubleAngle<T, PARTS> {
+    /// The parts from sine and cosine of `2α`, or from `−Im p` and `Re p`.
+    #[inline(always)]
+    pub(crate) fn terms(&self, s: T, c: T) -> DoubleAngleTerms<T> {
+        let [re, im] = self.q;
+        let (neg_im, p) = match PARTS {
+            0 => (s, c),
+            1 => (re * s, re * c),
+            _ => (re.mul_add(s, -(im * c)), re.mul_add(c, im * s)),
+        };
+        DoubleAngleTerms {
+            neg_im,
+            re: p,
+            one_minus_re: T::from_f64(1.0).fast_add(-p),
+            mean_minus_re: self.mean.fast_add(-p),
+            complement: self.complement,
+            gain: self.gain,
+        }
+    }
+}
+
+impl<T: Angle> DoubleAngleTerms<T> {
+    /// Speed ratio and acceleration ratio.
+    #[inline(always)]
+    pub(crate) fn rates(&self) -> (T, T) {
+        if T::PRECISION.costs().double_angle {
+            // By one inverse, two quotients cost less than one and products.
+            let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
+            return (ratio, (swing * ratio).scaled(-2.0));
+        }
+        let ratio = self.complement / self.mean_minus_re;
+        (ratio, (self.neg_im * ratio) * (self.gain * ratio))
+    }
+
+    /// Jerk ratio, `4 r (2 (Im p)² − Re p · across)/across²` with `across = (1 + k²)/2 − Re p`.
+    #[inline(always)]
+    pub(crate) fn jerk_ratio(&self) -> T {
+        let across = self.mean_minus_re;
+        let [ratio, swing] = T::both_over(self.complement, self.neg_im, across);
+        let real = self.re / across;
+        ratio * (swing.square().scaled(2.0) - real).scaled(4.0)
+    }
+}

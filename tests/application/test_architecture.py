@@ -1,0 +1,65 @@
+"""What ARCHITECTURE.md and the decisions name exists."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = next(folder for folder in Path(__file__).parents if (folder / "ARCHITECTURE.md").exists())
+TEXT = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+DECISIONS = ROOT / "docs" / "decisions"
+FILES = sorted(path for path in DECISIONS.glob("*.md") if path.name != "index.md")
+SECTIONS = ["Context", "Decision", "Measurement", "Consequences"]
+
+
+def paths(text: str) -> set[str]:
+    """The paths in backticks: words with a slash, and names of files."""
+    names = re.findall(r"`([\w./-]+)`", text)
+    suffix = re.compile(r"\.(?:json|md|py|rs|toml|ya?ml)$")
+    return {name for name in names if "/" in name or suffix.search(name)}
+
+
+def test_paths_are_recognised() -> None:
+    text = "`rust/core/` `deny.toml` `plan.explain()` `app` `cardan._core` `x → y/z`, a/b"
+    assert paths(text) == {"rust/core/", "deny.toml"}
+
+
+def test_every_path_exists() -> None:
+    named = paths(TEXT)
+    assert len(named) > 30
+    assert {name for name in named if not (ROOT / name).exists()} == set()
+
+
+def test_folders_are_written_as_folders() -> None:
+    assert {name for name in paths(TEXT) if (ROOT / name).is_dir() != name.endswith("/")} == set()
+
+
+@pytest.mark.parametrize(
+    "room", ["rust/core/src", "python/cardan"], ids=["the core", "the package"]
+)
+def test_every_room_is_on_the_map(room: str) -> None:
+    rooms = {
+        f"{room}/{folder.name}/"
+        for folder in (ROOT / room).iterdir()
+        if folder.is_dir() and any(file.suffix in {".py", ".rs"} for file in folder.iterdir())
+    }
+    assert rooms <= paths(TEXT.partition("\n## Rooms\n")[2].partition("\n## ")[0])
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
+def test_a_decision_has_its_parts(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    number = int(path.name[:4])
+    title = re.match(rf"# {number}\. (.+)\n\n\* Date: \d{{4}}-\d\d-\d\d.*\n\* Status: (.+)\n", text)
+    assert title is not None
+    assert title[2].startswith(("accepted", "superseded "))
+    assert re.findall(r"^## (.+)$", text, re.MULTILINE) == SECTIONS
+    assert f"| {number} | [{title[1]}]({path.name}) |" in (DECISIONS / "index.md").read_text(
+        "utf-8"
+    )
+
+
+def test_decisions_are_numbered_without_gaps() -> None:
+    assert [int(path.name[:4]) for path in FILES] == list(range(1, len(FILES) + 1))
