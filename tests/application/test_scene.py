@@ -440,7 +440,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("output") + r'curves = "a\nb.csv"',
         4,
-        r"[output] curves is 'a\nb.csv'; it must be a file name without a folder",
+        r"[output] curves is 'a\nb.csv'; it must have printable characters only",
     ),
     (
         section("output") + "quantities = ['torque']",
@@ -628,7 +628,7 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         ),
         (
             JOINT + '[angles]\nfile = "run\\u0000.csv"\nangle_column_deg = "turn"',
-            r"line 4: [angles] file is 'run\x00.csv'; it must be the name of a file",
+            r"line 4: [angles] file is 'run\x00.csv'; it must have printable characters only",
         ),
         (
             JOINT + "[angles]\nfile = 3\nangle_column_deg = 'turn'",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
 from cardan.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.axis_rules import Values
+from cardan.scene.units import RPM
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ _DRIVELINE = Section(
 _LOAD = Section(
     "speed, torque and inertias",
     {
-        "speed_rpm": Key(kinds.NUMBER, "speed of the drive", "speed", math.tau / 60.0),
+        "speed_rpm": Key(kinds.NUMBER, "speed of the drive", "speed", RPM),
         "speed_rad_s": Key(kinds.NUMBER, "the same in rad/s", "speed"),
         "acceleration_rad_s2": Key(kinds.NUMBER, "acceleration of the drive", "acceleration"),
         "drive_torque_Nm": Key(kinds.NUMBER, "torque put into shaft 0", "drive_torque"),
