@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from cardan.scene import Scene
 from cardan.scene import values as kinds
+from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT, FORMS
 from scene_values import DEFINITIONS, VALUES, as_toml, fitting, nearly
 
@@ -59,7 +60,7 @@ def test_reader_and_schema_take_the_same_values(name: str, data: st.DataObject) 
     valid = _OfToml({**rule.schema, "$defs": DEFINITIONS}).is_valid(value)
     message = ""
     try:
-        rule.read("key", value)
+        rule.read(Location("key"), value)
     except ValueError as error:
         message = str(error)
         assert message.startswith("key")

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from cardan.outputs import nearest
+from cardan.scene.errors import Location
 from cardan.scene.rules import ListOf, Number, Rule, Schema, Whole, refused, shown
 
 
@@ -29,29 +30,28 @@ _SPREAD: Mapping[str, Rule] = {"from": Number(), "to": Number(), "steps": Whole(
 class Values(Rule):
     """The values that a study gives a key: listed, or evenly spread."""
 
-    def read(self, place: str, value: object) -> Spread | list[float]:
+    def read(self, where: Location, value: object) -> Spread | list[float]:
         """Return the list or the spread."""
         if isinstance(value, list):
             if not value:
-                raise ValueError(f"{place} is []; a study needs at least one value")
-            numbers: list[float] = ListOf(Number(), "numbers").read(place, value)
+                raise where.error("is []; a study needs at least one value")
+            numbers: list[float] = ListOf(Number(), "numbers").read(where, value)
             return numbers
         if not isinstance(value, dict):
             wanted = "{from = …, to = …, steps = …} or a list of numbers"
-            raise refused(place, value, f"be {wanted}")
+            raise refused(where, value, f"be {wanted}")
         for key in value:
             if key not in _SPREAD:
                 known = nearest(key, tuple(_SPREAD))
-                raise ValueError(f"{place} has an unknown key {shown(key)}; {known}")
+                raise where.error(f"has an unknown key {shown(key)}; {known}")
         for key in _SPREAD:
             if key not in value:
                 wanted = "{from = …, to = …, steps = …}"
-                raise ValueError(f"{place} has no {key!r}; it must be {wanted}")
-        spread = Spread(*(rule.read(f"{place}.{key}", value[key]) for key, rule in _SPREAD.items()))
+                raise where.error(f"has no {key!r}; it must be {wanted}")
+        spread = Spread(*(rule.read(where.at(key), value[key]) for key, rule in _SPREAD.items()))
         if spread.steps == 1 and spread.start != spread.stop:
-            raise ValueError(
-                f"{place}.steps is 1; from {spread.start:g} to {spread.stop:g} takes at least 2"
-            )
+            ends = f"from {spread.start:g} to {spread.stop:g}"
+            raise where.at("steps").error(f"is 1; {ends} takes at least 2")
         return spread
 
     @property
@@ -83,12 +83,11 @@ def _by_place(value: object) -> bool:
     return isinstance(value, dict) and bool(value) and not value.keys() & _SPREAD.keys()
 
 
-def _checked_place(place: str, index: str) -> str:
+def _entries(where: Location, index: str) -> Location:
+    entries = where.at(index)
     if not re.fullmatch(_PLACE, index):
-        raise ValueError(
-            f"{place}.{index} has no such place; write 0 for the first entry, 0-1 for two"
-        )
-    return f"{place}.{index}"
+        raise entries.error("has no such place; write 0 for the first entry, 0-1 for two")
+    return entries
 
 
 def _places(item: Schema) -> Schema:
@@ -104,9 +103,9 @@ def _places(item: Schema) -> Schema:
 class Axis(Rule):
     """What varies a number: the values, under no place."""
 
-    def read(self, place: str, value: object) -> dict[str, Spread | list[float]]:
+    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
         """Return the values by their place, which is empty."""
-        return {"": Values().read(place, value)}
+        return {"": Values().read(where, value)}
 
     @property
     def schema(self) -> Schema:
@@ -118,13 +117,12 @@ class Axis(Rule):
 class ListAxes(Rule):
     """What varies a list of numbers: values for all entries, or for some by their place."""
 
-    def read(self, place: str, value: object) -> dict[str, Spread | list[float]]:
+    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
         """Return the values by place: ``""``, ``"1"`` or ``"0-1"``."""
         if not isinstance(value, dict) or not _by_place(value):
-            return Axis().read(place, value)
+            return Axis().read(where, value)
         return {
-            index: Values().read(_checked_place(place, index), entry)
-            for index, entry in value.items()
+            index: Values().read(_entries(where, index), entry) for index, entry in value.items()
         }
 
     @property
@@ -137,17 +135,17 @@ class ListAxes(Rule):
 class VectorAxes(Rule):
     """What varies a list of vectors: values for components by their place."""
 
-    def read(self, place: str, value: object) -> dict[str, Spread | list[float]]:
+    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
         """Return the values by place and component: ``{"2": {"y": …}}`` as ``{"2.y": …}``."""
         if not isinstance(value, dict) or not value or not all(map(_is_section, value.values())):
-            raise ValueError(f"{place} is {shown(value)}; name place and axis, as in {place}.2.y")
+            raise where.error(f"is {shown(value)}; name place and axis, as in {where}.2.y")
         axes = {}
         for index, components in value.items():
-            at = _checked_place(place, index)
+            at = _entries(where, index)
             for axis, entry in components.items():
                 if axis not in ("x", "y", "z"):
-                    raise ValueError(f"{at} has no {shown(axis)}; known are x, y, z")
-                axes[f"{index}.{axis}"] = Values().read(f"{at}.{axis}", entry)
+                    raise at.error(f"has no {shown(axis)}; known are x, y, z")
+                axes[f"{index}.{axis}"] = Values().read(at.at(axis), entry)
         return axes
 
     @property

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from cardan.outputs import nearest
+from cardan.scene.errors import Location
 
 Schema: TypeAlias = Mapping[str, Any]
 
@@ -26,15 +27,15 @@ class Rule(ABC):
     """What a value must be."""
 
     @abstractmethod
-    def read(self, place: str, value: object) -> Any:  # noqa: ANN401 - what the rule makes of it
+    def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - what the rule makes of it
         """Return the value as scenes use it.
 
         Args:
-            place: key and place of the value, for messages.
+            where: key and place of the value, for errors.
             value: as TOML has it.
 
         Raises:
-            ValueError: a value that breaks the rule; place, value and rule.
+            KeyValueError: a value that breaks the rule; place, value and rule.
         """
 
     @property
@@ -57,19 +58,19 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def refused(place: str, value: object, must: str) -> ValueError:
+def refused(where: Location, value: object, must: str) -> ValueError:
     """Return what to raise for a value that breaks a rule."""
-    return ValueError(f"{place} is {shown(value)}; it must {must}")
+    return where.error(f"is {shown(value)}; it must {must}")
 
 
 @dataclass(frozen=True)
 class Text(Rule):
     """Any text."""
 
-    def read(self, place: str, value: object) -> str:
+    def read(self, where: Location, value: object) -> str:
         """Return the text."""
         if not isinstance(value, str):
-            raise refused(place, value, "be text in quotes")
+            raise refused(where, value, "be text in quotes")
         return value
 
     @property
@@ -98,25 +99,23 @@ class Number(Rule):
     what: str = "it"
     unit: str = ""
 
-    def read(self, place: str, value: object) -> float:
+    def read(self, where: Location, value: object) -> float:
         """Return the number."""
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise refused(place, value, "be a number")
+            raise refused(where, value, "be a number")
         try:
             number = float(value)
         except OverflowError:
             number = math.inf
         if not math.isfinite(number):
-            raise refused(place, value, "be finite")
+            raise refused(where, value, "be finite")
         if abs(number) > _LARGEST:
-            raise refused(place, value, f"lie within ±{_LARGEST:g}")
+            raise refused(where, value, f"lie within ±{_LARGEST:g}")
         fits_low = number > self.low if self.above else number >= self.low
         fits_high = number < self.high if self.below else number <= self.high
         if not (fits_low and fits_high):
             unit = self.unit and f" {self.unit}"
-            raise ValueError(
-                f"{place} is {shown(value)}{unit}; {self.what} must {self._interval}{unit}"
-            )
+            raise where.error(f"is {shown(value)}{unit}; {self.what} must {self._interval}{unit}")
         return number
 
     @property
@@ -152,7 +151,7 @@ class Whole(Rule):
     least: int
     also: int | None = None
 
-    def read(self, place: str, value: object) -> int:
+    def read(self, where: Location, value: object) -> int:
         """Return the number."""
         # To Python, true is a whole number.
         given = value if isinstance(value, int) and not isinstance(value, bool) else None
@@ -160,7 +159,7 @@ class Whole(Rule):
             return given
         counted = f" of at least {self.least}" if self.least else ", counted from 0"
         other = "" if self.also is None else f", or {self.also}"
-        raise refused(place, value, f"be a whole number{counted}{other}")
+        raise refused(where, value, f"be a whole number{counted}{other}")
 
     @property
     def schema(self) -> Schema:
@@ -176,11 +175,11 @@ class OneOf(Rule):
 
     names: tuple[str, ...]
 
-    def read(self, place: str, value: object) -> str:
+    def read(self, where: Location, value: object) -> str:
         """Return the name."""
-        name = Text().read(place, value)
+        name = Text().read(where, value)
         if name not in self.names:
-            raise ValueError(f"{place} is {shown(name)}; {nearest(name, self.names)}")
+            raise where.error(f"is {shown(name)}; {nearest(name, self.names)}")
         return name
 
     @property
@@ -207,17 +206,17 @@ class FileName(Rule):
         stem = "(.*/)?[^/]+" if self.folders else r"[^/\\]+"
         return rf"^{stem}\.({endings})$"
 
-    def read(self, place: str, value: object) -> str:
+    def read(self, where: Location, value: object) -> str:
         """Return the name."""
-        name = Text().read(place, value)
+        name = Text().read(where, value)
         # On Windows a drive is a folder too.
         if not self.folders and (Path(name).name != name or "\\" in name):
             # The folder is for whoever runs the scene to choose.
-            raise refused(place, name, "be a file name without a folder")
+            raise refused(where, name, "be a file name without a folder")
         if not name.isprintable():
-            raise refused(place, name, "have printable characters only")
+            raise refused(where, name, "have printable characters only")
         if not re.search(self._pattern, name):
-            raise refused(place, name, f"end in {' or '.join(self.suffixes)}")
+            raise refused(where, name, f"end in {' or '.join(self.suffixes)}")
         return name
 
     @property
@@ -242,18 +241,18 @@ class ListOf(Rule):
     count: int | None = None
     distinct: bool = False
 
-    def read(self, place: str, value: object) -> list[Any]:
+    def read(self, where: Location, value: object) -> list[Any]:
         """Return the entries."""
         if not isinstance(value, list):
-            raise refused(place, value, f"be a list of {self.what}")
-        entries = [self.item.read(f"{place}[{i}]", entry) for i, entry in enumerate(value)]
+            raise refused(where, value, f"be a list of {self.what}")
+        entries = [self.item.read(where.at(i), entry) for i, entry in enumerate(value)]
         if self.count is not None and len(entries) != self.count:
-            raise refused(place, value, f"be a list of {self.what}")
+            raise refused(where, value, f"be a list of {self.what}")
         if self.distinct and not entries:
-            raise ValueError(f"{place} is []; name at least one, or leave it out")
+            raise where.error("is []; name at least one, or leave it out")
         for i, entry in enumerate(entries):
             if self.distinct and entry in entries[:i]:
-                raise ValueError(f"{place}[{i}] is {shown(entry)} again; name each once")
+                raise where.at(i).error(f"is {shown(entry)} again; name each once")
         return entries
 
     @property
@@ -278,11 +277,11 @@ class OneOrMore(Rule):
     def _several(self) -> ListOf:
         return ListOf(self.item, self.what, distinct=True)
 
-    def read(self, place: str, value: object) -> list[Any]:
+    def read(self, where: Location, value: object) -> list[Any]:
         """Return the names, as a list in either case."""
         if isinstance(value, str):
-            return [self.item.read(place, value)]
-        return self._several.read(place, value)
+            return [self.item.read(where, value)]
+        return self._several.read(where, value)
 
     @property
     def schema(self) -> Schema:

@@ -11,7 +11,6 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 
-
 RPM = math.tau / 60.0
 """One revolution per minute in rad/s."""
 

@@ -14,12 +14,11 @@ use numpy::{
     Element, PY_ARRAY_API, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
     PyReadwriteArray1, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::convert::{count, not_contiguous, slice_mut, value_error};
+use crate::convert::{argument_error, count, not_contiguous, slice_mut, value_error};
 use crate::lines::Lines;
 use crate::watch::{no_memory, room, threads, watched};
 
@@ -239,7 +238,7 @@ impl NativePlan {
         let load = self.read_load(py, shape)?;
         let rows = match (self.reduction, shape.split_last()) {
             (Some(_), Some((1.., rows))) => rows,
-            (Some(_), _) => return Err(PyValueError::new_err("shape has no samples to reduce")),
+            (Some(_), _) => return Err(argument_error("shape", &[], "has no samples to reduce")),
             (None, _) => rows,
         };
         let angle = match &angle {
@@ -432,9 +431,11 @@ fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
 
 fn misfit(py: Python<'_>, name: &str, own: &[usize], shape: &[usize]) -> PyErr {
     match (PyTuple::new(py, own), PyTuple::new(py, shape)) {
-        (Ok(own), Ok(shape)) => PyValueError::new_err(format!(
-            "{name} has shape {own}, which does not broadcast to the samples' {shape}"
-        )),
+        (Ok(own), Ok(shape)) => argument_error(
+            name,
+            &[],
+            format!("has shape {own}, which does not broadcast to the samples' {shape}"),
+        ),
         (Err(error), _) | (_, Err(error)) => error,
     }
 }
@@ -449,7 +450,7 @@ fn end(name: &str) -> PyResult<(End, &'static str)> {
     match name {
         "drive" => Ok((End::Drive, "drive_torque")),
         "output" => Ok((End::Output, "output_torque")),
-        other => Err(PyValueError::new_err(format!("load is {other:?}"))),
+        other => Err(argument_error("load", &[], format!("is {other:?}"))),
     }
 }
 
@@ -457,14 +458,14 @@ fn reduction(name: &str) -> PyResult<Reduction> {
     Reduction::ALL
         .into_iter()
         .find(|reduction| reduction.name() == name)
-        .ok_or_else(|| PyValueError::new_err(format!("reduce is {name:?}, which is unknown")))
+        .ok_or_else(|| argument_error("reduce", &[], format!("is {name:?}, which is unknown")))
 }
 
 fn quantity(name: &str) -> PyResult<Output> {
     Output::ALL
         .into_iter()
         .find(|output| output.row().name == name)
-        .ok_or_else(|| PyValueError::new_err(format!("outputs holds {name:?}, which is unknown")))
+        .ok_or_else(|| argument_error("outputs", &[], format!("holds {name:?}, which is unknown")))
 }
 
 fn named_level(name: &str) -> PyResult<Level> {
@@ -472,7 +473,7 @@ fn named_level(name: &str) -> PyResult<Level> {
         .into_iter()
         .find(|(known, _)| *known == name)
         .map(|(_, level)| level)
-        .ok_or_else(|| PyValueError::new_err(format!("level {name:?} is not available here")))
+        .ok_or_else(|| argument_error("level", &[], format!("{name:?} is not available here")))
 }
 
 /// The instruction sets that the kernels can use on this machine, strongest first.
