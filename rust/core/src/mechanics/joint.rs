@@ -282,16 +282,22 @@ pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
 /// Jerk ratio, the derivative of the acceleration ratio by the drive angle,
 /// `2 cos β sin² β (s⁴ + 3 sin² β s² c² − cos² β c⁴) (s² + c²)/(c² cos² β + s²)³` (derived here from the
 /// speed ratio); it vanishes where both parts of the bracket are alike.
+///
+/// The cube would triple the roundings of the denominator and of its inverse. What they amount to
+/// is found by fused multiply-adds and taken off again.
 #[inline(always)]
 pub(crate) fn jerk_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
-    let s2 = s.square();
-    let c_cos = c * joint.cos;
-    let across = c_cos.mul_add(c_cos, s2);
+    let (s2, c2) = (s.square(), c.square());
+    let across = joint.cos2.mul_add(c2, s2);
     let inverse = across.recip();
-    let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
-    let c2 = c.square();
-    let sum = s2.mul_add(s2, T::from_f64(3.0) * joint.sin2 * (s2 * c2));
-    let across_c = joint.cos2 * c2;
-    let bracket = (-across_c).mul_add(c2, sum);
-    T::from_f64(2.0) * joint.sin2 * (bracket * inverse * inverse) * ratio
+    let sum = s2 * (T::from_f64(3.0) * joint.sin2).mul_add(c2, s2);
+    let bracket = (-(joint.cos2 * c2)).mul_add(c2, sum);
+    let mut length = c.mul_add(c, s2) * inverse;
+    if !T::LOW {
+        let missing = joint.cos2.mul_add(c2, s2 - across) + s.mul_add(s, -s2);
+        let off = (-across).mul_add(inverse, T::from_f64(1.0)) - missing * inverse;
+        // Before the product, which single precision may not hold.
+        length = length.mul_add(T::from_f64(3.0) * off, length);
+    }
+    (joint.cos * joint.sin2).scaled(2.0) * (bracket * inverse * inverse) * length
 }
