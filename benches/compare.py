@@ -13,7 +13,6 @@ import os
 import statistics
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,26 +22,10 @@ import report
 from job import JOBS, Call, Case, Job, Method, recorded_angles
 from judge import Judge, Verdict
 from peers import PEERS, methods
+from row import Row
 
 SHORTEST_SAMPLE = 1e-3  # s: shorter calls are timed several at a time
 LONGEST = 3.0  # s: what calls of one method may take in all rounds of a case
-
-
-@dataclass(frozen=True)
-class Row:
-    """What one method took for one case."""
-
-    job: Job
-    num: int
-    threads: int
-    method: Method
-    best: float  # ns per angle
-    median: float
-    verdict: Verdict
-
-    @property
-    def wrong(self) -> bool:
-        return not self.verdict.relative <= self.method.permitted
 
 
 def main() -> int:

@@ -14,7 +14,7 @@ import report
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from compare import Row
+    from row import Row
 
 JOB = "motion"
 MM = 1.0 / 25.4

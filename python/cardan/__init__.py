@@ -19,6 +19,7 @@ from cardan.ball_joint import BallJoint
 from cardan.check import Check, Finding
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
+from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
@@ -32,6 +33,9 @@ if _TYPE_CHECKING:
 
 __all__ = [
     "OUTPUTS",
+    "ArgumentError",
+    "ArgumentTypeError",
+    "ArgumentValueError",
     "BallJoint",
     "Check",
     "Driveline",

@@ -18,7 +18,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, at_place, common_shape, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.errors import ArgumentValueError, wrong_element
 
 TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
 """Torsional excitation of the last shaft in rad/s²: usual limit, never above."""
@@ -91,8 +92,7 @@ def thoma_small_angle(
     a, b = as_float64("angle", angle), _bend("bend", bend)
     mass, rate = as_float64("inertia", inertia), as_float64("speed", speed)
     if np.any(mass < 0.0):
-        wrong = at_place("inertia", mass, mass < 0.0)
-        raise ValueError(f"{wrong}; an inertia must not be negative")
+        raise wrong_element("inertia", mass, mass < 0.0, "; an inertia must not be negative")
     common_shape(angle=a.shape, bend=b.shape, inertia=mass.shape, speed=rate.shape)
     s, c = _sine_cosine(a)
     # Multiple angles written out: sin 2a + 1/2 sin 4a = 4 s c³, 1 - cos 4a = 8 s² c². So the two
@@ -176,7 +176,7 @@ def inertia_bend(
         ValueError: an unknown direction, and as for ``catalogue_bend``.
     """
     if direction not in ("drive", "coast"):
-        raise ValueError(f"direction is {direction!r}; it must be 'drive' or 'coast'")
+        raise ArgumentValueError("direction", f"is {direction!r}; it must be 'drive' or 'coast'")
     step = -1 if direction == "drive" else 1
     return _root_sum(bends, fork_signs, lambda n: np.arange(n, dtype=np.float64)[::step])
 
@@ -241,10 +241,10 @@ def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], 
     )
     wrong = np.abs(sign) != 1.0
     if wrong.any():
-        raise ValueError(f"{at_place('fork_signs', sign, wrong)}; a fork sign is +1 or -1")
+        raise wrong_element("fork_signs", sign, wrong, "; a fork sign is +1 or -1")
     if b.shape[-1] != sign.shape[-1]:
-        raise ValueError(
-            f"fork_signs has shape {sign.shape}; {b.shape[-1]} joints need (..., {b.shape[-1]})"
+        raise ArgumentValueError(
+            "fork_signs", f"has shape {sign.shape}; {b.shape[-1]} joints need (..., {b.shape[-1]})"
         )
     common_shape(bends=b.shape, fork_signs=sign.shape)
     return scalar_or_array(np.sqrt(np.abs((weights(b.shape[-1]) * sign * b**2).sum(axis=-1))))
@@ -254,7 +254,7 @@ def _bend(name: str, value: ArrayLike) -> FloatArray:
     array = as_float64(name, value)
     wrong = (array < 0.0) | (array >= math.pi / 2)
     if wrong.any():
-        raise ValueError(f"{at_place(name, array, wrong)} rad; a bend must lie in [0, pi/2)")
+        raise wrong_element(name, array, wrong, " rad; a bend must lie in [0, pi/2)")
     return array
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
-from cardan.arrays import as_float64, at_place, common_shape, scalar_or_array
+from cardan.arrays import as_float64, common_shape, scalar_or_array
+from cardan.errors import ArgumentTypeError, wrong_element
 from cardan.geometry import Geometry
 from cardan.request import item_index
 
@@ -165,9 +166,9 @@ def harmonics(geometry: Geometry, orders: ArrayLike, shaft: int) -> Harmonics:
     """Find the amplitudes as ``Driveline.harmonics`` does."""
     order = np.atleast_1d(np.asarray(orders))
     if order.dtype.kind not in "iu":
-        raise TypeError(f"orders has dtype {order.dtype}; an order is an integer")
+        raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
     if np.any(order < 1):
-        raise ValueError(f"{at_place('orders', order, order < 1)}; an order is at least 1")
+        raise wrong_element("orders", order, order < 1, "; an order is at least 1")
     n = order / 2
     k = np.asarray(equivalent(geometry, shaft).k)[..., np.newaxis]
     power = np.where(order % 2 == 0, k**n, 0.0)

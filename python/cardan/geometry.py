@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import _core
-from cardan.arrays import FloatArray, as_float64, at_place, common_shape
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.errors import ArgumentValueError, wrong_element
 
 
 class Geometry(NamedTuple):
@@ -155,8 +156,7 @@ def _bends(bends: ArrayLike, degrees: bool) -> FloatArray:
     # Here and not in radians, so that the message shows what was given.
     wrong = ~((array >= 0.0) & (array < 90.0))
     if wrong.any():
-        place = at_place("bends", array, wrong)
-        raise ValueError(f"{place} deg; a bend must lie in [0, 90) deg")
+        raise wrong_element("bends", array, wrong, " deg; a bend must lie in [0, 90) deg")
     return np.radians(array)
 
 
@@ -167,9 +167,9 @@ def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray
     if array.ndim == 0:
         array = np.full(between, array)
     if array.shape[-1] != between:
-        raise ValueError(f"{name} has shape {array.shape}; {n} joints need (..., {between})")
+        raise ArgumentValueError(name, f"has shape {array.shape}; {n} joints need (..., {between})")
     if not np.isfinite(array).all():
-        raise ValueError(f"{at_place(name, array, ~np.isfinite(array))}; it must be finite")
+        raise wrong_element(name, array, ~np.isfinite(array), "; it must be finite")
     return np.radians(array) if degrees else array
 
 
@@ -177,7 +177,7 @@ def _vectors(name: str, value: ArrayLike, fewest: int) -> FloatArray:
     array = as_float64(name, value)
     if array.ndim < 2 or array.shape[-1] != 3 or array.shape[-2] < fewest:
         wanted = f"(..., {fewest} or more, 3)"
-        raise ValueError(f"{name} has shape {array.shape}; it must be {wanted}")
+        raise ArgumentValueError(name, f"has shape {array.shape}; it must be {wanted}")
     return array
 
 
@@ -186,8 +186,8 @@ def _slopes(name: str, value: ArrayLike, degrees: bool, what: str = "slope") -> 
     right_angle, unit = (90.0, "90 deg") if degrees else (np.pi / 2, "pi/2 rad")
     wrong = ~(np.abs(array) < right_angle)
     if wrong.any():
-        place = at_place(name, array, wrong)
-        raise ValueError(f"{place}; a {what} must lie between -{unit} and {unit}")
+        rule = f"; a {what} must lie between -{unit} and {unit}"
+        raise wrong_element(name, array, wrong, rule)
     return np.radians(array) if degrees else array
 
 
@@ -195,7 +195,7 @@ def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) 
     """Slopes of three shafts from the two bends between them, the shaft of reference level."""
     bend = _slopes(name, value, degrees, "projected bend")
     if bend.shape[-1] != 2:
-        raise ValueError(f"{name} has shape {bend.shape}; two joints need (..., 2)")
+        raise ArgumentValueError(name, f"has shape {bend.shape}; two joints need (..., 2)")
     first, second = np.moveaxis(bend, -1, 0)
     level = np.zeros_like(first)
     slopes = {
@@ -205,19 +205,20 @@ def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) 
     }
     if reference not in slopes:
         known = ", ".join(map(repr, slopes))
-        raise ValueError(f"reference is {reference!r}; it must be one of {known}")
+        raise ArgumentValueError("reference", f"is {reference!r}; it must be one of {known}")
     view = np.stack(slopes[reference], axis=-1)
     if np.any(np.abs(view) >= np.pi / 2):
-        raise ValueError(f"{name} adds up to 90 deg or more against the {reference} shaft")
+        raise ArgumentValueError(name, f"adds up to 90 deg or more against the {reference} shaft")
     return view
 
 
 def _sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
     """Directions from the slopes in side view and top view."""
     if vertical.shape[-1] != horizontal.shape[-1]:
-        raise ValueError(
-            f"vertical has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
-            "they must be the same"
+        raise ArgumentValueError(
+            "vertical",
+            f"has {vertical.shape[-1]} shafts and horizontal {horizontal.shape[-1]}; "
+            "they must be the same",
         )
     common_shape(vertical=vertical.shape, horizontal=horizontal.shape)
     up, right = np.broadcast_arrays(np.tan(vertical), np.tan(horizontal))

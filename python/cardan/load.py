@@ -8,7 +8,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, at_place
+from cardan.arrays import FloatArray, as_float64
+from cardan.errors import ArgumentValueError, wrong_element
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -48,7 +49,9 @@ class Load:
     ) -> None:
         """Check the values and keep them as arrays of their own."""
         if drive_torque is not None and output_torque is not None:
-            raise ValueError("drive_torque and output_torque are both given; give one of them")
+            raise ArgumentValueError(
+                "drive_torque", "and output_torque are both given; give one of them"
+            )
         values = {
             "end": "output" if drive_torque is None else "drive",
             "torque": as_float64("drive_torque", drive_torque)
@@ -72,8 +75,7 @@ class Load:
 def _checked_inertias(inertias: ArrayLike) -> FloatArray:
     array = as_float64("inertias", inertias)
     if array.ndim == 0:
-        raise ValueError("inertias is one number; it needs one per shaft")
+        raise ArgumentValueError("inertias", "is one number; it needs one per shaft")
     if np.any(array < 0.0):
-        place = at_place("inertias", array, array < 0.0)
-        raise ValueError(f"{place}; an inertia must not be negative")
+        raise wrong_element("inertias", array, array < 0.0, "; an inertia must not be negative")
     return array

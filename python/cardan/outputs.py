@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from cardan import _core
+from cardan.errors import ArgumentTypeError, ArgumentValueError
 
 
 @dataclass(frozen=True)
@@ -154,11 +155,13 @@ def checked(names: str | Iterable[str]) -> tuple[str, ...]:
     listed = (names,) if isinstance(names, str) else tuple(names)
     for i, name in enumerate(listed):
         if not isinstance(name, str):
-            raise TypeError(f"outputs[{i}] is {name!r}; an output is asked for by its name")
+            raise ArgumentTypeError(
+                "outputs", f"is {name!r}; an output is asked for by its name", (i,)
+            )
         if name not in OUTPUTS:
-            raise ValueError(f"outputs[{i}] is {name!r}; {nearest(name, OUTPUTS)}")
+            raise ArgumentValueError("outputs", f"is {name!r}; {nearest(name, OUTPUTS)}", (i,))
         if listed.index(name) < i:
-            raise ValueError(f"outputs[{i}] is {name!r} again; name each output once")
+            raise ArgumentValueError("outputs", f"is {name!r} again; name each output once", (i,))
     return listed
 
 

@@ -13,6 +13,7 @@ from cardan import _core, outputs, threads
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
 from cardan.arrays.planes import Place, components_first, view
+from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.request import (
     DOUBLE,
@@ -266,18 +267,21 @@ class Plan:
     def _sample_shape(self, own: tuple[int, ...]) -> tuple[int, ...]:
         shape = _broadcast(self._line_shape, own)
         if shape is None:
-            raise ValueError(
-                f"angle has shape {own}, which does not broadcast against the driveline's batch "
-                f"shape {self._line_shape}"
+            raise ArgumentValueError(
+                "angle",
+                f"has shape {own}, which does not broadcast against the driveline's batch "
+                f"shape {self._line_shape}",
             )
         return shape
 
     def _rows(self, shape: tuple[int, ...]) -> tuple[int, ...]:
         """What is left of the samples' shape when the last axis is reduced."""
         if not shape:
-            raise ValueError("reduce works over the last axis of the samples; one angle has none")
+            raise ArgumentValueError(
+                "reduce", "works over the last axis of the samples; one angle has none"
+            )
         if shape[-1] == 0:
-            raise ValueError(f"reduce finds no samples in the last axis of {shape}")
+            raise ArgumentValueError("reduce", f"finds no samples in the last axis of {shape}")
         return shape[:-1]
 
     def _shape(self, place: Place, rows: tuple[int, ...]) -> tuple[int, ...]:
@@ -290,24 +294,30 @@ class Plan:
     ) -> dict[str, NDArray[Any]]:
         checked: dict[str, NDArray[Any]] = {}
         if not isinstance(out, Mapping):
-            raise TypeError(f"out is {type(out).__name__}; it must map names of outputs to arrays")
+            raise ArgumentTypeError(
+                "out", f"is {type(out).__name__}; it must map names of outputs to arrays"
+            )
         for name, array in out.items():
             if name not in self.places:
-                raise ValueError(f"out[{name!r}] is not among the outputs asked for")
+                raise ArgumentValueError("out", "is not among the outputs asked for", (name,))
             if not isinstance(array, np.ndarray) or isinstance(array, np.ma.MaskedArray):
-                raise TypeError(f"out[{name!r}] is {type(array).__name__}; it must be an array")
+                raise ArgumentTypeError(
+                    "out", f"is {type(array).__name__}; it must be an array", (name,)
+                )
             if array.dtype != self.dtype:
-                raise ValueError(
-                    f"out[{name!r}] has dtype {array.dtype}; it must be {self.dtype.name}"
+                raise ArgumentValueError(
+                    "out", f"has dtype {array.dtype}; it must be {self.dtype.name}", (name,)
                 )
             wanted = self._shape(self.places[name], rows)
             if array.shape != wanted:
-                raise ValueError(f"out[{name!r}] has shape {array.shape}; it must be {wanted}")
+                raise ArgumentValueError(
+                    "out", f"has shape {array.shape}; it must be {wanted}", (name,)
+                )
             if not array.flags.writeable:
-                raise ValueError(f"out[{name!r}] is read-only; it must be writeable")
+                raise ArgumentValueError("out", "is read-only; it must be writeable", (name,))
             for other, earlier in checked.items():
                 if np.may_share_memory(array, earlier):
-                    raise ValueError(f"out[{name!r}] and out[{other!r}] share memory")
+                    raise ArgumentValueError("out", f"and out[{other!r}] share memory", (name,))
             checked[name] = array
         return checked
 
@@ -359,7 +369,9 @@ def _inertias(n: int, load: Load | None) -> dict[int, FloatArray]:
         return {}
     if load.inertias.shape[-1] != n + 1:
         shape = load.inertias.shape
-        raise ValueError(f"inertias has shape {shape}; {n + 1} shafts need (..., {n + 1})")
+        raise ArgumentValueError(
+            "inertias", f"has shape {shape}; {n + 1} shafts need (..., {n + 1})"
+        )
     columns = (np.array(load.inertias[..., shaft], order="C") for shaft in range(n + 1))
     return {shaft: column for shaft, column in enumerate(columns) if np.any(column != 0.0)}
 

@@ -23,6 +23,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from cardan.errors import ArgumentValueError
+
 Vector = tuple[float, float, float]
 
 # Unit vectors carry rounding of about one ulp per component: a cross product no longer than this
@@ -159,7 +161,7 @@ def from_bends(
     directions, normals = [u], []
     for j, bend in enumerate(bends):
         if not 0.0 <= bend < math.pi / 2:
-            raise ValueError(f"bends[{j}] is {bend} rad; a bend must lie in [0, pi/2)")
+            raise ArgumentValueError("bends", f"is {bend} rad; a bend must lie in [0, pi/2)", (j,))
         if j > 0:
             m = _turned(m, u, twists[j - 1])
         m = _unit(_across(m, u))
@@ -188,7 +190,9 @@ def from_directions(
     """
     for i, vector in enumerate(directions):
         if len(vector) != 3 or not 0.0 < math.hypot(*vector) < math.inf:
-            raise ValueError(f"directions[{i}] is {vector}; it must be finite and have a length")
+            raise ArgumentValueError(
+                "directions", f"is {vector}; it must be finite and have a length", (i,)
+            )
     shafts = tuple(_unit((x, y, z)) for x, y, z in directions)
     phases = _between("phases", phases, len(shafts) - 1)
     for j, (u, v) in enumerate(pairwise(shafts)):
@@ -227,11 +231,13 @@ def from_points(points: Sequence[Sequence[float]], phases: Sequence[float] | Non
 
 def _between(name: str, values: Sequence[float] | None, n_joints: int) -> tuple[float, ...]:
     if n_joints < 1:
-        raise ValueError("a driveline needs at least one joint and two shafts")
+        raise ArgumentValueError("a driveline", "needs at least one joint and two shafts")
     if values is None:
         return (0.0,) * (n_joints - 1)
     if len(values) != n_joints - 1:
-        raise ValueError(f"{name} has {len(values)} values; {n_joints} joints need {n_joints - 1}")
+        raise ArgumentValueError(
+            name, f"has {len(values)} values; {n_joints} joints need {n_joints - 1}"
+        )
     return tuple(values)
 
 
@@ -420,11 +426,15 @@ def loads(
         ValueError: both torques given, or not one inertia per shaft.
     """
     if drive_torque is not None and output_torque is not None:
-        raise ValueError("drive_torque and output_torque exclude one another; give one of them")
+        raise ArgumentValueError(
+            "drive_torque", "and output_torque exclude one another; give one of them"
+        )
     count = len(shafts.directions)
     inertias = (0.0,) * count if inertias is None else inertias
     if len(inertias) != count:
-        raise ValueError(f"inertias has {len(inertias)} values; there are {count} shafts")
+        raise ArgumentValueError(
+            "inertias", f"has {len(inertias)} values; there are {count} shafts"
+        )
     joints = _joints(shafts, angle)
     kept = [
         inertia * (speed**2 * acceleration_ratio + acceleration * speed_ratio)

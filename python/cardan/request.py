@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from cardan import _core
+from cardan.errors import ArgumentTypeError, ArgumentValueError, Place, located
 from cardan.load import Load
 from cardan.outputs import nearest
 
@@ -50,14 +51,16 @@ class Request:
     workers: int | None = None
 
 
-def item_index(argument: str, value: SupportsIndex, count: int) -> int:
+def item_index(argument: str, value: SupportsIndex, count: int, place: Place = ()) -> int:
     """Return the index of a shaft or joint counted from 0; negative ones count from the end."""
     try:
         index = operator.index(value)
     except TypeError:
-        raise TypeError(f"{argument} is {value!r}; it must be an integer") from None
+        raise ArgumentTypeError(argument, f"is {value!r}; it must be an integer", place) from None
     if not -count <= index < count:
-        raise IndexError(f"{argument} is {index}; there are {count}, counted from 0")
+        raise IndexError(
+            f"{located(argument, place)} is {index}; there are {count}, counted from 0"
+        )
     return index % count
 
 
@@ -74,8 +77,8 @@ def item_indices(argument: str, value: int | slice | Sequence[int], count: int) 
     if is_index(value):
         return [item_index(argument, value, count)]  # type: ignore[arg-type]
     if isinstance(value, str) or not isinstance(value, Iterable):
-        raise TypeError(f"{argument} is {value!r}; it must be an index, a slice or a list")
-    return [item_index(f"{argument}[{i}]", item, count) for i, item in enumerate(value)]
+        raise ArgumentTypeError(argument, f"is {value!r}; it must be an index, a slice or a list")
+    return [item_index(argument, item, count, (i,)) for i, item in enumerate(value)]
 
 
 DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
@@ -92,13 +95,13 @@ def checked_dtype(dtype: DTypeLike | None) -> np.dtype[Any]:
     for known in (DOUBLE, SINGLE):
         if word == known:
             return known
-    raise ValueError(f"dtype is {dtype!r}; it must be float64 or float32")
+    raise ArgumentValueError("dtype", f"is {dtype!r}; it must be float64 or float32")
 
 
 def checked_reduction(reduce: str | None) -> str | None:
     """Return the reduction, which must be a known one."""
     if reduce is not None and reduce not in REDUCTIONS:
-        raise ValueError(f"reduce is {reduce!r}; {nearest(str(reduce), REDUCTIONS)}")
+        raise ArgumentValueError("reduce", f"is {reduce!r}; {nearest(str(reduce), REDUCTIONS)}")
     return reduce
 
 
@@ -109,7 +112,7 @@ def checked_tolerance(tolerance: float | None) -> float | None:
     try:
         permitted = float(tolerance)
     except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"tolerance is {tolerance!r}; it must be a number") from None
+        raise ArgumentTypeError("tolerance", f"is {tolerance!r}; it must be a number") from None
     if not permitted >= 0.0:
-        raise ValueError(f"tolerance is {permitted}; it must not be negative")
+        raise ArgumentValueError("tolerance", f"is {permitted}; it must not be negative")
     return permitted

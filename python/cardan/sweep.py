@@ -10,6 +10,7 @@ import numpy as np
 
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray
+from cardan.errors import ArgumentTypeError, ArgumentValueError
 
 
 class Sweep:
@@ -65,9 +66,10 @@ class Sweep:
         if math.isfinite(count) and round(count) / per_turn == asked:
             count = float(round(count))
         if not count.is_integer() or count < 1.0:
-            raise ValueError(
-                f"turns is {turns} of {per_turn} samples each; together that must be a whole "
-                "number of at least 1"
+            raise ArgumentValueError(
+                "turns",
+                f"is {turns} of {per_turn} samples each; together that must be a whole "
+                "number of at least 1",
             )
         number = _whole("turns times samples", int(count))
         self = object.__new__(cls)
@@ -122,11 +124,13 @@ def _whole(name: str, value: SupportsIndex) -> int:
     try:
         count = operator.index(value)
     except TypeError:
-        raise TypeError(f"{name} is {value!r}; it must be an integer") from None
+        raise ArgumentTypeError(name, f"is {value!r}; it must be an integer") from None
     if count < 1:
-        raise ValueError(f"{name} is {count}; it must be at least 1")
+        raise ArgumentValueError(name, f"is {count}; it must be at least 1")
     if count > NativeSweep.LONGEST:
-        raise ValueError(f"{name} is {count}; a sweep has at most {NativeSweep.LONGEST} samples")
+        raise ArgumentValueError(
+            name, f"is {count}; a sweep has at most {NativeSweep.LONGEST} samples"
+        )
     return count
 
 
@@ -138,4 +142,4 @@ def _end(name: str, value: float) -> float:
         return math.inf
     except (TypeError, ValueError):
         pass
-    raise TypeError(f"{name} is {value!r}; it must be a number")
+    raise ArgumentTypeError(name, f"is {value!r}; it must be a number")

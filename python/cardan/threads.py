@@ -7,6 +7,8 @@ import os
 import sys
 from typing import SupportsIndex
 
+from cardan.errors import ArgumentTypeError, ArgumentValueError
+
 # The thread pool does not survive a fork: its threads stay behind in the parent, and waiting for
 # them would last for ever. Forked processes are themselves the parallelism of their program, so
 # there every call runs on its own thread.
@@ -32,10 +34,10 @@ def at_most(workers: SupportsIndex | None) -> int | None:
     if workers is None:
         return 1 if _forked else None
     if not hasattr(workers, "__index__"):
-        raise TypeError(f"workers is {workers!r}; it must be an integer")
+        raise ArgumentTypeError("workers", f"is {workers!r}; it must be an integer")
     count = operator.index(workers)
     if count < 1 and count != -1:
-        raise ValueError(f"workers is {count}; it must be positive, or -1 for all cores")
+        raise ArgumentValueError("workers", f"is {count}; it must be positive, or -1 for all cores")
     if _forked:
         return 1
     return None if count == -1 else min(count, sys.maxsize)

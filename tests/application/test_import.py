@@ -87,5 +87,5 @@ def test_public_classes_are_pickled_by_their_names() -> None:
 
 
 def test_the_examples_in_docstrings_are_right() -> None:
-    assert doctest.testmod(cardan) == (0, 4)
+    assert doctest.testmod(cardan) == (0, 6)
     assert doctest.testmod(units) == (0, 2)

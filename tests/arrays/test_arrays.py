@@ -12,7 +12,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import OUTPUTS, BallJoint, Driveline, Load, Result, approximations, workshop
+from cardan import (
+    OUTPUTS,
+    ArgumentTypeError,
+    BallJoint,
+    Driveline,
+    Load,
+    Result,
+    approximations,
+    workshop,
+)
 
 ONE = Driveline.from_bends([0.5])
 THREE = Driveline.from_bends([0.5, 0.4, 0.3], [0.1, 0.2], [0.3, 0.9])
@@ -127,7 +136,7 @@ def test_what_is_no_real_number_is_refused(angle: Any) -> None:  # noqa: ANN401
     with pytest.raises((TypeError, ValueError)) as caught:
         ratio(angle)
     if not isinstance(angle, list) or np.ndim(angle[0]) == 0:
-        assert caught.type is TypeError
+        assert caught.type is ArgumentTypeError
         assert "angle has dtype" in str(caught.value)
 
 

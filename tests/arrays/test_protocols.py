@@ -177,6 +177,9 @@ OBJECTS = [
     BATCH.check().findings[0],
     BallJoint(0.05),
     BallJoint([0.05, 0.1], 1.0).with_clearance(1e-4, compliance=1e-12),
+    cardan.ArgumentError("shafts", "is 1 again; name each once", (1,)),
+    cardan.ArgumentTypeError("workers", "is 'a'; it must be an integer"),
+    cardan.ArgumentValueError("out", "is read-only; it must be writeable", ("angle",)),
     cardan.OUTPUTS,
     cardan.OUTPUTS["moment"],
     cardan.workshop.turn(LINE.phases),
@@ -193,6 +196,9 @@ def same(one: object, other: object) -> None:
         np.testing.assert_array_equal(one, other)
     elif isinstance(one, MethodType):
         assert one == other
+    elif isinstance(one, Exception):
+        assert str(one) == str(other)
+        assert vars(one) == vars(other)
     elif isinstance(one, Plan):
         assert isinstance(other, Plan)
         assert one.explain() == other.explain()

@@ -3,7 +3,6 @@
 from cardan.arrays.coercion import (
     FloatArray,
     as_float64,
-    at_place,
     common_shape,
     scalar_or_array,
 )
@@ -14,7 +13,6 @@ __all__ = [
     "adapter",
     "array_namespace_of",
     "as_float64",
-    "at_place",
     "common_shape",
     "deferring",
     "import_optional",

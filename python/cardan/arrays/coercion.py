@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cardan.errors import ArgumentTypeError
+
 FloatArray = NDArray[np.float64]
 
 
@@ -23,7 +25,7 @@ def as_float64(name: str, value: ArrayLike) -> FloatArray:
         _refuse_more_than_numbers(name, value)
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
-        raise TypeError(f"{name} has dtype {array.dtype}; it must hold real numbers")
+        raise ArgumentTypeError(name, f"has dtype {array.dtype}; it must hold real numbers")
     if array.size > sys.maxsize // 8:
         raise MemoryError(f"{name} has shape {array.shape}; there is no room for so many numbers")
     array = np.asarray(array, dtype=np.float64, order="C")
@@ -35,25 +37,20 @@ def _refuse_more_than_numbers(name: str, value: ArrayLike) -> None:
     if not hasattr(kind, "__array_function__"):
         return
     if np.ma.is_masked(value):
-        raise TypeError(f"{name} has masked entries; fill them or leave them out")
+        raise ArgumentTypeError(name, "has masked entries; fill them or leave them out")
     full = f"{kind.__module__.partition('.')[0]}.{kind.__name__}"
     unit = getattr(value, "unit", getattr(value, "units", None))
     if unit is not None:
-        raise TypeError(f"{name} is a {full} in {unit}; give plain numbers in the unit asked for")
+        raise ArgumentTypeError(
+            name, f"is a {full} in {unit}; give plain numbers in the unit asked for"
+        )
     if not isinstance(value, np.ndarray):
-        raise TypeError(f"{name} is a {full}; make it an array of NumPy first")
+        raise ArgumentTypeError(name, f"is a {full}; make it an array of NumPy first")
 
 
 def scalar_or_array(array: FloatArray) -> Any:  # noqa: ANN401 - as NumPy's own functions
     """Return a 0-d array as a NumPy scalar, anything else unchanged."""
     return array[()]
-
-
-def at_place(name: str, array: FloatArray, wrong: NDArray[np.bool_]) -> str:
-    """Name the first offending element and its value: ``bends[2] is 1.6``."""
-    index = tuple(int(i) for i in np.argwhere(wrong)[0])
-    place = f"[{', '.join(map(str, index))}]" if index else ""
-    return f"{name}{place} is {array[index]!s}"
 
 
 def common_shape(**shapes: tuple[int, ...]) -> tuple[int, ...]:

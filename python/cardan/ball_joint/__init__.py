@@ -14,8 +14,9 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, at_place, common_shape, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
 from cardan.ball_joint.contact import Contact, elliptic, fitting, loose
+from cardan.errors import ArgumentValueError, wrong_element
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -59,8 +60,8 @@ class BallJoint:
         angle = as_float64("half_angle", half_angle)
         wrong = ~((angle > 0.0) & (angle <= math.pi / 2))
         if wrong.any():
-            place = at_place("half_angle", angle, wrong)
-            raise ValueError(f"{place} rad; a half-angle must lie in (0, pi/2]")
+            rule = " rad; a half-angle must lie in (0, pi/2]"
+            raise wrong_element("half_angle", angle, wrong, rule)
         self._set(_positive("radius", radius), angle, np.zeros(()), None)
 
     def with_clearance(self, clearance: ArrayLike, *, compliance: ArrayLike) -> Self:
@@ -82,8 +83,8 @@ class BallJoint:
         gap = as_float64("clearance", clearance)
         wrong = ~((gap >= 0.0) & (gap < np.inf))
         if wrong.any():
-            place = at_place("clearance", gap, wrong)
-            raise ValueError(f"{place} m; a clearance must be finite and not negative")
+            rule = " m; a clearance must be finite and not negative"
+            raise wrong_element("clearance", gap, wrong, rule)
         joint = object.__new__(type(self))
         joint._set(
             as_float64("radius", self.radius),
@@ -213,7 +214,7 @@ class BallJoint:
         """
         if (compliance is None) == (self.compliance is None):
             how = "missing" if compliance is None else "given, but with_clearance has set it"
-            raise ValueError(f"compliance is {how}; the approach needs it once")
+            raise ArgumentValueError("compliance", f"is {how}; the approach needs it once")
         own = self.compliance if compliance is None else _positive("compliance", compliance)
         force = self._force(load)
         common_shape(joint=self.shape, load=force.shape, compliance=own.shape)
@@ -334,7 +335,7 @@ def _positive(name: str, value: ArrayLike) -> FloatArray:
     array = as_float64(name, value)
     wrong = ~((array > 0.0) & (array < np.inf))
     if wrong.any():
-        raise ValueError(f"{at_place(name, array, wrong)}; it must be positive and finite")
+        raise wrong_element(name, array, wrong, "; it must be positive and finite")
     return array
 
 
@@ -343,7 +344,7 @@ def _not_negative(name: str, value: ArrayLike) -> FloatArray:
     array = as_float64(name, value)
     wrong = (array < 0.0) | np.isinf(array)
     if wrong.any():
-        raise ValueError(f"{at_place(name, array, wrong)}; it must be finite and not negative")
+        raise wrong_element(name, array, wrong, "; it must be finite and not negative")
     return array
 
 
@@ -351,12 +352,12 @@ def _unit(name: str, value: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Vectors made unit ones, and their lengths."""
     array = as_float64(name, value)
     if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} has shape {array.shape}; vectors need (..., 3)")
+        raise ArgumentValueError(name, f"has shape {array.shape}; vectors need (..., 3)")
     length = _length(array)
     wrong = (length == 0.0) | np.isinf(length)
     if wrong.any():
-        place = at_place(f"length of {name}", length, wrong)
-        raise ValueError(f"{place}; it must be positive and finite")
+        rule = "; it must be positive and finite"
+        raise wrong_element(f"length of {name}", length, wrong, rule)
     return array / length[..., None], length
 
 

@@ -11,6 +11,7 @@ from cardan.files.whole_file import check_writable
 from cardan.plots import write_picture
 from cardan.scene import cluster
 from cardan.scene.curves import write_curves, write_study
+from cardan.scene.errors import SceneError
 from cardan.scene.scene import Scene, SceneResult
 
 
@@ -66,7 +67,7 @@ def write_on_cluster(
                 scene.study, path, client, radians=radians, progress=progress
             )
         except ValueError as error:
-            raise ValueError(f"{scene.name}: [study] {error}") from None
+            raise SceneError.of(error, scene.name, "study") from None
     yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}
 
 

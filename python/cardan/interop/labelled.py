@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
+from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
@@ -46,10 +47,14 @@ def evaluate(
         ValueError: angles in another unit than rad; a name of theirs that is also an output's.
     """
     if out is not None:
-        raise TypeError("out does not go with an angle that is a DataArray; give its values")
+        raise ArgumentTypeError(
+            "out", "does not go with an angle that is a DataArray; give its values"
+        )
     units = angle.attrs.get("units", "rad")
     if units not in _RADIANS:
-        raise ValueError(f"angle has units {units!r}; make it rad and say so in attrs['units']")
+        raise ArgumentValueError(
+            "angle", f"has units {units!r}; make it rad and say so in attrs['units']"
+        )
     return _dataset(plan(angle.data), angle)
 
 
@@ -83,7 +88,9 @@ def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
         variables[name] = ((*of_items, *samples.dims, *of_vector), array, attributes)
     twice = {dim for dim in samples.dims if samples.dims.count(dim) > 1}
     for name in sorted(taken & {*variables, *coordinates} | twice):
-        raise ValueError(f"angle has a dimension or coordinate {name!r}, as the result; rename it")
+        raise ArgumentValueError(
+            "angle", f"has a dimension or coordinate {name!r}, as the result; rename it"
+        )
     if given is not None:
         sizes = dict(zip(samples.dims, samples.shape, strict=True))
         for key, kept in given.coords.items():

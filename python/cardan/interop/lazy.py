@@ -18,6 +18,7 @@ from cardan.arrays import array_namespace_of, as_float64, common_shape, import_o
 from cardan.arrays.planes import components_first, view
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
+from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.geometry import Geometry
 from cardan.load import Load
 from cardan.plan import Plan
@@ -164,7 +165,7 @@ def _evaluated(
     out: Mapping[str, NDArray[Any]] | None,
 ) -> Result:
     if out is not None:
-        raise TypeError("out does not go with dask arrays; their results are new arrays")
+        raise ArgumentTypeError("out", "does not go with dask arrays; their results are new arrays")
     request = plan.request
     plan = _plan(replace(request, workers=request.workers or 1))
     load, reduce = request.load, request.reduce
@@ -326,7 +327,11 @@ def _part(name: str, value: Any, whole: int) -> _Part:  # noqa: ANN401 - an arra
         return _Part(as_float64(name, array), whole)
     as_float64(name, np.empty(0, array.dtype))
     if any(math.isnan(size) for size in array.shape):
-        raise ValueError(f"{name} has chunks of unknown size; call its compute_chunk_sizes first")
+        raise ArgumentValueError(
+            name, "has chunks of unknown size; call its compute_chunk_sizes first"
+        )
     if array.ndim < whole:
-        raise ValueError(f"{name} has shape {array.shape}; it needs {whole} dimensions or more")
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; it needs {whole} dimensions or more"
+        )
     return _Part(array, whole)

@@ -9,6 +9,7 @@ import numpy as np
 from cardan import workshop
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.plots.style import LINES, MARKERS, THIN, drawing, legend_above
 from cardan.request import item_index
 
@@ -34,13 +35,17 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
         ValueError: a batch, a shaft at an end of the driveline or beside a straight joint.
     """
     if line.shape:
-        raise ValueError(f"line has shape {line.shape}; this picture shows one driveline")
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; this picture shows one driveline"
+        )
     item = item_index("shaft", shaft, line.n_joints + 1)
     if not 0 < item < line.n_joints:
-        raise ValueError(f"shaft is {shaft}; it must lie between two joints")
+        raise ArgumentValueError("shaft", f"is {shaft}; it must lie between two joints")
     bends, along = line.bends[item - 1 : item + 1], line.directions[item]
     if not np.all(bends > 0.0):
-        raise ValueError(f"shaft is {shaft}; a straight joint beside it has no bend plane")
+        raise ArgumentValueError(
+            "shaft", f"is {shaft}; a straight joint beside it has no bend plane"
+        )
     pointing = np.cross(line.normals[item - 1 : item + 1], along) @ _view(along).T
     ends = np.degrees(bends)[:, np.newaxis] * pointing
     as_drawn = np.degrees(np.arctan(np.tan(bends)[:, np.newaxis] * pointing))

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 import cardan.plots.panel as panel
 from cardan.arrays import as_float64
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, checked
 from cardan.plots.style import drawing, legend_above
@@ -58,10 +59,12 @@ def plot_curves(
     what = OUTPUTS[checked(output)[0]]
     if len(line.shape) > (0 if what.vector else 1):
         fits = "one driveline" if what.vector else "one driveline or a batch of one dimension"
-        raise ValueError(f"line has shape {line.shape}; a picture of {output} shows {fits}")
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; a picture of {output} shows {fits}"
+        )
     turn = np.radians(np.arange(721) / 2.0) if angle is None else as_float64("angle", angle)
     if turn.ndim != 1:
-        raise ValueError(f"angle has shape {turn.shape}; a curve needs (samples,)")
+        raise ArgumentValueError("angle", f"has shape {turn.shape}; a curve needs (samples,)")
     of_shaft = what.per == "shaft"
     item = item_index(
         what.per, shaft if of_shaft else joint, line.n_joints + 1 if of_shaft else line.n_joints

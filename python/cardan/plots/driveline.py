@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.plots.style import LINES, MARKERS, drawing, legend_above
 
 if TYPE_CHECKING:
@@ -140,14 +141,18 @@ def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:
         return np.concatenate([np.zeros((1, 3)), np.cumsum(line.directions, axis=0)])
     places = as_float64("points", points)
     if places.shape != (line.n_joints + 2, 3):
-        raise ValueError(f"points has shape {places.shape}; it must be ({line.n_joints + 2}, 3)")
+        raise ArgumentValueError(
+            "points", f"has shape {places.shape}; it must be ({line.n_joints + 2}, 3)"
+        )
     steps = np.diff(places, axis=0)
     off = np.linalg.norm(np.cross(steps, line.directions), axis=-1)
     wrong = ~(off <= 1e-6 * np.linalg.norm(steps, axis=-1))
     wrong |= ~(np.sum(steps * line.directions, axis=-1) > 0.0)
     if wrong.any():
         shaft = int(np.argmax(wrong))
-        raise ValueError(f"points[{shaft}] and [{shaft + 1}] do not lie along shaft {shaft}")
+        raise ArgumentValueError(
+            "points", f"and [{shaft + 1}] do not lie along shaft {shaft}", (shaft,)
+        )
     return places
 
 
@@ -159,4 +164,6 @@ def _round(first: FloatArray, second: FloatArray) -> FloatArray:
 
 def _single(line: Driveline) -> None:
     if line.shape:
-        raise ValueError(f"line has shape {line.shape}; this picture shows one driveline")
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; this picture shows one driveline"
+        )

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import cardan.plots.panel as panel
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.outputs import OUTPUTS
 from cardan.plots.style import MARKERS, drawing, legend_above, line_style
 from cardan.request import item_index
@@ -47,9 +48,11 @@ def plot_harmonics(
             can be told apart, labels that do not fit.
     """
     if quantity not in ("angle_error", "speed_ratio"):
-        raise ValueError(f"quantity is {quantity!r}; known are angle_error, speed_ratio")
+        raise ArgumentValueError("quantity", f"is {quantity!r}; known are angle_error, speed_ratio")
     if len(line.shape) > 1:
-        raise ValueError(f"line has shape {line.shape}; a picture shows a batch of one dimension")
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; a picture shows a batch of one dimension"
+        )
     item = item_index("shaft", shaft, line.n_joints + 1)
     found = line.harmonics(orders, shaft)
     amplitudes, unit = panel.in_unit(OUTPUTS[quantity], np.atleast_2d(getattr(found, quantity)))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.plots.style import LINES, MARKERS, drawing, legend_above, value_ticks
 from cardan.request import item_index
@@ -43,7 +44,9 @@ def plot_hodograph(
         ValueError: a batch, a load that does not fit.
     """
     if line.shape:
-        raise ValueError(f"line has shape {line.shape}; this picture shows one driveline")
+        raise ArgumentValueError(
+            "line", f"has shape {line.shape}; this picture shows one driveline"
+        )
     item = item_index("joint", joint, line.n_joints)
     # A second time round would fill the gaps of the dashes.
     angle_deg = np.arange(180 * _PER_DEGREE + 1) / _PER_DEGREE

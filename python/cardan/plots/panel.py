@@ -9,6 +9,7 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.figures.rounding import flat_limits
 from cardan.outputs import Output
 from cardan.plots.style import degree_ticks, line_style, value_ticks
@@ -70,5 +71,7 @@ def names(
     else:
         known = [f"driveline {i}" for i in range(line.shape[0])]
     if labels is not None and len(labels) != len(known):
-        raise ValueError(f"labels has {len(labels)} entries; there are {len(known)} curves")
+        raise ArgumentValueError(
+            "labels", f"has {len(labels)} entries; there are {len(known)} curves"
+        )
     return known if labels is None else list(labels)

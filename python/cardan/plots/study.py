@@ -10,6 +10,7 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.check import MAX_EQUIVALENT_BEND
+from cardan.errors import ArgumentValueError
 from cardan.figures.rounding import ROUNDING, flat_limits
 from cardan.plots.style import (
     LINES,
@@ -60,7 +61,9 @@ def plot_study(
         ValueError: an unknown column, a study of no key or more than two.
     """
     if column not in study.values:
-        raise ValueError(f"column is {column!r}; the study has {', '.join(study.values)}")
+        raise ArgumentValueError(
+            "column", f"is {column!r}; the study has {', '.join(study.values)}"
+        )
     varied = [axis for axis in study.axes if len(axis.values) > 1]
     if len(varied) not in (1, 2):
         raise ValueError(f"the study varies {len(varied)} keys; a picture shows 1 or 2")

@@ -10,6 +10,7 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from cardan.errors import ArgumentValueError
 from cardan.files.pictures import SUFFIXES
 from cardan.files.whole_file import whole_file
 
@@ -79,7 +80,9 @@ def drawing(
     """Give the axes to draw on: those of the caller, as they are, or new ones in our style."""
     if ax is not None:
         if projection is not None and ax.name != projection:
-            raise ValueError(f"ax has projection {ax.name!r}; this picture needs {projection!r}")
+            raise ArgumentValueError(
+                "ax", f"has projection {ax.name!r}; this picture needs {projection!r}"
+            )
         yield ax
         return
     with matplotlib().rc_context(STYLE):

@@ -11,6 +11,7 @@ import cardan.plots.panel as panel
 from cardan.approximations import thoma_small_angle
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.plots.style import drawing, legend_above
 
@@ -42,7 +43,7 @@ def plot_small_angle(
         ValueError: an unknown component, a bend outside [0, 90°).
     """
     if component not in _SYMBOLS:
-        raise ValueError(f"component is {component!r}; known are {', '.join(_SYMBOLS)}")
+        raise ArgumentValueError("component", f"is {component!r}; known are {', '.join(_SYMBOLS)}")
     exact, small = _moments(component, bend_deg)
     curves = [(f"exact, bend {bend_deg:g}°", exact), ("for small bends", small)]
     with drawing(ax, height_mm=45.0) as axes:

@@ -11,6 +11,7 @@ from typing import Any, Self
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.errors import ArgumentValueError
 from cardan.files.recording import read_columns
 from cardan.scene.format import BEND_COLUMNS, FORMAT
 from cardan.scene.values import shown
@@ -37,9 +38,10 @@ class Angles:
         # Cut off, because no float holds every whole number of the file.
         steps = turns * min(per_turn, 1 << 60)
         if steps > _MOST_STEPS:
-            raise ValueError(
-                f"samples_per_turn is {shown(per_turn)} over turns = {turns:g}; "
-                f"a sweep takes at most {_MOST_STEPS} steps"
+            raise ArgumentValueError(
+                "samples_per_turn",
+                f"is {shown(per_turn)} over turns = {turns:g}; "
+                f"a sweep takes at most {_MOST_STEPS} steps",
             )
         steps = max(1, round(steps))
         # Dividing last keeps round degrees round.

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
+from cardan.errors import ArgumentValueError
+from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT
 from cardan.scene.values import Spread, shown
 
@@ -57,9 +59,7 @@ def axes_of(
             twice, more rows than a study takes.
     """
     sizes = {
-        f"{name}.{place}" if place else name: values.steps
-        if isinstance(values, Spread)
-        else len(values)
+        _location(name, place): values.steps if isinstance(values, Spread) else len(values)
         for name, places in given.items()
         for place, values in places.items()
     }
@@ -68,8 +68,8 @@ def axes_of(
         product = " x ".join(map(shown, sizes.values()))
         count = f"{product} = {shown(rows)}" if len(sizes) > 1 else shown(rows)
         largest = max(sizes, key=lambda key: sizes[key])
-        raise ValueError(
-            f"{largest} makes the study {count} rows; it takes at most {MOST_ROWS}: "
+        raise largest.error(
+            f"makes the study {count} rows; it takes at most {MOST_ROWS}: "
             "give fewer steps or vary fewer keys"
         )
     axes = []
@@ -79,15 +79,15 @@ def axes_of(
         taken: set[tuple[int, str]] = set()
         for place, values in places.items():
             index, _, component = place.partition(".")
-            key = f"{name}.{place}" if place else name
-            entries = _entries(key, index, base)
+            location = _location(name, place)
+            entries = _entries(location, index, base)
             for entry in range(*entries.indices(len(base))) if base and entries else ():
                 if (entry, component) in taken:
-                    raise ValueError(f"{key} varies {name}[{entry}], which varies already")
+                    raise location.error(f"varies {name}[{entry}], which varies already")
                 taken.add((entry, component))
             axes.append(
                 Axis(
-                    key,
+                    str(location),
                     section,
                     name,
                     entries,
@@ -98,36 +98,42 @@ def axes_of(
     return tuple(axes)
 
 
+def _location(name: str, place: str) -> Location:
+    return Location(name, tuple(place.split(".")) if place else ())
+
+
 def _base(name: str, values: Mapping[str, Any] | None, section: str) -> Sequence[Any] | None:
     """The entries that the scene gives a key; ``None`` for one number, which it may leave out."""
     if values is None:
-        raise ValueError(f"{name} needs a section [{section}]")
+        raise ArgumentValueError(name, f"needs a section [{section}]")
     if name in values:
         entries: Sequence[Any] | None = values[name] if isinstance(values[name], list) else None
         if entries == []:
-            raise ValueError(f"{name} has no entries; one joint has no shaft between two joints")
+            raise ArgumentValueError(
+                name, "has no entries; one joint has no shaft between two joints"
+            )
         return entries
     if section == "load" and name != "inertias_kgm2":
         for pair in FORMAT["load"].together:
             for key in pair:
                 if name in pair and key in values:
-                    raise ValueError(f"{name} does not go with {key} of [load]; vary that")
+                    raise ArgumentValueError(name, f"does not go with {key} of [load]; vary that")
         return None
     there = ", ".join(values)
-    raise ValueError(f"{name} is not in [{section}]; it can vary what is there: {there}")
+    raise ArgumentValueError(name, f"is not in [{section}]; it can vary what is there: {there}")
 
 
-def _entries(key: str, index: str, base: Sequence[Any] | None) -> slice | None:
+def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | None:
     if base is None:
         return None
     if not index:
         return slice(None)
     match = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?", index)
     if not match:
-        raise ValueError(f"{key} has no such place; write 0 for the first entry, 0-1 for two")
+        raise key.error("has no such place; write 0 for the first entry, 0-1 for two")
     first, last = int(match[1]), int(match[2] or match[1])
     if not first <= last < len(base):
-        raise ValueError(f"{key} has no such place; there are {len(base)}, counted from 0")
+        raise key.error(f"has no such place; there are {len(base)}, counted from 0")
     return slice(first, last + 1)
 
 

@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+from cardan.errors import ArgumentValueError
 from cardan.outputs import nearest
+from cardan.scene.errors import Location, SceneError, path_of
 from cardan.scene.format import FORMAT, Section
 from cardan.scene.units import units_of
 from cardan.scene.values import shown
@@ -40,10 +42,11 @@ class Document:
         top, *sections = FORMAT
         known = [*FORMAT[top].keys, *sections]
         for name, value in self._document.items():
-            with self.within(""):
+            with self.within("", name):
                 if name in sections:
                     if not isinstance(value, dict):
-                        raise ValueError(f"{name} is {shown(value)}; it must be a section [{name}]")
+                        problem = f"is {shown(value)}; it must be a section [{name}]"
+                        raise ArgumentValueError(name, problem)
                 elif name not in FORMAT[top].keys:
                     what = "section" if isinstance(value, dict) else "key"
                     raise ValueError(f"unknown {what} {shown(name)}; {_meant(name, known)}")
@@ -58,39 +61,43 @@ class Document:
     def _checked(self, name: str, section: Section, values: Mapping[str, Any]) -> dict[str, Any]:
         checked = {}
         for key, value in values.items():
-            with self.within(name):
+            with self.within(name, key):
                 if key not in section.keys:
                     raise ValueError(f"unknown key {shown(key)}; {_meant(key, section.keys)}")
-                checked[key] = section.keys[key].kind.read(key, value)
+                checked[key] = section.keys[key].kind.read(Location(key), value)
         for one, other in section.together:
             with self.within(name):
                 if one in values and other in values:
-                    raise ValueError(f"{one} and {other} are both given; give one of them")
+                    raise ArgumentValueError(one, f"and {other} are both given; give one of them")
         for keys in section.needed:
             with self.within(name):
                 if not set(keys) & set(values):
                     others = "".join(f"; or give {key}" for key in keys[1:])
-                    raise ValueError(f"{keys[0]} is missing{others}")
+                    raise ArgumentValueError(keys[0], f"is missing{others}")
         with self.within(name):
             if len(values) < section.fewest:
                 raise ValueError("it is empty; it needs a key at least")
         return checked
 
     @contextmanager
-    def within(self, section: str) -> Iterator[None]:
-        """Put file, line and section in front of what is wrong there, and raise or gather it."""
+    def within(self, section: str, key: str = "") -> Iterator[None]:
+        """Put file, line and section in front of what is wrong there, and raise or gather it.
+
+        Args:
+            section: where; ``""`` for the file itself.
+            key: what errors without fields are about, if that is one key.
+        """
         try:
             yield
         except ValueError as error:
-            line = self._line(section, str(error))
-            place = f"{self.name}, line {line}:" if line else f"{self.name}:"
-            problem = f"{place} [{section}] {error}" if section else f"{place} {error}"
+            line = self._line(section, path_of(error, key))
+            placed = SceneError.of(error, self.name, section, line, key)
             if not self._gather:
-                raise ValueError(problem) from None
-            self.problems.append(problem)
+                raise placed from None
+            self.problems.append(str(placed))
 
-    def _line(self, section: str, message: str) -> int | None:
-        """The line of the key that a message begins with, or of its section.
+    def _line(self, section: str, key: str) -> int | None:
+        """The line of a key, or of its section.
 
         TOML readers keep no line numbers, so the key is looked for in the text; None where no line
         or more than one could be meant.
@@ -98,8 +105,6 @@ class Document:
         # In strings of several lines anything could look like a key.
         if '"""' in self._text or "'''" in self._text:
             return None
-        start = re.match(r"unknown (?:key|section) '([^']*)'|([\w.-]+)", message)
-        key = (start[1] or start[2] or "") if start else ""
         target = f"{section}.{key}" if section else key
         lines = _keys_by_line(self._text)
         ways: tuple[Callable[[str], bool], ...] = (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.scene.format import FORMAT, FORMS, Form
 
@@ -27,22 +27,24 @@ def form_of(values: Mapping[str, Any]) -> Form:
     form = used[0]
     if len(used) > 1:
         one, other = (next(key for key in form.keys if key in values) for form in used[:2])
-        raise ValueError(f"{one} and {other} are both given; describe the driveline in one way")
+        raise ArgumentValueError(
+            one, f"and {other} are both given; describe the driveline in one way"
+        )
     for key in form.keys:
         if key not in values:
-            raise ValueError(f"{key} is missing; {' and '.join(form.keys)} go together")
+            raise ArgumentValueError(key, f"is missing; {' and '.join(form.keys)} go together")
     for key in values:
         if key not in form.keys + form.optional:
-            raise ValueError(f"{key} does not go with {form.keys[0]}, which says it already")
+            raise ArgumentValueError(key, f"does not go with {form.keys[0]}, which says it already")
 
     first = form.keys[0]
     joints = len(values[first]) - form.ends
     if joints < 1:
-        raise ValueError(
-            f"{first} has length {len(values[first])}; one joint needs {1 + form.ends}"
+        raise ArgumentValueError(
+            first, f"has length {len(values[first])}; one joint needs {1 + form.ends}"
         )
     if form.make == Driveline.from_projected_bends and joints != 2:
-        raise ValueError(f"{first} has length {joints}; it needs 2, one per joint")
+        raise ArgumentValueError(first, f"has length {joints}; it needs 2, one per joint")
     for key in form.keys[1:]:
         _check_count(key, values[key], joints + form.ends, f"as many as {first}")
     for key in form.optional:
@@ -58,9 +60,9 @@ def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
         ValueError: values that make no driveline.
     """
     keys = FORMAT["driveline"].keys
-    names = {keys[key].argument: key for key in values}
+    names: dict[str, tuple[str, ...]] = {keys[key].argument: (key,) for key in values}
     # Slopes become directions before their bends are known.
-    names.setdefault("directions", " and ".join(form.keys))
+    names.setdefault("directions", form.keys)
     with _named(names):
         # Neither points nor directions are angles: what is in degrees is what can be.
         return form.make(**{keys[key].argument: values[key] for key in values}, degrees=True)
@@ -83,7 +85,7 @@ def make_load(values: Mapping[str, Any]) -> Load:
         ValueError: a negative inertia.
     """
     keys = FORMAT["load"].keys
-    with _named({keys[key].argument: key for key in values}):
+    with _named({keys[key].argument: (key,) for key in values}):
         return Load(
             **{
                 keys[key].argument: np.multiply(value, keys[key].factor)
@@ -94,20 +96,15 @@ def make_load(values: Mapping[str, Any]) -> Load:
 
 def _check_count(key: str, values: Sequence[Any], wanted: int, why: str) -> None:
     if len(values) != wanted:
-        raise ValueError(f"{key} has length {len(values)}; it needs {wanted}, {why}")
+        raise ArgumentValueError(key, f"has length {len(values)}; it needs {wanted}, {why}")
 
 
 @contextmanager
-def _named(names: Mapping[str, str]) -> Iterator[None]:
-    """Let messages speak of the keys of the file instead of a constructor's arguments."""
+def _named(names: Mapping[str, tuple[str, ...]]) -> Iterator[None]:
+    """Let errors name the keys of the file instead of a constructor's arguments."""
     try:
         yield
-    except ValueError as error:
-        arguments = "|".join(names)
-        raise ValueError(
-            re.sub(
-                rf"\b({arguments})(?=\[| give| and| are)",
-                lambda match: names[match[1]],
-                str(error),
-            )
-        ) from None
+    except ArgumentValueError as error:
+        key, *others = names.get(error.argument, (error.argument,))
+        problem = " ".join((*(f"and {other}" for other in others), error.problem))
+        raise ArgumentValueError(key, problem, error.place) from None

@@ -12,6 +12,7 @@ from typing import Any, Self
 import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.files.recording import read_chunks
 from cardan.load import Load
@@ -20,6 +21,7 @@ from cardan.result import Result
 from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.document import Document
+from cardan.scene.errors import SceneError
 from cardan.scene.format import BEND_COLUMNS, FORMS, Form, describe
 from cardan.scene.parts import check_load, form_of, make_driveline, make_load
 from cardan.scene.study import Study, StudyResult
@@ -122,10 +124,12 @@ class Scene:
                 raise ValueError("it must have a section [angles] and no [study] to be streamed")
         with document.within("output"):
             if not str(output.get("curves", "")).endswith(".parquet"):
-                raise ValueError("curves must name a .parquet file for a scene to be streamed")
+                raise ArgumentValueError(
+                    "curves", "must name a .parquet file for a scene to be streamed"
+                )
             for key in ("reduce", "closed_forms", "table", "picture"):
                 if key in output:
-                    raise ValueError(f"{key} does not go with streaming; it needs all angles")
+                    raise ArgumentValueError(key, "does not go with streaming; it needs all angles")
         chunks = read_chunks(folder / recorded["file"], Angles.columns(recorded), rows)
         while True:
             with document.within("angles"):
@@ -190,17 +194,19 @@ class Scene:
             joints = _items(output, "joints", line.n_joints)
             options = {key: output[key] for key in _OPTIONS if key in output}
             if angle.bends is not None and "closed_forms" in output:
-                raise ValueError("closed_forms do not go with recorded bends")
+                raise ArgumentValueError("closed_forms", "do not go with recorded bends")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
             if "table" in output and output["table"] == output.get("curves"):
-                raise ValueError(f"table is {output['table']!r}; that is the file of the curves")
+                raise ArgumentValueError(
+                    "table", f"is {output['table']!r}; that is the file of the curves"
+                )
             if "table" in output and not wanted:
-                raise ValueError("table needs a section [study], reduce or closed_forms")
+                raise ArgumentValueError("table", "needs a section [study], reduce or closed_forms")
         study = None
         with document.within("study"):
             varied = given.get("study", {})
             if varied and angle.bends is not None:
-                raise ValueError(f"{next(iter(varied))} does not go with recorded bends")
+                raise ArgumentValueError(next(iter(varied)), "does not go with recorded bends")
             if wanted:
                 default = () if angle.bends is not None else _CLOSED_FORMS
                 study = Study(
@@ -259,7 +265,7 @@ class Scene:
         try:
             study = self.study.run(progress) if self.study else None
         except ValueError as error:
-            raise ValueError(f"{self.name}: [study] {error}") from None
+            raise SceneError.of(error, self.name, "study") from None
         return SceneResult(self, values, study)
 
     def evaluate(self) -> Result:
@@ -333,7 +339,7 @@ def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, A
     if angle.bends is not None:
         for key in values:
             if key not in FORMS[0].optional:
-                raise ValueError(f"{key} does not go with recorded bends")
+                raise ArgumentValueError(key, "does not go with recorded bends")
         filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
     form = form_of(filled)
     joints = len(filled[form.keys[0]]) - form.ends
@@ -349,7 +355,7 @@ def _quantities(output: Mapping[str, Any], load: Mapping[str, Any] | None) -> tu
         return ("angle_error", "speed_ratio", "acceleration_ratio", *_caused(load))
     for i, name in enumerate(output["quantities"]):
         if load is None and OUTPUTS[name].needs_load:
-            raise ValueError(f"quantities[{i}] is {name!r}; it needs a section [load]")
+            raise ArgumentValueError("quantities", f"is {name!r}; it needs a section [load]", (i,))
     return tuple(output["quantities"])
 
 
@@ -369,7 +375,7 @@ def _caused(load: Mapping[str, Any] | None) -> tuple[str, ...]:
 def _items(output: Mapping[str, Any], key: str, count: int) -> tuple[int, ...] | None:
     for i, item in enumerate(output.get(key, ())):
         if item >= count:
-            raise ValueError(f"{key}[{i}] is {item}; there are {count}, counted from 0")
+            raise ArgumentValueError(key, f"is {item}; there are {count}, counted from 0", (i,))
     return tuple(output[key]) if key in output else None
 
 

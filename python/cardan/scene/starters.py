@@ -9,6 +9,8 @@ from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
 
+from cardan.errors import ArgumentValueError
+
 
 @dataclass(frozen=True)
 class Starter:
@@ -146,7 +148,7 @@ def write_starter(kind: str, path: str | PathLike[str]) -> list[Path]:
         ValueError: an unknown kind, a path that does not end in .toml.
     """
     if kind not in STARTERS:
-        raise ValueError(f"kind is {kind!r}; known are {', '.join(STARTERS)}")
+        raise ArgumentValueError("kind", f"is {kind!r}; known are {', '.join(STARTERS)}")
     target, starter = Path(path), STARTERS[kind]
     if target.suffix != ".toml" or '"' in target.name or not target.name.isprintable():
         raise ValueError(f"{fspath(path)} must be a file name that ends in .toml")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -13,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, import_optional
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
@@ -20,6 +20,7 @@ from cardan.reductions import CLOSED_FORMS, reduced
 from cardan.request import Reduction
 from cardan.scene.axes import Axis as Axis
 from cardan.scene.axes import per_row, put, values_at
+from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load
 from cardan.scene.values import VECTORS
@@ -247,15 +248,19 @@ class Study:
                 driveline[key] = per_row(driveline[key], len(rows))
             line = make_driveline(self.form, driveline)
             return line, None if self.load is None else make_load(load)
-        except ValueError as error:
+        except ArgumentValueError as error:
             if len(rows) == 1:
-                point = ", ".join(
-                    f"{axis.key} = {column[0]:.10g}"
+                argument, problem, place = error.argument, error.problem, error.place
+                # The first two count rows of the block, which the reader has not seen.
+                place = place[2:] if place[:2] == (0, 0) else place
+                point = {
+                    axis.key: float(column[0])
                     for axis, column in zip(self.axes, columns, strict=True)
-                )
-                # The first places count rows of the block, which the reader has not seen.
-                message = re.sub(r"\[0, 0(?:\]|, )", _own_place, str(error))
-                raise ValueError(f"at {point}: {message}" if point else message) from None
+                }
+                if not point:
+                    raise ArgumentValueError(argument, problem, place) from None
+                section = "driveline" if argument in FORMAT["driveline"].keys else "load"
+                raise StudyPointError(argument, problem, place, section, point) from None
             half = len(rows) // 2
             for part in (rows[:half], rows[half:]):
                 self._block(part)
@@ -299,7 +304,3 @@ def _one_row(key: str, value: ArrayLike) -> FloatArray:
     array = np.asarray(value, dtype=np.float64)
     core = 2 if FORMAT["driveline"].keys[key].kind is VECTORS else 1
     return array.reshape((1,) * (core + 2 - array.ndim) + array.shape)
-
-
-def _own_place(found: re.Match[str]) -> str:
-    return "[" if found[0].endswith(", ") else ""

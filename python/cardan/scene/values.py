@@ -11,9 +11,10 @@ from typing import Any, NamedTuple, TypeAlias
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS, nearest
 from cardan.reductions import CLOSED_FORMS, REDUCTIONS
+from cardan.scene.errors import Location
 
 Schema: TypeAlias = Mapping[str, Any]
-Reader: TypeAlias = Callable[[str, object], Any]
+Reader: TypeAlias = Callable[[Location, object], Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +23,7 @@ class Kind:
 
     Attributes:
         name: what to call it.
-        read: takes the place of a value, for messages, and the value as TOML has it; returns it
+        read: takes the place of a value, for errors, and the value as TOML has it; returns it
             checked, or raises ValueError.
         schema: its JSON Schema.
     """
@@ -54,23 +55,23 @@ def shown(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _text(place: str, value: object) -> str:
+def _text(where: Location, value: object) -> str:
     if not isinstance(value, str):
-        raise ValueError(f"{place} is {shown(value)}; it must be text in quotes")
+        raise where.error(f"is {shown(value)}; it must be text in quotes")
     return value
 
 
-def _number(place: str, value: object) -> float:
+def _number(where: Location, value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{place} is {shown(value)}; it must be a number")
+        raise where.error(f"is {shown(value)}; it must be a number")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise ValueError(f"{place} is {shown(value)}; it must be finite")
+        raise where.error(f"is {shown(value)}; it must be finite")
     if abs(number) > _LARGEST:
-        raise ValueError(f"{place} is {shown(value)}; it must lie within ±{_LARGEST:g}")
+        raise where.error(f"is {shown(value)}; it must lie within ±{_LARGEST:g}")
     return number
 
 
@@ -78,67 +79,67 @@ def _number(place: str, value: object) -> float:
 _LARGEST = 1e40
 
 
-def _positive(place: str, value: object) -> float:
-    number = _number(place, value)
+def _positive(where: Location, value: object) -> float:
+    number = _number(where, value)
     if number <= 0.0:
-        raise ValueError(f"{place} is {shown(value)}; it must be positive")
+        raise where.error(f"is {shown(value)}; it must be positive")
     return number
 
 
-def _tolerance(place: str, value: object) -> float:
-    number = _number(place, value)
+def _tolerance(where: Location, value: object) -> float:
+    number = _number(where, value)
     if not 0.0 <= number < 1.0:
-        raise ValueError(f"{place} is {shown(value)}; it must lie in [0, 1)")
+        raise where.error(f"is {shown(value)}; it must lie in [0, 1)")
     return number
 
 
-def _whole(place: str, value: object) -> int:
+def _whole(where: Location, value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise ValueError(f"{place} is {shown(value)}; it must be a whole number of at least 1")
+        raise where.error(f"is {shown(value)}; it must be a whole number of at least 1")
     return value
 
 
-def _workers(place: str, value: object) -> int:
-    return -1 if value == -1 and not isinstance(value, bool) else _whole(place, value)
+def _workers(where: Location, value: object) -> int:
+    return -1 if value == -1 and not isinstance(value, bool) else _whole(where, value)
 
 
-def _index(place: str, value: object) -> int:
+def _index(where: Location, value: object) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-        raise ValueError(f"{place} is {shown(value)}; it must be a whole number, counted from 0")
+        raise where.error(f"is {shown(value)}; it must be a whole number, counted from 0")
     return value
 
 
-def _slope(place: str, value: object) -> float:
-    number = _number(place, value)
+def _slope(where: Location, value: object) -> float:
+    number = _number(where, value)
     if not -90.0 < number < 90.0:
-        raise ValueError(f"{place} is {shown(value)}; it must lie between -90 and 90")
+        raise where.error(f"is {shown(value)}; it must lie between -90 and 90")
     return number
 
 
-def _vector(place: str, value: object) -> list[float]:
-    numbers: list[float] = _list_of(_number, "three numbers")(place, value)
+def _vector(where: Location, value: object) -> list[float]:
+    numbers: list[float] = _list_of(_number, "three numbers")(where, value)
     if len(numbers) != 3:
-        raise ValueError(f"{place} is {shown(value)}; it must be a list of three numbers")
+        raise where.error(f"is {shown(value)}; it must be a list of three numbers")
     return numbers
 
 
 def _one_of(known: Iterable[str]) -> Reader:
     names = tuple(known)
 
-    def read(place: str, value: object) -> str:
-        name = _text(place, value)
+    def read(where: Location, value: object) -> str:
+        name = _text(where, value)
         if name not in names:
-            raise ValueError(f"{place} is {shown(name)}; {nearest(name, names)}")
+            raise where.error(f"is {shown(name)}; {nearest(name, names)}")
         return name
 
     return read
 
 
 def _list_of(item: Reader, what: str) -> Reader:
-    def read(place: str, value: object) -> list[Any]:
+    def read(where: Location, value: object) -> list[Any]:
         if not isinstance(value, list):
-            raise ValueError(f"{place} is {shown(value)}; it must be a list of {what}")
-        return [item(f"{place}[{i}]", entry) for i, entry in enumerate(value)]
+            raise where.error(f"is {shown(value)}; it must be a list of {what}")
+        return [item(where.at(i), entry) for i, entry in enumerate(value)]
 
     return read
 
@@ -146,13 +147,13 @@ def _list_of(item: Reader, what: str) -> Reader:
 def _distinct(item: Reader, what: str) -> Reader:
     """A list of at least one entry, none of them twice."""
 
-    def read(place: str, value: object) -> list[Any]:
-        entries: list[Any] = _list_of(item, what)(place, value)
+    def read(where: Location, value: object) -> list[Any]:
+        entries: list[Any] = _list_of(item, what)(where, value)
         if not entries:
-            raise ValueError(f"{place} is []; name at least one, or leave it out")
+            raise where.error("is []; name at least one, or leave it out")
         for i, entry in enumerate(entries):
             if entry in entries[:i]:
-                raise ValueError(f"{place}[{i}] is {shown(entry)} again; name each once")
+                raise where.at(i).error(f"is {shown(entry)} again; name each once")
         return entries
 
     return read
@@ -161,86 +162,86 @@ def _distinct(item: Reader, what: str) -> Reader:
 def _one_or_more(item: Reader, what: str) -> Reader:
     several = _distinct(item, what)
 
-    def read(place: str, value: object) -> list[Any]:
-        return [item(place, value)] if isinstance(value, str) else several(place, value)
+    def read(where: Location, value: object) -> list[Any]:
+        return [item(where, value)] if isinstance(value, str) else several(where, value)
 
     return read
 
 
 def _file(suffixes: Collection[str]) -> Reader:
-    def read(place: str, value: object) -> str:
-        name = _text(place, value)
+    def read(where: Location, value: object) -> str:
+        name = _text(where, value)
         # The folder is for whoever runs the scene to choose.
         if Path(name).name != name or "\\" in name or not name.isprintable():
-            raise ValueError(f"{place} is {shown(name)}; it must be a file name without a folder")
-        return _ending(place, name, suffixes)
+            raise where.error(f"is {shown(name)}; it must be a file name without a folder")
+        return _ending(where, name, suffixes)
 
     return read
 
 
-def _recording(place: str, value: object) -> str:
-    name = _text(place, value)
+def _recording(where: Location, value: object) -> str:
+    name = _text(where, value)
     if not name.isprintable():
-        raise ValueError(f"{place} is {shown(name)}; it must be the name of a file")
-    return _ending(place, name, recording.SUFFIXES)
+        raise where.error(f"is {shown(name)}; it must be the name of a file")
+    return _ending(where, name, recording.SUFFIXES)
 
 
-def _ending(place: str, name: str, suffixes: Collection[str]) -> str:
+def _ending(where: Location, name: str, suffixes: Collection[str]) -> str:
     if Path(name).suffix not in suffixes:
-        raise ValueError(f"{place} is {shown(name)}; it must end in {' or '.join(suffixes)}")
+        raise where.error(f"is {shown(name)}; it must end in {' or '.join(suffixes)}")
     return name
 
 
 _SPREAD = ("from", "to", "steps")
 
 
-def _axis(place: str, value: object) -> Spread | list[float]:
+def _axis(where: Location, value: object) -> Spread | list[float]:
     """The values of one axis of a study: listed, or evenly spread."""
     if isinstance(value, list):
         if not value:
-            raise ValueError(f"{place} is []; a study needs at least one value")
-        return [_number(f"{place}[{i}]", entry) for i, entry in enumerate(value)]
+            raise where.error("is []; a study needs at least one value")
+        return [_number(where.at(i), entry) for i, entry in enumerate(value)]
     if not isinstance(value, dict):
         wanted = "{from = …, to = …, steps = …} or a list of numbers"
-        raise ValueError(f"{place} is {shown(value)}; it must be {wanted}")
+        raise where.error(f"is {shown(value)}; it must be {wanted}")
     for key in value:
         if key not in _SPREAD:
-            raise ValueError(f"{place} has an unknown key {shown(key)}; {nearest(key, _SPREAD)}")
+            raise where.error(f"has an unknown key {shown(key)}; {nearest(key, _SPREAD)}")
     for key in _SPREAD:
         if key not in value:
-            raise ValueError(f"{place} has no {key!r}; it must be {{from = …, to = …, steps = …}}")
-    start, stop = (_number(f"{place}.{key}", value[key]) for key in ("from", "to"))
-    steps = _whole(f"{place}.steps", value["steps"])
+            raise where.error(f"has no {key!r}; it must be {{from = …, to = …, steps = …}}")
+    start, stop = (_number(where.at(key), value[key]) for key in ("from", "to"))
+    steps = _whole(where.at("steps"), value["steps"])
     if steps == 1 and start != stop:
-        raise ValueError(f"{place}.steps is 1; from {start:g} to {stop:g} takes at least 2")
+        raise where.at("steps").error(f"is 1; from {start:g} to {stop:g} takes at least 2")
     return Spread(start, stop, steps)
 
 
-def _single_axis(place: str, value: object) -> dict[str, Spread | list[float]]:
-    return {"": _axis(place, value)}
+def _single_axis(where: Location, value: object) -> dict[str, Spread | list[float]]:
+    return {"": _axis(where, value)}
 
 
-def _indexed_axes(place: str, value: object) -> dict[str, Any]:
+def _indexed_axes(where: Location, value: object) -> dict[str, Any]:
     """One axis for all entries of a list, or axes for some of them by their place."""
     if isinstance(value, dict) and value and not set(value) & set(_SPREAD):
-        return {key: _axis(f"{place}.{key}", entry) for key, entry in value.items()}
-    return _single_axis(place, value)
+        return {key: _axis(where.at(key), entry) for key, entry in value.items()}
+    return _single_axis(where, value)
 
 
 def _is_section(value: object) -> bool:
     return isinstance(value, dict) and bool(value)
 
 
-def _component_axes(place: str, value: object) -> dict[str, Any]:
+def _component_axes(where: Location, value: object) -> dict[str, Any]:
     """Axes for components of vectors: ``{"2": {"y": …}}`` becomes ``{"2.y": …}``."""
     if not isinstance(value, dict) or not all((value, *map(_is_section, value.values()))):
-        raise ValueError(f"{place} is {shown(value)}; name place and axis, as in {place}.2.y")
+        raise where.error(f"is {shown(value)}; name place and axis, as in {where}.2.y")
     axes = {}
     for index, components in value.items():
         for axis, entry in components.items():
             if axis not in ("x", "y", "z"):
-                raise ValueError(f"{place}.{index} has no {shown(axis)}; known are x, y, z")
-            axes[f"{index}.{axis}"] = _axis(f"{place}.{index}.{axis}", entry)
+                raise where.at(index).error(f"has no {shown(axis)}; known are x, y, z")
+            axes[f"{index}.{axis}"] = _axis(where.at(index).at(axis), entry)
     return axes
 
 

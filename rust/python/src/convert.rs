@@ -2,8 +2,10 @@
 
 use cardan::{Error, Vector};
 use numpy::{Element, PyReadonlyArray1, PyReadwriteArray1};
-use pyo3::exceptions::{PyMemoryError, PyValueError};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyTuple, PyType};
 
 /// A flat array of doubles to read.
 pub(crate) type Input<'py> = PyReadonlyArray1<'py, f64>;
@@ -25,12 +27,24 @@ pub(crate) fn slice_mut<'a, W: Element>(
 }
 
 pub(crate) fn not_contiguous(name: &str) -> PyErr {
-    PyValueError::new_err(format!("{name} must be contiguous and aligned"))
+    argument_error(name, &[], "must be contiguous and aligned")
 }
 
-/// A core error as `ValueError`.
+/// The exception for an argument that breaks a rule: Python's class, which carries the same fields as
+/// the core's error.
+pub(crate) fn argument_error(argument: &str, place: &[usize], problem: impl Into<String>) -> PyErr {
+    static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
+    Python::attach(|py| {
+        let class = CLASS.import(py, "cardan.errors", "ArgumentValueError")?;
+        let place = PyTuple::new(py, place)?.unbind();
+        Ok(PyErr::from_type(class.clone(), (argument.to_owned(), problem.into(), place)))
+    })
+    .unwrap_or_else(|error| error)
+}
+
+/// A core error as `cardan.ArgumentValueError`.
 pub(crate) fn value_error(error: &Error) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    argument_error(error.argument, &error.place.0, error.problem.as_str())
 }
 
 /// The number of elements of a shape.
@@ -44,8 +58,8 @@ pub(crate) fn check_length(name: &str, found: usize, lines: usize, each: usize) 
     if lines.checked_mul(each) == Some(found) {
         return Ok(());
     }
-    let problem = format!("{name} has {found} values; {lines} drivelines need {each} each");
-    Err(PyValueError::new_err(problem))
+    let problem = format!("has {found} values; {lines} drivelines need {each} each");
+    Err(argument_error(name, &[], problem))
 }
 
 /// The index of one driveline in a batch of the given shape.

@@ -5,10 +5,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use cardan::optimal_phases_of_batch;
 use cardan::{Equivalent, Error, Execution, Geometry, Vector};
 use numpy::{IntoPyArray, PyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::convert::{Input, check_length, count, slice, unravel, value_error, vectors};
+use crate::convert::{
+    Input, argument_error, check_length, count, slice, unravel, value_error, vectors,
+};
 use crate::watch::{reserve, room, threads, watched};
 
 /// Bends, twists, directions and normals, each flat.
@@ -165,7 +166,8 @@ pub(crate) fn equivalent<'py>(
     phases: Input<'py>,
 ) -> PyResult<[Bound<'py, PyArray1<f64>>; 8]> {
     if joints == 0 || shaft > joints {
-        return Err(PyValueError::new_err(format!("shaft is {shaft}; there are {}", joints + 1)));
+        let problem = format!("is {shaft}; there are {}", joints + 1);
+        return Err(argument_error("shaft", &[], problem));
     }
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
@@ -219,7 +221,7 @@ pub(crate) fn optimal_phases<'py>(
     let twists = slice("twists", &twists)?;
     let phases = slice("phases", &phases)?;
     let Some(lines) = bends.len().checked_div(joints) else {
-        return Err(PyValueError::new_err("joints is 0; a driveline has at least one"));
+        return Err(argument_error("joints", &[], "is 0; a driveline has at least one"));
     };
     check_length("bends", bends.len(), lines, joints)?;
     check_length("twists", twists.len(), lines, joints - 1)?;

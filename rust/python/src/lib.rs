@@ -25,7 +25,7 @@ mod _core {
     #[pymodule_export]
     use super::lines::Lines;
     #[pymodule_export]
-    use super::plan::{DriveSweep, Plan, levels, outputs};
+    use super::plan::{DriveSweep, NativePlan, levels, outputs};
     #[pymodule_export]
     use super::transmission::Transmission;
 

@@ -2,10 +2,9 @@
 
 use cardan::Drivelines;
 use numpy::{PyArray1, PyArrayMethods};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::convert::{check_length, count, slice};
+use crate::convert::{argument_error, check_length, count, slice};
 use crate::watch::room;
 
 /// Bends, twists, phases, directions and normals.
@@ -36,7 +35,7 @@ impl Lines {
         arrays: [Bound<'_, PyArray1<f64>>; 5],
     ) -> PyResult<Self> {
         if joints == 0 {
-            return Err(PyValueError::new_err("joints is 0; a driveline has at least one"));
+            return Err(argument_error("joints", &[], "is 0; a driveline has at least one"));
         }
         // Copies, and the largest bends.
         room(joints.saturating_mul(96))?;

@@ -6,20 +6,19 @@ use std::iter::once;
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output as Quantity,
-    Plan as CorePlan, Planes, Precision, Reduction, Request, Samples, Source, Sweep, level,
+    Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan, Planes,
+    Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use numpy::npyffi::npy_intp;
 use numpy::{
     Element, PY_ARRAY_API, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
     PyReadwriteArray1, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 use pyo3::types::{PyList, PyTuple};
 
-use crate::convert::{count, not_contiguous, slice_mut, value_error};
+use crate::convert::{argument_error, count, not_contiguous, slice_mut, value_error};
 use crate::lines::Lines;
 use crate::watch::{no_memory, room, threads, watched};
 
@@ -44,7 +43,7 @@ type Strided<'py> = (PyReadonlyArrayDyn<'py, f64>, Cow<'static, [usize]>);
 type LoadArrays = (PyBackedStr, Spread, Spread, Spread, Vec<(usize, Spread)>);
 
 /// The drive angles of a run.
-enum Drive<'py> {
+enum AngleArgument<'py> {
     Array(PyReadonlyArrayDyn<'py, f64>),
     Sweep(Sweep),
 }
@@ -79,9 +78,9 @@ impl DriveSweep {
 }
 
 /// The steps for one set of outputs, and the drivelines they are for.
-#[pyclass(frozen, module = "cardan._core")]
-pub(crate) struct Plan {
-    steps: CorePlan,
+#[pyclass(frozen, name = "Plan", module = "cardan._core")]
+pub(crate) struct NativePlan {
+    steps: Plan,
     precision: Precision,
     reduction: Option<Reduction>,
     /// Whether results are in single precision.
@@ -98,7 +97,7 @@ pub(crate) struct Plan {
 }
 
 #[pymethods]
-impl Plan {
+impl NativePlan {
     /// The end of the load is `"drive"` or `"output"`; its arrays are read when the plan runs. Without
     /// a tolerance the arithmetic is that of the results, `single` or double.
     #[new]
@@ -137,7 +136,7 @@ impl Plan {
             load: end,
             inertias: &inertias,
         };
-        let plan = CorePlan::new(&request).map_err(|error| value_error(&error))?;
+        let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
         let precision = match tolerance {
             Some(tolerance) => plan.precision(tolerance),
             None if single => Precision::Single,
@@ -211,16 +210,18 @@ impl Plan {
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let level = level.map(named_level).transpose()?;
         let angle = match angle.extract() {
-            Ok(array) => Drive::Array(array),
-            Err(error) => Drive::Sweep(angle.cast::<DriveSweep>().map_err(|_| error)?.get().0),
+            Ok(array) => AngleArgument::Array(array),
+            Err(error) => {
+                AngleArgument::Sweep(angle.cast::<DriveSweep>().map_err(|_| error)?.get().0)
+            }
         };
         let count = match &angle {
-            Drive::Array(array) => array.len(),
-            Drive::Sweep(sweep) => sweep.count(),
+            AngleArgument::Array(array) => array.len(),
+            AngleArgument::Sweep(sweep) => sweep.count(),
         };
         let own = match &angle {
-            Drive::Array(array) => array.shape(),
-            Drive::Sweep(_) => &[count],
+            AngleArgument::Array(array) => array.shape(),
+            AngleArgument::Sweep(_) => &[count],
         };
         let shape = shape.map(|shape| numbers(shape.iter())).transpose()?;
         // Where nothing else changes, the samples are one row, whatever the shape of the angles.
@@ -237,15 +238,15 @@ impl Plan {
         let load = self.read_load(py, shape)?;
         let rows = match (self.reduction, shape.split_last()) {
             (Some(_), Some((1.., rows))) => rows,
-            (Some(_), _) => return Err(PyValueError::new_err("shape has no samples to reduce")),
+            (Some(_), _) => return Err(argument_error("shape", &[], "has no samples to reduce")),
             (None, _) => rows,
         };
         let angle = match &angle {
-            Drive::Array(array) => {
+            AngleArgument::Array(array) => {
                 let Some(data) = elements(array) else { return Ok(None) };
                 Angles::Array(Source { data, strides: &angle_strides })
             }
-            Drive::Sweep(sweep) => Angles::Sweep(*sweep),
+            AngleArgument::Sweep(sweep) => Angles::Sweep(*sweep),
         };
         let load = self.load_of(&load)?;
         lines.with(py, |lines| {
@@ -269,7 +270,7 @@ impl Plan {
     }
 }
 
-impl Plan {
+impl NativePlan {
     /// The arrays of the load with their strides over samples of this shape.
     fn read_load<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Vec<Strided<'py>>> {
         let read = |(name, array): &(&str, Spread)| {
@@ -430,9 +431,11 @@ fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
 
 fn misfit(py: Python<'_>, name: &str, own: &[usize], shape: &[usize]) -> PyErr {
     match (PyTuple::new(py, own), PyTuple::new(py, shape)) {
-        (Ok(own), Ok(shape)) => PyValueError::new_err(format!(
-            "{name} has shape {own}, which does not broadcast to the samples' {shape}"
-        )),
+        (Ok(own), Ok(shape)) => argument_error(
+            name,
+            &[],
+            format!("has shape {own}, which does not broadcast to the samples' {shape}"),
+        ),
         (Err(error), _) | (_, Err(error)) => error,
     }
 }
@@ -447,7 +450,7 @@ fn end(name: &str) -> PyResult<(End, &'static str)> {
     match name {
         "drive" => Ok((End::Drive, "drive_torque")),
         "output" => Ok((End::Output, "output_torque")),
-        other => Err(PyValueError::new_err(format!("load is {other:?}"))),
+        other => Err(argument_error("load", &[], format!("is {other:?}"))),
     }
 }
 
@@ -455,14 +458,14 @@ fn reduction(name: &str) -> PyResult<Reduction> {
     Reduction::ALL
         .into_iter()
         .find(|reduction| reduction.name() == name)
-        .ok_or_else(|| PyValueError::new_err(format!("reduce is {name:?}, which is unknown")))
+        .ok_or_else(|| argument_error("reduce", &[], format!("is {name:?}, which is unknown")))
 }
 
-fn quantity(name: &str) -> PyResult<Quantity> {
-    Quantity::ALL
+fn quantity(name: &str) -> PyResult<Output> {
+    Output::ALL
         .into_iter()
         .find(|output| output.row().name == name)
-        .ok_or_else(|| PyValueError::new_err(format!("outputs holds {name:?}, which is unknown")))
+        .ok_or_else(|| argument_error("outputs", &[], format!("holds {name:?}, which is unknown")))
 }
 
 fn named_level(name: &str) -> PyResult<Level> {
@@ -470,7 +473,7 @@ fn named_level(name: &str) -> PyResult<Level> {
         .into_iter()
         .find(|(known, _)| *known == name)
         .map(|(_, level)| level)
-        .ok_or_else(|| PyValueError::new_err(format!("level {name:?} is not available here")))
+        .ok_or_else(|| argument_error("level", &[], format!("{name:?} is not available here")))
 }
 
 /// The instruction sets that the kernels can use on this machine, strongest first.
@@ -484,9 +487,9 @@ pub(crate) fn levels() -> Vec<&'static str> {
 #[pyfunction]
 pub(crate) fn outputs() -> Vec<(&'static str, &'static str, &'static str, Vec<&'static str>, bool)>
 {
-    let row = |output: Quantity| {
+    let row = |output: Output| {
         let row = output.row();
         (row.name, row.per.name(), row.unit, row.components.to_vec(), output.needs_load())
     };
-    Quantity::ALL.into_iter().map(row).collect()
+    Output::ALL.into_iter().map(row).collect()
 }

@@ -18,7 +18,7 @@ pub(crate) struct Table<'a> {
     /// The sweep that stands for the column of angles.
     pub(crate) sweep: Option<Sweep>,
     pub(crate) columns: Vec<TableColumn<'a>>,
-    /// TableColumn of each shaft's inertia, if there is a load.
+    /// Column of each shaft's inertia, if there is a load.
     pub(crate) inertia: Vec<Option<usize>>,
 }
 

@@ -164,7 +164,7 @@ mod tests {
         };
         assert_eq!(has(20.0, 5000), [true, true]);
         assert_eq!(has(1e3, 5000), [false, false]);
-        assert_eq!(has(1e-9, 10_000)[0], false);
-        assert_eq!(has(0.0, 5000)[0], false);
+        assert!(!has(1e-9, 10_000)[0]);
+        assert!(!has(0.0, 5000)[0]);
     }
 }

@@ -112,7 +112,7 @@ pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     twice: Option<(usize, usize, usize)>,
 }
 
-/// RowPart of a row: the row, its samples, and where the block's planes take their results.
+/// Part of a row: the row, its samples, and where the block's planes take their results.
 struct RowPart {
     row: usize,
     samples: Range<usize>,

@@ -1,7 +1,7 @@
 //! The constants that a plan needs of its drivelines.
 //!
 //! Drivelines are folded many at a time, joint by joint over all of them, so that folding
-//! vectorises as the kernels do: a batch of geometry_variation, or a geometry that changes with the angle.
+//! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use crate::error::Result;

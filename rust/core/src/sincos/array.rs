@@ -100,7 +100,7 @@ pub(crate) trait SinCosKind {
     fn find<T: Angle>(reduced: (T, u64)) -> (T, T);
 }
 
-/// SinCos as lines: a common factor of sine and cosine does not matter.
+/// Pins as lines: a common factor of sine and cosine does not matter.
 pub(crate) struct Line;
 
 impl SinCosKind for Line {
@@ -110,7 +110,7 @@ impl SinCosKind for Line {
     }
 }
 
-/// SinCos with their sense: a positive factor does not matter.
+/// Pins with their sense: a positive factor does not matter.
 pub(crate) struct Sense;
 
 impl SinCosKind for Sense {

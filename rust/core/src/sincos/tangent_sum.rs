@@ -1,4 +1,4 @@
-//! SinCos of a long sweep by the addition theorem of the tangent, from the middle of a group of samples.
+//! Pins of a long sweep by the addition theorem of the tangent, from the middle of a group of samples.
 
 use crate::input::sweep::Sweep;
 use crate::number::double_double::DoubleDouble;

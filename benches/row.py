@@ -1,0 +1,25 @@
+"""What one method took for one case: a row of the comparison."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from job import Job, Method
+from judge import Verdict
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one method took for one case."""
+
+    job: Job
+    num: int
+    threads: int
+    method: Method
+    best: float  # ns per angle
+    median: float
+    verdict: Verdict
+
+    @property
+    def wrong(self) -> bool:
+        return not self.verdict.relative <= self.method.permitted

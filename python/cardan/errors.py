@@ -1,0 +1,78 @@
+"""Errors that name an argument, with fields for programs in place of a text to be taken apart."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Place: TypeAlias = tuple[int | str, ...]
+
+
+class ArgumentError(Exception):
+    """An argument that breaks a rule: which one, where in it, what it holds and what it should.
+
+    Every such error is an ``ArgumentValueError`` or an ``ArgumentTypeError``, and thereby a
+    ``ValueError`` or a ``TypeError``. Its text is ``argument``, ``place`` and ``problem`` in one
+    sentence. It can be pickled, and so it arrives whole from the workers of a cluster.
+
+    Attributes:
+        argument: the argument as the caller knows it: ``"bends"``.
+        place: the position within the argument, outermost index first, or a name; ``()`` for the
+            whole argument.
+        problem: the offending value and the rule.
+
+    >>> import cardan
+    >>> try:
+    ...     cardan.Driveline.from_bends([10, 95], degrees=True)
+    ... except cardan.ArgumentError as error:
+    ...     print(error.argument, error.place, error.problem, sep=" | ")
+    bends | (1,) | is 95.0 deg; a bend must lie in [0, 90) deg
+    """
+
+    argument: str
+    place: Place
+    problem: str
+
+    def __init__(self, argument: str, problem: str, place: Place = ()) -> None:
+        """Make an error of its fields."""
+        super().__init__(argument, problem, place)
+        self.argument, self.problem, self.place = argument, problem, place
+
+    def __str__(self) -> str:
+        """Return the sentence: ``bends[1] is 95.0 deg; a bend must lie in [0, 90) deg``."""
+        return f"{located(self.argument, self.place)} {self.problem}"
+
+
+class ArgumentValueError(ArgumentError, ValueError):
+    """An argument of the right type with a wrong value."""
+
+
+class ArgumentTypeError(ArgumentError, TypeError):
+    """An argument of a wrong type."""
+
+
+# Users know them by these names, which tracebacks show.
+for _class in (ArgumentError, ArgumentValueError, ArgumentTypeError):
+    _class.__module__ = "cardan"
+
+
+def located(argument: str, place: Place) -> str:
+    """Return an argument with a place in it, as Python writes it: ``bends[0, 2]``."""
+    return f"{argument}[{', '.join(map(repr, place))}]" if place else argument
+
+
+def wrong_element(
+    argument: str, array: NDArray[np.float64], wrong: NDArray[np.bool_], rule: str
+) -> ArgumentValueError:
+    """Return the error for the first wrong element of an array.
+
+    Args:
+        argument: name of the argument.
+        array: its values.
+        wrong: which of them are wrong, at least one.
+        rule: what follows the value: a unit, if any, and ``"; it must be finite"``.
+    """
+    place = tuple(int(i) for i in np.argwhere(wrong)[0])
+    return ArgumentValueError(argument, f"is {array[place]!s}{rule}", place)

@@ -1,0 +1,156 @@
+"""What can be wrong in a scene file, with fields that say where."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+from cardan.errors import ArgumentError, ArgumentValueError, Place
+
+
+@dataclass(frozen=True)
+class Location:
+    """A value in a scene file.
+
+    Attributes:
+        key: its key.
+        place: where in the key's value it is: numbers count entries of lists, texts name entries of
+            tables.
+    """
+
+    key: str
+    place: Place = ()
+
+    def at(self, part: int | str) -> Location:
+        """Return the location of an entry of this value."""
+        return Location(self.key, (*self.place, part))
+
+    def error(self, problem: str) -> KeyValueError:
+        """Return the error that this value has a problem."""
+        return KeyValueError(self.key, problem, self.place)
+
+    def __str__(self) -> str:
+        """Write it as the file does: ``bends_deg[2]``, ``points_m.2.y``."""
+        parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in self.place)
+        return f"{self.key}{''.join(parts)}"
+
+
+class KeyValueError(ArgumentValueError):
+    """A key of a scene file that breaks a rule; its text writes the place as the file does."""
+
+    def __str__(self) -> str:
+        """Return the sentence: ``points_m[1][2] is 'a'; it must be a number``."""
+        return f"{Location(self.argument, self.place)} {self.problem}"
+
+
+class StudyPointError(ArgumentValueError):
+    """A point of a study's grid that makes no driveline.
+
+    Attributes:
+        section: the section to which the key belongs that ``argument`` names.
+        point: the values of the keys that vary, by key.
+    """
+
+    section: str
+    point: Mapping[str, float]
+
+    def __init__(
+        self, argument: str, problem: str, place: Place, section: str, point: Mapping[str, float]
+    ) -> None:
+        """Make an error of its fields."""
+        super().__init__(argument, problem, place)
+        self.args = (argument, problem, place, section, point)
+        self.section, self.point = section, point
+
+    def __str__(self) -> str:
+        """Return the sentence, the point in front."""
+        values = ", ".join(f"{key} = {value:.10g}" for key, value in self.point.items())
+        return f"at {values}: {super().__str__()}"
+
+
+class SceneError(ArgumentValueError):
+    """Something wrong in a scene file; its text begins with file, line and section.
+
+    ``argument`` is a key of the file, or ``""`` where the problem concerns a whole section or the
+    file; ``problem`` is the whole sentence there and for unknown keys.
+
+    Attributes:
+        name: the file, or what else the scene is called.
+        line: the line, counted from 1; ``None`` where it is not certain.
+        section: the section; ``""`` for the file itself.
+        key: section, key and place as one path: ``"driveline.bends_deg.2"``.
+        point: in a study, the values of the keys that vary where the problem is; else empty.
+    """
+
+    name: str
+    line: int | None
+    section: str
+    key: str
+    point: Mapping[str, float]
+
+    def __init__(
+        self,
+        argument: str,
+        problem: str,
+        place: Place,
+        name: str,
+        line: int | None,
+        section: str,
+        key: str,
+        point: Mapping[str, float],
+        sentence: str,
+    ) -> None:
+        """Make an error of its fields and of the sentence that follows file, line and section."""
+        super().__init__(argument, problem, place)
+        self.args = (argument, problem, place, name, line, section, key, point, sentence)
+        self.name, self.line, self.section, self.key = name, line, section, key
+        self.point = point
+        self._sentence = sentence
+
+    @classmethod
+    def of(
+        cls, error: ValueError, name: str, section: str, line: int | None = None, key: str = ""
+    ) -> Self:
+        """Say where in a scene file another error occurred.
+
+        Args:
+            error: the error; one without fields is about ``key``.
+            name: what the scene is called.
+            section: the section in which it occurred.
+            line: its line, if it is certain.
+            key: the key, or ``""``.
+        """
+        argument, problem, place = key, str(error), Place()
+        point: Mapping[str, float] = {}
+        owner = section
+        if isinstance(error, ArgumentError):
+            argument, problem, place = error.argument, error.problem, error.place
+        if isinstance(error, StudyPointError):
+            owner, point = error.section, error.point
+        path = ".".join(str(part) for part in (owner, argument, *place) if part != "")
+        return cls(argument, problem, place, name, line, section, path, point, str(error))
+
+    def __str__(self) -> str:
+        """Return the line: ``shaft.toml, line 2: [driveline] bends_deg[0] is 99.0 deg; …``."""
+        line = f", line {self.line}" if self.line else ""
+        section = f" [{self.section}]" if self.section else ""
+        return f"{self.name}{line}:{section} {self._sentence}"
+
+
+def path_of(error: ValueError, key: str) -> str:
+    """Return the dotted path, below its section, of the entry of the file that an error is about.
+
+    An error without fields is about ``key``. Entries of lists have no path of their own.
+    """
+    if isinstance(error, StudyPointError):
+        # What varies at this point is as likely to be wrong as the key that it makes wrong.
+        return ""
+    if not isinstance(error, ArgumentError):
+        return key
+    names = [error.argument]
+    for part in error.place:
+        if isinstance(part, int):
+            break
+        names.append(part)
+    return ".".join(names)
