@@ -99,16 +99,22 @@ class Transmission:
     For many angles ``Driveline.evaluate`` is faster.
     """
 
-    __slots__ = ("_core", "_shape", "q")
+    __slots__ = ("_core", "_geometry", "_shaft", "q")
 
     q: NDArray[np.complex128]
     """The complex number, in the shape of the batch."""
 
-    def __init__(self, lines: _core.Lines, shape: tuple[int, ...], shaft: int) -> None:
+    def __init__(self, geometry: Geometry, shaft: int) -> None:
         """Take the drivelines as ``Driveline.transmission`` does."""
-        self._core = _core.Transmission(lines, shaft)
-        self._shape = shape
+        *shape, n_joints = geometry.bends.shape
+        self._geometry = geometry
+        self._shaft = item_index("shaft", shaft, n_joints + 1)
+        self._core = _core.Transmission(_core.Lines(n_joints, shape, geometry.flat()), self._shaft)
         self.q = self._core.q().reshape(shape)[()]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as what it was made from."""
+        return (_unpickled, (self._shaft, *self._geometry))
 
     def motion(self, angle: ArrayLike) -> Motion:
         """Return the motion at drive angles.
@@ -147,10 +153,16 @@ class Transmission:
 
     def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
         angles = as_float64("angle", angle)
-        shape = common_shape(driveline=self._shape, angle=angles.shape)
-        lines = np.arange(math.prod(self._shape)).reshape(self._shape)
+        batch = np.shape(self.q)
+        shape = common_shape(driveline=batch, angle=angles.shape)
+        lines = np.arange(math.prod(batch)).reshape(batch)
         flat = [np.broadcast_to(array, shape).ravel() for array in (lines, angles)]
         return Motion(*(column.reshape(shape)[()] for column in of(*flat)))
+
+
+def _unpickled(shaft: int, *arrays: NDArray[np.float64]) -> Transmission:
+    # What came in a message lies anywhere in it.
+    return Transmission(Geometry(*(np.require(a, requirements=["C", "A"]) for a in arrays)), shaft)
 
 
 def equivalent(geometry: Geometry, shaft: int) -> EquivalentJoint:

@@ -3,9 +3,10 @@
 Each yoke is a unit vector along its pin, turned about its shaft. The cross keeps the two pins of a
 joint perpendicular, and that one condition, ``a . b = 0``, carries everything: the driven pin is
 perpendicular to the driven shaft and to the driving pin, speeds come from differentiating the
-condition once, accelerations from differentiating it twice, jerks three times. A frictionless, massless cross can
-only pass on a moment that is normal to both pins; the torsion of the driving shaft fixes its size,
-and the moment equilibrium of each shaft gives what its bearings must add.
+condition once, accelerations from differentiating it twice, jerks from differentiating it three
+times. A frictionless, massless cross can only pass on a moment that is normal to both pins; the
+torsion of the driving shaft fixes its size, and the moment equilibrium of each shaft gives what its
+bearings must add.
 
 No closed formula for the transmission appears, neither for one joint nor for a chain, so that
 agreement with the compiled core means something. It is slow and takes one driveline and one angle
