@@ -99,7 +99,7 @@ class Transmission:
     For many angles ``Driveline.evaluate`` is faster.
     """
 
-    __slots__ = ("_arguments", "_core", "_shape", "q")
+    __slots__ = ("_arguments", "_core", "q")
 
     q: NDArray[np.complex128]
     """The complex number, in the shape of the batch."""
@@ -109,7 +109,6 @@ class Transmission:
         index = item_index("shaft", shaft, line.n_joints + 1)
         self._arguments = (line, index)
         self._core = _core.Transmission(line._lines, index)
-        self._shape = line.shape
         self.q = self._core.q().reshape(line.shape)[()]
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -158,8 +157,9 @@ class Transmission:
 
     def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
         angles = as_float64("angle", angle)
-        shape = common_shape(driveline=self._shape, angle=angles.shape)
-        lines = np.arange(math.prod(self._shape)).reshape(self._shape)
+        batch = np.shape(self.q)
+        shape = common_shape(driveline=batch, angle=angles.shape)
+        lines = np.arange(math.prod(batch)).reshape(batch)
         flat = [np.broadcast_to(array, shape).ravel() for array in (lines, angles)]
         return Motion(*(column.reshape(shape)[()] for column in of(*flat)))
 

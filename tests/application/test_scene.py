@@ -178,6 +178,7 @@ MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
         ("[load]\ndrive_torque_Nm = 1", (*MOTION, "torque", "moment")),
         ("[load]\ninertias_kgm2 = [0, 1]", (*MOTION, "torque", "moment")),
         ('[output]\nquantities = ["angle", "speed_ratio"]', ("angle", "speed_ratio")),
+        ('[output]\nquantities = ["jerk_ratio"]', ("jerk_ratio",)),
     ],
 )
 def test_quantities(text: str, quantities: tuple[str, ...]) -> None:
