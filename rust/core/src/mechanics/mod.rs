@@ -1,4 +1,5 @@
-//! The physics of one sample: geometry, joints, chains, moments, phasing. No slices, no threads.
+//! The physics of one sample: geometry, joints, chains, transmissions, moments and phasing. No
+//! slices, no threads.
 
 pub mod chain;
 pub(crate) mod double_angle;

@@ -1,4 +1,4 @@
-//! One chunk of the angles: the steps of a plan over slices that the first-level cache holds.
+//! One chunk of samples: the steps of a plan over slices that fit in the first-level cache.
 
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
@@ -12,13 +12,15 @@ use crate::plan::steps::{End, JointStep, LoadStep, Plan, ShaftStep, Support};
 use crate::run::fold::{Folded, GeometryIndex};
 use crate::run::map::{self, MotionFormula};
 use crate::run::scratch::Scratch;
-use crate::run::sink::{AfterArray, AfterSteps, AfterSweep};
-use crate::sincos::array::{self, Drive, Line, Sense, SinCos, SinCosBlocks, Twice};
-use crate::sincos::rotation::{Rotations, Swept};
+use crate::run::sink::{ArrayAngleSink, SteppedAngleSink, SweepAngleSink};
+use crate::sincos::array::{
+    self, DoubleAngleSinCos, DriveAngles, PinLine, PinSense, SinCos, SinCosBlocks,
+};
+use crate::sincos::rotation::{RotatedSinCos, Rotations};
 use crate::sincos::tangent_sum::TangentSum;
 
-/// Runs the body with `at(i)`, the constants of sample `i`: compiled once for constants that all
-/// samples share, so that they stay in registers, and once for constants of their own.
+/// Runs the body with `at(i)`, the constants of sample `i`. The body is compiled twice: for
+/// constants that all samples share, which stay in registers, and for constants per sample.
 macro_rules! with_constants {
     ($geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
         let constants = $constants;
@@ -36,11 +38,11 @@ macro_rules! with_constants {
     }};
 }
 
-/// Sines and cosines of a chunk: the pins of the drive.
+/// Computes the pins of the drive for a chunk.
 #[inline(always)]
 pub(crate) fn find_pins<T: Number>(
     plan: &Plan,
-    drive: Drive<'_>,
+    drive: DriveAngles<'_>,
     group: Option<&TangentSum<T>>,
     scratch: &mut Scratch<T>,
     size: usize,
@@ -48,42 +50,42 @@ pub(crate) fn find_pins<T: Number>(
     let [sine, cosine] = views_mut(&mut scratch.pins, 0, size);
     let coarse = plan.moderate;
     match (drive, group) {
-        (Drive::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
-        _ if plan.needs_sense() => array::find::<Sense, T>(drive, coarse, sine, cosine),
-        _ => array::find::<Line, T>(drive, coarse, sine, cosine),
+        (DriveAngles::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
+        _ if plan.needs_sense() => array::fill_sin_cos::<PinSense, T>(drive, coarse, sine, cosine),
+        _ => array::fill_sin_cos::<PinLine, T>(drive, coarse, sine, cosine),
     }
 }
 
-/// Those of twice the drive angle, or the groups that stand for them.
+/// Computes sine and cosine of twice the drive angle for a chunk, or the groups that replace them.
 #[inline(always)]
-pub(crate) fn find_twice<T: Number>(
-    drive: Drive<'_>,
+pub(crate) fn find_double_angles<T: Number>(
+    drive: DriveAngles<'_>,
     rotations: Option<&Rotations<T>>,
     scratch: &mut Scratch<T>,
     size: usize,
 ) {
-    let [sine, cosine] = &mut scratch.twice;
+    let [sine, cosine] = &mut scratch.double_sin_cos;
     let (sine, cosine) = (sine.window_mut(0, size), cosine.window_mut(0, size));
     let Some(rotations) = rotations else {
-        return array::find::<Twice, T>(drive, false, sine, cosine);
+        return array::fill_sin_cos::<DoubleAngleSinCos, T>(drive, false, sine, cosine);
     };
     let groups = &mut scratch.groups;
     groups.clear();
     match drive {
-        Drive::Sweep(sweep, first) => rotations.group(sweep, first, size, 0, groups),
-        Drive::Picked(sweep, samples) => {
+        DriveAngles::Sweep(sweep, first) => rotations.group(sweep, first, size, 0, groups),
+        DriveAngles::Selected(sweep, samples) => {
             for (i, &sample) in samples.iter().enumerate() {
                 rotations.group(sweep, sample as usize, 1, i, groups);
             }
         }
-        Drive::Array(_) => {}
+        DriveAngles::Array(_) => {}
     }
     if T::PRECISION.costs().double_angle {
-        rotations.twice(groups, sine, cosine);
+        rotations.sin_cos(groups, sine, cosine);
     }
 }
 
-/// Whether any route of the chunk reads pins, and whether any reads twice the drive angle.
+/// Whether any route of the chunk needs pins, and whether any needs twice the drive angle.
 #[inline(always)]
 pub(crate) fn sines_needed<T: Number>(
     plan: &Plan,
@@ -102,30 +104,30 @@ pub(crate) fn sines_needed<T: Number>(
     needed
 }
 
-/// Angles and rates of every shaft of the plan at one chunk.
+/// Motion of every shaft of the plan and tilts of every joint, for one chunk.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
 pub(crate) fn run_motion<T: Number, W: Float>(
     plan: &Plan,
     routes: &Routes,
-    drive: Drive<'_>,
+    drive: DriveAngles<'_>,
     rotations: Option<&Rotations<T>>,
     folded: &Folded<T>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [&mut [W]],
     size: usize,
-    kept_from: usize,
+    row_offset: usize,
 ) {
-    let Scratch { pins, twice, groups, turned, rates, errors, .. } = scratch;
+    let Scratch { pins, double_sin_cos, groups, rotated_pins, rates, errors, .. } = scratch;
     let pins = pins_of(pins, size);
-    let twice = pins_of(twice, size);
+    let double_sin_cos = pins_of(double_sin_cos, size);
     let mut errors = errors.iter_mut();
     for step in &plan.shafts {
         let mut none = Column::new(0);
         let errors =
             step.planes.get(Output::Angle).and_then(|_| errors.next()).unwrap_or(&mut none);
-        let errors = errors.window_mut(kept_from, size);
+        let errors = errors.window_mut(row_offset, size);
         let rates = rates[step.shaft].each_mut();
         let (route, range) = folded.route(routes, step.shaft, geometry);
         #[cfg(test)]
@@ -140,9 +142,9 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             with_constants!(geometry, |i| equivalents.get(i), at => {
                 let mut pins = pins;
                 if step.shaft > 1 {
-                    let [sine, cosine] = views_mut(turned, 0, size);
-                    array::turn(|i| at(i).1, pins, sine, cosine);
-                    pins = pins_of(turned, size);
+                    let [sine, cosine] = views_mut(rotated_pins, 0, size);
+                    array::rotate(|i| at(i).1, pins, sine, cosine);
+                    pins = pins_of(rotated_pins, size);
                 }
                 let at = |i| at(i).0;
                 run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
@@ -150,20 +152,20 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             continue;
         }
         let double_angles = shaft.double_angles(geometry, size);
-        // Each number type has one of the two routes, so only that one is compiled for it.
+        // Each number type uses one of the two routes, so only that one is compiled for it.
         if T::PRECISION.costs().double_angle {
             if step.shaft == 1 {
                 with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
-                    run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+                    run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
                 });
             } else {
                 with_constants!(geometry, |i| double_angles.get(i), at => {
-                    run_shaft(step, range, at, drive, twice, rates, errors, planes, size);
+                    run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
                 });
             }
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
             let double_angle = double_angles.get(index);
-            let swept = Swept::new(rotations, groups, double_angle.q);
+            let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
             let at = |_| double_angle.with_parts::<0>();
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
         }
@@ -190,23 +192,23 @@ fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> SinCos<'_
     SinCos { sine: sine.view(size).cut(size), cosine: cosine.view(size).cut(size) }
 }
 
-/// The angle of the shaft in this slot at a later period, from the errors of the first.
+/// The angle of a shaft in a later period, from the errors that the first period stored in `slot`.
 #[inline(always)]
 pub(crate) fn repeat_angle<T: Number, W: Float>(
     scratch: &Scratch<T>,
     slot: usize,
     first: usize,
-    drive: Drive<'_>,
+    drive: DriveAngles<'_>,
     out: &mut [W],
 ) {
     map::add_drive(drive, scratch.errors[slot].part(first, out.len()), out);
 }
 
-/// A shaft with no bent joint before it turns with the drive.
+/// Outputs of a shaft without a bent joint before it, which turns with the drive.
 #[inline(always)]
 fn run_drive_shaft<T: Number, W: Float>(
     step: &ShaftStep,
-    drive: Drive<'_>,
+    drive: DriveAngles<'_>,
     [ratio, acceleration]: [&mut Column<T>; 2],
     planes: &mut [&mut [W]],
     size: usize,
@@ -226,15 +228,15 @@ fn run_drive_shaft<T: Number, W: Float>(
     }
 }
 
-/// Every output of one shaft, each written straight to its plane; what the load or a later period
-/// reads as well goes by way of a buffer.
+/// Outputs of one shaft. Each is stored directly in its plane; values that the load or a later
+/// period needs as well pass through a buffer.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
 fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     step: &ShaftStep,
     range: AtanRange,
     at: impl Fn(usize) -> S + Copy,
-    drive: Drive<'_>,
+    drive: DriveAngles<'_>,
     pins: P,
     [ratio, acceleration]: [&mut Column<T>; 2],
     mut errors: ViewMut<'_, T>,
@@ -244,7 +246,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     if let Some(plane) = step.planes.get(Output::JerkRatio) {
         map::formula(S::jerk_ratio, at, pins, &mut *planes[plane]);
     }
-    let together = step.together().filter(|_| S::MODERATE && range.is_moderate());
+    let together = step.combined_planes().filter(|_| S::MODERATE && range.is_moderate());
     if let Some([rotation, ratio, acceleration]) = together {
         let [rotation, ratio, acceleration] = planes
             .get_disjoint_mut([rotation, ratio, acceleration])
@@ -254,20 +256,20 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
             _ if step.planes.get(Output::Angle).is_none() => {
                 map::motion(range, at, pins, &mut **rotation, rates);
             }
-            Drive::Array(angle) => {
-                let out = AfterArray(&angle[..size], rotation);
+            DriveAngles::Array(angle) => {
+                let out = ArrayAngleSink(&angle[..size], rotation);
                 map::motion(range, at, pins, out, rates);
             }
-            Drive::Sweep(sweep, first) if P::SWEPT => {
-                let out = AfterSteps::new(sweep, first, pins.turns(), rotation);
+            DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
+                let out = SteppedAngleSink::new(sweep, first, pins.turns(), rotation);
                 map::motion(range, at, pins, out, rates);
             }
-            Drive::Sweep(sweep, first) if errors.is_empty() => {
-                let out = AfterSweep(sweep, first, rotation);
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+                let out = SweepAngleSink(sweep, first, rotation);
                 map::motion(range, at, pins, out, rates);
             }
             _ => {
-                map::motion(range, at, pins, errors.again(), rates);
+                map::motion(range, at, pins, errors.reborrow(), rates);
                 map::add_drive(drive, errors.view(), rotation);
             }
         }
@@ -279,38 +281,38 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     if let Some(plane) = step.planes.get(Output::Angle) {
         let out = &mut *planes[plane];
         match drive {
-            Drive::Array(angle) => {
-                map::angle_error(range, at, pins, AfterArray(&angle[..size], out));
+            DriveAngles::Array(angle) => {
+                map::angle_error(range, at, pins, ArrayAngleSink(&angle[..size], out));
             }
-            Drive::Sweep(sweep, first) if P::SWEPT => {
-                let out = AfterSteps::new(sweep, first, pins.turns(), out);
+            DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
+                let out = SteppedAngleSink::new(sweep, first, pins.turns(), out);
                 map::angle_error(range, at, pins, out);
             }
-            Drive::Sweep(sweep, first) if errors.is_empty() => {
-                map::angle_error(range, at, pins, AfterSweep(sweep, first, out));
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+                map::angle_error(range, at, pins, SweepAngleSink(sweep, first, out));
             }
             _ => {
-                map::angle_error(range, at, pins, errors.again());
+                map::angle_error(range, at, pins, errors.reborrow());
                 map::add_drive(drive, errors.view(), out);
             }
         }
     }
-    let mut wanted =
+    let mut remaining =
         (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
     if step.keep_acceleration {
         map::formula(S::rates, at, pins, (ratio.view_mut(size), acceleration.view_mut(size)));
-        if let Some(plane) = wanted.1.take() {
+        if let Some(plane) = remaining.1.take() {
             map::copy::<T>(acceleration.view(size), &mut *planes[plane]);
         }
     } else if step.keep_ratio {
         map::formula(S::speed_ratio, at, pins, ratio.view_mut(size));
     }
     if step.keep_ratio
-        && let Some(plane) = wanted.0.take()
+        && let Some(plane) = remaining.0.take()
     {
         map::copy::<T>(ratio.view(size), &mut *planes[plane]);
     }
-    match wanted {
+    match remaining {
         (Some(ratio), None) => map::formula(S::speed_ratio, at, pins, &mut *planes[ratio]),
         (None, Some(acceleration)) => {
             map::formula(S::acceleration_ratio, at, pins, &mut *planes[acceleration]);
@@ -325,7 +327,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     }
 }
 
-/// Torques and moments at one chunk: the power travels from the end where the torque is given.
+/// Torques and moments for one chunk, in order from the end where the torque is given.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
 pub(crate) fn run_load<T: Number, W: Float>(
@@ -384,11 +386,11 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 }
             });
             let plane = match geometry {
-                GeometryIndex::Shared(index) => poses[index].plane(),
+                GeometryIndex::Shared(index) => poses[index].plane_axes(),
                 GeometryIndex::PerSample => None,
             };
             if let Some(axes) = plane {
-                let at = |i: usize| poses[i].seen_along(axes);
+                let at = |i: usize| poses[i].with_axes(axes);
                 with_constants!(geometry, at, at => {
                     run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
                     run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
@@ -406,7 +408,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
     }
 }
 
-/// The sizes of a joint's bending moments.
+/// Magnitudes of a joint's bending moments.
 #[inline(always)]
 fn run_bending<T: Number, W: Float>(
     step: &JointStep,
@@ -427,7 +429,7 @@ fn run_bending<T: Number, W: Float>(
 
 const AXES: [usize; 3] = [0, 1, 2];
 
-/// The moment that a joint passes on, from a pose seen along these axes.
+/// The moment vector that a joint transmits, from a pose with its components in the order `axes`.
 #[inline(always)]
 fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     step: &JointStep,
@@ -443,7 +445,7 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     }
 }
 
-/// The joint's part of the support moments of its shafts, from the parts of its torsion.
+/// The joint's contribution to the support moments of its shafts, from the parts of its torsion.
 #[inline(always)]
 fn run_supports<const PLANAR: bool, T: Number, W: Float>(
     step: &JointStep,
@@ -454,7 +456,7 @@ fn run_supports<const PLANAR: bool, T: Number, W: Float>(
     planes: &mut [&mut [W]],
     size: usize,
 ) {
-    // The shaft that the load leaves is complete before the part of the next one is kept.
+    // The shaft that the load leaves is completed before the contribution to the next is stored.
     for step in step.support.iter().flatten() {
         let [sine2, cosine2, product] = views(parts, size);
         let numbers = [if step.driving { sine2 } else { cosine2 }, product];
@@ -465,14 +467,14 @@ fn run_supports<const PLANAR: bool, T: Number, W: Float>(
     }
 }
 
-/// One component of it: along the axis `axis` of space.
+/// One component of that contribution, along the axis `axis` of space.
 #[inline(always)]
 fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
     step: &Support,
     at: impl Fn(usize) -> Pose<T>,
     axis: usize,
     numbers: [View<'_, T>; 2],
-    kept: &mut Column<T>,
+    stored: &mut Column<T>,
     planes: &mut [&mut [W]],
 ) {
     let &Support { driving, plane, first, last } = step;
@@ -481,20 +483,20 @@ fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
     match (first, last) {
         (true, true) => map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out),
         (true, false) => {
-            let kept = kept.view_mut(size);
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, kept);
+            let stored = stored.view_mut(size);
+            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, stored);
         }
         (false, _) => {
-            let kept = kept.view(size).cut(size);
-            let before = |i: usize| Some(kept.get(i));
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, before, out);
+            let stored = stored.view(size).cut(size);
+            let previous = |i: usize| Some(stored.get(i));
+            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, previous, out);
         }
     }
 }
 
-/// The planes of a vector's components along these axes.
+/// The planes of a vector's components, in the order of these axes.
 #[inline(always)]
 fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> [&'a mut [W]; 3] {
-    let found = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
-    found.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
+    let views = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
+    views.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
 }

@@ -1,4 +1,4 @@
-//! What a run of a plan does for each sample, and what it leaves out and why, in words.
+//! A description of what a run does for each sample, and of what it skips and why.
 
 use crate::error::{Error, Result};
 use crate::input::Samples;
@@ -18,18 +18,18 @@ use crate::run::fold::{Folded, GeometryIndex, fold_first};
 pub struct Call {
     /// The arithmetic.
     pub precision: Precision,
-    /// What rows are reduced to, if they are.
+    /// The reduction of rows, if any.
     pub reduction: Option<Reduction>,
     /// Whether results are in single precision.
     pub single: bool,
 }
 
-/// The routes of a run, and what the first of its drivelines makes of them.
+/// The routes of a run, and the routes of its shafts for the first driveline.
 struct Choices {
     routes: Routes,
     /// Whether the angles come from a sweep.
     sweep: bool,
-    /// Route and reach of each shaft of the plan.
+    /// Route and range of the inverse tangent for each shaft of the plan.
     shafts: Vec<(Route, AtanRange)>,
 }
 
@@ -50,11 +50,11 @@ impl Choices {
 }
 
 impl Plan {
-    /// The steps taken and those skipped with the reason, and bytes per sample, as text. The steps are
-    /// those of the first of the drivelines.
+    /// A text with the steps taken, the steps skipped with the reason, and the bytes per sample. It
+    /// describes the first of the drivelines.
     ///
     /// # Errors
-    /// Arrays whose lengths do not fit together, or no sample.
+    /// Arrays whose lengths do not fit together, or an empty set of samples.
     pub fn explain(&self, samples: &Samples<'_>, call: Call) -> Result<String> {
         if samples.shape.contains(&0) {
             return Err(Error::new("samples", &[], "are none; there is nothing to explain"));
@@ -95,7 +95,7 @@ impl Plan {
         }
     }
 
-    /// How sines and cosines are found.
+    /// The steps that compute sines and cosines.
     fn sines(&self, choices: &Choices) -> Vec<String> {
         let Choices { routes, sweep, .. } = choices;
         let mut steps = vec![];
@@ -123,14 +123,14 @@ impl Plan {
         steps
     }
 
-    /// The steps in the order in which they run.
+    /// All steps, in the order in which they run.
     fn steps(&self, choices: &Choices, call: Call) -> Vec<String> {
         let mut steps = self.sines(choices);
         for (step, &(route, range)) in self.shafts.iter().zip(&choices.shafts) {
             let shaft = step.shaft;
-            let found = found(step);
+            let names = output_names(step);
             if route == Route::Drive {
-                steps.push(format!("shaft {shaft}: {found}, those of the drive"));
+                steps.push(format!("shaft {shaft}: {names}, those of the drive"));
                 continue;
             }
             if shaft > 1 && route == Route::Tangent {
@@ -138,15 +138,15 @@ impl Plan {
                     .push(format!("shaft {shaft}: sine and cosine turned to its equivalent joint"));
             }
             let mut how = String::new();
-            let rotates = |output| step.planes.get(output).is_some();
-            if rotates(Output::Angle) || rotates(Output::AngleError) {
+            let has = |output| step.planes.get(output).is_some();
+            if has(Output::Angle) || has(Output::AngleError) {
                 let terms = range.terms()[call.precision as usize];
                 how = format!(" (inverse tangent of {terms} terms)");
             }
-            if step.together().is_some() && range.is_moderate() {
+            if step.combined_planes().is_some() && range.is_moderate() {
                 how += ", in one loop";
             }
-            steps.push(format!("shaft {shaft}: {found}{how}"));
+            steps.push(format!("shaft {shaft}: {names}{how}"));
         }
         for (j, step) in self.joints.iter().enumerate() {
             if step.needs_tilt {
@@ -170,7 +170,7 @@ impl Plan {
                     (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
                 ];
                 let names: Vec<&str> =
-                    parts.iter().filter(|(wanted, _)| *wanted).map(|(_, name)| *name).collect();
+                    parts.iter().filter(|(computed, _)| *computed).map(|(_, name)| *name).collect();
                 steps.push(format!("joint {}: {} from the torsion", shaft - 1, names.join(", ")));
             }
         }
@@ -180,7 +180,7 @@ impl Plan {
         steps
     }
 
-    /// What is left out, and why.
+    /// The skipped steps, with the reason.
     fn skipped(&self, table: &Table<'_>, choices: &Choices) -> Vec<String> {
         let n = self.joint_count;
         let mut skipped = vec![];
@@ -226,12 +226,12 @@ impl Plan {
         skipped
     }
 
-    /// Terms of vectors that vanish all over the first driveline, because of where it lies.
+    /// Terms of vectors that are zero because of the first driveline's position in space.
     fn vanishing(&self, table: &Table<'_>) -> Vec<String> {
         let folded = fold_first::<f64>(self, &table.lines);
         let mut vanishing = vec![];
         for (j, step) in self.joints.iter().enumerate() {
-            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane) else {
+            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane_axes) else {
                 continue;
             };
             let plane = ["yz", "zx", "xy"][normal];
@@ -249,15 +249,18 @@ impl Plan {
     }
 }
 
-/// What is wanted of a shaft.
-fn found(step: &ShaftStep) -> String {
-    let wanted = |output: &Output| {
+/// The names of the outputs that are computed for a shaft.
+fn output_names(step: &ShaftStep) -> String {
+    let computed = |output: &Output| {
         step.planes.get(*output).is_some()
             || *output == Output::SpeedRatio && step.keep_ratio
             || *output == Output::AccelerationRatio && step.keep_acceleration
     };
-    let names: Vec<String> =
-        Output::ALL.iter().filter(|o| wanted(o)).map(|o| o.row().name.replace('_', " ")).collect();
+    let names: Vec<String> = Output::ALL
+        .iter()
+        .filter(|o| computed(o))
+        .map(|o| o.row().name.replace('_', " "))
+        .collect();
     names.join(", ")
 }
 
@@ -386,7 +389,7 @@ mod tests {
         assert!(!rotated.contains("tangent form") && !rotated.contains("copied"), "{rotated}");
     }
 
-    /// Every kind of samples and arithmetic runs by the routes that are explained.
+    /// For every kind of samples and arithmetic, a run takes the routes that `explain` reports.
     #[test]
     fn what_is_explained_is_what_runs() {
         let moderate = [0.1, 0.0, 0.2];
@@ -394,7 +397,7 @@ mod tests {
             Batch::new(&[moderate]),
             Batch::new(&[[1.5, 0.3, 0.8]]),
             Batch::new(&[[0.0, 0.0, 0.4]]),
-            // Alone the first two are moderate; the bound of the batch is steep.
+            // Each of the first two is moderate by itself; the bound for the batch is steep.
             Batch::new(&[[0.6, 0.6, 0.0], moderate, [1.2, 0.9, 0.2]]),
         ];
         let array: Vec<f64> = (0..5000).map(|i| f64::from(i) * 0.01).collect();

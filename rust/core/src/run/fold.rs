@@ -1,7 +1,7 @@
-//! The constants that a plan needs of its drivelines.
+//! Folding: the constants that a plan needs of its drivelines.
 //!
-//! Drivelines are folded many at a time, joint by joint over all of them, so that folding
-//! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
+//! Many drivelines are folded together, joint by joint over all of them, so that folding vectorises
+//! like the kernels. This serves batches, and geometries that change with the angle.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use crate::error::Result;
@@ -22,46 +22,50 @@ use crate::plan::route::{Route, Routes};
 use crate::plan::steps::Plan;
 use crate::run::level::{Level, compiled_for};
 
-/// Drivelines that are folded together: their running maps stay in the first-level cache.
+/// The number of drivelines that are folded together: their maps stay in the first-level cache.
 const LANES: usize = 64;
 
-/// The constants of a run of drivelines.
+/// The constants of a series of drivelines.
 #[derive(Clone, Debug)]
 pub(crate) struct Folded<T: Angle> {
-    /// Per shaft, where the plan needs it; shaft 0 needs nothing.
+    /// Per shaft, if the plan needs it; shaft 0 needs none.
     pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
-    /// Per joint, empty where the plan does not need it.
+    /// Per joint; empty if the plan does not need it.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
     maps: Maps,
     turns: Turns,
 }
 
-/// The constants of one shaft, one set per driveline: an equivalent joint, or what goes by twice the drive
-/// angle as long as bends are moderate.
+/// The constants of one shaft, one set per driveline: its equivalent joint, or constants in twice
+/// the drive angle while bends are moderate.
 #[derive(Clone, Debug)]
 pub(crate) struct FoldedShaft<T: Angle> {
-    /// The largest tangents in reach.
+    /// The range of the tangents of the angle error over all drivelines.
     bound: AtanRange,
     double_angles: [Column<T>; 5],
     equivalents: [Column<T>; 7],
 }
 
 impl<T: Angle> FoldedShaft<T> {
-    /// Room for so many, where moderate bends may have constants apart; a geometry `by_sample` has one
-    /// kind of them at all samples.
+    /// Allocates the constants of `length` drivelines. If `splits`, moderate bends have their own
+    /// constants. A geometry `by_sample` has one kind of constants for all samples.
     fn new(bound: AtanRange, length: usize, by_sample: bool, splits: bool) -> Self {
         let moderate = bound.is_moderate();
         let steep = !splits || !moderate;
-        let doubled = splits && (moderate || !by_sample);
+        let double_angle = splits && (moderate || !by_sample);
         let size = |needed: bool| if needed { length } else { 0 };
-        Self { bound, double_angles: columns(size(doubled)), equivalents: columns(size(steep)) }
+        Self {
+            bound,
+            double_angles: columns(size(double_angle)),
+            equivalents: columns(size(steep)),
+        }
     }
 
-    /// The largest tangents that the samples of a chunk reach.
+    /// The range of the tangents in a chunk.
     #[inline(always)]
     fn range(&self, geometry: GeometryIndex) -> AtanRange {
         match geometry {
-            GeometryIndex::Shared(index) if self.is_doubled() => {
+            GeometryIndex::Shared(index) if self.has_double_angles() => {
                 self.double_angles(geometry, 0).get(index).range().min(self.bound)
             }
             GeometryIndex::Shared(index) => self.equivalents(geometry, 0).get(index).0.range(),
@@ -69,27 +73,27 @@ impl<T: Angle> FoldedShaft<T> {
         }
     }
 
-    /// Whether moderate bends have constants in twice the drive angle.
+    /// Whether there are constants in twice the drive angle.
     #[inline(always)]
-    fn is_doubled(&self) -> bool {
+    fn has_double_angles(&self) -> bool {
         !self.double_angles[0].is_empty()
     }
 
-    /// What the extremes of one of them need.
+    /// The constants that determine the extremes for one driveline.
     pub(crate) fn extrema_locator(&self, index: usize) -> ExtremaLocator {
         let geometry = GeometryIndex::Shared(index);
-        if self.is_doubled() {
+        if self.has_double_angles() {
             let [re, im]: [f64; 2] =
                 self.double_angles(geometry, 0).get(index).q.map(|x| x.value().into());
-            return ExtremaLocator { twice_offset: -im.atan2(re), k: re.hypot(im) };
+            return ExtremaLocator { double_offset: -im.atan2(re), k: re.hypot(im) };
         }
         let (joint, turn) = self.equivalents(geometry, 0).get(index);
         let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
         let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
-        ExtremaLocator { twice_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
+        ExtremaLocator { double_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
     }
 
-    /// The constants by twice the drive angle.
+    /// The constants in twice the drive angle.
     #[inline(always)]
     pub(crate) fn double_angles(
         &self,
@@ -109,7 +113,7 @@ impl<T: Angle> FoldedShaft<T> {
         EquivalentColumns(views(&self.equivalents, geometry.count(size)))
     }
 
-    /// Joints on the drive shaft, whose pin has no turn.
+    /// Sets moderate joints on the drive shaft, whose pins need no rotation.
     #[inline(always)]
     fn set_moderate(&mut self, start: usize, bends: &[f64]) {
         let length = bends.len();
@@ -169,11 +173,11 @@ impl<T: Angle> FoldedShaft<T> {
     }
 }
 
-/// The folded constants of one driveline, prepared for any number of runs over arrays of angles.
+/// The constants of one driveline, prepared for any number of runs over arrays of angles.
 #[derive(Clone, Debug)]
 pub struct FoldedDriveline(pub(crate) FoldedAs);
 
-/// The constants by the arithmetic of the runs.
+/// The constants, by the arithmetic of the runs.
 #[derive(Clone, Debug)]
 pub(crate) enum FoldedAs {
     Single(Folded<f32>),
@@ -182,10 +186,10 @@ pub(crate) enum FoldedAs {
 }
 
 impl Plan {
-    /// Folds the first of the drivelines once for all runs.
+    /// Folds the first of the drivelines, once for all runs.
     ///
     /// # Errors
-    /// Arrays of other lengths than one driveline has, or fewer.
+    /// Arrays whose lengths do not fit together, or no driveline.
     pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<FoldedDriveline> {
         lines.check(self.joint_count)?;
         Ok(FoldedDriveline(match precision {
@@ -196,24 +200,25 @@ impl Plan {
     }
 }
 
-/// The first driveline folded for arrays of angles.
+/// Folds the first driveline for arrays of angles.
 pub(crate) fn fold_first<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
     let mut folded = Folded::new(plan, 1, false, &Routes::of_arrays(plan, T::PRECISION));
     compiled_for!(Level::new(), folded.fold(plan, lines, 1, |_| 0));
     folded
 }
 
-/// Which of the folded drivelines the samples of a chunk have.
+/// Which of the folded drivelines a chunk uses.
 #[derive(Clone, Copy)]
 pub(crate) enum GeometryIndex {
-    /// All samples share this one of the folded drivelines.
+    /// All samples share the driveline with this index.
     Shared(usize),
     /// Each sample has its own.
     PerSample,
 }
 
 impl GeometryIndex {
-    /// How many of the folded drivelines that takes for so many samples.
+    /// The number of folded drivelines that a chunk of `size` samples reads, counted from the
+    /// first.
     #[inline(always)]
     pub(crate) fn count(self, size: usize) -> usize {
         match self {
@@ -223,7 +228,7 @@ impl GeometryIndex {
     }
 }
 
-/// A run of constants by twice the drive angle to read.
+/// A read-only series of constants in twice the drive angle.
 #[derive(Clone, Copy)]
 pub(crate) struct DoubleAngleColumns<'a, T: Real>([View<'a, T>; 5]);
 
@@ -235,12 +240,12 @@ impl<T: Real> DoubleAngleColumns<'_, T> {
     }
 }
 
-/// A run of equivalent joints to read.
+/// A read-only series of equivalent joints.
 #[derive(Clone, Copy)]
 pub(crate) struct EquivalentColumns<'a, T: Real>([View<'a, T>; 7]);
 
 impl<T: Real> EquivalentColumns<'_, T> {
-    /// The constants of the joint, cosine and sine of its turn.
+    /// The constants of the joint, and cosine and sine of its offset.
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
         let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
@@ -249,7 +254,7 @@ impl<T: Real> EquivalentColumns<'_, T> {
     }
 }
 
-/// The running maps of the drivelines that are folded together.
+/// The maps of the drivelines that are folded together, up to the current joint.
 #[derive(Clone, Debug)]
 struct Maps {
     a: [Column<DoubleDouble>; 2],
@@ -263,13 +268,13 @@ impl Maps {
     }
 
     #[inline(always)]
-    fn read(&self, length: usize) -> Read<'_> {
+    fn read(&self, length: usize) -> MapsView<'_> {
         let [a_re, a_im] = views(&self.a, length);
         let [b_re, b_im] = views(&self.b, length);
-        Read([a_re, a_im, b_re, b_im, self.complement.view(length)])
+        MapsView([a_re, a_im, b_re, b_im, self.complement.view(length)])
     }
 
-    /// Each map by what `step` makes of it.
+    /// Applies a step to each map.
     #[inline(always)]
     fn update(&mut self, length: usize, step: &impl Step) {
         let ([a_re, a_im], [b_re, b_im]) =
@@ -293,23 +298,23 @@ impl Maps {
     }
 }
 
-// What happens in a lane is a method and not a closure: a closure so large would be compiled by
-// itself, without the instruction set of the loop that calls it.
+// The work of a lane is a method and not a closure: a closure of this size would be compiled as a
+// separate function, without the instruction set of the loop that calls it.
 
-/// Something that there is in each lane.
+/// A value for each lane.
 trait Lane<T> {
     fn at(&self, i: usize) -> T;
 }
 
-/// A step that every lane takes.
+/// A change of the map of each lane.
 trait Step {
     fn take(&self, i: usize, transfer: &mut Transfer);
 }
 
-/// The running maps.
-struct Read<'a>([View<'a, DoubleDouble>; 5]);
+/// A read-only view of the maps.
+struct MapsView<'a>([View<'a, DoubleDouble>; 5]);
 
-impl Lane<Transfer> for Read<'_> {
+impl Lane<Transfer> for MapsView<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Transfer {
         let [a_re, a_im, b_re, b_im, complement] = self.0.each_ref().map(|view| view.get(i));
@@ -317,7 +322,7 @@ impl Lane<Transfer> for Read<'_> {
     }
 }
 
-impl Lane<DoubleAngle<DoubleDouble>> for Read<'_> {
+impl Lane<DoubleAngle<DoubleDouble>> for MapsView<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
         let transfer: Transfer = self.at(i);
@@ -325,7 +330,7 @@ impl Lane<DoubleAngle<DoubleDouble>> for Read<'_> {
     }
 }
 
-impl Lane<Equivalent<DoubleDouble>> for Read<'_> {
+impl Lane<Equivalent<DoubleDouble>> for MapsView<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
         let transfer: Transfer = self.at(i);
@@ -333,34 +338,34 @@ impl Lane<Equivalent<DoubleDouble>> for Read<'_> {
     }
 }
 
-/// First joints, by their bends.
-struct First<'a>(&'a [f64]);
+/// First joints, from their bends.
+struct FirstJoint<'a>(&'a [f64]);
 
-impl Lane<DoubleAngle<DoubleDouble>> for First<'_> {
+impl Lane<DoubleAngle<DoubleDouble>> for FirstJoint<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
         DoubleAngle::of_joint(self.0[i])
     }
 }
 
-impl Lane<Equivalent<DoubleDouble>> for First<'_> {
+impl Lane<Equivalent<DoubleDouble>> for FirstJoint<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
         Equivalent::of_joint(Joint::with_error_terms(self.0[i]))
     }
 }
 
-/// Back to the drive shaft.
-struct Start;
+/// Returns to the drive shaft.
+struct Reset;
 
-impl Step for Start {
+impl Step for Reset {
     #[inline(always)]
     fn take(&self, _: usize, transfer: &mut Transfer) {
         *transfer = Transfer::default();
     }
 }
 
-/// Past a joint, by its bend.
+/// Appends a joint, given its bend.
 struct PassJoint<'a>(&'a [f64]);
 
 impl Step for PassJoint<'_> {
@@ -370,7 +375,7 @@ impl Step for PassJoint<'_> {
     }
 }
 
-/// Past a shaft, by its turn.
+/// Appends a shaft, given its turn.
 struct PassShaft<'a>([View<'a, DoubleDouble>; 2]);
 
 impl Step for PassShaft<'_> {
@@ -381,7 +386,7 @@ impl Step for PassShaft<'_> {
     }
 }
 
-/// The turns of intermediate shafts, one per driveline.
+/// The turns of one intermediate shaft, one per driveline.
 #[derive(Clone, Debug)]
 struct Turns([Column<DoubleDouble>; 2]);
 
@@ -392,7 +397,7 @@ impl Turns {
         let (phases, twists) = (&phases[..length], &twists[..length]);
         let [re, im] = views_mut(&mut self.0, 0, length);
         let (mut re, mut im) = (re.cut(length), im.cut(length));
-        let far = trig::any_far(phases.iter().chain(twists).copied());
+        let far = trig::any_too_large(phases.iter().chain(twists).copied());
         for i in 0..length {
             let turn = chain::near_shaft_turn(phases[i], twists[i]);
             re.set(i, turn.re);
@@ -414,7 +419,7 @@ impl Turns {
 }
 
 impl<T: Angle> Folded<T> {
-    /// Room for a run of so many drivelines, of different rows or of different samples.
+    /// Allocates the constants of `longest` drivelines, of different rows or of different samples.
     pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool, routes: &Routes) -> Self {
         let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
         let (maps, turns) = (Maps::new(lanes), Turns(columns(lanes)));
@@ -426,7 +431,7 @@ impl<T: Angle> Folded<T> {
         Self { shafts, poses: vec![vec![]; plan.joint_count], maps, turns }
     }
 
-    /// The route of a shaft at a chunk with this geometry, and the tangents that it reaches.
+    /// The route of a shaft in a chunk with this geometry, and its range of tangents.
     #[inline(always)]
     pub(crate) fn route(
         &self,
@@ -439,8 +444,8 @@ impl<T: Angle> Folded<T> {
         (routes.of(shaft, range), range)
     }
 
-    /// Folds `count` drivelines, of which `line_of(i)` is the index, each once up to the last shaft
-    /// that the plan needs.
+    /// Folds `count` drivelines with the indices `line_of(i)`. Each is folded once, up to the last
+    /// shaft that the plan needs.
     #[inline(always)]
     pub(crate) fn fold(
         &mut self,
@@ -470,9 +475,9 @@ impl<T: Angle> Folded<T> {
         let mut bends = [0.0; LANES];
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let first = line_of(0);
-        let side_by_side = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
+        let contiguous = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
         let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
-            if each == 1 && side_by_side {
+            if each == 1 && contiguous {
                 out.copy_from_slice(&data[first..first + out.len()]);
                 return;
             }
@@ -484,7 +489,7 @@ impl<T: Angle> Folded<T> {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
             if j == 0 && !plan.is_joint() {
-                maps.update(length, &Start);
+                maps.update(length, &Reset);
             } else if j > 0 {
                 gather(lines.phases, n - 1, j - 1, &mut phases[..length]);
                 gather(lines.twists, n - 1, j - 1, &mut twists[..length]);
@@ -504,10 +509,10 @@ impl<T: Angle> Folded<T> {
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                if shaft.bound.is_moderate() && !shaft.is_doubled() {
+                if shaft.bound.is_moderate() && !shaft.has_double_angles() {
                     shaft.set_moderate(start, bends);
                 } else {
-                    shaft.set(start, length, &First(bends));
+                    shaft.set(start, length, &FirstJoint(bends));
                 }
             }
             if plan.reach() == 1 {

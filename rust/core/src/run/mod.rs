@@ -1,4 +1,4 @@
-//! Running a plan: threads, blocks, chunks, loops over slices, and where results go.
+//! Running a plan: threads, blocks, chunks, loops over slices, and sinks for the results.
 
 mod block;
 mod chunk;
