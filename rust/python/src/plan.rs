@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use cardan::{
     Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan, Planes,
-    Precision, Reduction, Request, Samples, Source, Sweep, level,
+    Precision, Reduction, Request, Samples, Source, Sweep, level, uses_threads,
 };
 use numpy::npyffi::npy_intp;
 use numpy::{
@@ -24,9 +24,6 @@ use crate::watch::{check_memory, no_memory, run_interruptible, threads};
 
 /// The fewest samples for which releasing the interpreter saves time.
 const MIN_DETACHED: usize = 1000;
-
-/// A lower bound on the samples for which the core uses threads.
-const MIN_THREADED: usize = 1 << 16;
 
 /// The fewest numbers, results and folded joints together, for which a run is interruptible. They
 /// take some milliseconds, and less than half a second on the slowest instruction set.
@@ -312,12 +309,13 @@ impl NativePlan {
         workers: Option<usize>,
     ) -> PyResult<()> {
         let total = count(samples.shape)?;
-        let workers = if total < MIN_THREADED { workers } else { threads(workers) };
+        let parallel = uses_threads(total);
+        let workers = if parallel { threads(workers) } else { workers };
         let (plan, precision, constants) = (&self.steps, self.precision, self.constants.as_ref());
         let threads = match workers {
             // This does not query the pool, which may not exist.
             Some(1) => 1,
-            _ if total < MIN_THREADED => 1,
+            _ if !parallel => 1,
             _ => rayon::current_num_threads(),
         };
         check_memory(plan.scratch_bytes(samples, constants.is_some(), self.reduction, threads))?;

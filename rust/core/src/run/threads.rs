@@ -27,6 +27,11 @@ pub(crate) const BLOCK: usize = 16 * CHUNK;
 /// take the same time for the cheapest output.
 const THREADED: usize = 6 * BLOCK;
 
+/// Whether a run over this number of samples may use several threads.
+pub fn uses_threads(samples: usize) -> bool {
+    samples >= THREADED
+}
+
 /// One call: its plan, its input, and how it uses the machine.
 pub(crate) struct Run<'a, 's> {
     pub(crate) plan: &'a Plan,
@@ -155,7 +160,7 @@ fn run_block<T: StoresAs<W>, W: Float>(
 /// Samples per block; all of them if threads save no time.
 fn block_size(total: usize, workers: Option<usize>) -> usize {
     match workers {
-        _ if total < THREADED => total,
+        _ if !uses_threads(total) => total,
         // This does not query the pool, which may not exist.
         Some(1) => total,
         Some(workers) if workers < rayon::current_num_threads() => {
