@@ -4,8 +4,10 @@
 pub mod chain;
 pub(crate) mod double_angle;
 pub(crate) mod extremes;
+pub mod general;
 pub mod geometry;
 pub mod joint;
 pub(crate) mod moment;
+pub mod motion;
 pub mod phasing;
 pub mod transmission;

@@ -5,40 +5,13 @@
 //! `g = 1/(1 + q u)` the angle error is `arg(1 + q u)`, the speed ratio `Re((1 − q u) g)`, the
 //! acceleration ratio `Re(4 i q u g²)` and the jerk ratio `Re(8 q u (1 − q u) g³)`.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use nalgebra::Complex;
 
 use crate::mechanics::chain::Equivalent;
-use crate::mechanics::joint::{self, Joint, JointConstants};
+use crate::mechanics::general::General;
+use crate::mechanics::joint::Joint;
+use crate::mechanics::motion::{Motion, MotionGradient, joint_motion};
 use crate::number::trig;
-
-/// The motion of a shaft at one drive angle. Derivatives are with respect to the drive angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// Angle of the shaft minus the drive angle in rad, mean zero over a turn.
-    pub angle_error: f64,
-    /// First derivative of the shaft's angle.
-    pub speed_ratio: f64,
-    /// Second derivative.
-    pub acceleration_ratio: f64,
-    /// Third derivative.
-    pub jerk_ratio: f64,
-}
-
-/// The derivatives of the motion with respect to `q`: a change `dq` changes each quantity by the
-/// real part of `derivative · dq`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionGradient {
-    /// Derivative of the angle error.
-    pub angle_error: Complex<f64>,
-    /// Derivative of the speed ratio.
-    pub speed_ratio: Complex<f64>,
-    /// Derivative of the acceleration ratio.
-    pub acceleration_ratio: Complex<f64>,
-    /// Derivative of the jerk ratio.
-    pub jerk_ratio: Complex<f64>,
-}
 
 /// How one shaft follows the drive.
 #[derive(Clone, Debug)]
@@ -123,94 +96,6 @@ impl Ideal {
             jerk_ratio: u * (one - z * g * g * 6.0) * g * g * 8.0,
         }
     }
-}
-
-/// A chain that is evaluated joint by joint. It serves joints that no single `q` describes.
-#[derive(Clone, Debug)]
-pub struct General {
-    /// Each joint with the turn of the shaft before it.
-    stages: Vec<(f64, Joint)>,
-    /// The mean of the sum of the joints' own angle errors.
-    mean: f64,
-}
-
-impl General {
-    /// The transmission to the output of the last of these joints.
-    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
-        let turns = phases.iter().zip(twists).map(|(phase, twist)| phase - twist + FRAC_PI_2);
-        let turns = std::iter::once(0.0).chain(turns);
-        let stages = turns.zip(bends.iter().map(|&bend| Joint::new(bend))).collect();
-        let mut general = Self { stages, mean: 0.0 };
-        general.mean = general.mean_error();
-        general
-    }
-
-    /// The mean over half a turn by the trapezoidal rule, whose error decreases geometrically.
-    fn mean_error(&self) -> f64 {
-        const MOST: u32 = 1 << 16;
-        let mut count = 16;
-        let mut sum: f64 = (0..count).map(|i| self.error_at(i, count)).sum();
-        loop {
-            let before = sum / f64::from(count);
-            // Adds the samples halfway between the previous ones.
-            count *= 2;
-            sum += (1..count).step_by(2).map(|i| self.error_at(i, count)).sum::<f64>();
-            let mean = sum / f64::from(count);
-            if (mean - before).abs() <= 1e-16 || count >= MOST {
-                return mean;
-            }
-        }
-    }
-
-    fn error_at(&self, i: u32, count: u32) -> f64 {
-        self.motion(PI * f64::from(i) / f64::from(count)).angle_error
-    }
-
-    /// The motion at a drive angle in rad; NaN if it is not finite.
-    pub fn motion(&self, angle: f64) -> Motion {
-        let (mut s, mut c) = trig::sin_cos(angle);
-        let mut total = Motion {
-            angle_error: -self.mean,
-            speed_ratio: 1.0,
-            acceleration_ratio: 0.0,
-            jerk_ratio: 0.0,
-        };
-        for (turn, joint) in &self.stages {
-            (s, c) = turned((s, c), trig::sin_cos(*turn));
-            let own = joint_motion(joint, s, c);
-            (s, c) = turned((s, c), trig::sin_cos(own.angle_error));
-            total = own.compose(&total);
-        }
-        total
-    }
-}
-
-impl Motion {
-    /// The motion of a shaft behind one with the motion `before`, by the chain rule.
-    fn compose(&self, before: &Self) -> Self {
-        let (r, a, j) = (before.speed_ratio, before.acceleration_ratio, before.jerk_ratio);
-        let Self { angle_error, speed_ratio, acceleration_ratio, jerk_ratio } = *self;
-        Self {
-            angle_error: before.angle_error + angle_error,
-            speed_ratio: speed_ratio * r,
-            acceleration_ratio: acceleration_ratio * r * r + speed_ratio * a,
-            jerk_ratio: jerk_ratio * r.powi(3) + 3.0 * acceleration_ratio * r * a + speed_ratio * j,
-        }
-    }
-}
-
-/// The motion behind one joint, from sine and cosine of its driving angle.
-fn joint_motion(joint: &Joint, s: f64, c: f64) -> Motion {
-    let constants = JointConstants::of_doubles(joint);
-    let (y, x) = joint::error_tangent(&constants, s, c);
-    let (speed_ratio, acceleration_ratio) = joint::rates(&constants, s, c);
-    let jerk_ratio = joint::jerk_ratio(&constants, s, c);
-    Motion { angle_error: y.atan2(x), speed_ratio, acceleration_ratio, jerk_ratio }
-}
-
-/// Sine and cosine of a sum of angles.
-fn turned((s, c): (f64, f64), (by_s, by_c): (f64, f64)) -> (f64, f64) {
-    (s * by_c + c * by_s, c * by_c - s * by_s)
 }
 
 #[cfg(test)]

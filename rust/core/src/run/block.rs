@@ -12,11 +12,15 @@ use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
-use crate::run::chunk;
+use crate::run::constants::GeometryIndex;
 use crate::run::extrema;
-use crate::run::fold::{Folded, FoldedAs, FoldedDriveline, GeometryIndex};
+use crate::run::fold::Folded;
 use crate::run::level::{Level, compiled_for};
+use crate::run::load;
+use crate::run::motion;
 use crate::run::scratch::Scratch;
+use crate::run::sines;
+use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
 use crate::sincos::array::DriveAngles;
 
@@ -32,46 +36,6 @@ const LONG_CHUNK: usize = 16 * CHUNK;
 
 /// The most rows whose drivelines are folded together.
 pub(crate) const GROUP: usize = 64;
-
-/// A number type whose results are stored in words of type `W`.
-pub(crate) trait StoresAs<W: Float>: Number {
-    /// The words that the kernels store.
-    type Plane: Float;
-
-    /// The constants of a driveline, if it was folded for this type.
-    fn folded(driveline: &FoldedDriveline) -> Option<&Folded<Self>>;
-
-    /// The planes themselves, if the kernels store their words directly.
-    fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Plane]]>;
-}
-
-macro_rules! stores_as {
-    ($($number:ident as $precision:ident by $plane:ident to $word:ident:
-        $planes:ident => $direct:expr;)*) => {$(
-        impl StoresAs<$word> for $number {
-            type Plane = $plane;
-
-            fn folded(driveline: &FoldedDriveline) -> Option<&Folded<Self>> {
-                if let FoldedAs::$precision(folded) = &driveline.0 { Some(folded) } else { None }
-            }
-
-            fn direct<'a, 'b>(
-                $planes: &'a mut [&'b mut [$word]],
-            ) -> Option<&'a mut [&'b mut [$plane]]> {
-                $direct
-            }
-        }
-    )*};
-}
-
-stores_as! {
-    f32 as Single by f32 to f32: planes => Some(planes);
-    f32 as Single by f64 to f64: planes => Some(planes);
-    f64 as Double by f64 to f64: planes => Some(planes);
-    f64 as Double by f64 to f32: _planes => None;
-    DoubleDouble as DoubleDouble by f64 to f64: planes => Some(planes);
-    DoubleDouble as DoubleDouble by f64 to f32: _planes => None;
-}
 
 /// The destination of a block's results.
 pub(crate) enum Target<'a, 'b, W> {
@@ -349,14 +313,14 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         };
         let folded: &Folded<T> = &self.folded;
         let key = selected.is_none().then_some((begin, step, size));
-        let [needs_pins, needs_double_angles] = chunk::sines_needed(plan, routes, folded, geometry);
+        let [needs_pins, needs_double_angles] = sines::sines_needed(plan, routes, folded, geometry);
         if needs_pins && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
-            compiled_for!(level, chunk::find_pins(plan, drive, group, scratch, size));
+            compiled_for!(level, sines::find_pins(plan, drive, group, scratch, size));
             self.pins_key = key;
         }
         if needs_double_angles && (key.is_none() || self.double_angles_key != key) {
-            compiled_for!(level, chunk::find_double_angles(drive, rotations, scratch, size));
+            compiled_for!(level, sines::find_double_angles(drive, rotations, scratch, size));
             self.double_angles_key = key;
         }
         // Selected samples have no position in the row: they are reduced at once.
@@ -375,7 +339,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         };
         compiled_for!(
             level,
-            chunk::run_motion(
+            motion::run_motion(
                 plan, routes, drive, rotations, folded, geometry, scratch, &mut views, size,
                 row_offset
             )
@@ -390,7 +354,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             }
             compiled_for!(
                 level,
-                chunk::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
+                load::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
             );
         }
         match target {
@@ -442,12 +406,15 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let (scratch, level) = (&self.scratch, self.shared.level);
                 if let Some(direct) = T::direct(planes) {
                     let out = &mut direct[plane][place];
-                    compiled_for!(level, chunk::repeat_angle(scratch, slot, in_period, drive, out));
+                    compiled_for!(
+                        level,
+                        motion::repeat_angle(scratch, slot, in_period, drive, out)
+                    );
                 } else {
                     let angles = &mut self.staging[plane][..size];
                     compiled_for!(
                         level,
-                        chunk::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
+                        motion::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
                     );
                     compiled_for!(level, convert(angles, &mut planes[plane][place]));
                 }

@@ -13,10 +13,11 @@ use crate::number::float::Float;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
-use crate::run::block::{Block, CHUNK, Shared, StoresAs, Target};
+use crate::run::block::{Block, CHUNK, Shared, Target};
 use crate::run::execution::Execution;
 use crate::run::fold::FoldedDriveline;
 use crate::run::level::Level;
+use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
 
 /// The most samples per block of a threaded run: about 20 µs of work. It is a multiple of the
