@@ -84,6 +84,9 @@ class Finding:
 class Check:
     """What a check found; ``print`` it to read it.
 
+    The check of one driveline at one speed is true if it passes: ``if line.check(): ...``. That of
+    a batch has no single answer and raises; use ``check.passes.all()`` or ``check.passes.any()``.
+
     Attributes:
         findings: one per figure.
     """
@@ -95,6 +98,20 @@ class Check:
         """Whether every limit is kept, in the shape of batch and speed."""
         passes = np.broadcast_arrays(*(finding.passes for finding in self.findings))
         return np.asarray(np.all(passes, axis=0))
+
+    def __bool__(self) -> bool:
+        """Return whether it passes.
+
+        Raises:
+            ValueError: a check of a batch.
+        """
+        passes = self.passes
+        if passes.shape:
+            raise ValueError(
+                f"the check has a verdict for each of {passes.size} drivelines or speeds, not one; "
+                "use check.passes.all() or check.passes.any()"
+            )
+        return bool(passes)
 
     def __str__(self) -> str:
         """Say it in words, the verdict first."""
