@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cardan import notebook
 from cardan.approximations import (
     INERTIA_LIMIT,
     INERTIA_MAXIMUM,
@@ -120,6 +121,12 @@ class Check:
         if self.passes.shape:
             verdict = f"{count} of {all_of_them} pass."
         return "\n".join([verdict, *(f"- {f}" for f in self.findings)])
+
+    def _repr_html_(self) -> str:
+        """Show the verdict and a row for each finding."""
+        verdict, *findings = str(self).splitlines()
+        rows = [(finding.removeprefix("- "),) for finding in findings]
+        return notebook.table(verdict, ("finding",), rows)
 
 
 class Checkable(Protocol):
