@@ -9,6 +9,8 @@ from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -22,9 +24,10 @@ from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.document import Document
 from cardan.scene.errors import SceneError
-from cardan.scene.format import BEND_COLUMNS, FORMS, Form, describe
+from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, Form, describe
 from cardan.scene.parts import check_load, form_of, make_driveline, make_load
 from cardan.scene.study import Study, StudyResult
+from cardan.sweep import Sweep
 
 _OPTIONS = ("tolerance", "dtype", "workers")
 
@@ -43,7 +46,7 @@ class Scene:
         line: the driveline; where its bends were recorded a batch, ``(samples,)``.
         load_case: its load, if any.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
-        drive_angle: the same in rad.
+        angle: the same to evaluate at: a sweep, or recorded angles in rad.
         quantities: outputs to evaluate.
         shafts: of which shafts, where the scene says so; ``None`` for the last one alone.
         joints: of which joints, where the scene says so; ``None`` for all.
@@ -60,7 +63,7 @@ class Scene:
     line: Driveline
     load_case: Load | None
     drive_angle_deg: FloatArray
-    drive_angle: FloatArray
+    angle: FloatArray | Sweep
     quantities: tuple[str, ...]
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...] | None
@@ -173,8 +176,9 @@ class Scene:
                 raise ValueError(
                     "section [driveline] is missing; it describes the joints and shafts"
                 )
-            if "sweep" in given and "angles" in given:
-                raise ValueError("sections [sweep] and [angles] are both given; give one of them")
+            if given.keys() >= set(DRIVE_ANGLES):
+                both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
+                raise ValueError(f"sections {both} are both given; give one of them")
         with document.within("angles"):
             if recorded and angle is None:
                 angle = Angles.recorded(recorded, folder)
@@ -230,7 +234,7 @@ class Scene:
             line=line,
             load_case=load,
             drive_angle_deg=angle.degrees,
-            drive_angle=angle.radians,
+            angle=angle.drive,
             quantities=quantities,
             shafts=shafts,
             joints=joints,
@@ -241,6 +245,11 @@ class Scene:
             table_file=output.get("table"),
             picture_file=output.get("picture"),
         )
+
+    @property
+    def drive_angle(self) -> FloatArray:
+        """Drive angles in rad, ``(samples,)``."""
+        return np.asarray(self.angle)
 
     @property
     def speed(self) -> float:
@@ -270,7 +279,7 @@ class Scene:
 
     def evaluate(self) -> Result:
         """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
-        return self.line.evaluate(self.drive_angle, self.quantities, **self._arguments())
+        return self.line.evaluate(self.angle, self.quantities, **self._arguments())
 
     def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
         """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
@@ -279,7 +288,7 @@ class Scene:
 
     def explain(self) -> str:
         """Say how the curves over the drive angle are evaluated, and how the study is."""
-        curves: str = self.plan().explain()
+        curves: str = self.plan().explain(self.angle)
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves
 
     def _arguments(self) -> dict[str, Any]:

@@ -23,3 +23,4 @@ pub use run::explain::Call;
 pub use run::fold::FoldedDriveline;
 pub use run::level::{self, Level};
 pub use run::phases::optimal_phases_of_batch;
+pub use run::threads::uses_threads;

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use cardan::{
     Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan, Planes,
-    Precision, Reduction, Request, Samples, Source, Sweep, level,
+    Precision, Reduction, Request, Samples, Source, Sweep, level, uses_threads,
 };
 use numpy::npyffi::npy_intp;
 use numpy::{
@@ -24,9 +24,6 @@ use crate::watch::{no_memory, room, threads, watched};
 
 /// Samples that are done before it is worth giving the interpreter away.
 const BRIEF: usize = 1000;
-
-/// Samples from which the core may use its threads, or fewer.
-const POOLED: usize = 1 << 16;
 
 /// Numbers, of results and of the folding, that take some milliseconds, on the slowest instruction
 /// set less than half a second: shorter runs need no watch.
@@ -311,12 +308,13 @@ impl NativePlan {
         workers: Option<usize>,
     ) -> PyResult<()> {
         let total = count(samples.shape)?;
-        let workers = if total < POOLED { workers } else { threads(workers) };
+        let parallel = uses_threads(total);
+        let workers = if parallel { threads(workers) } else { workers };
         let (plan, precision, constants) = (&self.steps, self.precision, self.constants.as_ref());
         let threads = match workers {
             // The pool is not asked: it may not exist.
             Some(1) => 1,
-            _ if total < POOLED => 1,
+            _ if !parallel => 1,
             _ => rayon::current_num_threads(),
         };
         room(plan.scratch_bytes(samples, constants.is_some(), self.reduction, threads))?;

@@ -282,16 +282,26 @@ pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
 /// Jerk ratio, the derivative of the acceleration ratio by the drive angle,
 /// `2 cos β sin² β (s⁴ + 3 sin² β s² c² − cos² β c⁴) (s² + c²)/(c² cos² β + s²)³` (derived here from the
 /// speed ratio); it vanishes where both parts of the bracket are alike.
+///
+/// The cube would triple the roundings of the denominator and of its inverse, and the difference
+/// keeps those of the squares. Fused multiply-adds find what these roundings are and take them off
+/// again; what remains is four times the rounding of the tangent `s/c`.
 #[inline(always)]
 pub(crate) fn jerk_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
-    let s2 = s.square();
-    let c_cos = c * joint.cos;
-    let across = c_cos.mul_add(c_cos, s2);
+    let (s2, c2) = (s.square(), c.square());
+    let across = joint.cos2.mul_add(c2, s2);
     let inverse = across.recip();
-    let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
-    let c2 = c.square();
-    let sum = s2.mul_add(s2, T::from_f64(3.0) * joint.sin2 * (s2 * c2));
-    let across_c = joint.cos2 * c2;
-    let bracket = (-across_c).mul_add(c2, sum);
-    T::from_f64(2.0) * joint.sin2 * (bracket * inverse * inverse) * ratio
+    let driven = joint.cos2 * c2;
+    let sum = s2 * (T::from_f64(3.0) * joint.sin2).mul_add(c2, s2);
+    let mut bracket = (-driven).mul_add(c2, sum);
+    let mut length = c.mul_add(c, s2) * inverse;
+    if !T::LOW {
+        let (s2_low, c2_low) = (s.mul_add(s, -s2), c.mul_add(c, -c2));
+        bracket = bracket + s2.mul_add(s2_low, -(driven * c2_low)).scaled(2.0);
+        let missing = joint.cos2.mul_add(c2, s2 - across) + joint.cos2.mul_add(c2_low, s2_low);
+        let off = (-across).mul_add(inverse, T::from_f64(1.0)) - missing * inverse;
+        // Before the product, which single precision may not hold.
+        length = length.mul_add(T::from_f64(3.0) * off, length);
+    }
+    (joint.cos * joint.sin2).scaled(2.0) * (bracket * inverse * inverse) * length
 }

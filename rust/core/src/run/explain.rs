@@ -56,6 +56,7 @@ impl Plan {
     /// # Errors
     /// Arrays whose lengths do not fit together, or no sample.
     pub fn explain(&self, samples: &Samples<'_>, call: Call) -> Result<String> {
+        samples.lines.check(self.joint_count)?;
         if samples.shape.contains(&0) {
             return Err(Error::new("samples", &[], "are none; there is nothing to explain"));
         }

@@ -15,4 +15,4 @@ mod sink;
 mod sweep_tables;
 #[cfg(test)]
 mod taken;
-mod threads;
+pub mod threads;

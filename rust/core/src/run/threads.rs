@@ -26,6 +26,11 @@ pub(crate) const BLOCK: usize = 16 * CHUNK;
 /// same for the cheapest output.
 const THREADED: usize = 6 * BLOCK;
 
+/// Whether a run over so many samples may use more than its own thread.
+pub fn uses_threads(samples: usize) -> bool {
+    samples >= THREADED
+}
+
 /// One call: what it computes and reads, and how it is spread over the machine.
 pub(crate) struct Run<'a, 's> {
     pub(crate) plan: &'a Plan,
@@ -154,7 +159,7 @@ fn run_block<T: StoresAs<W>, W: Float>(
 /// Samples per block: all of them where threads do not repay their waking.
 fn block_size(total: usize, workers: Option<usize>) -> usize {
     match workers {
-        _ if total < THREADED => total,
+        _ if !uses_threads(total) => total,
         // Without a look at the pool, which may not be there.
         Some(1) => total,
         Some(workers) if workers < rayon::current_num_threads() => {
