@@ -34,13 +34,31 @@ def write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict
         yield {"file": str(path)}
 
 
+def missing(scene: Scene) -> str:
+    """Return the line that says how many recorded samples are missing."""
+    assert scene.recording
+    count = len(scene.drive_angle)
+    return (
+        f"{scene.missing} of {count} samples are missing in {scene.recording.name}; "
+        "their results are NaN and count in no figure."
+    )
+
+
 def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
     """Return the line that says which file was written."""
     if not rows:
         return f"wrote {file}"
-    there = f", {found} of them found there" if found else ""
-    count = f"{rows} row{'s' if rows > 1 else ''}"
-    return f"wrote {file} ({count}{f' in {parts} files{there}' if parts else ''})"
+    size, files = _count(rows, "row"), _count(parts, "file")
+    if not parts:
+        return f"wrote {file} ({size})"
+    if found == parts:
+        return f"kept {file} ({size} in {files}, already complete)"
+    there = f", {found} of them there already" if found else ""
+    return f"wrote {file} ({size} in {files}{there})"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' if number != 1 else ''}"
 
 
 def check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:

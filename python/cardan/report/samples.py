@@ -165,6 +165,7 @@ class Samples:
 
 def evaluated(scene: Scene) -> Samples:
     """Evaluate a scene for the page: one turn in half degrees, or the recorded angles."""
+    scene = scene.without_missing()
     if scene.recording is None:
         degrees = scene.drive_angle_deg[0] + _STEP_DEG * np.arange(round(360.0 / _STEP_DEG) + 1)
         scene = replace(scene, drive_angle_deg=degrees, drive_angle=np.radians(degrees))

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Self
+
+import numpy as np
 
 import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
@@ -209,10 +211,13 @@ class Scene:
                 raise ArgumentValueError(next(iter(varied)), "does not go with recorded bends")
             if wanted:
                 default = () if angle.bends is not None else _CLOSED_FORMS
+                reduced = driveline
+                if angle.bends_to_reduce is not None:
+                    reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
                 study = Study(
                     axes_of(varied, driveline, loaded),
                     form,
-                    driveline,
+                    reduced,
                     loaded,
                     angle.to_reduce,
                     _reduced(output, quantities, loaded),
@@ -241,6 +246,20 @@ class Scene:
             table_file=output.get("table"),
             picture_file=output.get("picture"),
         )
+
+    @property
+    def missing(self) -> int:
+        """Number of recorded samples that are missing; their results are NaN."""
+        return int(np.count_nonzero(np.isnan(self.drive_angle)))
+
+    def without_missing(self) -> Self:
+        """Return the scene without the recorded samples that are missing."""
+        if not self.missing:
+            return self
+        known = ~np.isnan(self.drive_angle)
+        line = self.line[known] if self.line.shape else self.line
+        degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
+        return replace(self, line=line, drive_angle_deg=degrees, drive_angle=radians)
 
     @property
     def speed(self) -> float:
