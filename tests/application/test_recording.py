@@ -107,7 +107,7 @@ def test_parquet(tmp_path: Path) -> None:
         ),
         (
             f"{'x' * 284},bend\n0,1\n",
-            f"no column 'angle'; the nearest of 2 columns are bend, {'x' * 263}...",
+            f"no column 'angle'; the nearest of 2 columns are bend, {'x' * 262}...",
         ),
         (
             f"{'x' * 278},bend\n0,1\n",
@@ -115,7 +115,7 @@ def test_parquet(tmp_path: Path) -> None:
         ),
         (
             f"{'x' * 279},bend\n0,1\n",
-            f"no column 'angle'; the nearest of 2 columns are bend, {'x' * 263}...",
+            f"no column 'angle'; the nearest of 2 columns are bend, {'x' * 262}...",
         ),
         (
             f"angle,bend\n{'x' * 100},0\n",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import signal
 import sys
 
 from cardan.command.commands import commands
@@ -11,7 +12,7 @@ __all__ = ["commands", "main"]
 
 
 def main() -> None:
-    """Run the command; the entry point of the script ``cardan``."""
+    """Run the command; the entry point of the script ``cardan`` and of ``python -m cardan``."""
     # A terminal that lacks a character of a title gets another one instead.
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
@@ -21,4 +22,25 @@ def main() -> None:
     except ModuleNotFoundError:
         print("cardan: the command needs click: pip install 'cardan[app]'", file=sys.stderr)
         sys.exit(2)
-    group(prog_name="cardan")
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            signal.signal(number, _end)
+    try:
+        group(prog_name="cardan")
+    except _EndedError as ended:
+        # As it would have ended at once, but for the files that were begun.
+        signal.signal(ended.number, signal.SIG_DFL)
+        signal.raise_signal(ended.number)
+
+
+class _EndedError(BaseException):
+    """A signal asks the process to end; like Ctrl-C it passes all that handles errors."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
+
+
+def _end(number: int, _: object) -> None:
+    raise _EndedError(number)

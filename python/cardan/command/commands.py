@@ -238,9 +238,7 @@ def commands() -> click.Group:
                 }
                 for finding in found.findings
             ]
-            say(
-                as_json_text({"title": loaded.title, "passes": passes, "findings": findings})
-            )
+            say(as_json_text({"title": loaded.title, "passes": passes, "findings": findings}))
         else:
             say(str(found))
         return 0 if passes else 1

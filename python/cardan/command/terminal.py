@@ -21,9 +21,7 @@ def as_json_text(data: Any) -> str:  # noqa: ANN401 - any plain data
 
 # Control characters, and those that turn the direction of writing: a title with them could clear a
 # screen, set a clipboard or show another text than is there.
-_UNSAFE = re.compile(
-    "[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]"
-)
+_UNSAFE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
 
 
 def printable(text: str) -> str:

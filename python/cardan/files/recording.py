@@ -87,8 +87,7 @@ def read_chunks(path: str | PathLike[str], names: Sequence[str], rows: int) -> I
             read = _of_arrow(batch, names)
             _check_numbers(path, names, read, first)
             found = [
-                some or not np.isnan(column).all()
-                for some, column in zip(found, read, strict=True)
+                some or not np.isnan(column).all() for some, column in zip(found, read, strict=True)
             ]
             yield Chunk(first, read, total)
             first += batch.num_rows
@@ -115,9 +114,8 @@ def _check_numbers(
         infinite = np.isinf(column)
         if infinite.any():
             row = int(np.argmax(infinite))
-            raise ValueError(
-                f"{place_of(path, first + row)}, column {name!r} is {column[row]}; it must be finite"
-            )
+            where = place_of(path, first + row)
+            raise ValueError(f"{where}, column {name!r} is {column[row]}; it must be finite")
 
 
 def _check_some(names: Sequence[str], found: Iterable[bool]) -> None:
