@@ -370,8 +370,9 @@ def test_errors_of_a_long_study_name_the_point(folder: Path) -> None:
     refused(
         "[driveline]\npoints_m = [[0, 0, 0], [0, 1, 0], [0, 5, 0]]\n"
         "[study]\npoints_m.1.x = [0, 1, 1.9]\npoints_m.1.y = [2, 0.8, 4.1]\n",
-        "a.toml: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends[0] = "
-        "1.5971060440478189 rad; a bend must lie in [0, pi/2)",
+        "a.toml: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give joint 0 "
+        "a bend of 91.507436 deg at point 1, between points 0 and 2; "
+        "a bend must lie in [0, 90) deg",
     )
 
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import signal
 import sys
+import warnings
 
 from cardan.command.commands import commands
+from cardan.command.terminal import say
 
 __all__ = ["commands", "main"]
 
@@ -26,12 +28,17 @@ def main() -> None:
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) == signal.SIG_DFL:
             signal.signal(number, _end)
+    warnings.showwarning = _in_one_line
     try:
         group(prog_name="cardan")
     except _EndedError as ended:
         # As it would have ended at once, but for the files that were begun.
         signal.signal(ended.number, signal.SIG_DFL)
         signal.raise_signal(ended.number)
+
+
+def _in_one_line(message: Warning | str, *_: object, **__: object) -> None:
+    say(f"cardan: {message}", on_error=True)
 
 
 class _EndedError(BaseException):

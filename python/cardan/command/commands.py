@@ -19,7 +19,8 @@ from cardan import __version__
 from cardan.command.files import (
     check_for_cluster,
     check_output,
-    missing,
+    missing_of,
+    missing_samples,
     write_files,
     write_on_cluster,
     wrote,
@@ -31,11 +32,12 @@ from cardan.command.terminal import (
     say,
     say_before_files,
 )
+from cardan.errors import ArgumentValueError
 from cardan.figures.extremes import study_data
 from cardan.figures.limits import check_scene
 from cardan.figures.summary import summary, summary_data
 from cardan.figures.yokes import yoke_settings
-from cardan.files.whole_file import check_writable, whole_file
+from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
 from cardan.report import write_report
 from cardan.scene import starters
@@ -167,7 +169,7 @@ def commands() -> click.Group:
             say_before_files(f"{loaded.title}\n")
         say_before_files(summary_text(summary(result), radians=radians))
         if loaded.missing:
-            say_before_files(f"\n{missing(loaded)}")
+            say_before_files(f"\n{missing_of(loaded)}")
         if result.study:
             say_before_files(f"\n{study_text(result.study, radians=radians)}")
         for number, entry in enumerate(files):
@@ -181,10 +183,17 @@ def commands() -> click.Group:
     @units
     def stream(scene: Path, into: Path, radians: bool) -> None:
         begun = time.perf_counter()
-        with progress_bar("rows") as progress:
-            path, rows = stream_curves(scene, into, radians=radians, progress=progress)
+        try:
+            with progress_bar("rows") as progress:
+                path, rows, missing = stream_curves(scene, into, radians=radians, progress=progress)
+        except MemoryError:
+            # It takes the angles by chunks already.
+            hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
+            raise click.ClickException(hint) from None
         rate = rows / (time.perf_counter() - begun) / 1e6
         say(f"wrote {path} ({rows} rows, {rate:.3g} million a second)")
+        if missing:
+            say(missing_samples(missing, rows, "the recording"))
 
     @cardan.command(help=help_text.EXPLAIN, short_help="Say how a scene is evaluated.")
     @scene_argument
@@ -200,10 +209,15 @@ def commands() -> click.Group:
     def plot(scene: Path, output: Path | None, study: str | None) -> None:
         path = output or Path(f"{scene.stem}.svg")
         loaded = Scene.load(scene)
-        check_writable(path)
+        check_output(loaded, path)
         with progress_bar() as progress:
             result = loaded.run(progress)
-        write_picture(result, path, study)
+        try:
+            write_picture(result, path, study)
+        except ArgumentValueError as error:
+            if error.argument != "column":
+                raise
+            raise ValueError(f"--study {error.problem}") from None
         say(f"wrote {path}")
 
     @cardan.command(help=help_text.REPORT, short_help="Write a page to hand on.")

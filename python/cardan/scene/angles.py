@@ -83,7 +83,7 @@ class Angles:
                     f"{file}: {where}, column {name!r} is {bend[wrong[0]]}; "
                     f"a bend must lie in [0, {unit}"
                 )
-        known = ~np.isnan(np.stack(read)).any(axis=0)
+        known: NDArray[np.bool_] = ~np.any(np.isnan(np.stack(read)), axis=0)
         if not known.all():
             column = np.where(known, column, np.nan)
             bend_columns = [_filled(bend, known) for bend in bend_columns]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -106,5 +108,19 @@ def _named(names: Mapping[str, tuple[str, ...]]) -> Iterator[None]:
         yield
     except ArgumentValueError as error:
         key, *others = names.get(error.argument, (error.argument,))
-        problem = " ".join((*(f"and {other}" for other in others), error.problem))
+        problem = _too_steep(key, error.problem)
+        problem = " ".join((*(f"and {other}" for other in others), problem))
         raise ArgumentValueError(key, problem, error.place) from None
+
+
+def _too_steep(key: str, problem: str) -> str:
+    """What is wrong with vectors that make too large a bend, in degrees and with their numbers."""
+    found = re.fullmatch(r"give bends\[(\d+)\] = (\S+) rad; .*", problem)
+    if not found:
+        return problem
+    joint, bend = int(found[1]), math.degrees(float(found[2]))
+    if key.startswith("points"):
+        place = f"at point {joint + 1}, between points {joint} and {joint + 2}"
+    else:
+        place = f"between shafts {joint} and {joint + 1}"
+    return f"give joint {joint} a bend of {bend:.8g} deg {place}; a bend must lie in [0, 90) deg"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
+from datetime import date, time
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
@@ -47,6 +48,9 @@ def shown(value: object) -> str:
         return str(value).lower()
     if isinstance(value, dict):
         return "a section"
+    if isinstance(value, date | time):
+        # As TOML writes it.
+        return value.isoformat()
     try:
         text = repr(value)
     except (ValueError, RecursionError):
