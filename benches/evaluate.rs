@@ -11,7 +11,7 @@ use cardan::{
 use criterion::{BenchmarkId, Criterion, Throughput};
 use rayon::prelude::*;
 
-use Output::{AccelerationRatio, Angle, AngleError, SpeedRatio};
+use Output::{AccelerationRatio, Angle, AngleError, JerkRatio, SpeedRatio};
 
 const MOTION: [Output; 3] = [Angle, SpeedRatio, AccelerationRatio];
 
@@ -115,7 +115,7 @@ fn criterion_groups(criterion: &mut Criterion) {
         let samples = if name.starts_with("sse") { 10_000 } else { 100_000 };
         let mut group = criterion.benchmark_group(format!("one thread, {name}"));
         group.throughput(Throughput::Elements(samples as u64));
-        for outputs in [&MOTION[..], &[SpeedRatio], &[AngleError], &[Angle]] {
+        for outputs in [&MOTION[..], &[SpeedRatio], &[AngleError], &[Angle], &[JerkRatio]] {
             let names: Vec<&str> = outputs.iter().map(|output| output.row().name).collect();
             let mut case = Case::new(1, 30.0, outputs, samples);
             group.bench_function(names.join("+"), |b| b.iter(|| case.run(level, Some(1))));

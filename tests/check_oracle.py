@@ -56,6 +56,11 @@ def rates(bend: Number, angle: Number) -> tuple[Number, Number]:
     return cosine / across, -2 * cosine * mp.sin(bend) ** 2 * s * c / across**2
 
 
+def jerk(bend: Number, angle: Number) -> Number:
+    """Third derivative of the angle, by differences with four times the digits."""
+    return mp.diff(lambda x: error(bend, x), angle, 3)
+
+
 def joint(bend: Number, angle: Number) -> dict[str, Number]:
     """Everything that one joint does."""
     u, v = (mp.mpf(1), mp.mpf(0), mp.mpf(0)), (mp.cos(bend), mp.sin(bend), mp.mpf(0))
@@ -76,6 +81,7 @@ def joint(bend: Number, angle: Number) -> dict[str, Number]:
         "angle_error": turned,
         "speed_ratio": ratio,
         "acceleration_ratio": acceleration,
+        "jerk_ratio": jerk(bend, angle),
         "moment y": moment[1],
         "moment z": moment[2],
         "support x": support[0],
@@ -93,7 +99,7 @@ def chain(
     bends: list[Number], twists: list[Number], phases: list[Number], angle: Number
 ) -> dict[str, Number]:
     """Motion behind the last joint, joint after joint."""
-    turn, ratio, acceleration = angle, mp.mpf(1), mp.mpf(0)
+    turn, ratio, acceleration, third = angle, mp.mpf(1), mp.mpf(0), mp.mpf(0)
     errors, start = mp.mpf(0), mp.mpf(0)
     a, b = mp.mpc(1), mp.mpc(0)
     for j, bend in enumerate(bends):
@@ -103,6 +109,7 @@ def chain(
             start += step
             a, b = a * mp.expj(step), b * mp.expj(step)
         r, f = rates(bend, turn)
+        third = jerk(bend, turn) * ratio**3 + 3 * f * ratio * acceleration + r * third
         acceleration = f * ratio**2 + r * acceleration
         ratio *= r
         turned = error(bend, turn)
@@ -119,7 +126,8 @@ def chain(
         "angle_error": errors,
         "speed_ratio": ratio,
         "acceleration_ratio": acceleration,
-        "steepness": abs(ratio) ** 2 * 4 + abs(acceleration) + 1,
+        "jerk_ratio": third,
+        "steepness": abs(ratio) ** 2 * 4 + abs(acceleration) + abs(third) + 1,
     }
 
 

@@ -196,6 +196,23 @@ class ExactJoint:
         sc = at.sine * at.cosine
         return -2 * self.cosine * self.sine**2 * sc / self.denominator(at) ** 2
 
+    def jerk_ratio(self, at: Turn) -> Number:
+        """Differentiate the speed ratio twice, by the rule of the quotient."""
+        s, c, length = at.sine, at.cosine, self.denominator(at)
+        slope = 2 * self.sine**2 * s * c / length
+        curvature = 2 * self.sine**2 * (c - s) * (c + s) / length
+        return self.speed_ratio(at) * (2 * slope**2 - curvature)
+
+    def jerk_term(self, at: Turn) -> Number:
+        """Return the larger of the two terms whose difference is the jerk ratio.
+
+        They are those of ``sin^4 a + 3 sin^2 b sin^2 a cos^2 a - cos^2 b cos^4 a`` times what
+        stands before it. Beside the zeros of the difference they set the rounding.
+        """
+        s2, c2 = at.sine**2, at.cosine**2
+        larger = max(s2 * (s2 + 3 * self.sine**2 * c2), (self.cosine * c2) ** 2)
+        return 2 * self.cosine * self.sine**2 * larger / self.denominator(at) ** 3
+
     def moment(self, at: Turn) -> tuple[Number, Number, Number]:
         """Return the moment per unit drive torque, shaft 0 along x, normal along z."""
         tangent = self.sine / self.cosine
@@ -255,3 +272,11 @@ class Fold:
         # |v|^2 differentiated: v' = i (a w - b conj w).
         rate = 2 * mp.re(mp.conj(v) * mp.mpc(0, 1) * (self.a * w - self.b * mp.conj(w)))
         return -self.complement * rate / abs(v) ** 4
+
+    def jerk_ratio(self, at: Turn) -> Number:
+        w = mp.mpc(at.cosine, at.sine)
+        v, rate = self.a * w + self.b * mp.conj(w), 1j * (self.a * w - self.b * mp.conj(w))
+        # |v|^2 differentiated once and, as v'' = -v, twice.
+        slope = 2 * mp.re(mp.conj(v) * rate) / abs(v) ** 2
+        curvature = 2 * (abs(rate) ** 2 / abs(v) ** 2 - 1)
+        return self.speed_ratio(at) * (2 * slope**2 - curvature)

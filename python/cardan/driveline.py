@@ -21,7 +21,7 @@ from cardan.equivalent import (
 from cardan.geometry import Geometry
 from cardan.load import Load
 from cardan.plan import Plan
-from cardan.request import Items, Reduction, item_index
+from cardan.request import Items, Reduction
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -311,8 +311,7 @@ class Driveline:
             IndexError: a shaft that does not exist.
             TypeError: a shaft that is not an integer.
         """
-        index = item_index("shaft", shaft, self.n_joints + 1)
-        return Transmission(self._lines, self.shape, index)
+        return Transmission(self, shaft)
 
     def optimal_phases(self) -> FloatArray:
         """Return the phases that bring the last shaft closest to constant velocity.

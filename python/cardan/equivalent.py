@@ -14,7 +14,7 @@ from cardan import _core
 from cardan.arrays import as_float64, common_shape, scalar_or_array
 from cardan.errors import ArgumentTypeError, wrong_element
 from cardan.geometry import Geometry
-from cardan.request import item_index
+from cardan.request import Plannable, item_index
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,16 +99,26 @@ class Transmission:
     For many angles ``Driveline.evaluate`` is faster.
     """
 
-    __slots__ = ("_core", "_shape", "q")
+    __slots__ = ("_arguments", "_core", "q")
 
     q: NDArray[np.complex128]
     """The complex number, in the shape of the batch."""
 
-    def __init__(self, lines: _core.Lines, shape: tuple[int, ...], shaft: int) -> None:
-        """Take the drivelines as ``Driveline.transmission`` does."""
-        self._core = _core.Transmission(lines, shaft)
-        self._shape = shape
-        self.q = self._core.q().reshape(shape)[()]
+    def __init__(self, line: Plannable, shaft: int = -1) -> None:
+        """Take one shaft of a driveline, as ``Driveline.transmission`` does."""
+        index = item_index("shaft", shaft, line.n_joints + 1)
+        self._arguments = (line, index)
+        self._core = _core.Transmission(line._lines, index)
+        self.q = self._core.q().reshape(line.shape)[()]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as what it was made from."""
+        return (Transmission, self._arguments)
+
+    def __repr__(self) -> str:
+        """Show the shaft and the driveline."""
+        line, shaft = self._arguments
+        return f"<Transmission to shaft {shaft} of {line!r}>"
 
     def motion(self, angle: ArrayLike) -> Motion:
         """Return the motion at drive angles.
@@ -147,8 +157,9 @@ class Transmission:
 
     def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
         angles = as_float64("angle", angle)
-        shape = common_shape(driveline=self._shape, angle=angles.shape)
-        lines = np.arange(math.prod(self._shape)).reshape(self._shape)
+        batch = np.shape(self.q)
+        shape = common_shape(driveline=batch, angle=angles.shape)
+        lines = np.arange(math.prod(batch)).reshape(batch)
         flat = [np.broadcast_to(array, shape).ravel() for array in (lines, angles)]
         return Motion(*(column.reshape(shape)[()] for column in of(*flat)))
 

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from numpy.typing import ArrayLike
-
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.request import Reduction
+from cardan.sweep import Sweep
 
 REDUCTIONS = ("peak", "min", "max", "mean", "rms")
 """Reductions that ``Driveline.evaluate`` knows; ``peak`` is the largest magnitude."""
@@ -33,7 +32,7 @@ CLOSED_FORMS: Mapping[str, tuple[str, str]] = MappingProxyType(
 
 def reduced(
     line: Driveline,
-    angle: ArrayLike,
+    angle: FloatArray | Sweep,
     names: tuple[str, ...],
     reductions: tuple[Reduction, ...],
     *,

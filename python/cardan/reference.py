@@ -3,9 +3,10 @@
 Each yoke is a unit vector along its pin, turned about its shaft. The cross keeps the two pins of a
 joint perpendicular, and that one condition, ``a . b = 0``, carries everything: the driven pin is
 perpendicular to the driven shaft and to the driving pin, speeds come from differentiating the
-condition once, accelerations from differentiating it twice. A frictionless, massless cross can
-only pass on a moment that is normal to both pins; the torsion of the driving shaft fixes its size,
-and the moment equilibrium of each shaft gives what its bearings must add.
+condition once, accelerations from differentiating it twice, jerks from differentiating it three
+times. A frictionless, massless cross can only pass on a moment that is normal to both pins; the
+torsion of the driving shaft fixes its size, and the moment equilibrium of each shaft gives what its
+bearings must add.
 
 No closed formula for the transmission appears, neither for one joint nor for a chain, so that
 agreement with the compiled core means something. It is slow and takes one driveline and one angle
@@ -107,12 +108,14 @@ class Motion:
         angle_error: lead over the drive, with mean zero over a turn.
         speed_ratio: speed over that of the drive.
         acceleration_ratio: second derivative of ``angle`` with respect to the drive angle.
+        jerk_ratio: third derivative.
     """
 
     angle: float
     angle_error: float
     speed_ratio: float
     acceleration_ratio: float
+    jerk_ratio: float
 
 
 @dataclass(frozen=True)
@@ -264,23 +267,37 @@ def _joints(shafts: Shafts, angle: float) -> list[_Joint]:
     return joints
 
 
-def _rates(joints: Sequence[_Joint]) -> list[tuple[float, float]]:
-    """Return each shaft's speed and acceleration ratio, from ``a . b = 0`` differentiated.
+def _turning(v: Vector, u: Vector, w: float, w_rate: float) -> tuple[Vector, Vector]:
+    """Return the first two derivatives of ``v``, perpendicular to ``u``, about which it turns."""
+    aside = _cross(u, v)
+    return _scaled(w, aside), _plus(_scaled(w_rate, aside), _scaled(-w * w, v))
 
-    With ``a' = w (u x a)``, ``b' = z (v x b)`` and ``n = a x b``, once gives ``w u.n = z v.n`` and
-    twice gives ``w' u.n + w u.n' = z' v.n + z v.n'``.
+
+def _rates(joints: Sequence[_Joint]) -> list[tuple[float, float, float]]:
+    """Return each shaft's speed, acceleration and jerk ratio, from ``a . b = 0`` differentiated.
+
+    With ``a' = w (u x a)``, ``b' = z (v x b)`` and ``n = a x b``, once gives ``w u.n = z v.n``,
+    twice ``w' u.n + w u.n' = z' v.n + z v.n'`` and three times
+    ``w'' u.n + 2 w' u.n' + w u.n'' = z'' v.n + 2 z' v.n' + z v.n''``.
     """
-    w, w_rate = 1.0, 0.0
-    rates = [(w, w_rate)]
+    w, w_rate, w_jerk = 1.0, 0.0, 0.0
+    rates = [(w, w_rate, w_jerk)]
     for at in joints:
         z = w * _dot(at.u, at.n) / _dot(at.v, at.n)
-        a_rate = _scaled(w, _cross(at.u, at.a))
-        b_rate = _scaled(z, _cross(at.v, at.b))
+        a_rate, a_curve = _turning(at.a, at.u, w, w_rate)
+        b_rate, _ = _turning(at.b, at.v, z, 0.0)
         n_rate = _plus(_cross(a_rate, at.b), _cross(at.a, b_rate))
         relative = _plus(_scaled(w, at.u), _scaled(-z, at.v))
-        w_rate = (w_rate * _dot(at.u, at.n) + _dot(relative, n_rate)) / _dot(at.v, at.n)
-        w = z
-        rates.append((w, w_rate))
+        z_rate = (w_rate * _dot(at.u, at.n) + _dot(relative, n_rate)) / _dot(at.v, at.n)
+        _, b_curve = _turning(at.b, at.v, z, z_rate)
+        n_curve = _plus(
+            _plus(_cross(a_curve, at.b), _cross(at.a, b_curve)),
+            _scaled(2.0, _cross(a_rate, b_rate)),
+        )
+        faster = _plus(_scaled(w_rate, at.u), _scaled(-z_rate, at.v))
+        change = w_jerk * _dot(at.u, at.n) + 2.0 * _dot(faster, n_rate) + _dot(relative, n_curve)
+        w, w_rate, w_jerk = z, z_rate, change / _dot(at.v, at.n)
+        rates.append((w, w_rate, w_jerk))
     return rates
 
 
@@ -343,8 +360,8 @@ def motion(shafts: Shafts, angle: float, shaft: int = -1, *, offset: float | Non
         offset: ``mean_offset(shafts, shaft)`` if at hand; it does not depend on the angle.
 
     Errors: absolute, at most ``2 * 2**-52`` per joint, over ``c`` for ``angle_error`` (at bends
-    below 3e-8 no digit of it is right), over ``c**2`` for ``speed_ratio`` and over ``c**3`` for
-    ``acceleration_ratio``.
+    below 3e-8 no digit of it is right), over ``c**2`` for ``speed_ratio``, over ``c**3`` for
+    ``acceleration_ratio`` and, times 4, over ``c**4`` for ``jerk_ratio``.
 
     Source: ``a . b = 0``, the condition from which Thoma 1920 derives his (3) and (4).
 
@@ -422,7 +439,9 @@ def loads(
     joints = _joints(shafts, angle)
     kept = [
         inertia * (speed**2 * acceleration_ratio + acceleration * speed_ratio)
-        for inertia, (speed_ratio, acceleration_ratio) in zip(inertias, _rates(joints), strict=True)
+        for inertia, (speed_ratio, acceleration_ratio, _) in zip(
+            inertias, _rates(joints), strict=True
+        )
     ]
     # The moment s n has the components s u.n and s v.n along the two shafts.
     if drive_torque is not None:

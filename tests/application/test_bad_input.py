@@ -361,7 +361,7 @@ def test_terminal_without_colour(folder: Path, environment: dict[str, str]) -> N
     Path("a.toml").write_text("[driveline]\nbends_deg = [99]\n")
     status, output, seen = on_a_terminal("run", "a.toml", **environment)
     assert (status, output) == (2, "")
-    assert seen.startswith("cardan: a.toml, line 2: [driveline] bends_deg[0] is 99.0 deg")
+    assert seen.startswith("cardan: a.toml, line 2: [driveline] bends_deg[0] is 99 deg")
     assert "\x1b" not in seen
 
 

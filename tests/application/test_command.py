@@ -395,11 +395,13 @@ def test_plot_of_a_study(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     class Plan:
-        def explain(self) -> str:
-            return "one step"
+        def explain(self, angle: object) -> str:
+            return f"one step over {angle}"
 
     monkeypatch.setattr("cardan.scene.Scene.plan", lambda _: Plan())
-    assert run("explain", scene).output == "one step\n"
+    assert (
+        run("explain", scene).output == "one step over Sweep.revolutions(1.0013888888888889, 720)\n"
+    )
 
 
 @pytest.mark.parametrize("kind", STARTERS)
@@ -463,7 +465,7 @@ def test_scene_errors(tmp_path: Path) -> None:
     path.write_text("[driveline]\nbends_deg = [8, 95]\n")
     failed(
         run("run", path),
-        f"{path}, line 2: [driveline] bends_deg[1] is 95.0 deg; a bend must lie in [0, 90) deg",
+        f"{path}, line 2: [driveline] bends_deg[1] is 95 deg; a bend must lie in [0, 90) deg",
     )
     path.write_text("[driveline\n")
     failed(

@@ -33,6 +33,7 @@ from cardan.outputs import OUTPUTS
 from cardan.plots import plot_scene, write_picture
 from cardan.scene import Scene, SceneResult
 from cardan.scene.study import StudyResult
+from cardan.sweep import Sweep
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 
@@ -457,7 +458,7 @@ def test_curves_of_every_output(name: str) -> None:
 
 def test_curves_of_a_batch() -> None:
     axes = plots.plot_curves(SEVERAL, "speed_ratio")
-    turn = np.radians(np.arange(721) / 2)
+    turn = Sweep.revolutions(721 / 720, 720)
     want = SEVERAL[:, None].evaluate(turn, "speed_ratio").speed_ratio
     for place, row in enumerate(want):
         np.testing.assert_array_equal(curve(axes, place)[1], row)
@@ -593,7 +594,7 @@ def test_grossmanns_figures() -> None:
 
 
 def test_thomas_curves() -> None:
-    turn = np.linspace(0, 2 * np.pi, 721)
+    turn = np.asarray(Sweep.revolutions(721 / 720, 720))
     line = Driveline.from_bends([30], degrees=True)
     torque = line.evaluate(turn, "torque", load=Load(speed=1.0, inertias=[0, 1])).torque
     ratios = thoma_moment_ratios(turn, np.radians(30))

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cardan import Driveline
+from cardan import Driveline, Sweep
 from cardan.figures.summary import Row, summary
 from cardan.scene import Scene
 from cardan.scene.format import FORMAT, FORMS, describe
@@ -101,6 +101,71 @@ def test_sweep_includes_both_ends_and_keeps_round_degrees() -> None:
     assert Scene.parse(tiny).drive_angle_deg.tolist() == pytest.approx([0, 0.36])
 
 
+@pytest.mark.parametrize(
+    ("keys", "curves", "figures"),
+    [
+        ("", Sweep.revolutions(721 / 720, 720), Sweep.revolutions(1, 720)),
+        (
+            "turns = 3\nsamples_per_turn = 7",
+            Sweep.revolutions(22 / 7, 7),
+            Sweep.revolutions(3, 7),
+        ),
+        # Less than whole turns count both ends.
+        ("turns = 0.7", Sweep.revolutions(505 / 720, 720), Sweep.revolutions(505 / 720, 720)),
+        ("turns = 1.2\nsamples_per_turn = 1", Sweep(0, math.radians(432), 2), None),
+        (
+            "start_deg = -90\nsamples_per_turn = 8",
+            Sweep(-np.pi / 2, 1.5 * np.pi, 9),
+            Sweep(-np.pi / 2, 1.25 * np.pi, 8),
+        ),
+        (
+            "start_deg = 1e12\nsamples_per_turn = 4",
+            Sweep(math.radians(1e12), math.radians(1e12 + 360), 5),
+            Sweep(math.radians(1e12), math.radians(1e12 + 270), 4),
+        ),
+        (
+            "turns = 1e-12\nsamples_per_turn = 1000000000000000",
+            Sweep(0, math.radians(360e-12), 1001),
+            None,
+        ),
+    ],
+)
+def test_uniform_angles_are_a_sweep(keys: str, curves: Sweep, figures: Sweep | None) -> None:
+    """So whole turns are computed once, and curves and figures are exactly the library's."""
+    scene = Scene.parse(f"{JOINT}[sweep]\n{keys}\n[output]\nreduce = 'rms'")
+    assert scene.angle == curves
+    assert scene.study
+    assert scene.study.angle == (curves if figures is None else figures)
+    assert len(scene.drive_angle_deg) == len(scene.drive_angle) == len(curves)
+    np.testing.assert_allclose(
+        scene.drive_angle, np.radians(scene.drive_angle_deg), rtol=1e-15, atol=1e-15
+    )
+
+
+def test_explain_tells_what_runs_over_the_sweep() -> None:
+    scene = Scene.parse(f"{JOINT}[sweep]\nturns = 5\n[output]\nreduce = 'rms'")
+    curves, study = scene.explain().split("\n\n")
+    assert curves == scene.plan().explain(Sweep.revolutions(3601 / 720, 720))
+    for text in (curves, study):
+        assert "array of angles: a sweep needs none" in text
+        assert "samples after the first 360 of a row: results repeat and are copied" in text
+    assert "rms over 3600 drive angles" in study
+    part = Scene.parse(f"{JOINT}[sweep]\nturns = 0.3\n").explain()
+    assert "array of angles: a sweep needs none" in part
+    assert "results repeat" not in part
+
+
+def test_recorded_angles_stay_an_array(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("a\n0\n1\n2\n")
+    text = f"{JOINT}[angles]\nfile = 'a.csv'\nangle_column_rad = 'a'\n[output]\nreduce = 'rms'"
+    scene = Scene.parse(text, folder=tmp_path)
+    assert scene.study
+    assert isinstance(scene.angle, np.ndarray)
+    assert isinstance(scene.study.angle, np.ndarray)
+    assert scene.drive_angle.tolist() == [0.0, 1.0, 2.0]
+    assert "8 bytes read" in scene.explain()
+
+
 MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
 
 
@@ -113,6 +178,7 @@ MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
         ("[load]\ndrive_torque_Nm = 1", (*MOTION, "torque", "moment")),
         ("[load]\ninertias_kgm2 = [0, 1]", (*MOTION, "torque", "moment")),
         ('[output]\nquantities = ["angle", "speed_ratio"]', ("angle", "speed_ratio")),
+        ('[output]\nquantities = ["jerk_ratio"]', ("jerk_ratio",)),
     ],
 )
 def test_quantities(text: str, quantities: tuple[str, ...]) -> None:
@@ -131,9 +197,7 @@ def test_title_and_files() -> None:
 def test_result_is_what_evaluate_gives() -> None:
     scene = Scene.parse(f"{JOINT}[load]\noutput_torque_Nm = 3\n[sweep]\nsamples_per_turn = 8")
     result = scene.run()
-    want = scene.line.evaluate(
-        np.radians(np.arange(9) * 45.0), scene.quantities, load=scene.load_case
-    )
+    want = scene.line.evaluate(Sweep.revolutions(9 / 8, 8), scene.quantities, load=scene.load_case)
     np.testing.assert_array_equal(result.drive_angle, np.radians(np.arange(9) * 45.0))
     for name, values in want.items():
         np.testing.assert_array_equal(result.values[name], values)
@@ -212,12 +276,12 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         DRIVELINE + "bends_deg = [8, 95]",
         2,
-        "[driveline] bends_deg[1] is 95.0 deg; a bend must lie in [0, 90) deg",
+        "[driveline] bends_deg[1] is 95 deg; a bend must lie in [0, 90) deg",
     ),
     (
         DRIVELINE + "bends_deg = [-1]",
         2,
-        "[driveline] bends_deg[0] is -1.0 deg; a bend must lie in [0, 90) deg",
+        "[driveline] bends_deg[0] is -1 deg; a bend must lie in [0, 90) deg",
     ),
     (DRIVELINE + "bends_deg = []", 2, "[driveline] bends_deg has length 0; one joint needs 1"),
     (
@@ -311,7 +375,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("load") + "inertias_kgm2 = [0, -1]",
         4,
-        "[load] inertias_kgm2[1] is -1.0; an inertia must not be negative",
+        "[load] inertias_kgm2[1] is -1; an inertia must not be negative",
     ),
     (
         DRIVELINE + f"bends_deg = '{'x' * 58}'",
@@ -377,7 +441,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("output") + r'curves = "a\nb.csv"',
         4,
-        r"[output] curves is 'a\nb.csv'; it must be a file name without a folder",
+        r"[output] curves is 'a\nb.csv'; it must have printable characters only",
     ),
     (
         section("output") + "quantities = ['torque']",
@@ -439,7 +503,7 @@ def test_tolerances_of_a_scene() -> None:
     for tolerance in (0, 0.5, 1e-9):
         scene = Scene.parse(f"{section('output')}tolerance = {tolerance}", "shaft.toml")
         want = scene.line.plan(scene.quantities, tolerance=tolerance)
-        assert scene.plan().explain() == scene.explain() == want.explain()
+        assert scene.explain() == want.explain(Sweep.revolutions(721 / 720, 720))
 
 
 def test_integers_that_python_will_not_read() -> None:
@@ -455,7 +519,7 @@ def test_load_names_the_file(tmp_path: Path) -> None:
     path.write_text("[driveline]\nbends_deg = [99]\n", encoding="utf-8")
     with pytest.raises(ValueError, match="99") as caught:
         Scene.load(path)
-    assert str(caught.value).startswith(f"{path}, line 2: [driveline] bends_deg[0] is 99.0 deg")
+    assert str(caught.value).startswith(f"{path}, line 2: [driveline] bends_deg[0] is 99 deg")
 
     with pytest.raises(FileNotFoundError):
         Scene.load(tmp_path / "missing.toml")
@@ -565,7 +629,7 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         ),
         (
             JOINT + '[angles]\nfile = "run\\u0000.csv"\nangle_column_deg = "turn"',
-            r"line 4: [angles] file is 'run\x00.csv'; it must be the name of a file",
+            r"line 4: [angles] file is 'run\x00.csv'; it must have printable characters only",
         ),
         (
             JOINT + "[angles]\nfile = 3\nangle_column_deg = 'turn'",
@@ -649,7 +713,7 @@ def test_shafts_and_joints_as_the_scene_names_them() -> None:
     scene = Scene.parse(f"{text}shafts = [2, 0]\njoints = [1]")
     result = scene.run()
     want = scene.line.evaluate(
-        scene.drive_angle, scene.quantities, shafts=[2, 0], joints=[1], load=scene.load_case
+        scene.angle, scene.quantities, shafts=[2, 0], joints=[1], load=scene.load_case
     )
     for name, values in want.items():
         np.testing.assert_array_equal(result.values[name], values)
@@ -777,7 +841,7 @@ def test_validate_finds_all_at_once(tmp_path: Path) -> None:
     ]
     path.write_text("[driveline]\nbends_deg = [95]\n")
     assert Scene.validate(path) == [
-        f"{path}, line 2: [driveline] bends_deg[0] is 95.0 deg; a bend must lie in [0, 90) deg"
+        f"{path}, line 2: [driveline] bends_deg[0] is 95 deg; a bend must lie in [0, 90) deg"
     ]
     path.write_text("[driveline")
     assert len(Scene.validate(path)) == 1

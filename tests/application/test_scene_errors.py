@@ -23,7 +23,7 @@ CASES: list[tuple[str, int | None, str, str, tuple[int | str, ...], str, str]] =
         "bends_deg",
         (2,),
         "driveline.bends_deg.2",
-        "is 99.0 deg; a bend must lie in",
+        "is 99 deg; a bend must lie in",
     ),
     (
         "[driveline]\npoints_mm = [[0, 0, 0], [1, 0, 0], [1, 0, 0]]\n",
@@ -59,7 +59,7 @@ CASES: list[tuple[str, int | None, str, str, tuple[int | str, ...], str, str]] =
         "inertias_kgm2",
         (1,),
         "load.inertias_kgm2.1",
-        "is -2.0; an inertia must not be negative",
+        "is -2; an inertia must not be negative",
     ),
     (
         f"{TWO}[output]\nshafts = [0, 5]\n",

@@ -1,4 +1,4 @@
-"""The JSON Schema of scenes, and scenes at random: what one accepts, the other does not refuse."""
+"""The JSON Schema of scenes, and scenes at random: the reader takes what the schema takes."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from cardan.scene.curves import columns, study_columns
 from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
 from cardan.words.summary import study_text, summary_text
+from scene_values import VALUES, as_toml
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
@@ -206,35 +207,6 @@ def test_text_changed_at_random(folder: Path, text: str, seed: int, changes: int
         last = min(len(text), first + chance.choice((0, 0, 1, 3, 20)))
         text = text[:first] + chance.choice((*PIECES, "")) + text[last:]
     accepted(text, folder)
-
-
-VALUES = st.recursive(
-    st.one_of(
-        st.booleans(),
-        st.integers(-3, 100),
-        st.integers(-(2**70), 2**70),
-        st.floats(),
-        st.lists(st.floats(-89, 89), min_size=1, max_size=4),
-        st.text(max_size=5),
-        st.sampled_from(["peak", "k", "angle", "a.csv", "a_run.csv", "crank_deg"]),
-    ),
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=3),
-        st.dictionaries(st.sampled_from(["from", "to", "steps", "0", "1", "y"]), inner, max_size=3),
-    ),
-    max_leaves=6,
-)
-
-
-def as_toml(value: Any) -> str:  # noqa: ANN401 - any value of TOML
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{as_toml(key)} = {as_toml(v)}" for key, v in value.items()) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(as_toml, value)) + "]"
-    # JSON writes text and booleans as TOML does, and numbers as well but for these.
-    if isinstance(value, float):
-        return str(value)
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def shows(scene: Scene) -> None:

@@ -542,7 +542,7 @@ def test_explain_says_what_the_study_costs(monkeypatch: pytest.MonkeyPatch) -> N
     text += "quantities = ['angle_error']\nreduce = ['rms', 'min']\nclosed_forms = ['k']\n"
     scene = Scene.parse(text)
     curves, study = scene.explain().split("\n\n")
-    assert curves == scene.plan().explain()
+    assert curves == scene.plan().explain(scene.angle)
     lines = study.splitlines()
     assert lines[:3] == [
         "study of 6 drivelines",

@@ -464,6 +464,9 @@ def test_the_native_module_takes_nothing_on_trust(data: st.DataObject) -> None:
 
 
 def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
+    with contextlib.suppress(IndexError):
+        transmission = _core.Transmission(lines, draw(COUNTS))
+        transmission.motion(np.array([0, min(draw(COUNTS), 2**62)]), np.array([0.1, np.nan]))
     single = draw(st.booleans())
     reduction = draw(st.sampled_from([None, "max", "rms", "peak"]))
     loads = st.tuples(
@@ -481,8 +484,10 @@ def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
         single,
         reduction,
     )
-    plan.explain(draw(st.booleans()), draw(st.booleans()))
     shapes = st.lists(st.one_of(st.integers(0, 5), COUNTS), max_size=2).map(tuple)
+    sweep = draw(st.sampled_from([None, _core.Sweep(None, 7, 3)]))
+    with contextlib.suppress(ValueError, MemoryError):
+        plan.explain(draw(shapes), sweep)
     word = np.float32 if single and reduction is None else np.float64
     out = [draw(SOURCES).astype(word) for _ in range(draw(st.integers(0, 3)))]
     out = draw(st.sampled_from([None, out]))

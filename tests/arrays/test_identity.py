@@ -10,7 +10,7 @@ import pytest
 from cardan import Driveline, Load, Result, Sweep, _core
 from cardan.plan import Plan
 
-MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven")
 TILTS = ("tilt_driving", "tilt_driven")
 ALL = (*MOTION, *LOADS, *TILTS)

@@ -16,7 +16,7 @@ from cardan.request import REDUCTIONS, Reduction
 from limits import limits
 from oracle import mp
 
-MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 CHAIN = Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2])
 STEEP = Driveline.from_bends([1.55])
 LOAD_OF_TWO = Load(drive_torque=1.0, speed=1.0, inertias=[0.0, 1.0])
@@ -31,6 +31,7 @@ def peak(line: Driveline, name: str, shaft: int = -1) -> Any:  # noqa: ANN401 - 
         "angle_error": joint.max_angle_error,
         "speed_ratio": joint.max_speed_ratio,
         "acceleration_ratio": joint.max_acceleration_ratio,
+        "jerk_ratio": 2 * joint.non_uniformity * joint.max_speed_ratio**2,
     }[name]
 
 
@@ -391,7 +392,7 @@ def test_one_sample_is_the_same_for_a_whole_batch() -> None:
 
 @pytest.mark.parametrize("start", [1e12 - 7, -1e12])
 def test_extremes_of_far_sweeps(start: float) -> None:
-    names = ("angle_error", "speed_ratio", "acceleration_ratio")
+    names = MOTION[1:]
     sweep = Sweep(start, start + 6, 100_000)
     samples = CHAIN.evaluate(sweep, names)
     extremes: tuple[Reduction, ...] = ("min", "max", "peak")
@@ -600,7 +601,7 @@ def test_a_batch_is_indexed() -> None:
 def test_extremes_of_sweeps_are_those_of_all_samples(
     sweep: Sweep, tolerance: float | None, reduce: Reduction
 ) -> None:
-    names = ("angle_error", "speed_ratio", "acceleration_ratio")
+    names = MOTION[1:]
     for line in (
         Driveline.from_bends([[[0.5]], [[0.0]], [[1.5]], [[1e-3]]]),
         Driveline.from_bends([[0.3, 0.0, 0.4], [0.7, 0.9, 1.1]], [0.2, 1.0], [0.4, -2.0])[:, None],
@@ -624,6 +625,34 @@ def test_extremes_of_what_is_no_motion(name: str, load: Load | None) -> None:
     reduced = {how: STEEP.evaluate(sweep, name, load=load, reduce=how)[name] for how in REDUCTIONS}
     assert np.array_equal(reduced["min"], samples.min(axis=-1))
     assert np.array_equal(reduced["max"], samples.max(axis=-1))
+
+
+@pytest.mark.parametrize("tolerance", [None, 0, 1e-6])
+@pytest.mark.parametrize("degrees", [0.1, 20.0, 35.0, 35.26, 35.5, 60.0, 89.0, 89.99])
+def test_extremes_of_the_jerk(degrees: float, tolerance: float | None) -> None:
+    # Bends with tan b above the root of 1/2 have extremes besides those at quarter turns: of
+    # 4 k^2 c^2 + 8 k (1 + k^2) c = 24 k^2 - (1 + k^2)^2 with c = cos 2a.
+    bend = math.radians(degrees)
+    line = Driveline.from_bends([bend])
+    cosine, sine2, k = math.cos(bend), math.sin(bend) ** 2, math.tan(bend / 2) ** 2
+    least, most = -2 * sine2 / cosine**3, 2 * cosine * sine2
+    roots = np.roots([4 * k * k, 8 * k * (1 + k * k), (1 + k * k) ** 2 - 24 * k * k])
+    (inner,) = roots[np.abs(roots) < 1] if math.tan(bend) > math.sqrt(0.5) else [-1.0]
+    beside = line.evaluate(0.5 * math.acos(inner), "jerk_ratio", tolerance=0).jerk_ratio
+    assert (inner > -1) == (degrees > 35.265)
+    sweep = Sweep(-0.1, 3.1, 100_001)
+    dense = line.evaluate(np.asarray(sweep), "jerk_ratio", tolerance=0).jerk_ratio
+    close = (2e-6 if tolerance else 1e-12) * -least
+    for how, value, sampled in (
+        ("min", least, dense.min()),
+        ("max", max(most, float(beside)), dense.max()),
+        ("peak", -least, -dense.min()),
+    ):
+        got = line.evaluate(sweep, "jerk_ratio", reduce=how, tolerance=tolerance).jerk_ratio  # type: ignore[arg-type]
+        assert abs(got - sampled) <= close + 1e-9 * -least * (degrees > 89.5), how
+        # Samples lie beside the closed forms.
+        narrow = (3.2e-5 / cosine) ** 2
+        assert abs(got - value) <= close + 20 * narrow * -least, how
 
 
 def test_extremes_past_the_end_of_a_sweep_do_not_count() -> None:
@@ -691,11 +720,13 @@ def test_steep_chains_keep_their_tolerance() -> None:
     angle = np.linspace(0.0, 2 * np.pi, 20_001)
     for degrees in (60.0, 84.27, 89.0, 89.99):
         line = Driveline.from_bends([0.0, math.radians(degrees)], 0.3, 0.7)
-        exact = line.evaluate(angle, "acceleration_ratio", tolerance=0).acceleration_ratio
+        names = ("acceleration_ratio", "jerk_ratio")
+        exact = line.evaluate(angle, names, tolerance=0)
         for tolerance in (1e-6, 1e-9, 1e-14):
-            got = line.evaluate(angle, "acceleration_ratio", tolerance=tolerance)
-            error = np.abs(got.acceleration_ratio - exact).max() / np.abs(exact).max()
-            assert error <= tolerance
+            got = line.evaluate(angle, names, tolerance=tolerance)
+            for name in names:
+                error = np.abs(got[name] - exact[name]).max() / np.abs(exact[name]).max()
+                assert error <= tolerance, name
 
 
 def test_bending_beside_its_zero_keeps_its_digits() -> None:

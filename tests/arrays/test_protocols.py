@@ -172,6 +172,8 @@ OBJECTS = [
     Sweep(0.0, 1.0, 11),
     Sweep.revolutions(2, 12),
     LINE.equivalent(),
+    LINE.transmission(),
+    BATCH.transmission(1).motion(0.3),
     BATCH.harmonics([2, 4]),
     BATCH.check(3.0),
     BATCH.check().findings[0],
@@ -203,6 +205,10 @@ def same(one: object, other: object) -> None:
         assert isinstance(other, Plan)
         assert one.explain() == other.explain()
         same(one(GRID), other(GRID))
+    elif isinstance(one, cardan.Transmission):
+        assert isinstance(other, cardan.Transmission)
+        same(one.q, other.q)
+        same(one.motion(GRID), other.motion(GRID))
     elif isinstance(one, Driveline):
         for name in ("bends", "twists", "phases", "directions", "normals"):
             same(getattr(one, name), getattr(other, name))

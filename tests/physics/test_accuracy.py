@@ -7,6 +7,8 @@ every angle: picked by hand, random, edges (multiples of pi/2 and the doubles be
 huge angles, bends from 1e-160 to the last double), spread over all orders of magnitude, and the
 worst of a long search.
 
+The jerk ratio is a difference of two terms; its errors are in ulp of the larger one.
+
 Exact results below 1e-300 are left out: doubles below 2**-1022 are equally spaced, so that products
 on the way can lose all their digits without any fault of the formula. Such results are reached only
 by bends or angles below 1e-100. For the same reason subnormal angles need only give finite results.
@@ -34,7 +36,7 @@ from oracle import EPS, Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
 # --- one joint -------------------------------------------------------------------------------
 
 SAMPLES, KEPT, FAITHFUL, SINGLE = map(limits, ("samples", "kept", "tolerance_0", "single"))
-MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 TORQUES = ("torque of the driven shaft", "torque of the driving shaft", "torque of a flywheel")
 # The tolerance that single precision keeps.
 COARSE = 1e-6
@@ -191,6 +193,11 @@ class Grid:
                     case _:
                         yield getattr(joint, name)(at)
 
+    def ulps(self, name: str, want: Exact, got: Doubles) -> Doubles:
+        """Return errors in ulp of the exact results, or of the larger term of a difference."""
+        unit = self.exact("jerk_term").ulp if name == "jerk_ratio" else want.ulp
+        return want.distance(got) / unit
+
     def exact_moment(self) -> list[Exact]:
         """Return the moment per unit drive torque, a component at a time."""
         turns = [Turn.by(angle) for angle in self.angles]
@@ -255,21 +262,25 @@ BEST = _core.levels()[0]
 generators = pytest.mark.parametrize("generator", GENERATORS)
 
 
+def together(name: str) -> tuple[str, ...]:
+    """Return what is evaluated beside an output of the motion, and itself."""
+    rotation = "angle_error" if name == "angle_error" else "angle"
+    return tuple(dict.fromkeys((rotation, "speed_ratio", "acceleration_ratio", name)))
+
+
 @generators
 @pytest.mark.parametrize("name", MOTION)
 def test_motion(generator: str, name: str) -> None:
     samples = grid(generator)
     want = samples.exact(name)
     got = samples.evaluate((name,), level=BEST)[name][1].ravel()
-    judge(generator, name, samples, got, want, want.ulps(got))
+    judge(generator, name, samples, got, want, samples.ulps(name, want, got))
     # With a driveline for each sample another polynomial may serve.
     got = samples.evaluate((name,), level=BEST, apart=True)[name][1]
-    judge(f"{generator}, apart", name, samples, got, want, want.ulps(got))
-    # One loop finds all three together.
-    rotation = "angle_error" if name == "angle_error" else "angle"
-    together = (rotation, "speed_ratio", "acceleration_ratio")
-    got = samples.evaluate(together, level=BEST)[name][1].ravel()
-    judge(f"{generator}, together", name, samples, got, want, want.ulps(got))
+    judge(f"{generator}, apart", name, samples, got, want, samples.ulps(name, want, got))
+    # One loop finds the first three together.
+    got = samples.evaluate(together(name), level=BEST)[name][1].ravel()
+    judge(f"{generator}, together", name, samples, got, want, samples.ulps(name, want, got))
 
 
 @generators
@@ -279,12 +290,11 @@ def test_faithful_motion(generator: str, name: str) -> None:
     want = samples.exact(name)
     # Error terms of smaller angles would be below the smallest double.
     counts = np.tile(np.abs(samples.angles) > 1e-280, len(samples.bends)) | (want.high == 0)
-    rotation = "angle_error" if name == "angle_error" else "angle"
-    for names in ((name,), (rotation, "speed_ratio", "acceleration_ratio")):
+    for names in ((name,), together(name)):
         for apart in (False, True):
             result = samples.evaluate(names, level=BEST, apart=apart, tolerance=0)
             got = result[name][1].ravel()
-            ulps = np.where(counts, want.ulps(got), 0.0)
+            ulps = np.where(counts, samples.ulps(name, want, got), 0.0)
             judge(f"{generator}, faithful", name, samples, got, want, ulps)
 
 
@@ -299,12 +309,13 @@ def test_single_precision_keeps_its_tolerance(generator: str, name: str) -> None
         "angle_error": joint.max_angle_error,
         "speed_ratio": joint.max_speed_ratio,
         "acceleration_ratio": joint.max_acceleration_ratio,
+        "jerk_ratio": 2 * joint.non_uniformity * joint.max_speed_ratio**2,
     }[name]
     want = samples.exact(name).high.reshape(len(bends), -1)
     got = samples.evaluate((name,), level=BEST, tolerance=COARSE)[name][1]
     got = got.reshape(want.shape)
-    # Nothing smaller has all digits in single precision.
-    counts = largest > 1e-30
+    # Nothing smaller has all digits in single precision, and nothing larger is a number there.
+    counts = (largest > 1e-30) & (largest < 1e38)
     size = np.maximum(largest[counts, None], np.abs(want[counts]) if name == "angle" else 0.0)
     error = np.max(np.abs(got[counts] - want[counts]) / size)
     print(f"{generator}: {name} in single precision is {error:.2e} off")
@@ -406,13 +417,13 @@ def test_offset_of_one_joint_is_zero() -> None:
 # A chain adds the rounding of its folding, in units of EPS = 2**-52 per joint, for twists and
 # phases within +-pi (the difference of larger ones is itself rounded more coarsely). With K the sum
 # of the joints' k, or 1 if that is more, and k that of the whole chain, the unit is
-# K for k, K/(1 - k) for the angle error, 1/(1 - k)**2 for the speed ratio and K/(1 - k)**3 for the
-# acceleration ratio: a change e of q = B/A turns 1 + q exp(-2 i angle) by up to e/(1 - k), and each
-# derivative costs another 1/(1 - k).
+# K for k, K/(1 - k) for the angle error, 1/(1 - k)**2 for the speed ratio, K/(1 - k)**3 for the
+# acceleration ratio and K/(1 - k)**4 for the jerk ratio: a change e of q = B/A turns
+# 1 + q exp(-2 i angle) by up to e/(1 - k), and each derivative costs another 1/(1 - k).
 # Rounding grows on its way through steep joints, by more the more there are: few are tested.
 CHAINS = limits("chains") | limits("chains", "equivalent")
 CHAIN_LENGTHS = {"any": (2, 3, 5, 8), "small": (2, 5), "compensated": (2, 3, 8), "steep": (2, 3)}
-POWERS = {"k": 0, "angle_error": 1, "speed_ratio": 2, "acceleration_ratio": 3}
+POWERS = {"k": 0, "angle_error": 1, "speed_ratio": 2, "acceleration_ratio": 3, "jerk_ratio": 4}
 
 
 @dataclass(frozen=True)

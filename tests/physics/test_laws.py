@@ -12,7 +12,7 @@ from cardan import Driveline, Load
 
 EPS = 2.0**-52
 TURN = np.linspace(0, 2 * math.pi, 512, endpoint=False)
-MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
+MOTION = ("angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 LOADED = ("speed_ratio", "torque", "moment", "support_moment")
 
 
@@ -31,6 +31,11 @@ def unit(line: Driveline) -> float:
     return 64 * line.n_joints * EPS / float(np.prod(np.cos(line.bends))) ** 3
 
 
+def unit_of(line: Driveline, name: str) -> float:
+    """Return the same of an output: the third derivative is stretched once more."""
+    return unit(line) * (8 / float(np.prod(np.cos(line.bends))) if name == "jerk_ratio" else 1)
+
+
 @given(lines())
 def test_the_mean_speed_ratio_is_one(line: Driveline) -> None:
     ratio = line.evaluate(np.linspace(0, math.pi, 4096, endpoint=False), "speed_ratio").speed_ratio
@@ -42,7 +47,7 @@ def test_the_mean_speed_ratio_is_one(line: Driveline) -> None:
 def test_half_a_turn_repeats(line: Driveline) -> None:
     first, second = line.evaluate(TURN, MOTION), line.evaluate(TURN + math.pi, MOTION)
     for name in MOTION:
-        assert np.max(np.abs(first[name] - second[name])) < 4 * unit(line), name
+        assert np.max(np.abs(first[name] - second[name])) < 4 * unit_of(line, name), name
 
 
 @given(lines())
@@ -53,16 +58,55 @@ def test_the_mean_angle_error_is_zero(line: Driveline) -> None:
 
 
 @given(lines())
+def test_the_mean_of_acceleration_and_jerk_is_zero(line: Driveline) -> None:
+    grid = np.linspace(0, math.pi, 4096, endpoint=False)
+    names = ("acceleration_ratio", "jerk_ratio")
+    got = line.evaluate(grid, names)
+    for name in names:
+        assert abs(float(np.mean(got[name]))) < unit_of(line, name), name
+
+
+@given(lines())
 def test_rates_are_derivatives(line: Driveline) -> None:
     # Central differences of sixth order, step 1e-3.
     h, weights = 1e-3, np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
     grid = TURN[:, np.newaxis] + h * np.arange(-3, 4)
-    got = line.evaluate(grid, ("angle_error", "speed_ratio", "acceleration_ratio"))
+    got = line.evaluate(grid, MOTION)
     stiff = float(np.prod(np.cos(line.bends))) ** -7
     ratio = 1 + got.angle_error @ weights / h
     assert np.max(np.abs(ratio - got.speed_ratio[:, 3])) < 1e-10 * stiff
     acceleration = got.speed_ratio @ weights / h
     assert np.max(np.abs(acceleration - got.acceleration_ratio[:, 3])) < 1e-10 * stiff
+    jerk = got.acceleration_ratio @ weights / h
+    assert np.max(np.abs(jerk - got.jerk_ratio[:, 3])) < 1e-9 * stiff / np.prod(np.cos(line.bends))
+
+
+@given(st.floats(0, 1.2), st.floats(0, 1.2), st.floats(-4, 4), st.floats(-4, 4))
+def test_a_second_joint_follows_the_chain_rule(
+    first: float, second: float, twist: float, phase: float
+) -> None:
+    line = Driveline.from_bends([first, second], twist, phase)
+    before = line.evaluate(TURN, ("angle", *MOTION), shafts=1)
+    # Behind one joint the mean-synchronous angle is that of the pin.
+    drive = before.angle + phase - twist + math.pi / 2
+    own = Driveline.from_bends([second]).evaluate(drive, MOTION)
+    r, a, j = (before[name] for name in MOTION[1:])
+    want = own.jerk_ratio * r**3 + 3 * own.acceleration_ratio * r * a + own.speed_ratio * j
+    got = line.evaluate(TURN, "jerk_ratio").jerk_ratio
+    assert np.max(np.abs(got - want)) < unit_of(line, "jerk_ratio")
+
+
+@given(lines())
+def test_jerk_vanishes_where_acceleration_is_extreme(line: Driveline) -> None:
+    joint = line.equivalent()
+    if joint.bend < 1e-3:
+        return
+    # cos 2a = (sqrt(p^2 + 8) - p)/2 of the equivalent joint's angle.
+    p = 2 / math.sin(float(joint.bend)) ** 2 - 1
+    steepest = 0.5 * math.acos(4 / (p + math.sqrt(p * p + 8)))
+    angle = np.array([-steepest, steepest]) - float(joint.angle_offset)
+    got = line.evaluate(angle, "jerk_ratio").jerk_ratio
+    assert np.max(np.abs(got)) < unit_of(line, "jerk_ratio")
 
 
 @given(lines())
@@ -107,7 +151,7 @@ def test_a_straight_joint_splits_a_shaft_unnoticed(
     split = Driveline.from_bends(bends, twists, phases)
     got, want = split.evaluate(TURN, MOTION), line.evaluate(TURN, MOTION)
     for name in MOTION:
-        assert np.max(np.abs(got[name] - want[name])) < 4 * unit(line), name
+        assert np.max(np.abs(got[name] - want[name])) < 4 * unit_of(line, name), name
 
 
 @given(lines(), st.integers(0, 4))
@@ -118,7 +162,7 @@ def test_half_a_turn_of_a_yoke_changes_nothing(line: Driveline, shaft: int) -> N
     phases[shaft % phases.size] += math.pi
     got, want = line.with_phases(phases).evaluate(TURN, MOTION), line.evaluate(TURN, MOTION)
     for name in MOTION:
-        assert np.max(np.abs(got[name] - want[name])) < 4 * unit(line), name
+        assert np.max(np.abs(got[name] - want[name])) < 4 * unit_of(line, name), name
 
 
 @given(lines(), st.integers(0, 2**32 - 1))
@@ -135,7 +179,7 @@ def test_rigid_motion_and_scale_change_nothing(line: Driveline, seed: int) -> No
     plane = 1e-13 / float(bent.min()) if bent.size else 0.0
     got, want = second.evaluate(TURN, MOTION), first.evaluate(TURN, MOTION)
     for name in MOTION:
-        close = (plane + 4 * unit(line)) / float(np.prod(np.cos(line.bends))) ** 3
+        close = (plane + 4 * unit_of(line, name)) / float(np.prod(np.cos(line.bends))) ** 4
         assert np.max(np.abs(got[name] - want[name])) < close, name
 
 

@@ -19,7 +19,7 @@ from cardan import Driveline, Load, Sweep
 from oracle import EPS, Doubles
 
 ANGLE = np.concatenate([np.linspace(-3.0, 9.0, 61), np.pi / 2 + 10.0 ** np.arange(-9.0, 0)])
-MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
+MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 
 few = settings(max_examples=40)
 
@@ -204,10 +204,17 @@ def rates(line: Driveline) -> dict[str, float]:
         "angle_error": 2 * k * stretch,
         "speed_ratio": float(joint.max_acceleration_ratio),
         "acceleration_ratio": 16 * k * stretch**3,
+        "jerk_ratio": 96 * k * stretch**4,
     }
 
 
-def folding(line: Driveline) -> float:
+def largest_jerk(line: Driveline) -> float:
+    """Return the largest jerk ratio, where the shaft is fastest: 2 sin^2 b/cos^3 b."""
+    joint = line.equivalent()
+    return 2 * float(joint.non_uniformity) * float(joint.max_speed_ratio) ** 2
+
+
+def folding(line: Driveline, name: str) -> float:
     """Return what sines and cosines within 2**-62 of all joints and shafts change of the motion.
 
     Steep joints stretch that by 1/|A|, as in docs/testing.md.
@@ -216,7 +223,8 @@ def folding(line: Driveline) -> float:
     k, stretch = float(joint.k), (float(joint.max_speed_ratio) + 1) / 2
     total = float((np.tan(line.bends / 2) ** 2).sum())
     length = math.sqrt(float(np.prod(np.cos(line.bends))) / (1 - k**2 if k < 1 else 1))
-    return line.n_joints * 2.0**-60 * min(1.0, total) * 4 * stretch**3 / length
+    gain = 96 * stretch**4 if name == "jerk_ratio" else 4 * stretch**3
+    return line.n_joints * 2.0**-60 * min(1.0, total) * gain / length
 
 
 def of_two(line: Driveline) -> Driveline:
@@ -271,7 +279,7 @@ def test_every_path_gives_the_same_bits(line: Driveline, tolerance: float | None
         if tolerance == 0 or name.startswith("angle"):
             # To what the equivalent joint's own drive angle is known.
             turn = {None: EPS, 0: 2.0**-57, 1e-6: 2.0**-23}[tolerance]
-            size = size + turn * rates(line)[name] + 2 * folding(line)
+            size = size + turn * rates(line)[name] + 2 * folding(line, name)
             ulp = 2 * np.spacing(np.abs(want[name][1])) if tolerance == 0 else ulp
         assert np.all(np.abs(samples[name] - want[name][1]) <= size + ulp), name
 
@@ -317,6 +325,7 @@ def test_sweeps(line: Driveline, sweep: Sweep) -> None:
         "angle_error": turned,
         "speed_ratio": want.speed_ratio * (16 + hastened),
         "acceleration_ratio": 16 * steepest + rates(line)["acceleration_ratio"],
+        "jerk_ratio": 16 * largest_jerk(line) + rates(line)["jerk_ratio"],
     }
     for name, rate in slopes.items():
         for other in (got[name], rows[name][1]):
@@ -363,6 +372,7 @@ def test_reductions_of_sweeps(
         "angle_error": joint.max_angle_error,
         "speed_ratio": joint.max_speed_ratio,
         "acceleration_ratio": joint.max_acceleration_ratio,
+        "jerk_ratio": largest_jerk(line),
         "tilt_driven": 2.0,
         "torque": 7.0 * joint.max_speed_ratio,
     }
@@ -387,8 +397,8 @@ def test_less_accuracy_keeps_its_bounds(line: Driveline) -> None:
         "angle_error": float(joint.max_angle_error),
         "speed_ratio": ratio,
         "acceleration_ratio": float(joint.max_acceleration_ratio),
+        "jerk_ratio": largest_jerk(line),
     }
-    fold = folding(line)
     for options, limit in (
         ({"tolerance": 1e-6}, 1e-6),
         ({"dtype": np.float32}, 1e-6),
@@ -403,4 +413,4 @@ def test_less_accuracy_keeps_its_bounds(line: Driveline) -> None:
             size = largest[name]
             off = np.max(np.abs(got[name] - want[name]))
             # Single precision has no numbers below 1e-38.
-            assert off <= limit * size + turn * rate + fold + 1e-37, (name, options)
+            assert off <= limit * size + turn * rate + folding(line, name) + 1e-37, (name, options)

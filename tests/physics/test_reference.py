@@ -3,7 +3,8 @@
 Tolerances are in units of ``EPS = 2**-52``, per joint, and divided by the power of ``c`` (the
 product of the cosines of the bends) that conditioning asks for: the pins turn up to ``1/c`` times
 as fast as the drive, so a rounding of the drive angle or of a shaft direction reaches an angle or a
-moment ``1/c``-fold, a speed ratio ``1/c**2``-fold and an acceleration ratio ``1/c**3``-fold.
+moment ``1/c``-fold, a speed ratio ``1/c**2``-fold, an acceleration ratio ``1/c**3``-fold and a jerk
+ratio ``1/c**4``-fold.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import pytest
 
 from cardan import reference
 from cardan.reference import Shafts, Vector
+from oracle import ExactJoint, Turn
 
 DATA = Path(__file__).parents[1] / "data"
 EPS = 2.0**-52
@@ -109,6 +111,36 @@ def test_single_joint_in_radians(beta: str) -> None:
     for row in SINGLE["radians"]:
         if row["beta"] == beta:
             check_single(shafts, float(row["alpha1"]), Fraction(row["delta"]), row)
+
+
+@pytest.mark.parametrize("bend", [1e-6, 0.01, 0.3, 0.7, 1.0, 1.3, 1.5, 1.56])
+def test_jerk_of_a_single_joint(bend: float) -> None:
+    # The data end with the second derivative: the third against the exact speed ratio's.
+    shafts = reference.from_bends([bend])
+    joint, c = ExactJoint.bent(bend), math.cos(bend)
+    for i in range(200):
+        angle = 0.0321 * i - 3.0
+        got = reference.motion(shafts, angle, offset=0.0)
+        want = joint.jerk_ratio(Turn.by(angle))
+        assert abs(float(got.jerk_ratio - want)) <= 8 * EPS * math.tan(bend) ** 2 / c**2
+
+
+@chains
+def test_jerk_of_chains(case: dict[str, Any]) -> None:
+    # Against differences of the second derivative, of the sixth order.
+    shafts = lay_out(case)
+    h, weights = 2e-3, (-1, 9, -45, 0, 45, -9, 1)
+    c = cosines(shafts)
+    for i in range(40):
+        angle = 0.17 * i
+        for shaft in range(len(shafts.directions)):
+            near = [
+                reference.motion(shafts, angle + h * n, shaft, offset=0.0).acceleration_ratio
+                for n in range(-3, 4)
+            ]
+            slope = math.fsum(w * x for w, x in zip(weights, near, strict=True)) / (60 * h)
+            got = reference.motion(shafts, angle, shaft, offset=0.0).jerk_ratio
+            assert abs(got - slope) <= 1e-9 / c**8
 
 
 @pytest.mark.parametrize("beta", distinct(MOMENTS, "beta_deg"))
@@ -422,7 +454,7 @@ def test_carried_normal_stays_across_a_shaft_that_differs_by_rounding() -> None:
 
 def test_drive_shaft_turns_with_the_drive() -> None:
     shafts = reference.from_bends([0.8])
-    assert reference.motion(shafts, 7.5, 0) == reference.Motion(7.5, 0.0, 1.0, 0.0)
+    assert reference.motion(shafts, 7.5, 0) == reference.Motion(7.5, 0.0, 1.0, 0.0, 0.0)
     assert reference.motion(shafts, 7.5, -2) == reference.motion(shafts, 7.5, 0)
     assert reference.motion(shafts, 7.5) == reference.motion(shafts, 7.5, 1)
 

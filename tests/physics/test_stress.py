@@ -26,7 +26,7 @@ def exact(name: str, joint: ExactJoint, at: Turn, torque: Number) -> list[Number
     match name:
         case "angle":
             return [at.angle + joint.angle_error(at)]
-        case "angle_error" | "speed_ratio" | "acceleration_ratio":
+        case "angle_error" | "speed_ratio" | "acceleration_ratio" | "jerk_ratio":
             return [getattr(joint, name)(at)]
         case "torque of the driven shaft":
             return [torque / joint.speed_ratio(at)]
@@ -83,7 +83,8 @@ def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
     limit = LIMITS[tier][name]
     joint, at = ExactJoint.bent(bend), Turn.by(angle)
     want = Exact.of(exact(name, joint, at, mp.mpf(torque)))
-    unit = want.ulp[abs(want.high).argmax()]
+    term = Exact.of([joint.jerk_term(at)]) if name == "jerk_ratio" else want
+    unit = term.ulp[abs(term.high).argmax()]
     # Alone and together with what shares its loop.
     for names in (output, ("angle", "speed_ratio", "acceleration_ratio", output)):
         outputs = tuple(dict.fromkeys([names] if isinstance(names, str) else names))

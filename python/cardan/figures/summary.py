@@ -13,7 +13,7 @@ from cardan.arrays import FloatArray
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import first_peak, is_cancelled
 from cardan.scene.scene import Scene, SceneResult
-from cardan.scene.units import in_degrees
+from cardan.scene.units import RPM, in_degrees
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def _shaft_motion(scene: Scene, shaft: int, of_shaft: str) -> Iterable[Row]:
     yield Row(f"speed ratio{of_shaft}", (slowest, fastest), is_range=True)
     speed = scene.speed
     if speed:
-        rpm = sorted(ratio * speed * 60.0 / math.tau for ratio in (slowest, fastest))
+        rpm = sorted(ratio * speed / RPM for ratio in (slowest, fastest))
         yield Row(f"speed, shaft {shaft}", tuple(rpm), "rpm", is_range=True)
     yield Row(f"largest acceleration ratio{of_shaft}", (acceleration,))
     if speed:

@@ -19,11 +19,13 @@ from cardan.plots.style import (
     number,
     value_ticks,
 )
+from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 _HALF_TURN_DEG = np.arange(721) / 4.0
+_HALF_TURN = Sweep.revolutions(721 / 1440, 1440)
 
 
 def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes:
@@ -39,7 +41,7 @@ def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes
         ValueError: a bend outside [0, 90°).
     """
     line = Driveline.from_bends([bend_deg], degrees=True)
-    driven = np.degrees(line.evaluate(np.radians(_HALF_TURN_DEG), "angle").angle)
+    driven = np.degrees(line.evaluate(_HALF_TURN, "angle").angle)
     with drawing(ax) as axes:
         axes.plot(_HALF_TURN_DEG, driven, label=f"bend {number(bend_deg)}°", **LINES[0])
         axes.plot(_HALF_TURN_DEG, _HALF_TURN_DEG, label="bend 0°", **LINES[1])
@@ -63,7 +65,7 @@ def plot_angle_error(
         ValueError: a bend outside [0, 90°), more bends than can be told apart.
     """
     lines = Driveline.from_bends(np.reshape(bends_deg, (-1, 1)), degrees=True)
-    errors = lines[:, np.newaxis].evaluate(np.radians(_HALF_TURN_DEG), "angle_error").angle_error
+    errors = lines[:, np.newaxis].evaluate(_HALF_TURN, "angle_error").angle_error
     places, largest = _extremes(lines)
     to = float(np.max(np.degrees(lines.bends)))
     locus = _extremes(_joints(to))

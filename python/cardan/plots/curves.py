@@ -16,6 +16,7 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, checked
 from cardan.plots.style import drawing, legend_above
 from cardan.request import item_index
+from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +29,7 @@ def plot_curves(
     shaft: int = -1,
     joint: int = 0,
     load: Load | None = None,
-    angle: ArrayLike | None = None,
+    angle: ArrayLike | Sweep | None = None,
     labels: Sequence[str] | None = None,
     ax: Axes | None = None,
 ) -> Axes:
@@ -43,7 +44,8 @@ def plot_curves(
         shaft: of which shaft, if it is a quantity of shafts.
         joint: of which joint, if it is a quantity of joints.
         load: the load, for the outputs that need one.
-        angle: drive angles in rad, ``(samples,)``; by default a turn in steps of half a degree.
+        angle: drive angles in rad, ``(samples,)``, or a ``Sweep``; by default a turn in
+            steps of half a degree.
         labels: what to call the curves; by default components, bends of single joints or numbers.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
@@ -62,8 +64,9 @@ def plot_curves(
         raise ArgumentValueError(
             "line", f"has shape {line.shape}; a picture of {output} shows {fits}"
         )
-    turn = np.radians(np.arange(721) / 2.0) if angle is None else as_float64("angle", angle)
-    if turn.ndim != 1:
+    turn = panel.TURN if angle is None else angle
+    turn = turn if isinstance(turn, Sweep) else as_float64("angle", turn)
+    if len(turn.shape) != 1:
         raise ArgumentValueError("angle", f"has shape {turn.shape}; a curve needs (samples,)")
     of_shaft = what.per == "shaft"
     item = item_index(

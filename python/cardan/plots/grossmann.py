@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from cardan.driveline import Driveline
 from cardan.load import Load
+from cardan.plots.panel import TURN
 from cardan.plots.style import LINES, degree_ticks, drawing, legend_above, value_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_TURN = np.linspace(0.0, 2.0 * math.pi, 721)
 
 
 def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes:
@@ -28,9 +26,9 @@ def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes
         ValueError: a bend outside [0, 90°).
     """
     line = Driveline.from_bends([bend_deg], degrees=True)
-    torque = line.evaluate(_TURN, "torque", load=Load(drive_torque=1.0)).torque
+    torque = line.evaluate(TURN, "torque", load=Load(drive_torque=1.0)).torque
     with drawing(ax, height_mm=45.0) as axes:
-        axes.plot(np.degrees(_TURN), torque, **LINES[0])
+        axes.plot(np.degrees(TURN), torque, **LINES[0])
         axes.set_xlim(0.0, 360.0)
         axes.set_ylim(bottom=0.0)
         degree_ticks(axes.xaxis, 0.0, 360.0)
@@ -56,7 +54,7 @@ def plot_bending_moments(bend_deg: float = 50.0, *, ax: Axes | None = None) -> A
     """
     line = Driveline.from_bends([bend_deg], degrees=True)
     found = line.evaluate(
-        _TURN,
+        TURN,
         ("angle", "bending_driving", "bending_driven"),
         joints=0,
         load=Load(drive_torque=1.0),
@@ -64,7 +62,7 @@ def plot_bending_moments(bend_deg: float = 50.0, *, ax: Axes | None = None) -> A
     with drawing(ax, "polar", height_mm=78.0) as axes:
         polar: Any = axes
         driving, driven = (rf"$B_{i}/D_1$ over $\alpha_{i}$" for i in (1, 2))
-        axes.plot(_TURN, found.bending_driving, label=f"driving {driving}", **LINES[0])
+        axes.plot(np.asarray(TURN), found.bending_driving, label=f"driving {driving}", **LINES[0])
         axes.plot(found.angle, found.bending_driven, label=f"driven {driven}", **LINES[1])
         value_ticks(axes.yaxis, 4)
         polar.set_rlabel_position(0.0)

@@ -11,6 +11,7 @@ from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.plots.style import LINES, MARKERS, drawing, legend_above, value_ticks
 from cardan.request import item_index
+from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,9 +50,11 @@ def plot_hodograph(
         )
     item = item_index("joint", joint, line.n_joints)
     # A second time round would fill the gaps of the dashes.
-    angle_deg = np.arange(180 * _PER_DEGREE + 1) / _PER_DEGREE
+    per_turn = 360 * _PER_DEGREE
+    angle_deg = np.arange(per_turn // 2 + 1) / _PER_DEGREE
     given = Load(drive_torque=1.0) if load is None else load
-    moment = line.evaluate(np.radians(angle_deg), "moment", joints=item, load=given).moment
+    half_turn = Sweep.revolutions(len(angle_deg) / per_turn, per_turn)
+    moment = line.evaluate(half_turn, "moment", joints=item, load=given).moment
     normal = line.normals[item]
     with drawing(ax, height_mm=60.0) as axes:
         for i, side in enumerate(("driving", "driven")):

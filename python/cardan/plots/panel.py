@@ -14,9 +14,13 @@ from cardan.figures.rounding import flat_limits
 from cardan.outputs import Output
 from cardan.plots.style import degree_ticks, line_style, value_ticks
 from cardan.scene.units import in_degrees
+from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+TURN = Sweep.revolutions(721 / 720, 720)
+"""A turn in steps of half a degree, both ends included."""
 
 
 def in_unit(output: Output, values: FloatArray) -> tuple[FloatArray, str]:

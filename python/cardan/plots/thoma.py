@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -17,8 +16,6 @@ from cardan.plots.style import drawing, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-_TURN = np.linspace(0.0, 2.0 * math.pi, 721)
 
 _SYMBOLS = {"torque": "M_t", "moment_x": "M_x", "moment_z": "M_z"}
 
@@ -47,7 +44,7 @@ def plot_small_angle(
     exact, small = _moments(component, bend_deg)
     curves = [(f"exact, bend {bend_deg:g}°", exact), ("for small bends", small)]
     with drawing(ax, height_mm=45.0) as axes:
-        panel.draw(axes, np.degrees(_TURN), curves)
+        panel.draw(axes, np.degrees(panel.TURN), curves)
         axes.set_xlabel("drive angle [deg]")
         axes.set_ylabel(rf"${_SYMBOLS[component]}\,/\,Θω^2$")
         legend_above(axes)
@@ -57,9 +54,9 @@ def plot_small_angle(
 def _moments(component: str, bend_deg: float) -> tuple[FloatArray, FloatArray]:
     line = Driveline.from_bends([bend_deg], degrees=True)
     load = Load(speed=1.0, inertias=[0.0, 1.0])
-    moment = line.evaluate(_TURN, "moment", joints=0, load=load).moment
+    moment = line.evaluate(panel.TURN, "moment", joints=0, load=load).moment
     along, across = line.directions[1], line.normals[0]
     # Thoma's axes point against the travel, hence the signs.
     axis = {"torque": along, "moment_x": -np.cross(across, along), "moment_z": -across}[component]
-    small = thoma_small_angle(_TURN, line.bends[0], 1.0, 1.0)
+    small = thoma_small_angle(np.asarray(panel.TURN), line.bends[0], 1.0, 1.0)
     return moment @ axis, getattr(small, component)

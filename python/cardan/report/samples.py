@@ -12,12 +12,13 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.outputs import Output
+from cardan.scene.angles import Angles
 from cardan.scene.scene import Scene, SceneResult
 
 NOMINAL_TORQUE = 100.0
 """Drive torque in N m that stands in where a scene gives neither torques nor inertias in motion."""
 
-_STEP_DEG = 0.5
+_PER_TURN = 720
 
 # More than a screen can show; a longer recording appears with every n-th of its samples.
 _MOST = 2000
@@ -167,8 +168,8 @@ def evaluated(scene: Scene) -> Samples:
     """Evaluate a scene for the page: one turn in half degrees, or the recorded angles."""
     scene = scene.without_missing()
     if scene.recording is None:
-        degrees = scene.drive_angle_deg[0] + _STEP_DEG * np.arange(round(360.0 / _STEP_DEG) + 1)
-        scene = replace(scene, drive_angle_deg=degrees, drive_angle=np.radians(degrees))
+        turn = Angles.uniform(1.0, _PER_TURN, float(scene.drive_angle_deg[0]))
+        scene = replace(scene, drive_angle_deg=turn.degrees, angle=turn.drive)
     extra = tuple(name for name in scene.quantities if name not in _MOTION + _LOADED)
     scene = replace(
         scene,
@@ -185,7 +186,7 @@ def evaluated(scene: Scene) -> Samples:
     if nominal:
         load = Load(drive_torque=NOMINAL_TORQUE, speed=scene.speed)
         result = replace(scene, load_case=load).run()
-    every = math.ceil(len(scene.drive_angle) / _MOST)
+    every = math.ceil(len(scene.drive_angle_deg) / _MOST)
     return Samples(result, nominal, slice(None, None, every))
 
 

@@ -13,6 +13,7 @@ from cardan.figures.rounding import equivalent_bend_deg
 from cardan.figures.summary import summary
 from cardan.report.samples import NOMINAL_TORQUE, Samples
 from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.units import RPM
 from cardan.words.summary import figure_text, row_text
 from cardan.workshop import turn
 
@@ -63,7 +64,7 @@ def inputs(scene: Scene) -> dict[str, Table]:
     if load is not None:
         torque = float(load.torque)
         given += [(f"Torque at the {load.end}", f"{_figure(torque)} N m")]
-        rpm = scene.speed * 30.0 / np.pi
+        rpm = scene.speed / RPM
         given += [("Speed of the drive", f"{_figure(scene.speed)} rad/s, {_figure(rpm)} rpm")]
         if scene.accelerates:
             given += [("Acceleration of the drive", f"{_figure(load.acceleration)} rad/s²")]

@@ -15,21 +15,29 @@ from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
 from cardan.files.recording import place_of, read_columns
 from cardan.scene.format import BEND_COLUMNS, FORMAT
-from cardan.scene.values import shown
+from cardan.scene.rules import shown
+from cardan.sweep import Sweep
 
 _MOST_STEPS = 10_000_000
 
 
 @dataclass(frozen=True, eq=False)
 class Angles:
-    """Drive angles in both units, those to take figures over, and the bends recorded with them.
+    """Drive angles, and the bends recorded with them.
 
     A sample of which a recorded number is missing has a drive angle of NaN.
+
+    Attributes:
+        degrees: the angles in degrees, for tables and pictures.
+        drive: the same for evaluating: a sweep, or recorded angles in rad.
+        to_reduce: those of them to take figures over.
+        bends: bends recorded with the angles, in degrees, if any.
+        bends_to_reduce: those of them that go with the angles to reduce.
     """
 
     degrees: FloatArray
-    radians: FloatArray
-    to_reduce: FloatArray
+    drive: FloatArray | Sweep
+    to_reduce: FloatArray | Sweep
     bends: FloatArray | None = None
     bends_to_reduce: FloatArray | None = None
 
@@ -41,19 +49,32 @@ class Angles:
             values.get(key, keys[key].default) for key in ("turns", "samples_per_turn", "start_deg")
         )
         # Cut off, because no float holds every whole number of the file.
-        steps = turns * min(per_turn, 1 << 60)
-        if steps > _MOST_STEPS:
+        held = min(per_turn, 1 << 60)
+        if turns * held > _MOST_STEPS:
             raise ArgumentValueError(
                 "samples_per_turn",
                 f"is {shown(per_turn)} over turns = {turns:g}; "
                 f"a sweep takes at most {_MOST_STEPS} steps",
             )
-        steps = max(1, round(steps))
+        return cls.uniform(turns, held, start)
+
+    @classmethod
+    def uniform(cls, turns: float, per_turn: int, start_deg: float) -> Self:
+        """Take equal steps over some turns, both ends included."""
+        steps = max(1, round(turns * per_turn))
         # Dividing last keeps round degrees round.
-        degrees: FloatArray = start + 360.0 * turns * np.arange(steps + 1) / steps
-        radians = np.radians(degrees)
+        degrees: FloatArray = start_deg + 360.0 * turns * np.arange(steps + 1) / steps
+        # Whole turns of samples at exact parts of a turn repeat and are computed once.
+        exact = start_deg == 0.0 and per_turn <= _MOST_STEPS and steps / per_turn == turns
+
+        def sweep(count: int) -> Sweep:
+            if exact:
+                return Sweep.revolutions(count / per_turn, per_turn)
+            return Sweep(math.radians(degrees[0]), math.radians(degrees[count - 1]), count)
+
         # The last angle of whole turns is the first one again: in a mean it would count twice.
-        return cls(degrees, radians, radians[:-1] if float(turns).is_integer() else radians)
+        whole = float(turns).is_integer()
+        return cls(degrees, sweep(steps + 1), sweep(steps if whole else steps + 1))
 
     @classmethod
     def recorded(cls, values: Mapping[str, Any], folder: Path) -> Self:

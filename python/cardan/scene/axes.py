@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -13,9 +12,10 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
+from cardan.scene.axis_rules import Spread
 from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT
-from cardan.scene.values import Spread, shown
+from cardan.scene.rules import shown
 
 MOST_ROWS = 10_000_000
 """Rows that a study takes at most."""
@@ -128,10 +128,8 @@ def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | N
         return None
     if not index:
         return slice(None)
-    match = re.fullmatch(r"([0-9]{1,9})(?:-([0-9]{1,9}))?", index)
-    if not match:
-        raise key.error("has no such place; write 0 for the first entry, 0-1 for two")
-    first, last = int(match[1]), int(match[2] or match[1])
+    ends = [int(end) for end in index.split("-")]
+    first, last = ends[0], ends[-1]
     if not first <= last < len(base):
         raise key.error(f"has no such place; there are {len(base)}, counted from 0")
     return slice(first, last + 1)

@@ -28,6 +28,7 @@ from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
 from cardan.scene.curves import study_columns
 from cardan.scene.study import Study
+from cardan.sweep import Sweep
 
 MANIFEST = "_study.json"
 """File of the folder that says which study it holds; Parquet readers pass over it."""
@@ -183,7 +184,7 @@ def _file(folder: Path, number: int) -> Path:
 
 def _part_rows(study: Study) -> int:
     planes = study.planes * len(study.reductions)
-    return min(_MOST_ROWS, max(1, _SAMPLES // max(1, planes * np.size(study.angle))))
+    return min(_MOST_ROWS, max(1, _SAMPLES // max(1, planes * len(study.angle))))
 
 
 def _open_manifest(folder: Path, fingerprint: dict[str, Any], part_rows: int) -> dict[str, Any]:
@@ -216,7 +217,7 @@ def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
     def plain(value: object) -> object:
         if isinstance(value, np.ndarray) and value.size > 64:
             return hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return np.asarray(value).tolist()
+        return repr(value) if isinstance(value, Sweep) else np.asarray(value).tolist()
 
     fingerprint = {
         "axes": {axis.key: axis.values for axis in study.axes},

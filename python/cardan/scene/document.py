@@ -12,8 +12,8 @@ from cardan.errors import ArgumentValueError
 from cardan.outputs import nearest
 from cardan.scene.errors import Location, SceneError, path_of
 from cardan.scene.format import FORMAT, Section
+from cardan.scene.rules import shown
 from cardan.scene.units import units_of
-from cardan.scene.values import shown
 
 
 class Document:
@@ -64,7 +64,7 @@ class Document:
             with self.within(name, key):
                 if key not in section.keys:
                     raise ValueError(f"unknown key {shown(key)}; {_meant(key, section.keys)}")
-                checked[key] = section.keys[key].kind.read(Location(key), value)
+                checked[key] = section.keys[key].kind.rule.read(Location(key), value)
         for one, other in section.together:
             with self.within(name):
                 if one in values and other in values:

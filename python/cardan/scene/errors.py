@@ -132,7 +132,7 @@ class SceneError(ArgumentValueError):
         return cls(argument, problem, place, name, line, section, path, point, str(error))
 
     def __str__(self) -> str:
-        """Return the line: ``shaft.toml, line 2: [driveline] bends_deg[0] is 99.0 deg; …``."""
+        """Return the line: ``shaft.toml, line 2: [driveline] bends_deg[0] is 99 deg; …``."""
         line = f", line {self.line}" if self.line else ""
         section = f" [{self.section}]" if self.section else ""
         return f"{self.name}{line}:{section} {self._sentence}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,6 +13,8 @@ from cardan.driveline import Driveline
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
 from cardan.reductions import CLOSED_FORMS, REDUCTIONS
+from cardan.scene.axis_rules import Values
+from cardan.scene.units import RPM
 
 
 @dataclass(frozen=True)
@@ -63,17 +64,31 @@ class Form:
         keys: needed, all of one length.
         optional: may go with them.
         ends: how many entries the needed keys have beyond one per joint.
+        joints: how many joints it describes, if only so many.
     """
 
     make: Callable[..., Driveline]
     keys: tuple[str, ...]
     optional: tuple[str, ...]
     ends: int
+    joints: int | None = None
+
+    @property
+    def schema(self) -> dict[str, Any]:
+        """JSON Schema of the section of a driveline that is described in this way."""
+        fewest = (self.joints or 1) + self.ends
+        most = {} if self.joints is None else {"maxItems": fewest}
+        lengths = {key: {"minItems": fewest} | most for key in self.keys}
+        allowed = _only(*self.keys, *self.optional)
+        return {"required": list(self.keys), "properties": lengths, **allowed}
 
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
 """The keys for recorded bends, of which a scene uses at most one."""
+
+DRIVE_ANGLES = ("sweep", "angles")
+"""The sections that say the drive angles, of which a scene has at most one."""
 
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
@@ -84,7 +99,7 @@ FORMS = (
     Form(Driveline.from_points, ("points_mm",), (_PHASES,), 2),
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
     Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1),
-    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0),
+    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2),
 )
 """The ways to describe a driveline, of which a scene uses exactly one."""
 
@@ -125,7 +140,7 @@ _DRIVELINE = Section(
 _LOAD = Section(
     "speed, torque and inertias",
     {
-        "speed_rpm": Key(kinds.NUMBER, "speed of the drive", "speed", math.tau / 60.0),
+        "speed_rpm": Key(kinds.NUMBER, "speed of the drive", "speed", RPM),
         "speed_rad_s": Key(kinds.NUMBER, "the same in rad/s", "speed"),
         "acceleration_rad_s2": Key(kinds.NUMBER, "acceleration of the drive", "acceleration"),
         "drive_torque_Nm": Key(kinds.NUMBER, "torque put into shaft 0", "drive_torque"),
@@ -133,7 +148,7 @@ _LOAD = Section(
             kinds.NUMBER, "or: torque delivered by the last shaft", "output_torque"
         ),
         "inertias_kgm2": Key(
-            kinds.NUMBERS, "moment of inertia of each shaft about its axis", "inertias"
+            kinds.INERTIAS, "moment of inertia of each shaft about its axis", "inertias"
         ),
     },
     together=(("speed_rpm", "speed_rad_s"), ("drive_torque_Nm", "output_torque_Nm")),
@@ -157,7 +172,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             {
                 "turns": Key(kinds.POSITIVE, "turns of the drive", default=1),
                 "samples_per_turn": Key(kinds.NATURAL, "steps per turn", default=720),
-                "start_deg": Key(kinds.NUMBER, "first drive angle", default=0),
+                "start_deg": Key(kinds.START, "first drive angle", default=0),
             },
         ),
         "angles": Section(
@@ -276,22 +291,15 @@ def schema() -> dict[str, Any]:
         "title": "Scene of a driveline",
         **_section_schema(FORMAT[top]),
         "properties": {**_properties(FORMAT[top]), **sections},
-        "$defs": dict(kinds.DEFINITIONS),
+        "$defs": {"values": Values().definition},
         "allOf": [
-            _not_both("sweep", "angles"),
+            _not_both(*DRIVE_ANGLES),
             {
                 "if": columns,
-                "then": {"properties": {"driveline": _only(_TWISTS, _PHASES)}},
+                "then": {"properties": {"driveline": _only(*FORMS[0].optional)}},
                 "else": {
                     "required": ["driveline"],
-                    "properties": {
-                        "driveline": {
-                            "oneOf": [
-                                {"required": list(form.keys), **_only(*form.keys, *form.optional)}
-                                for form in FORMS
-                            ]
-                        }
-                    },
+                    "properties": {"driveline": {"oneOf": [form.schema for form in FORMS]}},
                 },
             },
         ],
@@ -316,7 +324,7 @@ def _section_schema(section: Section) -> dict[str, Any]:
 
 def _properties(section: Section) -> dict[str, Any]:
     return {
-        name: {"description": key.meaning, **key.kind.schema}
+        name: {"description": key.meaning, **key.kind.rule.schema}
         | ({} if key.default is None else {"default": key.default})
         for name, key in section.keys.items()
     }

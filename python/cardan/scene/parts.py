@@ -45,8 +45,10 @@ def form_of(values: Mapping[str, Any]) -> Form:
         raise ArgumentValueError(
             first, f"has length {len(values[first])}; one joint needs {1 + form.ends}"
         )
-    if form.make == Driveline.from_projected_bends and joints != 2:
-        raise ArgumentValueError(first, f"has length {joints}; it needs 2, one per joint")
+    if form.joints is not None and joints != form.joints:
+        raise ArgumentValueError(
+            first, f"has length {joints}; it needs {form.joints}, one per joint"
+        )
     for key in form.keys[1:]:
         _check_count(key, values[key], joints + form.ends, f"as many as {first}")
     for key in form.optional:

@@ -24,9 +24,10 @@ from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.document import Document
 from cardan.scene.errors import SceneError
-from cardan.scene.format import BEND_COLUMNS, FORMS, Form, describe
+from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, Form, describe
 from cardan.scene.parts import check_load, form_of, make_driveline, make_load
 from cardan.scene.study import Study, StudyResult
+from cardan.sweep import Sweep
 
 _OPTIONS = ("tolerance", "dtype", "workers")
 
@@ -45,7 +46,7 @@ class Scene:
         line: the driveline; where its bends were recorded a batch, ``(samples,)``.
         load_case: its load, if any.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
-        drive_angle: the same in rad.
+        angle: the same to evaluate at: a sweep, or recorded angles in rad.
         quantities: outputs to evaluate.
         shafts: of which shafts, where the scene says so; ``None`` for the last one alone.
         joints: of which joints, where the scene says so; ``None`` for all.
@@ -62,7 +63,7 @@ class Scene:
     line: Driveline
     load_case: Load | None
     drive_angle_deg: FloatArray
-    drive_angle: FloatArray
+    angle: FloatArray | Sweep
     quantities: tuple[str, ...]
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...] | None
@@ -175,8 +176,9 @@ class Scene:
                 raise ValueError(
                     "section [driveline] is missing; it describes the joints and shafts"
                 )
-            if "sweep" in given and "angles" in given:
-                raise ValueError("sections [sweep] and [angles] are both given; give one of them")
+            if given.keys() >= set(DRIVE_ANGLES):
+                both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
+                raise ValueError(f"sections {both} are both given; give one of them")
         with document.within("angles"):
             if recorded and angle is None:
                 angle = Angles.recorded(recorded, folder)
@@ -235,7 +237,7 @@ class Scene:
             line=line,
             load_case=load,
             drive_angle_deg=angle.degrees,
-            drive_angle=angle.radians,
+            angle=angle.drive,
             quantities=quantities,
             shafts=shafts,
             joints=joints,
@@ -248,9 +250,14 @@ class Scene:
         )
 
     @property
+    def drive_angle(self) -> FloatArray:
+        """Drive angles in rad, ``(samples,)``."""
+        return np.asarray(self.angle)
+
+    @property
     def missing(self) -> int:
         """Number of recorded samples that are missing; their results are NaN."""
-        return int(np.count_nonzero(np.isnan(self.drive_angle)))
+        return 0 if self.recording is None else int(np.count_nonzero(np.isnan(self.drive_angle)))
 
     def without_missing(self) -> Self:
         """Return the scene without the recorded samples that are missing."""
@@ -259,7 +266,7 @@ class Scene:
         known = ~np.isnan(self.drive_angle)
         line = self.line[known] if self.line.shape else self.line
         degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
-        return replace(self, line=line, drive_angle_deg=degrees, drive_angle=radians)
+        return replace(self, line=line, drive_angle_deg=degrees, angle=radians)
 
     @property
     def speed(self) -> float:
@@ -289,7 +296,7 @@ class Scene:
 
     def evaluate(self) -> Result:
         """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
-        return self.line.evaluate(self.drive_angle, self.quantities, **self._arguments())
+        return self.line.evaluate(self.angle, self.quantities, **self._arguments())
 
     def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
         """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
@@ -298,7 +305,7 @@ class Scene:
 
     def explain(self) -> str:
         """Say how the curves over the drive angle are evaluated, and how the study is."""
-        curves: str = self.plan().explain()
+        curves: str = self.plan().explain(self.angle)
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves
 
     def _arguments(self) -> dict[str, Any]:

@@ -24,6 +24,7 @@ from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load
 from cardan.scene.values import VECTORS
+from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     import xarray
@@ -121,7 +122,7 @@ class Study:
         form: how the scene describes its driveline.
         driveline: the values of its keys as they stand in the file.
         load: likewise those of its load; ``None`` without one.
-        angle: drive angles to reduce over, in rad.
+        angle: drive angles to reduce over: a sweep, or an array in rad.
         quantities: what to reduce.
         reductions: how.
         closed_forms: figures that need no samples.
@@ -134,7 +135,7 @@ class Study:
     form: Form
     driveline: Mapping[str, Any]
     load: Mapping[str, Any] | None
-    angle: ArrayLike
+    angle: FloatArray | Sweep
     quantities: tuple[str, ...]
     reductions: tuple[Reduction, ...]
     closed_forms: tuple[str, ...]
@@ -204,8 +205,8 @@ class Study:
                 **self.options,
             )
             likewise = f", likewise {', '.join(others)}" if others else ""
-            text += f"\n{first} over {np.size(self.angle)} drive angles{likewise}:\n"
-            text += plan.explain()
+            text += f"\n{first} over {len(self.angle)} drive angles{likewise}:\n"
+            text += plan.explain(self.angle)
         return text
 
     def check_ends(self) -> None:
@@ -229,7 +230,7 @@ class Study:
         rows = range(math.prod(self.shape)) if rows is None else rows
         # The geometry of one joint takes some 30 doubles itself, several times over.
         geometry = 64 * len(self.driveline[self.form.keys[0]])
-        block = max(1, _BLOCK // max(geometry, self.planes * np.size(self.angle)))
+        block = max(1, _BLOCK // max(geometry, self.planes * len(self.angle)))
         for first in rows[::block]:
             yield first, *self._block(np.arange(first, min(first + block, rows.stop)))
 

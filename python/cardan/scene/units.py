@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
 from typing import NamedTuple
@@ -9,6 +10,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cardan.arrays import FloatArray
+
+RPM = math.tau / 60.0
+"""One revolution per minute in rad/s."""
 
 
 class Unit(NamedTuple):

@@ -1,14 +1,14 @@
-//! What can be wrong with the input, and where.
+//! Errors in the input: the argument, the position in it, and the rule it breaks.
 
 use std::fmt;
 
 /// The result of an operation that checks its input.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// The rule that every bend obeys.
+/// The rule for bends, as error messages quote it.
 pub(crate) const BEND_RULE: &str = "a bend must lie in [0, pi/2)";
 
-/// An input that breaks a rule: which argument, where in it, what it holds and what it should.
+/// An input that breaks a rule: the argument, the position in it, its value and the rule.
 ///
 /// ```
 /// let error = cardan::Geometry::from_bends(&[0.1, 1.6], &[0.0], &[0.0]).unwrap_err();
@@ -17,7 +17,7 @@ pub(crate) const BEND_RULE: &str = "a bend must lie in [0, pi/2)";
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{argument}{place} {problem}")]
 pub struct Error {
-    /// The argument as the caller knows it.
+    /// The name of the argument.
     pub argument: &'static str,
     /// The position within the argument, outermost index first.
     pub place: Place,
@@ -45,7 +45,7 @@ impl Error {
         Self { argument, place: Place(place.to_vec()), problem: problem.into() }
     }
 
-    /// The same error seen from an array that holds this driveline at `index`.
+    /// The same error for an array of drivelines, of which the one at `index` is at fault.
     #[must_use]
     pub fn within(mut self, index: &[usize]) -> Self {
         self.place.0.splice(0..0, index.iter().copied());

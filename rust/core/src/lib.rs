@@ -1,4 +1,18 @@
 #![doc = include_str!("../README.md")]
+//!
+//! # Modules
+//!
+//! | module | contents |
+//! | --- | --- |
+//! | [`number`] | number types, their storage, range reduction, elementary functions |
+//! | [`mechanics`] | the physics of one sample: geometry, joints, chains, moments, phasing |
+//! | [`input`] | drivelines, drive angles or a sweep, and loads, broadcast over the samples |
+//! | [`plan`] | the requested outputs, the steps that compute them, and their routes |
+//! | `sincos` | sines and cosines of arrays of angles and of sweeps |
+//! | [`run`] | threads, blocks, chunks, loops over slices, and reductions |
+//! | [`error`] | errors in the input, with argument, position and rule |
+//!
+//! Each module uses only those above it in the table, and [`error`].
 #![forbid(unsafe_code)]
 
 pub mod error;
@@ -12,10 +26,12 @@ mod sincos;
 pub use error::{Error, Result};
 pub use input::{Angles, Drivelines, Load, Samples, Source, Sweep};
 pub use mechanics::chain::Equivalent;
+pub use mechanics::general::General;
 pub use mechanics::geometry::{Geometry, Vector};
 pub use mechanics::joint::Joint;
+pub use mechanics::motion::{Motion, MotionGradient};
 pub use mechanics::phasing::optimal_phases;
-pub use mechanics::transmission::{General, Ideal, Motion, MotionGradient, Transmission};
+pub use mechanics::transmission::{Ideal, Transmission};
 pub use number::{DoubleDouble, Precision};
 pub use plan::{End, Output, Per, Plan, Reduction, Request, Route, Row};
 pub use run::execution::{Execution, Planes};
@@ -23,3 +39,4 @@ pub use run::explain::Call;
 pub use run::fold::FoldedDriveline;
 pub use run::level::{self, Level};
 pub use run::phases::optimal_phases_of_batch;
+pub use run::threads::uses_threads;

@@ -1,4 +1,4 @@
-//! Between `numpy` arrays and slices, and from the core's errors to Python's.
+//! Conversions between `numpy` arrays and slices, and from the core's errors to Python's.
 
 use cardan::{Error, Vector};
 use numpy::{Element, PyReadonlyArray1, PyReadwriteArray1};
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyTuple, PyType};
 
-/// A flat array of doubles to read.
+/// A flat read-only array of doubles.
 pub(crate) type Input<'py> = PyReadonlyArray1<'py, f64>;
 
 /// The elements of a contiguous array.
@@ -18,7 +18,7 @@ pub(crate) fn slice<'a, N: Element>(
     array.as_slice().map_err(|_| not_contiguous(name))
 }
 
-/// The elements of a contiguous array, to fill.
+/// The elements of a contiguous array, for writing.
 pub(crate) fn slice_mut<'a, W: Element>(
     name: &str,
     array: &'a mut PyReadwriteArray1<'_, W>,
@@ -30,8 +30,8 @@ pub(crate) fn not_contiguous(name: &str) -> PyErr {
     argument_error(name, &[], "must be contiguous and aligned")
 }
 
-/// The exception for an argument that breaks a rule: Python's class, which carries the same fields as
-/// the core's error.
+/// The exception for an argument that breaks a rule. The Python class has the same fields as the
+/// core's error.
 pub(crate) fn argument_error(argument: &str, place: &[usize], problem: impl Into<String>) -> PyErr {
     static CLASS: PyOnceLock<Py<PyType>> = PyOnceLock::new();
     Python::attach(|py| {
@@ -53,7 +53,7 @@ pub(crate) fn count(shape: &[usize]) -> PyResult<usize> {
     product.ok_or_else(|| PyMemoryError::new_err(format!("{shape:?} is more than can be counted")))
 }
 
-/// Refuses a flat array that does not hold `each` values for each of so many drivelines.
+/// Checks that a flat array holds `each` values for each of `count` drivelines.
 pub(crate) fn check_length(name: &str, found: usize, lines: usize, each: usize) -> PyResult<()> {
     if lines.checked_mul(each) == Some(found) {
         return Ok(());
@@ -72,7 +72,7 @@ pub(crate) fn unravel(mut flat: usize, shape: &[usize]) -> Vec<usize> {
     index
 }
 
-/// Triples of components as vectors.
+/// Vectors from triples of components.
 pub(crate) fn vectors(flat: &[f64]) -> Vec<Vector> {
     flat.chunks_exact(3).map(Vector::from_column_slice).collect()
 }

@@ -1,4 +1,4 @@
-//! Geometry of batches of drivelines, and their equivalent joints.
+//! The geometry of batches of drivelines, and their equivalent joints.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::convert::{
     Input, argument_error, check_length, count, slice, unravel, value_error, vectors,
 };
-use crate::watch::{reserve, room, threads, watched};
+use crate::watch::{check_memory, reserve, run_interruptible, threads};
 
 /// Bends, twists, directions and normals, each flat.
 type Flat<'py> = (
@@ -20,31 +20,31 @@ type Flat<'py> = (
     Bound<'py, PyArray1<f64>>,
 );
 
-/// Drivelines between two looks whether to go on.
+/// The number of drivelines between two checks of the stop flag.
 const PIECE: usize = 64;
 
-/// Drivelines from which going through them takes so long that it is watched, and joints in all from
-/// which the search for phases does.
-const WATCHED: usize = 1 << 14;
-const SOUGHT: usize = 1 << 10;
+/// The fewest drivelines whose construction takes long enough to be interruptible, and the fewest
+/// joints in all for which the search for phases does.
+const MIN_INTERRUPTIBLE: usize = 1 << 14;
+const MIN_INTERRUPTIBLE_SEARCH: usize = 1 << 10;
 
-/// Goes through so many drivelines one after another, with the interpreter released.
-fn through(
+/// Calls `each` with the number of every driveline, with the interpreter released.
+fn for_each_line(
     py: Python<'_>,
     lines: usize,
     each: &mut (dyn FnMut(usize) -> cardan::Result<()> + Send),
 ) -> PyResult<()> {
-    if lines < WATCHED {
+    if lines < MIN_INTERRUPTIBLE {
         let result = py.detach(|| (0..lines).try_for_each(each));
         return result.map_err(|error| value_error(&error));
     }
-    watched(py, Some(1), &mut |stop| {
+    run_interruptible(py, Some(1), &mut |stop| {
         let go_on = |line: &usize| !line.is_multiple_of(PIECE) || !stop.load(Ordering::Relaxed);
         (0..lines).take_while(go_on).try_for_each(&mut *each)
     })
 }
 
-/// Lays out each driveline of a batch and collects the flat arrays.
+/// Computes the geometry of each driveline of a batch and collects the flat arrays.
 fn lay_out<'py>(
     py: Python<'py>,
     joints: usize,
@@ -52,8 +52,8 @@ fn lay_out<'py>(
     each: impl Fn(usize) -> cardan::Result<Geometry> + Sync,
 ) -> PyResult<Flat<'py>> {
     let lines = count(shape)?;
-    // One driveline at work.
-    room(joints.saturating_mul(512))?;
+    // Memory for one driveline at a time.
+    check_memory(joints.saturating_mul(512))?;
     let shafts = joints.saturating_add(1);
     let (of_shafts, of_joints) = (shafts.saturating_mul(3), joints.saturating_mul(3));
     let sizes = [joints, joints.saturating_sub(1), of_shafts, of_joints];
@@ -62,8 +62,8 @@ fn lay_out<'py>(
         reserve(array, lines.saturating_mul(size))?;
     }
     let [mut bends, mut twists, mut directions, mut normals] = flat;
-    through(py, lines, &mut |line| {
-        let geometry = each(line).map_err(|error| placed(error, line, shape))?;
+    for_each_line(py, lines, &mut |line| {
+        let geometry = each(line).map_err(|error| at_line(error, line, shape))?;
         bends.extend(&geometry.bends);
         twists.extend(&geometry.twists);
         directions.extend(geometry.directions.iter().flat_map(|v| v.iter()));
@@ -78,18 +78,18 @@ fn lay_out<'py>(
     ))
 }
 
-/// The error with the driveline's place in the batch.
-fn placed(error: Error, line: usize, shape: &[usize]) -> Error {
+/// The same error, with the driveline's position in the batch.
+fn at_line(error: Error, line: usize, shape: &[usize]) -> Error {
     error.within(&unravel(line, shape))
 }
 
-/// The part of a flat array that belongs to one driveline.
+/// The part of a flat array for one driveline.
 fn part(flat: &[f64], line: usize, each: usize) -> &[f64] {
     let first = line.saturating_mul(each);
     flat.get(first..first.saturating_add(each)).unwrap_or(&[])
 }
 
-/// Drivelines from bends `(…, n)`, twists and phases `(…, n − 1)` in radians.
+/// Drivelines from bends `(…, n)`, twists and phases `(…, n − 1)` in rad.
 #[pyfunction]
 pub(crate) fn from_bends<'py>(
     py: Python<'py>,
@@ -181,7 +181,7 @@ pub(crate) fn equivalent<'py>(
         reserve(column, lines)?;
     }
     let between = shaft.saturating_sub(1);
-    through(py, lines, &mut |line| {
+    for_each_line(py, lines, &mut |line| {
         let equivalent = Equivalent::of_chain(
             &part(bends, line, joints)[..shaft],
             &part(twists, line, joints - 1)[..between],
@@ -229,15 +229,15 @@ pub(crate) fn optimal_phases<'py>(
     let mut best = vec![];
     reserve(&mut best, phases.len())?;
     best.extend_from_slice(phases);
-    let workers = if bends.len() < SOUGHT { Some(1) } else { threads(workers) };
+    let workers = if bends.len() < MIN_INTERRUPTIBLE_SEARCH { Some(1) } else { threads(workers) };
     let mut run = |stop: Option<&AtomicBool>| {
         let execution = Execution { workers, stop, ..Execution::default() };
         optimal_phases_of_batch(joints, bends, twists, &mut best, execution);
     };
-    if bends.len() < SOUGHT {
+    if bends.len() < MIN_INTERRUPTIBLE_SEARCH {
         py.detach(|| run(None));
     } else {
-        watched(py, workers, &mut |stop| {
+        run_interruptible(py, workers, &mut |stop| {
             run(Some(stop));
             Ok(())
         })?;

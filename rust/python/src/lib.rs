@@ -1,7 +1,8 @@
-//! The native module `cardan._core`: convert, release the interpreter, call the core, map errors.
+//! The native module `cardan._core`: it converts arguments, releases the interpreter, calls the
+//! core and maps errors.
 //!
-//! Arrays arrive contiguous and of the right type: `python/cardan` converts, this module checks that
-//! they fit, spreads them over the samples and fills.
+//! `python/cardan` passes contiguous arrays of the right type. This module checks that their
+//! lengths fit, broadcasts them over the samples and fills the results.
 
 #![deny(unsafe_code)]
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
@@ -17,7 +18,7 @@ use pyo3::prelude::*;
 
 /// Native kernels of cardan. Private: use `cardan.Driveline`.
 ///
-/// Holds no state that threads could share unseen, so free-threaded Python keeps its lock off.
+/// The module has no unsynchronised shared state, so free-threaded Python runs it without its lock.
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
@@ -27,7 +28,7 @@ mod _core {
     #[pymodule_export]
     use super::plan::{DriveSweep, NativePlan, levels, outputs};
     #[pymodule_export]
-    use super::transmission::Transmission;
+    use super::transmission::NativeTransmission;
 
     use super::PyResult;
     use pyo3::prelude::*;

@@ -1,21 +1,21 @@
-//! The flat arrays of a batch of drivelines, as plans read them.
+//! The flat arrays of a batch of drivelines, which plans read.
 
 use cardan::Drivelines;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 
 use crate::convert::{argument_error, check_length, count, slice};
-use crate::watch::room;
+use crate::watch::check_memory;
 
 /// Bends, twists, phases, directions and normals.
 enum Arrays {
-    /// Those of one driveline, copied.
+    /// The values of one driveline, copied.
     One([Vec<f64>; 5]),
-    /// Those of a batch, which never change.
+    /// The arrays of a batch, which never change.
     Batch([Py<PyArray1<f64>>; 5]),
 }
 
-/// A driveline or a batch of them.
+/// A driveline or a batch of drivelines.
 #[pyclass(frozen, module = "cardan._core")]
 pub(crate) struct Lines {
     arrays: Arrays,
@@ -25,8 +25,8 @@ pub(crate) struct Lines {
 
 #[pymethods]
 impl Lines {
-    /// Drivelines of so many joints, a batch of the given shape or one, from flat arrays, of which a
-    /// batch keeps a reference.
+    /// Drivelines with `joints` joints, one or a batch of the given shape, from flat arrays. A
+    /// batch keeps references to its arrays.
     #[new]
     fn new(
         py: Python<'_>,
@@ -37,8 +37,8 @@ impl Lines {
         if joints == 0 {
             return Err(argument_error("joints", &[], "is 0; a driveline has at least one"));
         }
-        // Copies, and the largest bends.
-        room(joints.saturating_mul(96))?;
+        // The memory for the copies and the largest bends.
+        check_memory(joints.saturating_mul(96))?;
         let count = count(&shape)?;
         let batch = Arrays::Batch(arrays.map(Bound::unbind));
         let batch = Self { arrays: batch, shape, largest_bends: vec![] };
@@ -62,7 +62,7 @@ impl Lines {
         &self.largest_bends
     }
 
-    /// Shape of the batch; empty for one driveline.
+    /// The shape of the batch; empty for one driveline.
     pub(crate) fn shape(&self) -> &[usize] {
         &self.shape
     }
@@ -71,7 +71,7 @@ impl Lines {
         matches!(self.arrays, Arrays::One(_))
     }
 
-    /// Number of joints of each driveline.
+    /// The number of joints of each driveline.
     pub(crate) fn joints(&self) -> usize {
         self.largest_bends.len()
     }

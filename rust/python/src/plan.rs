@@ -1,4 +1,4 @@
-//! Plans: what to compute, prepared once for its drivelines; and running them over samples.
+//! Plans: what to compute, prepared once for given drivelines, and running them over samples.
 
 use std::borrow::Cow;
 use std::ffi::c_int;
@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use cardan::{
     Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan, Planes,
-    Precision, Reduction, Request, Samples, Source, Sweep, level,
+    Precision, Reduction, Request, Samples, Source, Sweep, level, uses_threads,
 };
 use numpy::npyffi::npy_intp;
 use numpy::{
@@ -20,26 +20,23 @@ use pyo3::types::{PyList, PyTuple};
 
 use crate::convert::{argument_error, count, not_contiguous, slice_mut, value_error};
 use crate::lines::Lines;
-use crate::watch::{no_memory, room, threads, watched};
+use crate::watch::{check_memory, no_memory, run_interruptible, threads};
 
-/// Samples that are done before it is worth giving the interpreter away.
-const BRIEF: usize = 1000;
+/// The fewest samples for which releasing the interpreter saves time.
+const MIN_DETACHED: usize = 1000;
 
-/// Samples from which the core may use its threads, or fewer.
-const POOLED: usize = 1 << 16;
+/// The fewest numbers, results and folded joints together, for which a run is interruptible. They
+/// take some milliseconds, and less than half a second on the slowest instruction set.
+const MIN_INTERRUPTIBLE: usize = 1 << 21;
 
-/// Numbers, of results and of the folding, that take some milliseconds, on the slowest instruction
-/// set less than half a second: shorter runs need no watch.
-const WATCHED: usize = 1 << 21;
-
-/// An array that is broadcast over the samples.
+/// An array that is broadcast to the samples.
 type Spread = Py<PyArrayDyn<f64>>;
 
 /// An array with its strides over the samples.
 type Strided<'py> = (PyReadonlyArrayDyn<'py, f64>, Cow<'static, [usize]>);
 
-/// The end at which the torque is given, torque, speed, acceleration, and the inertias with their
-/// shafts.
+/// The end at which the torque is given, torque, speed, acceleration, and pairs of a shaft and its
+/// inertia.
 type LoadArrays = (PyBackedStr, Spread, Spread, Spread, Vec<(usize, Spread)>);
 
 /// The drive angles of a run.
@@ -58,7 +55,7 @@ impl DriveSweep {
     #[classattr]
     const LONGEST: usize = Sweep::LONGEST;
 
-    /// From `start` to `stop` if these are given, else `count` steps of `per_turn` to a turn.
+    /// From `start` to `stop` if these are given, otherwise `count` steps of `per_turn` to a turn.
     #[new]
     fn new(ends: Option<(f64, f64)>, count: usize, per_turn: usize) -> PyResult<Self> {
         let sweep = match ends {
@@ -68,7 +65,7 @@ impl DriveSweep {
         sweep.map(Self).map_err(|error| value_error(&error))
     }
 
-    /// The angles from `first` on, each the nearest double.
+    /// The angles from `first` on, each rounded to a double.
     fn fill(&self, first: usize, mut out: PyReadwriteArray1<'_, f64>) -> PyResult<()> {
         for (i, angle) in slice_mut("out", &mut out)?.iter_mut().enumerate() {
             *angle = self.0.at(first + i);
@@ -77,7 +74,7 @@ impl DriveSweep {
     }
 }
 
-/// The steps for one set of outputs, and the drivelines they are for.
+/// The steps for one set of outputs and the drivelines that they evaluate.
 #[pyclass(frozen, name = "Plan", module = "cardan._core")]
 pub(crate) struct NativePlan {
     steps: Plan,
@@ -85,21 +82,21 @@ pub(crate) struct NativePlan {
     reduction: Option<Reduction>,
     /// Whether results are in single precision.
     single: bool,
-    /// Number of planes of results.
+    /// The number of planes of the results.
     results: usize,
     lines: Py<Lines>,
-    /// What its load is read from, with what messages call it: torque, speed, acceleration, and the
-    /// inertias of these shafts.
+    /// The arrays of the load with their names in messages: torque, speed, acceleration, and the
+    /// inertias of the shafts in `inertias`.
     load: Vec<(&'static str, Spread)>,
     inertias: Vec<usize>,
-    /// What is folded of the only driveline.
+    /// The folded constants of a single driveline.
     constants: Option<FoldedDriveline>,
 }
 
 #[pymethods]
 impl NativePlan {
-    /// The end of the load is `"drive"` or `"output"`; its arrays are read when the plan runs. Without
-    /// a tolerance the arithmetic is that of the results, `single` or double.
+    /// The end of the load is `"drive"` or `"output"`; its arrays are read when the plan runs.
+    /// Without a tolerance the arithmetic is that of the results, single or double precision.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call, named by the caller")]
     fn new(
@@ -125,7 +122,7 @@ impl NativePlan {
             }
         }
         let items = shaft_items.len().saturating_add(joint_items.len());
-        room(lines.get().joints().saturating_add(items).saturating_mul(1024))?;
+        check_memory(lines.get().joints().saturating_add(items).saturating_mul(1024))?;
         let outputs = outputs.iter().map(|name| quantity(&name.extract::<PyBackedStr>()?));
         let outputs = outputs.collect::<PyResult<Vec<_>>>()?;
         let request = Request {
@@ -165,8 +162,8 @@ impl NativePlan {
         })
     }
 
-    /// The steps taken and skipped, in words, over samples of a shape that the drivelines and the angles
-    /// broadcast to; the angles are those of a sweep, if one is given.
+    /// A description of the steps taken and skipped, for samples of a shape to which the drivelines
+    /// and the angles broadcast. The angles are those of `sweep` if it is given.
     fn explain(
         &self,
         py: Python<'_>,
@@ -193,12 +190,13 @@ impl NativePlan {
         })
     }
 
-    /// Fills the arrays of `out`, which hold the planes one after another, or a new array of all planes,
-    /// and returns what is filled. Returns `None` where the angles or an array of `out` are not aligned
-    /// and in C order, or one of `out` is read-only or in use, by another call or as what this one
-    /// reads.
+    /// Fills the arrays of `out`, which hold the planes one after another, or a new array, and
+    /// returns what it has filled. Returns `None` if the angles or an array of `out` are not
+    /// aligned and in C order, or if an array of `out` is read-only or borrowed by another call or
+    /// as an input of this one.
     ///
-    /// Without a shape the samples are those of the angles, and nothing else changes among them.
+    /// Without a shape, the samples have the shape of the angles, and only the angle changes among
+    /// them.
     fn run<'py>(
         &self,
         py: Python<'py>,
@@ -224,7 +222,7 @@ impl NativePlan {
             AngleArgument::Sweep(_) => &[count],
         };
         let shape = shape.map(|shape| numbers(shape.iter())).transpose()?;
-        // Where nothing else changes, the samples are one row, whatever the shape of the angles.
+        // If only the angle changes, the samples are one row, whatever the shape of the angles.
         let (own, shape, rows) = match &shape {
             Some(shape) => (own, shape.as_slice(), shape.as_slice()),
             None => (&[count][..], &[count][..], own),
@@ -282,7 +280,7 @@ impl NativePlan {
         self.load.iter().map(read).collect()
     }
 
-    /// The load that these arrays hold, if there is one.
+    /// The load from these arrays, if there is one.
     fn load_of<'a>(&self, arrays: &'a [Strided<'_>]) -> PyResult<Option<Load<'a>>> {
         if arrays.is_empty() {
             return Ok(None);
@@ -301,7 +299,7 @@ impl NativePlan {
         }))
     }
 
-    /// Runs or reduces: at once if it is brief, watched if it is long.
+    /// Runs or reduces: directly if the run is brief, interruptibly if it is long.
     fn execute(
         &self,
         py: Python<'_>,
@@ -311,15 +309,16 @@ impl NativePlan {
         workers: Option<usize>,
     ) -> PyResult<()> {
         let total = count(samples.shape)?;
-        let workers = if total < POOLED { workers } else { threads(workers) };
+        let parallel = uses_threads(total);
+        let workers = if parallel { threads(workers) } else { workers };
         let (plan, precision, constants) = (&self.steps, self.precision, self.constants.as_ref());
         let threads = match workers {
-            // The pool is not asked: it may not exist.
+            // This does not query the pool, which may not exist.
             Some(1) => 1,
-            _ if total < POOLED => 1,
+            _ if !parallel => 1,
             _ => rayon::current_num_threads(),
         };
-        room(plan.scratch_bytes(samples, constants.is_some(), self.reduction, threads))?;
+        check_memory(plan.scratch_bytes(samples, constants.is_some(), self.reduction, threads))?;
         let mut run = |stop: Option<&AtomicBool>| {
             let execution = Execution { level, workers, stop };
             match (self.reduction, &mut planes) {
@@ -335,9 +334,9 @@ impl NativePlan {
             }
         };
         let joints = if constants.is_some() { 0 } else { self.lines.get().joints() };
-        let result = if total.saturating_mul(plan.planes() + joints) >= WATCHED {
-            return watched(py, workers, &mut |stop| run(Some(stop)));
-        } else if total < BRIEF {
+        let result = if total.saturating_mul(plan.planes() + joints) >= MIN_INTERRUPTIBLE {
+            return run_interruptible(py, workers, &mut |stop| run(Some(stop)));
+        } else if total < MIN_DETACHED {
             run(None)
         } else {
             py.detach(|| run(None))
@@ -346,8 +345,8 @@ impl NativePlan {
     }
 }
 
-/// Runs `body` with the planes that lie in arrays one after another, and returns the arrays, if they
-/// can be had: no other call may read or write any of them meanwhile.
+/// Runs `body` with the planes, which are stored in arrays one after another, and returns the
+/// arrays. Returns `None` if an array is borrowed by another call or is not in C order.
 fn fill<'py, W: Element>(
     out: Bound<'py, PyList>,
     rows: &[usize],
@@ -371,7 +370,7 @@ fn fill<'py, W: Element>(
     Ok(Some(out.into_any()))
 }
 
-/// A new array of so many planes, each of the given shape, after `body` has filled it.
+/// A new array of `planes` planes, each of the given shape, filled by `body`.
 #[expect(unsafe_code, reason = "NumPy's allocator; a new array needs no look whether it is in use")]
 fn filled<'py, W: Element>(
     py: Python<'py>,
@@ -387,14 +386,15 @@ fn filled<'py, W: Element>(
     let lengths = once(&planes).chain(rows).map(|&length| npy_intp::try_from(length));
     let mut axes = lengths.collect::<Result<Vec<_>, _>>()?;
     let (count, word) = (c_int::try_from(axes.len())?, numpy::dtype::<W>(py).into_dtype_ptr());
-    // SAFETY: there are as many lengths as it says; NumPy takes over the reference to `word`, and
-    // the pointer is a new reference or null with an error set.
+    // SAFETY: `axes` has `count` lengths. NumPy takes over the reference to `word`. The pointer is
+    // a new reference, or null with an exception set.
     let array = unsafe {
         let array = PY_ARRAY_API.PyArray_Empty(py, count, axes.as_mut_ptr(), word, 0);
         Bound::from_owned_ptr_or_err(py, array)?.cast_into::<PyArrayDyn<W>>()?
     };
-    // SAFETY: nobody else has the array. What its words hold is what NumPy's allocator gave, as in an
-    // array that a caller makes by `numpy.empty` and gives to be filled; they are written before they are read.
+    // SAFETY: no one else has a reference to the array. Its words are initialised to whatever
+    // NumPy's allocator returned, as in an array from `numpy.empty` that a caller passes as `out`;
+    // they are written before they are read.
     let words = unsafe { array.as_slice_mut()? };
     body(&mut words.chunks_mut(length.max(1)).collect::<Vec<_>>())?;
     Ok(array.into_any())
@@ -406,10 +406,11 @@ fn elements<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> Option<&'a [f64]> {
     array.as_slice().ok().filter(|_| c_order)
 }
 
-/// Strides, in elements, of an array in C order over the samples, if it broadcasts to their shape.
+/// Strides, in elements, of an array in C order over the samples; `None` if it does not broadcast
+/// to their shape.
 fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
     match (own, shape) {
-        // What small calls have needs no memory.
+        // Small calls need no allocation.
         ([], [_]) => return Some(Cow::Borrowed(&[0])),
         ([own], [count]) if own == count && *own > 1 => return Some(Cow::Borrowed(&[1])),
         _ => {}
@@ -440,12 +441,13 @@ fn misfit(py: Python<'_>, name: &str, own: &[usize], shape: &[usize]) -> PyErr {
     }
 }
 
-/// What is read from lists and tuples is read faster than what is read from any sequence.
+/// Extracts integers; items of lists and tuples are faster to read than those of a general
+/// sequence.
 fn numbers<'py>(items: impl Iterator<Item = Bound<'py, PyAny>>) -> PyResult<Vec<usize>> {
     items.map(|item| item.extract()).collect()
 }
 
-/// An end and what messages call its torque.
+/// An end of the driveline, and the name of its torque in messages.
 fn end(name: &str) -> PyResult<(End, &'static str)> {
     match name {
         "drive" => Ok((End::Drive, "drive_torque")),
@@ -482,8 +484,8 @@ pub(crate) fn levels() -> Vec<&'static str> {
     level::available().into_iter().map(|(name, _)| name).collect()
 }
 
-/// The table of outputs: name, what there is one for, unit, names of the components, and whether it
-/// needs a load.
+/// The table of outputs: name, `"shaft"` or `"joint"`, unit, names of the components, and whether
+/// it needs a load.
 #[pyfunction]
 pub(crate) fn outputs() -> Vec<(&'static str, &'static str, &'static str, Vec<&'static str>, bool)>
 {

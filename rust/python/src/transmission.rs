@@ -1,4 +1,4 @@
-//! How the shafts of a batch of drivelines follow the drive, sample by sample.
+//! Transmissions of a batch of drivelines, sample by sample.
 
 use cardan::Ideal;
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -7,14 +7,14 @@ use pyo3::prelude::*;
 
 use crate::convert::slice;
 use crate::lines::Lines;
-use crate::watch::{reserve, room};
+use crate::watch::{check_memory, reserve};
 
 /// The transmissions to one shaft of each driveline.
-#[pyclass(frozen, module = "cardan._core")]
-pub(crate) struct Transmission(Vec<Ideal>);
+#[pyclass(frozen, name = "Transmission", module = "cardan._core")]
+pub(crate) struct NativeTransmission(Vec<Ideal>);
 
 #[pymethods]
-impl Transmission {
+impl NativeTransmission {
     #[new]
     fn new(py: Python<'_>, lines: &Lines, shaft: usize) -> PyResult<Self> {
         let joints = lines.joints();
@@ -26,7 +26,7 @@ impl Transmission {
         }
         lines.with(py, |lines| {
             let count = lines.bends.len() / joints;
-            room(count.saturating_mul(size_of::<Ideal>()))?;
+            check_memory(count.saturating_mul(size_of::<Ideal>()))?;
             let between = shaft.saturating_sub(1);
             let ideal = |line: usize| {
                 let of = |array: &[f64], each: usize, used: usize| {
@@ -49,8 +49,8 @@ impl Transmission {
         Ok(q.into_pyarray(py))
     }
 
-    /// Angle error, speed, acceleration and jerk ratio of the drivelines with these numbers at these
-    /// drive angles.
+    /// Angle error, speed ratio, acceleration ratio and jerk ratio of the drivelines with these
+    /// numbers at these drive angles.
     fn motion<'py>(
         &self,
         py: Python<'py>,
@@ -63,7 +63,7 @@ impl Transmission {
         })
     }
 
-    /// Their derivatives by `q`.
+    /// The derivatives of these quantities with respect to `q`.
     fn gradient<'py>(
         &self,
         py: Python<'py>,
@@ -82,7 +82,7 @@ impl Transmission {
     }
 }
 
-impl Transmission {
+impl NativeTransmission {
     fn columns<'py, N: numpy::Element>(
         &self,
         py: Python<'py>,

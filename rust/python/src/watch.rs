@@ -1,5 +1,5 @@
-//! Long work with the interpreter released: signals such as Ctrl-C are looked for meanwhile, and
-//! memory is asked for before the core takes it.
+//! Long work with the interpreter released. Signals such as Ctrl-C are checked meanwhile, and
+//! memory is checked before the core allocates it.
 
 use std::hint::black_box;
 use std::sync::OnceLock;
@@ -14,23 +14,23 @@ use pyo3::prelude::*;
 
 use crate::convert::value_error;
 
-/// How often signals are looked for.
-const GLANCE: Duration = Duration::from_millis(50);
+/// The interval between checks for signals.
+const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Memory that is there without asking: allocations of this size come from what the process has.
+/// Allocations up to this size are not checked; they come from memory that the process already has.
 const SMALL: usize = 1 << 20;
 
-/// At most so many threads: one where the pool cannot be made.
+/// The most threads to use; one if the thread pool cannot be created.
 pub(crate) fn threads(workers: Option<usize>) -> Option<usize> {
     static POOL: OnceLock<bool> = OnceLock::new();
     let made = || rayon::ThreadPoolBuilder::new().build_global().is_ok();
     if workers == Some(1) || *POOL.get_or_init(made) { workers } else { Some(1) }
 }
 
-/// Runs work of some milliseconds or more on other threads, while this one, on which Python handles
-/// signals, waits for it and for them. A signal whose handler raises sets the flag that the work
-/// gets, and is raised when the work has ended.
-pub(crate) fn watched(
+/// Runs work of some milliseconds or more on other threads. This thread, on which Python handles
+/// signals, waits for them and checks for signals. If a signal handler raises, the work's stop flag
+/// is set, and the exception is raised after the work has ended.
+pub(crate) fn run_interruptible(
     py: Python<'_>,
     workers: Option<usize>,
     work: &mut (dyn FnMut(&AtomicBool) -> Result<()> + Send),
@@ -42,7 +42,7 @@ pub(crate) fn watched(
         #[expect(clippy::redundant_closure_for_method_calls, reason = "not for every lifetime")]
         let wait = || {
             let mut raised = None;
-            while end.recv_timeout(GLANCE) == Err(RecvTimeoutError::Timeout) {
+            while end.recv_timeout(SIGNAL_INTERVAL) == Err(RecvTimeoutError::Timeout) {
                 if raised.is_none()
                     && let Some(Err(error)) = Python::try_attach(|py| py.check_signals())
                 {
@@ -53,12 +53,12 @@ pub(crate) fn watched(
             raised
         };
         let job = || {
-            // Dropped at the end, however it comes.
+            // Dropped when the work ends, even by a panic.
             let _ended = ended;
             result = Some(work(&stop));
         };
         let raised = if workers == Some(1) {
-            // Without the pool, which a forked process does not have.
+            // This avoids the pool, which a forked process does not have.
             thread::scope(|scope| {
                 thread::Builder::new().spawn_scoped(scope, job).ok().and_then(|_| wait())
             })
@@ -68,7 +68,7 @@ pub(crate) fn watched(
                 wait()
             })
         };
-        // On this thread where there is no other.
+        // If no other thread could be created, this one does the work.
         (result.unwrap_or_else(|| work(&stop)), raised)
     });
     match raised {
@@ -77,20 +77,20 @@ pub(crate) fn watched(
     }
 }
 
-/// Asks for memory and gives it back. Rust ends the process where there is none; this is how a call
-/// finds out before.
-pub(crate) fn room(bytes: usize) -> PyResult<()> {
+/// Allocates memory and frees it. Rust aborts the process if an allocation fails; this check raises
+/// an exception first.
+pub(crate) fn check_memory(bytes: usize) -> PyResult<()> {
     if bytes < SMALL {
         return Ok(());
     }
     let mut memory = Vec::<u8>::new();
     let found = memory.try_reserve_exact(bytes);
-    // What nobody looks at the compiler would not ask for.
+    // Otherwise the compiler could remove the unused allocation.
     black_box(&memory);
     found.map_err(|_| no_memory(bytes))
 }
 
-/// Makes room for so many elements.
+/// Reserves memory for `count` elements.
 pub(crate) fn reserve<N>(array: &mut Vec<N>, count: usize) -> PyResult<()> {
     let bytes = count.saturating_mul(size_of::<N>());
     array.try_reserve_exact(count).map_err(|_| no_memory(bytes))

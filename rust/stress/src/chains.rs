@@ -8,8 +8,8 @@
 //!
 //! `n` joints, `K` the sum of their `tan²(β/2)`, at most 1, whose sines and cosines are within 2⁻⁶²,
 //! `A` with the lengths of the pins left in, so that `1/|A|` is what steep joints stretch a rounding
-//! by, and `|∂f/∂q|` at most `1/(1 − k)`, `4/(1 − k)²` and `32/(1 − k)³` for angle, speed ratio and
-//! acceleration ratio. The angle is known to `e = 2⁻⁵²`, with `tolerance=0` to 2⁻⁵⁸, in single
+//! by, and `|∂f/∂q|` at most `1/(1 − k)`, `4/(1 − k)²`, `32/(1 − k)³` and `384/(1 − k)⁴` for angle, speed
+//! ratio, acceleration ratio and jerk ratio. The angle is known to `e = 2⁻⁵²`, with `tolerance=0` to 2⁻⁵⁸, in single
 //! precision to 2⁻²³.
 
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -25,11 +25,12 @@ use crate::samples::{Kind, Random};
 /// Angles for each chain.
 const ANGLES: usize = 50;
 
-const MOTION: [(Quantity, Output); 4] = [
+pub(crate) const MOTION: [(Quantity, Output); 5] = [
     (Quantity::Angle, Output::Angle),
     (Quantity::AngleError, Output::AngleError),
     (Quantity::SpeedRatio, Output::SpeedRatio),
     (Quantity::AccelerationRatio, Output::AccelerationRatio),
+    (Quantity::JerkRatio, Output::JerkRatio),
 ];
 
 /// A driveline's bends, twists and phases.
@@ -99,8 +100,8 @@ impl Shape {
 pub(crate) struct Chains {
     pub(crate) shape: Shape,
     pub(crate) judged: u64,
-    pub(crate) off: [[f64; 4]; 4],
-    pub(crate) place: [[String; 4]; 4],
+    pub(crate) off: [[f64; 5]; 4],
+    pub(crate) place: [[String; 5]; 4],
 }
 
 /// At least so many samples of each kind.
@@ -110,7 +111,7 @@ pub(crate) fn run(seed: u64, samples: u64) -> Vec<Chains> {
         .into_iter()
         .map(|shape| {
             let mut found =
-                Chains { shape, judged: 0, off: [[0.0; 4]; 4], place: Default::default() };
+                Chains { shape, judged: 0, off: [[0.0; 5]; 4], place: Default::default() };
             while found.judged < samples {
                 let line = shape.line(&mut random);
                 judge(&line, &mut random, &mut found);
@@ -146,7 +147,7 @@ fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
         Tier::Default => Precision::Double,
         Tier::Loose | Tier::Float32 => Precision::Single,
     };
-    let mut planes = vec![vec![f64::NAN; angles.len()]; 4];
+    let mut planes = vec![vec![f64::NAN; angles.len()]; MOTION.len()];
     let mut views: Vec<_> = planes.iter_mut().map(Vec::as_mut_slice).collect();
     plan.run(&samples, None, precision, Planes::Double(&mut views), Execution::default())
         .expect("the arrays fit");
@@ -159,8 +160,11 @@ fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
     let angles: Vec<f64> = (0..ANGLES).map(|_| Kind::Random.angle(random, 0.0, &[])).collect();
     let (gap, k) = (chain.gap(), chain.k);
     let fold = n * 2_f64.powi(-60) * chain.total.min(1.0) / chain.length();
-    let folds = [fold / gap, fold / gap, 4.0 * fold / gap.powi(2), 32.0 * fold / gap.powi(3)];
-    let largest = [2.0 * PI, k.min(1.0).asin(), (1.0 + k) / gap, 8.0 * k / gap.powi(2)];
+    let [slow, fast, faster] =
+        [(4.0, 2), (32.0, 3), (384.0, 4)].map(|(x, n)| x * fold / gap.powi(n));
+    let folds = [fold / gap, fold / gap, slow, fast, faster];
+    let (steepest, jerkiest) = (8.0 * k / gap.powi(2), 8.0 * k * (1.0 + k) / gap.powi(3));
+    let largest = [2.0 * PI, k.min(1.0).asin(), (1.0 + k) / gap, steepest, jerkiest];
     let exact: Vec<_> = angles.iter().map(|&x| chain.motion(&Turn::by(&[x]))).collect();
     for tier in Tier::ALL {
         if tier == Tier::Float32 {
@@ -174,7 +178,8 @@ fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
         };
         for (q, plane) in planes.iter().enumerate() {
             for ((&angle, (motion, rates)), &got) in angles.iter().zip(&exact).zip(plane) {
-                let want = [motion.angle, motion.error, motion.ratio, motion.acceleration][q];
+                let want =
+                    [motion.angle, motion.error, motion.ratio, motion.acceleration, motion.jerk][q];
                 // The angle may be small where the drive and the error cancel.
                 let ulp = if q == 0 { want.ulp().max(motion.error.ulp()) } else { want.ulp() };
                 let unit = if tier.is_single() {

@@ -40,6 +40,7 @@ pub(crate) struct Motion {
     pub(crate) error: Wide,
     pub(crate) ratio: Wide,
     pub(crate) acceleration: Wide,
+    pub(crate) jerk: Wide,
 }
 
 /// One joint.
@@ -66,7 +67,7 @@ impl Joint {
     }
 
     /// `angle error = arg(1 − k e^{−2iα})`, `speed ratio = (1 − k²)/(1 − 2k cos 2α + k²)`, and its
-    /// derivative.
+    /// derivatives by the rule of the quotient.
     pub(crate) fn motion(&self, at: &Turn) -> Motion {
         let s2 = at.s.square();
         let k_sin = (at.s * at.c).scaled(2.0) * self.k;
@@ -75,7 +76,20 @@ impl Joint {
         let error = atan2(k_sin, self.gap + k_s2.scaled(2.0));
         let ratio = self.complement / across;
         let acceleration = -(k_sin.scaled(4.0) * ratio / across);
-        Motion { angle: at.angle + error, error, ratio, acceleration }
+        let k_cos = (at.c.square() - s2) * self.k;
+        let jerk = quotient_curvature(ratio, across, k_sin.scaled(4.0), k_cos.scaled(8.0));
+        Motion { angle: at.angle + error, error, ratio, acceleration, jerk }
+    }
+
+    /// The larger of the two terms whose difference is the jerk ratio: those of
+    /// `sin⁴ α + 3 sin² β sin² α cos² α − cos² β cos⁴ α`, times what stands before it.
+    pub(crate) fn jerk_term(&self, at: &Turn) -> Wide {
+        let [s2, c2, sin2, cos2] = [at.s, at.c, self.sin, self.cos].map(Wide::square);
+        let plus = s2 * (s2 + sin2 * c2 * 3.0);
+        let minus = cos2 * c2.square();
+        let larger = if plus.high > minus.high { plus } else { minus };
+        let across = c2 * cos2 + s2;
+        (self.cos * sin2 * larger).scaled(2.0) / (across * across.square())
     }
 
     /// The largest acceleration ratio, where `cos 2α = (−p + √(p² + 8))/2`, `p = (1 + k²)/(2k)`.
@@ -115,6 +129,13 @@ impl Joint {
         let cosine = (at.s.square() + (self.cos * at.c).square()).sqrt();
         [atan2(self.sin * at.s, self.cos), atan2(sine, cosine)]
     }
+}
+
+/// The second derivative of a quotient with this value whose denominator alone changes, from the
+/// denominator and its first two derivatives.
+fn quotient_curvature(value: Wide, denominator: Wide, slope: Wide, curvature: Wide) -> Wide {
+    let relative = slope / denominator;
+    value * (relative.square().scaled(2.0) - curvature / denominator)
 }
 
 /// A chain of joints.
@@ -169,7 +190,7 @@ impl Chain {
 
     /// Motion of the last shaft, and how fast each quantity changes with the drive angle (the
     /// angle's part is that of its error).
-    pub(crate) fn motion(&self, at: &Turn) -> (Motion, [f64; 4]) {
+    pub(crate) fn motion(&self, at: &Turn) -> (Motion, [f64; 5]) {
         let w = Complex { re: at.c, im: at.s };
         let (aw, bw) = (self.a * w, self.b * w.conj());
         let square = (aw + bw).norm_squared();
@@ -180,7 +201,13 @@ impl Chain {
         let acceleration = -(ratio / square * side.im).scaled(4.0);
         let (r, a) = (ratio.high, acceleration.high);
         let steep = 2.0 * a * a / r + 8.0 * r * side.re.high / square.high;
-        let motion = Motion { angle: at.angle + error, error, ratio, acceleration };
-        (motion, [(r - 1.0).abs(), (r - 1.0).abs(), a.abs(), steep.abs()])
+        // The squared length differentiated: `4 Im`, `−8 Re` and `−16 Im` of the product.
+        let (slope, curvature) = (side.im.scaled(4.0), side.re.scaled(-8.0));
+        let jerk = quotient_curvature(ratio, square, slope, curvature);
+        let [slope, curvature, third] =
+            [slope, curvature, side.im.scaled(-16.0)].map(|x| x.high / square.high);
+        let snap = r * (6.0 * slope * curvature - third - 6.0 * slope.powi(3));
+        let motion = Motion { angle: at.angle + error, error, ratio, acceleration, jerk };
+        (motion, [(r - 1.0).abs(), (r - 1.0).abs(), a.abs(), steep.abs(), snap.abs()])
     }
 }

@@ -39,20 +39,21 @@ struct Block {
 struct Exact {
     /// The results, a component at a time.
     components: Vec<Vec<Wide>>,
-    /// The unit of errors in ulp: that of a vector's largest component.
+    /// The unit of errors in ulp: that of a vector's largest component, and of the larger term of a
+    /// difference.
     ulp: Vec<f64>,
     /// The largest over a turn.
     largest: Vec<f64>,
 }
 
 impl Exact {
-    fn put(&mut self, numbers: &[Wide], largest: f64) {
+    fn put(&mut self, numbers: &[Wide], terms: &[Wide], largest: f64) {
         self.components.resize_with(numbers.len(), Vec::new);
         for (component, &number) in self.components.iter_mut().zip(numbers) {
             component.push(number);
         }
         let by_size = |a: &&Wide, b: &&Wide| a.high.abs().total_cmp(&b.high.abs());
-        self.ulp.push(numbers.iter().max_by(by_size).map_or(0.0, |x| x.ulp()));
+        self.ulp.push(terms.iter().max_by(by_size).map_or(0.0, |x| x.ulp()));
         self.largest.push(largest);
     }
 }
@@ -83,6 +84,8 @@ impl Block {
             (Q::AngleError, &[motion.error], joint.k.high.min(1.0).asin()),
             (Q::SpeedRatio, &[motion.ratio], 1.0 / cos),
             (Q::AccelerationRatio, &[motion.acceleration], steepest),
+            // The series of cosines with coefficients of one sign is largest where all are 1.
+            (Q::JerkRatio, &[motion.jerk], 2.0 * tan * tan / cos),
             (Q::TorqueDriven, &[Wide::from(torque) / motion.ratio], size / cos),
             (Q::TorqueDriving, &[motion.ratio * torque], size / cos),
             (Q::TorqueFlywheel, &[motion.acceleration * torque], size * steepest),
@@ -94,7 +97,8 @@ impl Block {
             (Q::TiltDriving, &[tilt_driving], sample.bend),
             (Q::TiltDriven, &[tilt_driven], sample.bend),
         ] {
-            self.exact[quantity as usize].put(numbers, largest);
+            let terms = if quantity == Q::JerkRatio { &[joint.jerk_term(at)] } else { numbers };
+            self.exact[quantity as usize].put(numbers, terms, largest);
         }
         self.rows.push(rows_of(&sample, self.kind));
         self.samples.push(sample);
@@ -189,6 +193,14 @@ const JOBS: &[Job] = {
         motion(&[Output::AngleError], &[plane(Q::AngleError)]),
         motion(&[Output::SpeedRatio], &[plane(Q::SpeedRatio)]),
         motion(&[Output::AccelerationRatio], &[plane(Q::AccelerationRatio)]),
+        motion(&[Output::JerkRatio], &[plane(Q::JerkRatio)]),
+        motion(
+            &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio, Output::JerkRatio],
+            &[
+                plane(Q::AngleError), plane(Q::SpeedRatio), plane(Q::AccelerationRatio),
+                plane(Q::JerkRatio),
+            ],
+        ),
         Job {
             outputs: &[
                 Output::Torque, Output::SupportMoment, Output::Moment, Output::BendingDriving,

@@ -12,6 +12,7 @@ pub(crate) enum Quantity {
     AngleError,
     SpeedRatio,
     AccelerationRatio,
+    JerkRatio,
     TorqueDriven,
     TorqueDriving,
     TorqueFlywheel,
@@ -25,11 +26,12 @@ pub(crate) enum Quantity {
 }
 
 impl Quantity {
-    pub(crate) const ALL: [Self; 14] = [
+    pub(crate) const ALL: [Self; 15] = [
         Self::Angle,
         Self::AngleError,
         Self::SpeedRatio,
         Self::AccelerationRatio,
+        Self::JerkRatio,
         Self::TorqueDriven,
         Self::TorqueDriving,
         Self::TorqueFlywheel,
@@ -48,6 +50,7 @@ impl Quantity {
             Self::AngleError => "angle_error",
             Self::SpeedRatio => "speed_ratio",
             Self::AccelerationRatio => "acceleration_ratio",
+            Self::JerkRatio => "jerk_ratio",
             Self::TorqueDriven => "torque of the driven shaft",
             Self::TorqueDriving => "torque of the driving shaft",
             Self::TorqueFlywheel => "torque of a flywheel",

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::angle::sin_cos;
-use crate::chains::Chains;
+use crate::chains::{Chains, MOTION};
 use crate::exact::{Chain, Joint, Turn};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
 use crate::points::{self, Points};
@@ -82,7 +82,7 @@ impl Report<'_> {
         }
         for chains in self.chains {
             for tier in Tier::ALL {
-                for (q, quantity) in Quantity::ALL[..4].iter().enumerate() {
+                for (q, (quantity, _)) in MOTION.iter().enumerate() {
                     let off = chains.off[tier as usize][q];
                     if off > tier.chain_limit(*quantity) {
                         let place = &chains.place[tier as usize][q];
@@ -193,7 +193,7 @@ impl Report<'_> {
         text.push_str("\n## Chains\n\n");
         text.push_str(include_str!("../chains.md"));
         text.push('\n');
-        let motion = Quantity::ALL[..4].iter().map(|q| q.name().to_string());
+        let motion = MOTION.iter().map(|(quantity, _)| quantity.name().to_string());
         text.push_str(&head("chains", ["tier".to_string()].into_iter().chain(motion)));
         for chains in self.chains {
             for tier in &Tier::ALL[..3] {
@@ -268,6 +268,7 @@ pub(crate) fn oracle(count: u64) {
             ("angle_error", motion.error),
             ("speed_ratio", motion.ratio),
             ("acceleration_ratio", motion.acceleration),
+            ("jerk_ratio", motion.jerk),
             ("moment y", joint.moment(&at)[1]),
             ("moment z", joint.moment(&at)[2]),
             ("support x", joint.supports(&at)[1][0]),
@@ -294,6 +295,7 @@ pub(crate) fn oracle(count: u64) {
                 ("angle_error", motion.error),
                 ("speed_ratio", motion.ratio),
                 ("acceleration_ratio", motion.acceleration),
+                ("jerk_ratio", motion.jerk),
             ] {
                 println!("{name}: {}", words(x));
             }

@@ -17,7 +17,7 @@ fn the_short_form_passes() {
 #[test]
 fn a_few_wrong_ulps_are_found() {
     for (ulps, outputs) in [
-        (2, &["angle", "angle_error", "speed_ratio", "acceleration_ratio"][..]),
+        (2, &["angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio"][..]),
         (2, &["tilt_driving", "tilt_driven"]),
         (3, &["torque of the driven shaft", "torque of the driving shaft", "torque of a flywheel"]),
         (3, &["bending_driving", "bending_driven"]),

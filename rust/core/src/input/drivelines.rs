@@ -1,24 +1,24 @@
-//! A batch of drivelines as flat arrays.
+//! Batches of drivelines as flat arrays.
 
 use crate::error::{Error, Result};
 
-/// A batch of drivelines with the same number of joints, as flat arrays.
+/// A batch of drivelines with the same number `n` of joints, as flat arrays in C order.
 #[derive(Clone, Copy, Debug)]
 pub struct Drivelines<'a> {
-    /// `(…, n)`.
+    /// Bend of each joint in rad, `(…, n)`.
     pub bends: &'a [f64],
-    /// `(…, n − 1)`.
+    /// Twist of each intermediate shaft in rad, `(…, n − 1)`.
     pub twists: &'a [f64],
-    /// `(…, n − 1)`.
+    /// Phase of each intermediate shaft in rad, `(…, n − 1)`.
     pub phases: &'a [f64],
-    /// `(…, n + 1, 3)`.
+    /// Unit vector along each shaft, `(…, n + 1, 3)`.
     pub directions: &'a [f64],
-    /// `(…, n, 3)`.
+    /// Unit normal of each bend plane, `(…, n, 3)`.
     pub normals: &'a [f64],
 }
 
 impl Drivelines<'_> {
-    /// The number of drivelines, after a look whether the arrays fit together.
+    /// Checks that the arrays fit together; returns the number of drivelines.
     pub(crate) fn check(&self, n: usize) -> Result<usize> {
         let count = self.bends.len() / n;
         let lengths = [
@@ -40,7 +40,8 @@ impl Drivelines<'_> {
         Ok(count)
     }
 
-    /// The largest bend of each of the `joints` over the batch; one with none is straight throughout.
+    /// The largest bend of each of the `joints` over the batch, in rad. Zero means that the joint
+    /// is straight in every driveline.
     pub fn largest_bends(&self, joints: usize) -> Vec<f64> {
         let mut largest = vec![0.0_f64; joints];
         for line in self.bends.chunks_exact(joints) {

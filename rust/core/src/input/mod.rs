@@ -1,4 +1,4 @@
-//! What a run reads: drivelines, drive angles, loads.
+//! The input of a run: drivelines, drive angles and loads.
 
 pub mod drivelines;
 pub mod samples;

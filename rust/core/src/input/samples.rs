@@ -1,9 +1,9 @@
-//! The samples of a run: drivelines, angles and loads, each broadcast over them.
+//! The samples of a run: drivelines, angles and loads, each broadcast to the shape of the samples.
 
 use crate::input::drivelines::Drivelines;
 use crate::input::sweep::Sweep;
 
-/// A flat array broadcast over the samples: sample `(i_0, i_1, …)` holds element `Σ i_k stride_k`.
+/// A flat array broadcast to the samples: sample `(i_0, i_1, …)` holds element `Σ i_k stride_k`.
 #[derive(Clone, Debug)]
 pub struct Source<'a> {
     /// The elements.
@@ -21,31 +21,31 @@ pub enum Angles<'a> {
     Sweep(Sweep),
 }
 
-/// The load on a driveline; torque in N·m, speed in rad/s, acceleration in rad/s², inertias in
-/// kg·m² with the shaft they belong to.
+/// The load on a driveline: torque in N·m, speed in rad/s, acceleration in rad/s², and inertias in
+/// kg·m², each with the number of its shaft.
 #[derive(Clone, Debug)]
 pub struct Load<'a> {
-    /// The torque at the end that the plan names.
+    /// The torque at the end given in the plan's request.
     pub torque: Source<'a>,
-    /// Speed of the drive.
+    /// The speed of shaft 0.
     pub speed: Source<'a>,
-    /// Acceleration of the drive.
+    /// The acceleration of shaft 0.
     pub acceleration: Source<'a>,
-    /// Inertia of each shaft that the plan counts.
+    /// The inertia of each shaft in the request's `inertias`.
     pub inertias: Vec<(usize, Source<'a>)>,
 }
 
-/// Everything that one run reads: the shape of the samples and what each sample sees.
+/// The complete input of one run.
 #[derive(Clone, Debug)]
 pub struct Samples<'a> {
     /// Shape of the samples.
     pub shape: &'a [usize],
     /// The drivelines.
     pub lines: Drivelines<'a>,
-    /// Strides of the samples over the drivelines.
+    /// One stride per axis of the samples, in drivelines.
     pub line_strides: &'a [usize],
     /// The drive angles.
     pub angle: Angles<'a>,
-    /// The load, if the plan carries one.
+    /// The load; required if the plan has one.
     pub load: Option<Load<'a>>,
 }

@@ -1,4 +1,4 @@
-//! Uniform sweeps of the drive: angles that need no array.
+//! Uniform sweeps of the drive angle, which need no array.
 
 use std::f64::consts::TAU;
 use std::slice::from_ref;
@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 use crate::number::double_double::DoubleDouble;
 use crate::number::reduction::{self, HALF_PI, ROUNDING};
 
-/// Drive angles at equal steps, exact: sample `i` is at `start + i · step` itself and not at a
-/// double beside it.
+/// Drive angles at equal steps. Sample `i` is at exactly `start + i · step`, not at the nearest
+/// double.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sweep {
     start: DoubleDouble,
@@ -19,16 +19,16 @@ pub struct Sweep {
 }
 
 impl Sweep {
-    /// The largest angle, in rad.
+    /// The largest angle at either end, in rad.
     pub const FARTHEST: f64 = 1e12;
 
-    /// The largest number of samples: sample numbers times four are exact doubles.
+    /// The largest number of samples; four times a sample number is still an exact double.
     pub const LONGEST: usize = 1 << 50;
 
-    /// `count` angles from `start` to `stop`, both included; a single one is `start`.
+    /// `count` angles in rad from `start` to `stop`, both included; a single angle is `start`.
     ///
     /// # Errors
-    /// No angles, or more than [`Sweep::LONGEST`]; an end that is not finite or beyond
+    /// `count` is zero or exceeds [`Sweep::LONGEST`]; an end is not finite or exceeds
     /// [`Sweep::FARTHEST`].
     pub fn new(start: f64, stop: f64, count: usize) -> Result<Self> {
         for (name, end) in [("start", start), ("stop", stop)] {
@@ -43,7 +43,7 @@ impl Sweep {
         Ok(Self { start: DoubleDouble::exact(start), step: step.rounded(), count, per_turn: None })
     }
 
-    /// `count` angles from 0 on, `per_turn` to a turn.
+    /// `count` angles from 0 on, `per_turn` of them to a turn.
     ///
     /// ```
     /// let sweep = cardan::Sweep::of_turns(1440, 720)?;
@@ -52,7 +52,7 @@ impl Sweep {
     /// ```
     ///
     /// # Errors
-    /// No angles or none to a turn, or more than [`Sweep::LONGEST`].
+    /// `count` or `per_turn` is zero or exceeds [`Sweep::LONGEST`].
     pub fn of_turns(count: usize, per_turn: usize) -> Result<Self> {
         check_count("turns", count)?;
         check_count("samples", per_turn)?;
@@ -71,26 +71,26 @@ impl Sweep {
         from_ref(&self.start.high)
     }
 
-    /// The step, the nearest double.
+    /// The step, rounded to a double.
     pub(crate) fn step(&self) -> f64 {
         self.step.value()
     }
 
-    /// Angle of sample `i`, the nearest double.
+    /// Angle of sample `i` in rad, rounded to a double.
     pub fn at(&self, i: usize) -> f64 {
         self.angle(i as f64).value()
     }
 
-    /// After how many samples the pins stand as before: up to their sense, or with it.
+    /// The number of samples after which the pins repeat, with their sense or up to it.
     pub(crate) fn period(&self, sensed: bool) -> Option<usize> {
         let per_turn = self.per_turn? as usize;
         Some(if sensed || per_turn % 2 == 1 { per_turn } else { per_turn / 2 })
     }
 
-    /// Sample `i`, a whole number.
+    /// Angle of sample `i`, a whole number.
     #[inline(always)]
     pub(crate) fn angle(&self, i: f64) -> DoubleDouble {
-        self.start + self.turned(i)
+        self.start + self.turn_after(i)
     }
 
     #[inline(always)]
@@ -98,22 +98,23 @@ impl Sweep {
         self.start.high == 0.0
     }
 
-    /// What the drive has turned from the start to sample `i`.
+    /// The rotation of the drive from the first sample to sample `i`.
     #[inline(always)]
-    pub(crate) fn turned(&self, i: f64) -> DoubleDouble {
+    pub(crate) fn turn_after(&self, i: f64) -> DoubleDouble {
         let DoubleDouble { high, low } = DoubleDouble::two_product(i, self.step.high);
         DoubleDouble { high, low: i.mul_add(self.step.low, low) }
     }
 
-    /// The samples in a quarter turn, and the number of the sample at zero, both with their fractions.
+    /// The number of samples in a quarter turn, and the number of the sample at angle zero, both
+    /// with their fractions.
     #[inline(always)]
     pub(crate) fn quarter_and_zero(&self) -> [DoubleDouble; 2] {
         [DoubleDouble::new(HALF_PI[0], HALF_PI[1]) / self.step, -self.start / self.step]
     }
 
-    /// The sweep of twice the angles.
+    /// The sweep over twice the angles.
     #[inline(always)]
-    pub(crate) fn twice(&self) -> Self {
+    pub(crate) fn double_angle(&self) -> Self {
         Self {
             start: self.start.scaled(2.0),
             step: self.step.scaled(2.0),
@@ -122,7 +123,7 @@ impl Sweep {
         }
     }
 
-    /// How to find the remainder of sample `i` to the nearest multiple of π/2, and the multiple.
+    /// The reduction of the sweep's angles to multiples of π/2.
     #[inline(always)]
     pub(crate) fn reduction(&self) -> AngleReduction {
         match self.per_turn {
@@ -136,12 +137,12 @@ impl Sweep {
     }
 }
 
-/// A way from sample numbers to remainders.
+/// How the remainder of a sample is computed from its number.
 #[derive(Clone, Copy)]
 pub(crate) enum AngleReduction {
-    /// In halves of a quarter of a step at the least, so that nothing is rounded before the end.
+    /// In units of a quarter step, counted exactly, so that only the end result is rounded.
     OfTurns { per_turn: f64, inverse: f64, quarter: DoubleDouble },
-    /// By way of the angle.
+    /// From the angle.
     OfAngles(Sweep),
 }
 
@@ -165,7 +166,7 @@ impl AngleReduction {
         reduction::reduce_double_double(sweep.angle(i))
     }
 
-    /// The same for one sample, whichever way.
+    /// Remainder and multiple for sample `i`, with either reduction.
     #[inline(always)]
     pub(crate) fn of(&self, i: f64) -> (DoubleDouble, u64) {
         match *self {

@@ -1,4 +1,4 @@
-//! Samples as a table of rows: axes over which every array keeps its step are merged.
+//! Samples as a table of rows.
 
 use std::borrow::Cow;
 use std::iter::once;
@@ -8,14 +8,14 @@ use crate::input::drivelines::Drivelines;
 use crate::input::samples::{Angles, Samples, Source};
 use crate::input::sweep::Sweep;
 
-/// The samples as a table of rows: axes over which every source runs on evenly are merged, the
-/// last one is the row.
+/// The samples as a table of rows. Axes over which every array keeps its stride are merged; the
+/// last axis is the row.
 pub(crate) struct Table<'a> {
     pub(crate) lines: Drivelines<'a>,
     shape: Cow<'a, [usize]>,
-    /// Strides over the drivelines.
+    /// Strides of the drivelines.
     pub(crate) line: Cow<'a, [usize]>,
-    /// The sweep that stands for the column of angles.
+    /// The sweep that replaces the column of angles.
     pub(crate) sweep: Option<Sweep>,
     pub(crate) columns: Vec<TableColumn<'a>>,
     /// Column of each shaft's inertia, if there is a load.
@@ -28,17 +28,17 @@ pub(crate) const TORQUE: usize = 1;
 pub(crate) const SPEED: usize = 2;
 pub(crate) const ACCELERATION: usize = 3;
 
-/// What messages call the columns; those that follow are inertias.
+/// The names of the columns in messages; all later columns are inertias.
 const NAMES: [&str; 4] = ["angle", "torque", "speed", "acceleration"];
 
 /// How the geometry changes over the samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum GeometryVariation {
-    /// Not at all.
+    /// It does not change.
     One,
-    /// From row to row.
+    /// It changes from row to row.
     ByRow,
-    /// Along the rows.
+    /// It changes along the rows.
     BySample,
 }
 
@@ -55,13 +55,13 @@ impl<'a> TableColumn<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The samples of drivelines of so many joints in as few and long rows as they have; `loaded`
-    /// plans need a load.
+    /// A table with as few and as long rows as possible, for drivelines of `joints` joints.
+    /// `loaded` plans need a load.
     pub(crate) fn new(joints: usize, loaded: bool, samples: &'a Samples<'a>) -> Result<Self> {
         Self::merged(joints, loaded, samples, samples.shape.len())
     }
 
-    /// The same with the last axis as the row.
+    /// The same, with the last axis of the samples as the row.
     pub(crate) fn by_rows(joints: usize, loaded: bool, samples: &'a Samples<'a>) -> Result<Self> {
         Self::merged(joints, loaded, samples, samples.shape.len().saturating_sub(1))
     }
@@ -71,13 +71,13 @@ impl<'a> Table<'a> {
         let count = lines.check(n)?;
         let (angle, sweep) = match &samples.angle {
             Angles::Array(source) => (TableColumn::of(source), None),
-            // One angle that all samples see, as an array's would be.
+            // All samples share one angle, as with an array of one element.
             Angles::Sweep(sweep) if sweep.count() == 1 || samples.shape.last() == Some(&1) => (
                 TableColumn { data: sweep.first(), strides: vec![0; samples.shape.len()].into() },
                 None,
             ),
             Angles::Sweep(sweep) => {
-                // An array whose elements are their own numbers.
+                // A sweep acts as an array whose elements are their own indices.
                 let last = samples.shape.len().saturating_sub(1);
                 let strides = (0..samples.shape.len()).map(|axis| usize::from(axis == last));
                 (TableColumn { data: &[], strides: strides.collect() }, Some(*sweep))
@@ -129,7 +129,7 @@ impl<'a> Table<'a> {
         }
     }
 
-    /// Whether the load changes along the rows.
+    /// Whether the load or an inertia changes along the rows.
     pub(crate) fn load_varies(&self) -> bool {
         self.columns.iter().skip(1).any(|column| column.strides.last() != Some(&0))
     }
@@ -143,7 +143,7 @@ impl<'a> Table<'a> {
         self.shape[self.shape.len() - 1]
     }
 
-    /// Element of the row's first sample, and step along the row.
+    /// Index of the row's first element, and the step along the row.
     pub(crate) fn locate(&self, strides: &[usize], row: usize) -> (usize, usize) {
         let last = strides.len() - 1;
         let mut rest = row;
@@ -156,7 +156,7 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Every element that the strides can reach must exist.
+/// Checks that the array has every element that the strides reach.
 fn check_reach(
     argument: &'static str,
     len: usize,
@@ -171,8 +171,8 @@ fn check_reach(
     Err(Error::new(argument, &[], format!("has {len} elements, which do not fill the samples")))
 }
 
-/// Merges neighbours of the first `mergeable` axes over which every source keeps its step, and drops
-/// those of length 1; at least one axis remains.
+/// Merges neighbouring axes, among the first `mergeable`, over which every array keeps its stride,
+/// and drops axes of length 1. At least one axis remains.
 fn merge_axes<'a: 's, 's>(
     shape: &mut Cow<'_, [usize]>,
     mergeable: usize,

@@ -1,10 +1,11 @@
-//! Any chain of joints is one joint: folding a driveline into its equivalent joint.
+//! Chains of joints: folding a driveline into its equivalent joint.
 //!
-//! Write `w = e^{iα}` for the drive angle. A joint acts as `w → w − k w̄` with `k = tan²(β/2)`, a
-//! shaft between two joints as `w → e^{ip} w` with `p = δ − τ + 90°`. So every shaft of every
-//! chain is `w → A w + B w̄`, and `|A|² − |B|² = Π (1 − k_j²)` is known without cancellation.
+//! Let `w = e^{iα}` for the drive angle `α`. A joint maps `w → w − k w̄` with `k = tan²(β/2)`, a
+//! shaft between two joints `w → e^{ip} w` with `p = δ − τ + 90°`. So every shaft of every chain
+//! follows `w → A w + B w̄`, and `|A|² − |B|² = Π (1 − k_j²)` is known without cancellation.
 //!
-//! All of it is carried with error terms: the constants of a chain are as good as those of a joint.
+//! All of this is computed with error terms, so the constants of a chain are as accurate as those
+//! of one joint.
 
 use std::ops::{Mul, Sub};
 
@@ -33,10 +34,10 @@ impl Complex {
         Self { re: self.re, im: -self.im }
     }
 
-    /// The same number in words that do not overlap, as they do after a sum that cancels; products
-    /// take it for granted.
+    /// The same number in words that do not overlap, which products require. They overlap after a
+    /// sum that cancels.
     #[inline(always)]
-    fn apart(self) -> Self {
+    fn renormalized(self) -> Self {
         let Self { re, im } = self;
         Self {
             re: DoubleDouble::two_sum(re.high, re.low),
@@ -76,7 +77,7 @@ impl Mul for Complex {
     }
 }
 
-/// The map `w → A w + B w̄` of a chain so far.
+/// The map `w → A w + B w̄` of a chain up to some shaft.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transfer {
     pub(crate) a: Complex,
@@ -93,7 +94,7 @@ impl Default for Transfer {
 }
 
 impl Transfer {
-    /// The map at the output of the last of `joints` when its first shaft drives.
+    /// The map from the first shaft of a chain to its last.
     fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
         let mut transfer = Self::default();
         for (j, &bend) in bends.iter().enumerate() {
@@ -105,14 +106,14 @@ impl Transfer {
         transfer
     }
 
-    /// Follows an intermediate shaft, given its turn.
+    /// Appends an intermediate shaft, given its turn.
     #[inline(always)]
     pub(crate) fn pass_shaft(&mut self, turn: Complex) {
         self.a = self.a * turn;
         self.b = self.b * turn;
     }
 
-    /// Follows a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
+    /// Appends a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
     #[inline(always)]
     pub(crate) fn pass_joint(&mut self, joint: &Joint<DoubleDouble>) {
         let (a, b) = (self.a, self.b);
@@ -121,12 +122,12 @@ impl Transfer {
         self.complement = self.complement * joint.complement();
     }
 
-    /// The one joint that moves the shaft exactly as the whole chain does, branch-free.
+    /// The joint that moves the shaft exactly as the whole chain does; branch-free.
     #[inline(always)]
     pub(crate) fn equivalent(&self) -> Equivalent<DoubleDouble> {
         // −q/|q| = e^{−2iφ} for q = B/A, up to a positive factor.
-        let z = (Complex::default() - self.b * self.a.conj()).apart();
-        // Times a power of two, so that no square of a small number is lost.
+        let z = (Complex::default() - self.b * self.a.conj()).renormalized();
+        // Scales by a power of two, so that squares of small numbers do not underflow.
         let largest = z.re.high.abs().max(z.im.high.abs());
         let straight = largest == 0.0;
         let scale = inverse_power_of_two(largest);
@@ -140,17 +141,17 @@ impl Transfer {
         if straight { Equivalent::STRAIGHT } else { Equivalent { joint, turn_cos, turn_sin } }
     }
 
-    /// The shaft's motion in twice the drive angle.
+    /// The constants of the shaft's motion in twice the drive angle.
     #[inline(always)]
     pub(crate) fn double_angle(&self) -> DoubleAngle<DoubleDouble> {
         let a2 = self.a.norm_squared();
         let inverse = a2.recip();
-        let q = (self.b * self.a.conj()).apart().times(-inverse);
+        let q = (self.b * self.a.conj()).renormalized().times(-inverse);
         DoubleAngle::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
     }
 
-    /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`: the rows give the cosine and the sine of
-    /// the joint's own driving angle, both times the same positive length.
+    /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`. The rows give cosine and sine of the
+    /// joint's own driving angle, multiplied by the same positive length.
     pub(crate) fn matrix(&self) -> [DoubleDouble; 4] {
         let (a, b) = (self.a, self.b);
         [a.re + b.re, b.im - a.im, a.im + b.im, a.re - b.re]
@@ -159,7 +160,7 @@ impl Transfer {
 
 /// `e^{ip}` of an intermediate shaft, `p = δ − τ + 90°`.
 pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
-    if trig::any_far([phase, twist].into_iter()) {
+    if trig::any_too_large([phase, twist].into_iter()) {
         let turn = |angle: f64| {
             let (sine, cosine) = trig::sin_cos_double_double(reduction::reduce_any(angle));
             Complex::new(cosine, sine)
@@ -170,7 +171,7 @@ pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
     near_shaft_turn(phase, twist)
 }
 
-/// The same, branch-free, for angles that [`trig::any_far`] does not call far.
+/// The same, branch-free, for angles below the limit of [`trig::any_too_large`].
 #[inline(always)]
 pub(crate) fn near_shaft_turn(phase: f64, twist: f64) -> Complex {
     let reduced = reduction::reduce_double_double(DoubleDouble::two_sum(phase, -twist));
@@ -178,7 +179,7 @@ pub(crate) fn near_shaft_turn(phase: f64, twist: f64) -> Complex {
     Complex::new(-sine, cosine)
 }
 
-/// A power of two that brings a number near 1.
+/// A power of two whose product with `x` is near 1.
 #[inline(always)]
 fn inverse_power_of_two(x: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
@@ -187,7 +188,7 @@ fn inverse_power_of_two(x: f64) -> f64 {
     f64::from_bits((2046 << 52) - exponent)
 }
 
-/// Cosine and sine of `φ` in `(−90°, 90°]` from those of `2φ`.
+/// Cosine and sine of `φ` in `(−90°, 90°]` from cosine and sine of `2φ`.
 #[inline(always)]
 fn half_turn(cos_2: DoubleDouble, sin_2: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     let half = (DoubleDouble::ONE + cos_2.abs()).scaled(0.5);
@@ -196,14 +197,14 @@ fn half_turn(cos_2: DoubleDouble, sin_2: DoubleDouble) -> (DoubleDouble, DoubleD
     if cos_2.high >= 0.0 { (large, small.copysign(sin_2)) } else { (small, large.copysign(sin_2)) }
 }
 
-/// A joint whose driving angle is the drive angle turned by `φ`.
+/// A joint whose driving angle is the drive angle plus an offset `φ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equivalent<T = f64> {
     /// The joint with the equivalent bend.
     pub joint: Joint<T>,
     /// `cos φ`.
     pub turn_cos: T,
-    /// `sin φ`; exactly zero where the joint needs no turning.
+    /// `sin φ`; exactly zero where the offset is zero.
     pub turn_sin: T,
 }
 
@@ -214,7 +215,7 @@ impl Equivalent<DoubleDouble> {
         turn_sin: DoubleDouble::exact(0.0),
     };
 
-    /// A joint on the drive shaft itself.
+    /// A joint on the drive shaft, without an offset.
     #[inline(always)]
     pub(crate) fn of_joint(joint: Joint<DoubleDouble>) -> Self {
         Self { joint, ..Self::STRAIGHT }
@@ -222,7 +223,8 @@ impl Equivalent<DoubleDouble> {
 }
 
 impl Equivalent {
-    /// The joint that moves the last shaft of a chain exactly as its joints do.
+    /// The joint that moves the last shaft of a chain exactly as its `n` joints do, from `n` bends,
+    /// `n − 1` twists and `n − 1` phases in rad.
     ///
     /// ```
     /// let [bend, no_twist] = [0.3, 0.0];
@@ -233,7 +235,7 @@ impl Equivalent {
         let equivalent = Transfer::of_chain(bends, twists, phases).equivalent();
         let mut bent = bends.iter().filter(|&&bend| bend != 0.0);
         match (bent.next(), bent.next()) {
-            // Its own constants hold where tan²(β/2) is too small for a double.
+            // The joint's own constants hold where tan²(β/2) is too small for a double.
             (Some(&bend), None) => {
                 let joint = Joint::with_error_terms(bend);
                 Self::nearest(&Equivalent { joint, ..equivalent })
@@ -252,7 +254,7 @@ impl Equivalent {
         }
     }
 
-    /// `φ` in radians, in `(−π/2, π/2]`: the joint's driving angle is `α + φ`.
+    /// `φ` in rad, in `(−π/2, π/2]`: the joint's driving angle is `α + φ`.
     pub fn angle_offset(&self) -> f64 {
         self.turn_sin.atan2(self.turn_cos)
     }
@@ -286,7 +288,7 @@ mod tests {
 
     #[test]
     fn the_smallest_bends_keep_their_digits() {
-        let same = |found: f64, wanted: f64| (found / wanted - 1.0).abs() < 4.0 * f64::EPSILON;
+        let same = |found: f64, expected: f64| (found / expected - 1.0).abs() < 4.0 * f64::EPSILON;
         // Two small bends in line add their squares.
         for bend in [1e-60, 1e-100, 1e-140] {
             let two = Equivalent::of_chain(&[bend; 2], &[0.0], &[-std::f64::consts::FRAC_PI_2]);

@@ -1,23 +1,24 @@
-//! Moderate bends in twice the drive angle.
+//! The motion behind moderate bends, from twice the drive angle.
 //!
-//! A shaft behind any chain of joints stands at `α + arg(1 − q e^{−2iα})` with `q = −B/A` of the
-//! chain's map ([`crate::mechanics::chain`]) and `|q| = k`; for one joint on the drive shaft `q = tan²(β/2)`.
-//! With `p = q e^{−2iα}`:
+//! A shaft behind any chain of joints has the angle `α + arg(1 − q e^{−2iα})` with `q = −B/A` of
+//! the chain's map ([`crate::mechanics::chain`]) and `|q| = k`. For one joint on the drive shaft
+//! `q = tan²(β/2)`. With `p = q e^{−2iα}`:
 //!
 //! `tan Δ = −Im p/(1 − Re p)`, speed ratio `r = (1 − k²)/(1 + k² − 2 Re p)`, acceleration ratio
 //! `4 Im p r/(1 + k² − 2 Re p)`, or `4 Im p r²/(1 − k²)`.
 //!
-//! Here all but `Im p` is a small number beside 1, and so are its roundings. For steep bends
-//! `1 + k² − 2 Re p` nearly vanishes; they have the formulas of [`crate::mechanics::joint`].
+//! Except for `Im p`, each term is 1 plus a small number, and the roundings of that number are
+//! small. For steep bends `1 + k² − 2 Re p` nearly vanishes; they use the formulas of
+//! [`crate::mechanics::joint`].
 
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::trig::Angle;
 
-/// How a shaft swings about the drive, twice in a turn, and how many parts of `q` are left to multiply by: the
-/// shaft behind the first joint has a real one, as its pin is that of the drive, and pins that hold `p`
-/// itself leave none.
+/// The constants of a shaft's motion in twice the drive angle. `PARTS` is the number of parts of
+/// `q` left to multiply by: both in general, the real part for the shaft behind the first joint,
+/// and none where the sine and cosine already contain `q`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DoubleAngle<T, const PARTS: usize = 2> {
     /// Real and imaginary part of `q`.
@@ -31,7 +32,7 @@ pub(crate) struct DoubleAngle<T, const PARTS: usize = 2> {
 }
 
 impl DoubleAngle<DoubleDouble> {
-    /// That of `q`, given `|q|²` and `1 − |q|²`.
+    /// The constants for `q`, given `|q|²` and `1 − |q|²`.
     #[inline(always)]
     pub(crate) fn new(
         q: [DoubleDouble; 2],
@@ -46,7 +47,7 @@ impl DoubleAngle<DoubleDouble> {
         }
     }
 
-    /// That of a joint on the drive shaft.
+    /// The constants for a joint on the drive shaft.
     #[inline(always)]
     pub(crate) fn of_joint(bend: f64) -> Self {
         let (numerator, denominator) = DoubleDouble::tangent(DoubleDouble::exact(0.5 * bend));
@@ -57,7 +58,7 @@ impl DoubleAngle<DoubleDouble> {
 }
 
 impl<T: Real> DoubleAngle<T> {
-    /// The nearest numbers of a kernel.
+    /// The constants rounded to a kernel's number type.
     #[inline(always)]
     pub(crate) fn nearest(double_angle: &DoubleAngle<DoubleDouble>) -> Self {
         Self {
@@ -68,7 +69,7 @@ impl<T: Real> DoubleAngle<T> {
         }
     }
 
-    /// The inverse tangent that serves its angle error, at most `asin k`.
+    /// The range of the inverse tangent for the angle error, at most `asin k`.
     #[inline(always)]
     pub(crate) fn range(&self) -> AtanRange {
         let [re, im] = self.q.map(|x| x.value().into());
@@ -76,7 +77,7 @@ impl<T: Real> DoubleAngle<T> {
         AtanRange::holding_squares(re * re + im * im, 2.0 * complement)
     }
 
-    /// The same with so many parts of `q` left.
+    /// The same constants with `PARTS` parts of `q` left to multiply by.
     #[inline(always)]
     pub(crate) fn with_parts<const PARTS: usize>(self) -> DoubleAngle<T, PARTS> {
         let Self { q, mean, complement, gain } = self;
@@ -84,7 +85,7 @@ impl<T: Real> DoubleAngle<T> {
     }
 }
 
-/// The parts of a swing.
+/// The terms of the motion at one sample.
 #[derive(Clone, Copy)]
 pub(crate) struct DoubleAngleTerms<T> {
     /// `−Im p`.
@@ -102,7 +103,7 @@ pub(crate) struct DoubleAngleTerms<T> {
 }
 
 impl<T: Angle, const PARTS: usize> DoubleAngle<T, PARTS> {
-    /// The parts from sine and cosine of `2α`, or from `−Im p` and `Re p`.
+    /// The terms from sine and cosine of `2α`, or from `−Im p` and `Re p` if `PARTS` is 0.
     #[inline(always)]
     pub(crate) fn terms(&self, s: T, c: T) -> DoubleAngleTerms<T> {
         let [re, im] = self.q;
@@ -127,7 +128,7 @@ impl<T: Angle> DoubleAngleTerms<T> {
     #[inline(always)]
     pub(crate) fn rates(&self) -> (T, T) {
         if T::PRECISION.costs().double_angle {
-            // By one inverse, two quotients cost less than one and products.
+            // With one reciprocal, two quotients cost less than one quotient and products.
             let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
             return (ratio, (swing * ratio).scaled(-2.0));
         }

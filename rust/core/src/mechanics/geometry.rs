@@ -1,4 +1,4 @@
-//! From points, directions or bends to the frames of a driveline.
+//! The geometry of a driveline, from points, directions or bends.
 //!
 //! A driveline of `n` joints has `n + 1` shaft directions `u_i`, `n` bend-plane normals
 //! `m_j = unit(u_j × u_{j+1})`, `n` bends and `n − 1` twists between successive normals.
@@ -13,18 +13,18 @@ use crate::number::trig;
 /// A vector in space.
 pub type Vector = Vector3<f64>;
 
-/// Up to this sine two directions that come from rounded coordinates count as parallel: the
-/// normal of such a joint would be noise.
+/// Two directions with at most this sine of the angle between them count as parallel. They come
+/// from rounded coordinates, and the normal of such a joint would be noise.
 const STRAIGHT: f64 = 4.0 * f64::EPSILON;
 
 /// The geometry of one driveline.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Geometry {
-    /// Bend of each joint in radians, in `[0, π/2)`.
+    /// Bend of each joint in rad, in `[0, π/2)`.
     pub bends: Vec<f64>,
-    /// Angle about each intermediate shaft from the previous bend-plane normal to the next.
+    /// Angle in rad about each intermediate shaft from the previous bend-plane normal to the next.
     pub twists: Vec<f64>,
-    /// Turn of each intermediate shaft's output yoke against its input yoke.
+    /// Angle in rad of each intermediate shaft's output yoke relative to its input yoke.
     pub phases: Vec<f64>,
     /// Unit vector along each shaft, in the direction of power flow.
     pub directions: Vec<Vector>,
@@ -33,7 +33,7 @@ pub struct Geometry {
 }
 
 impl Geometry {
-    /// From bends, twists and phases in radians, in the frame `u_0 = +x`, `m_0 = +z`.
+    /// From bends, twists and phases in rad, in the frame `u_0 = +x`, `m_0 = +z`.
     ///
     /// # Errors
     /// A bend outside `[0, π/2)`, a twist or phase that is not finite, or lengths other than
@@ -49,12 +49,12 @@ impl Geometry {
         for (j, &bend) in bends.iter().enumerate() {
             check_bend(j, bend)?;
             if j > 0 {
-                m = turned(m, u, twists[j - 1]);
+                m = rotated(m, u, twists[j - 1]);
             }
-            u = turned(u, m, bend);
-            // Turning accumulates rounding; the frame stays orthonormal.
+            u = rotated(u, m, bend);
+            // Rotations accumulate rounding errors; normalising keeps the frame orthonormal.
             u.normalize_mut();
-            m = across(m, u).normalize();
+            m = perpendicular_part(m, u).normalize();
             normals.push(m);
             directions.push(u);
         }
@@ -64,21 +64,22 @@ impl Geometry {
 
     /// From one direction per shaft, of any length.
     ///
-    /// A straight joint takes the normal of the previous joint, a straight first joint that of the
-    /// next bent one; a wholly straight driveline the perpendicular nearest to `+z` (along `z`:
-    /// to `+x`).
+    /// A straight joint takes the normal of the previous joint, and a straight first joint that of
+    /// the next bent joint. A straight driveline takes the perpendicular nearest to `+z`, or `+x`
+    /// if it lies along `z`. Phases are in rad.
     ///
     /// # Errors
-    /// A direction that is zero or not finite, a bend of 90° or more, phases of the wrong number
-    /// or not finite.
+    /// A direction that is zero or not finite, a bend of 90° or more, a wrong number of phases, or
+    /// a phase that is not finite.
     pub fn from_directions(directions: &[Vector], phases: &[f64]) -> Result<Self> {
-        Self::along("directions", directions, phases, |i, v| {
+        Self::from_spans("directions", directions, phases, |i, v| {
             let rule = "a direction must be finite and not zero";
             Error::new("directions", &[i], format!("is ({}, {}, {}); {rule}", v.x, v.y, v.z))
         })
     }
 
-    /// From `n + 2` points: the ends of the driveline and the joint centres between them.
+    /// From `n + 2` points, the two ends of the driveline and the joint centres between them, and
+    /// phases in rad.
     ///
     /// ```
     /// use cardan::{Geometry, Vector};
@@ -89,7 +90,8 @@ impl Geometry {
     /// ```
     ///
     /// # Errors
-    /// Two successive points that are equal or not finite; otherwise as `from_directions`.
+    /// Two successive points that are equal or not finite; otherwise as
+    /// [`Geometry::from_directions`].
     pub fn from_points(points: &[Vector], phases: &[f64]) -> Result<Self> {
         for (i, p) in points.iter().enumerate() {
             if !p.iter().all(|x| x.is_finite()) {
@@ -98,7 +100,7 @@ impl Geometry {
             }
         }
         let spans: Vec<Vector> = points.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        Self::along("points", &spans, phases, |i, _| {
+        Self::from_spans("points", &spans, phases, |i, _| {
             let p = points[i + 1];
             let rule = "two successive points must differ by a finite distance";
             let problem = format!(
@@ -109,7 +111,7 @@ impl Geometry {
         })
     }
 
-    fn along(
+    fn from_spans(
         argument: &'static str,
         spans: &[Vector],
         phases: &[f64],
@@ -143,13 +145,14 @@ impl Geometry {
             .next()
             .copied()
             .unwrap_or_else(|| any_perpendicular(directions[0]));
-        // Across the shaft once more: a carried normal belongs to a shaft that differs by rounding,
-        // and the normal of two nearly parallel shafts is itself largely rounding.
+        // Projects each normal again. A normal taken from a neighbour belongs to a shaft whose
+        // direction differs by rounding, and that of two nearly parallel shafts is largely
+        // rounding.
         let normals: Vec<Vector> = normals
             .into_iter()
             .zip(&directions)
             .scan(first, |last, (normal, u)| {
-                *last = across(normal.unwrap_or(*last), *u).normalize();
+                *last = perpendicular_part(normal.unwrap_or(*last), *u).normalize();
                 Some(*last)
             })
             .collect();
@@ -172,11 +175,11 @@ fn check_bend(joint: usize, bend: f64) -> Result<()> {
     Err(Error::new("bends", &[joint], format!("is {bend} rad; {BEND_RULE}")))
 }
 
-/// Twists and phases: one finite value per intermediate shaft.
+/// Checks twists or phases: one finite value per intermediate shaft.
 fn check_between(argument: &'static str, values: &[f64], joints: usize) -> Result<()> {
     if values.len() + 1 != joints {
-        let (given, wanted) = (values.len(), joints - 1);
-        let problem = format!("has {given} values; {joints} joints need {wanted}");
+        let (given, needed) = (values.len(), joints - 1);
+        let problem = format!("has {given} values; {joints} joints need {needed}");
         return Err(Error::new(argument, &[], problem));
     }
     match values.iter().position(|x| !x.is_finite()) {
@@ -188,24 +191,24 @@ fn check_between(argument: &'static str, values: &[f64], joints: usize) -> Resul
     }
 }
 
-/// `v`, perpendicular to the unit vector `axis`, turned about it.
-fn turned(v: Vector, axis: Vector, angle: f64) -> Vector {
+/// Rotates `v` about the unit vector `axis`, which is perpendicular to it.
+fn rotated(v: Vector, axis: Vector, angle: f64) -> Vector {
     let (sine, cosine) = trig::sin_cos(angle);
     v * cosine + axis.cross(&v) * sine
 }
 
-/// The vector divided, exactly, by the power of two of its largest component, so that no square of
-/// it leaves the range of a double; `None` if it is zero or not finite.
+/// The vector divided exactly by the power of two of its largest component, so that its squares
+/// neither overflow nor underflow; `None` if it is zero or not finite.
 fn scaled_by_power_of_two(v: &Vector) -> Option<Vector> {
     const EXPONENT: u64 = 0x7ff << 52;
-    // Sink of the subnormal numbers first, where the exponent says nothing.
+    // Subnormal numbers are scaled first, because their exponent bits are zero.
     let v = if v.amax() < f64::MIN_POSITIVE { v * (1_u64 << 60) as f64 } else { *v };
     let power = f64::from_bits(v.amax().to_bits() & EXPONENT);
     (power > 0.0 && v.iter().all(|x| x.is_finite())).then(|| v / power)
 }
 
-/// The cross product with each component within 1.5 ulp (W. Kahan's difference of products), so
-/// that a small bend keeps its relative accuracy.
+/// The cross product with each component within 1.5 ulp (W. Kahan's difference of products). A
+/// small bend keeps its relative accuracy.
 fn accurate_cross(a: &Vector, b: &Vector) -> Vector {
     let component = |i: usize, j: usize| {
         let product = a[j] * b[i];
@@ -221,14 +224,14 @@ fn twist(from: Vector, to: Vector, axis: Vector) -> f64 {
 }
 
 /// The part of `v` perpendicular to the unit vector `u`.
-fn across(v: Vector, u: Vector) -> Vector {
+fn perpendicular_part(v: Vector, u: Vector) -> Vector {
     v - u * v.dot(&u)
 }
 
 /// The unit vector perpendicular to `u` and nearest to `+z`; to `+x` if `u` lies along `z`.
 fn any_perpendicular(u: Vector) -> Vector {
-    let z = across(Vector::z(), u);
-    if z.norm() > STRAIGHT { z.normalize() } else { across(Vector::x(), u).normalize() }
+    let z = perpendicular_part(Vector::z(), u);
+    if z.norm() > STRAIGHT { z.normalize() } else { perpendicular_part(Vector::x(), u).normalize() }
 }
 
 #[cfg(test)]

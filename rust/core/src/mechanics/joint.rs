@@ -1,7 +1,7 @@
-//! One universal joint: the constants of its bend and its extremes in closed form.
+//! One universal joint: the constants of its bend, its extremes in closed form, and its motion.
 //!
-//! The formulas per angle take the sine and cosine of the joint's driving angle and stand here as
-//! plain functions of one sample; the kernel runs them over slices.
+//! The functions for one angle take sine and cosine of the joint's driving angle; the kernels call
+//! them in loops.
 
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
@@ -11,8 +11,8 @@ use crate::number::trig;
 
 /// The constants of one joint with a given bend.
 ///
-/// Each is computed from its own well-conditioned formula with twice the digits, so that all are
-/// the nearest numbers from the smallest bend to the last one below 90°.
+/// Each is computed from its own well-conditioned formula with error terms. All are therefore the
+/// nearest numbers, from the smallest bend to the largest double below 90°.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint<T = f64> {
     /// `cos β`, the smallest speed ratio.
@@ -25,14 +25,14 @@ pub struct Joint<T = f64> {
     pub sin2: T,
     /// `1 − cos β`.
     pub versine: T,
-    /// `cos β/(1 − cos β)`, the inverse of the exsecant; infinite for a straight joint.
+    /// `cos β/(1 − cos β)`, the reciprocal of the exsecant; infinite for a straight joint.
     pub inverse_exsecant: T,
     /// `k = tan²(β/2)`.
     pub k: T,
 }
 
 impl Joint<DoubleDouble> {
-    /// The straight joint, which passes its rotation on unchanged.
+    /// The straight joint, which does not change the rotation.
     pub const STRAIGHT: Self = Self {
         cos: DoubleDouble::ONE,
         cos2: DoubleDouble::ONE,
@@ -43,7 +43,7 @@ impl Joint<DoubleDouble> {
         k: DoubleDouble::exact(0.0),
     };
 
-    /// The joint with a bend in `[0, π/2)`, in radians.
+    /// The joint with a bend in `[0, π/2)`, in rad.
     #[inline(always)]
     pub fn with_error_terms(bend: f64) -> Self {
         let steep = bend > 0.5 * HALF_PI[0];
@@ -65,7 +65,7 @@ impl Joint<DoubleDouble> {
         }
     }
 
-    /// The joint with the given `k = tan²(β/2)` and `1 − k²`, the latter known without
+    /// The joint with the given `k = tan²(β/2)` and with `1 − k²`, which the caller knows without
     /// cancellation.
     #[inline(always)]
     pub(crate) fn from_k(k: DoubleDouble, complement: DoubleDouble) -> Self {
@@ -85,7 +85,7 @@ impl Joint<DoubleDouble> {
     }
 }
 
-/// What the formulas per angle take of a joint.
+/// The constants of a joint that the functions for one angle use.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct JointConstants<T> {
     pub(crate) cos: T,
@@ -96,7 +96,7 @@ pub(crate) struct JointConstants<T> {
 }
 
 impl<T: Real> JointConstants<T> {
-    /// The nearest numbers of a kernel.
+    /// The constants rounded to a kernel's number type.
     #[inline(always)]
     pub(crate) fn nearest(joint: &Joint<DoubleDouble>) -> Self {
         let [cos, cos2, sin2, versine, inverse_exsecant] =
@@ -105,11 +105,12 @@ impl<T: Real> JointConstants<T> {
         Self { cos, cos2, sin2, versine, inverse_exsecant }
     }
 
-    /// Those of a moderate bend, which need no inverse exsecant: a geometry that changes with the angle
-    /// has them found at every sample. Each is within 0.6 ulp.
+    /// The constants of a moderate bend, each within 0.6 ulp, for a geometry that changes with the
+    /// angle and needs them at every sample. The inverse exsecant is not needed and is left at
+    /// zero.
     ///
-    /// All of them follow from `1 − cos β = 2 sin² (β/2)`. In `sin h = h + c` the second part is small, so
-    /// that `sin² h = h² + 2hc + c²` has more digits than a double without its having any.
+    /// All of them follow from `1 − cos β = 2 sin² (β/2)`. In `sin h = h + c` the second part is
+    /// small, so `sin² h = h² + 2hc + c²` gives more digits than a double from a `c` in one double.
     #[inline(always)]
     pub(crate) fn of_moderate_bend(bend: f64) -> Self {
         let half = 0.5 * bend;
@@ -130,7 +131,7 @@ impl<T: Real> JointConstants<T> {
         }
     }
 
-    /// The inverse tangent that serves the joint's angle error.
+    /// The range of the inverse tangent for the joint's angle error.
     #[inline(always)]
     pub(crate) fn range(&self) -> AtanRange {
         let (versine, cos): (f64, f64) = (self.versine.value().into(), self.cos.value().into());
@@ -139,7 +140,7 @@ impl<T: Real> JointConstants<T> {
 }
 
 impl JointConstants<f64> {
-    /// Those of a joint in doubles.
+    /// The constants of a joint with doubles.
     pub(crate) fn of_doubles(joint: &Joint) -> Self {
         let Joint { cos, cos2, sin2, versine, inverse_exsecant, .. } = *joint;
         Self { cos, cos2, sin2, versine, inverse_exsecant }
@@ -162,7 +163,7 @@ impl<T: Real> Joint<T> {
 }
 
 impl Joint {
-    /// The joint with a bend in `[0, π/2)`, in radians.
+    /// The joint with a bend in `[0, π/2)`, in rad.
     ///
     /// ```
     /// let joint = cardan::Joint::new(30_f64.to_radians());
@@ -173,7 +174,7 @@ impl Joint {
         Self::nearest(&Joint::with_error_terms(bend))
     }
 
-    /// The nearest doubles.
+    /// The constants rounded to doubles.
     pub(crate) fn nearest(joint: &Joint<DoubleDouble>) -> Self {
         Self {
             cos: joint.cos.value(),
@@ -186,7 +187,7 @@ impl Joint {
         }
     }
 
-    /// The bend `β` in radians.
+    /// The bend `β` in rad.
     pub fn bend(&self) -> f64 {
         self.sin.atan2(self.cos)
     }
@@ -202,7 +203,7 @@ impl Joint {
         self.versine / (2.0 * self.cos.sqrt())
     }
 
-    /// The largest angle error `asin k`, in radians, at `tan² α = cos β`.
+    /// The largest angle error `asin k` in rad, reached at `tan² α = cos β` (catalogue, Bild 12).
     pub fn max_angle_error(&self) -> f64 {
         self.max_error_tangent().atan()
     }
@@ -212,11 +213,11 @@ impl Joint {
         1.0 / self.cos
     }
 
-    /// Cosine and sine of the angle with the largest acceleration ratio, from
+    /// Cosine and sine of the driving angle with the largest acceleration ratio, from
     /// `cos 2α = (−p + √(p² + 8))/2` with `p = (2 − sin² β)/sin² β`.
     ///
-    /// That cosine and its distance from 1 are both written without a difference of near-equals:
-    /// the first vanishes for small bends, the second for bends near 90°.
+    /// That cosine vanishes for small bends, its distance from 1 for bends near 90°. Both are
+    /// computed without subtracting nearly equal numbers.
     pub fn steepest(&self) -> (f64, f64) {
         let sin2 = self.sin2;
         let cos2 = self.cos * self.cos;
@@ -226,7 +227,7 @@ impl Joint {
         ((0.5 * (1.0 + cos_2a)).sqrt(), -(0.5 * one_minus).sqrt())
     }
 
-    /// The largest acceleration ratio.
+    /// The largest acceleration ratio, at the angle of [`Joint::steepest`].
     pub fn max_acceleration_ratio(&self) -> f64 {
         let (c, s) = self.steepest();
         let (_, acceleration) = rates(&JointConstants::of_doubles(self), s, c);
@@ -234,31 +235,31 @@ impl Joint {
     }
 }
 
-/// Numerator and (positive) denominator of the tangent of the angle error,
-/// `(1 − cos β) s c` over `c² cos β + s²`; a common length of sine and cosine drops out.
+/// Numerator and positive denominator of the tangent of the angle error, `(1 − cos β) s c` over
+/// `c² cos β + s²`. A common factor of sine and cosine cancels.
 #[inline(always)]
 pub(crate) fn error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     (joint.versine * (s * c), c.square().mul_add(joint.cos, s.square()))
 }
 
-/// The same fraction divided through by `1 − cos β`: `s c` over `a (s² + c²) + s²` with the inverse
-/// exsecant `a`. For bends that are far from straight it has two roundings fewer where they matter
-/// most, where the shaft turns many times as far as the drive.
+/// The same fraction divided by `1 − cos β`: `s c` over `a (s² + c²) + s²` with the inverse
+/// exsecant `a`. At large bends it has two roundings fewer where the shaft turns many times as fast
+/// as the drive.
 #[inline(always)]
 pub(crate) fn steep_error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let s2 = s.square();
     (s * c, joint.inverse_exsecant.mul_add(c.mul_add(c, s2), s2))
 }
 
-/// Everything that the last shaft's motion needs, with the squares and the product shared: numerator
-/// and denominator of the error's tangent, speed ratio, acceleration ratio.
+/// Numerator and denominator of the tangent of the angle error, speed ratio and acceleration ratio,
+/// with shared squares and product.
 #[inline(always)]
 pub(crate) fn motion<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> ((T, T), (T, T)) {
     let (s2, c2, product) = (s.square(), c.square(), s * c);
     let tangent = (joint.versine * product, c2.mul_add(joint.cos, s2));
-    let across = c2.mul_add(joint.cos2, s2);
-    let inverse = across.recip();
-    let ratio = (joint.cos * (c2 + s2)).over(across, inverse);
+    let denominator = c2.mul_add(joint.cos2, s2);
+    let inverse = denominator.recip();
+    let ratio = (joint.cos * (c2 + s2)).over(denominator, inverse);
     let rates = (ratio, T::from_f64(-2.0) * joint.sin2 * (product * inverse) * ratio);
     (tangent, rates)
 }
@@ -266,32 +267,42 @@ pub(crate) fn motion<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> ((T, T),
 /// Speed ratio `cos β (s² + c²)/(c² cos² β + s²)` and acceleration ratio
 /// `−2 cos β sin² β s c (s² + c²)/(c² cos² β + s²)²`.
 ///
-/// The sum of the squares stays in: sine and cosine come times a common length. The denominator
-/// is right to the last bend below 90°, where `1 − sin² β cos² α` is not. A straight joint gives
-/// exactly 1, as the quotient of a number by itself.
+/// The sum of the squares remains, because sine and cosine have a common factor. The denominator is
+/// accurate up to the largest bend below 90°, where `1 − sin² β cos² α` is not. A straight joint
+/// gives exactly 1, as the quotient of a number by itself.
 #[inline(always)]
 pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let s2 = s.square();
     let c_cos = c * joint.cos;
-    let across = c_cos.mul_add(c_cos, s2);
-    let inverse = across.recip();
-    let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
+    let denominator = c_cos.mul_add(c_cos, s2);
+    let inverse = denominator.recip();
+    let ratio = (joint.cos * c.mul_add(c, s2)).over(denominator, inverse);
     (ratio, T::from_f64(-2.0) * joint.sin2 * (s * c * inverse) * ratio)
 }
 
 /// Jerk ratio, the derivative of the acceleration ratio by the drive angle,
 /// `2 cos β sin² β (s⁴ + 3 sin² β s² c² − cos² β c⁴) (s² + c²)/(c² cos² β + s²)³` (derived here from the
 /// speed ratio); it vanishes where both parts of the bracket are alike.
+///
+/// The cube would triple the roundings of the denominator and of its inverse, and the difference
+/// keeps those of the squares. Fused multiply-adds find what these roundings are and take them off
+/// again; what remains is four times the rounding of the tangent `s/c`.
 #[inline(always)]
 pub(crate) fn jerk_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
-    let s2 = s.square();
-    let c_cos = c * joint.cos;
-    let across = c_cos.mul_add(c_cos, s2);
+    let (s2, c2) = (s.square(), c.square());
+    let across = joint.cos2.mul_add(c2, s2);
     let inverse = across.recip();
-    let ratio = (joint.cos * c.mul_add(c, s2)).over(across, inverse);
-    let c2 = c.square();
-    let sum = s2.mul_add(s2, T::from_f64(3.0) * joint.sin2 * (s2 * c2));
-    let across_c = joint.cos2 * c2;
-    let bracket = (-across_c).mul_add(c2, sum);
-    T::from_f64(2.0) * joint.sin2 * (bracket * inverse * inverse) * ratio
+    let driven = joint.cos2 * c2;
+    let sum = s2 * (T::from_f64(3.0) * joint.sin2).mul_add(c2, s2);
+    let mut bracket = (-driven).mul_add(c2, sum);
+    let mut length = c.mul_add(c, s2) * inverse;
+    if !T::LOW {
+        let (s2_low, c2_low) = (s.mul_add(s, -s2), c.mul_add(c, -c2));
+        bracket = bracket + s2.mul_add(s2_low, -(driven * c2_low)).scaled(2.0);
+        let missing = joint.cos2.mul_add(c2, s2 - across) + joint.cos2.mul_add(c2_low, s2_low);
+        let off = (-across).mul_add(inverse, T::from_f64(1.0)) - missing * inverse;
+        // Before the product, which single precision may not hold.
+        length = length.mul_add(T::from_f64(3.0) * off, length);
+    }
+    (joint.cos * joint.sin2).scaled(2.0) * (bracket * inverse * inverse) * length
 }

@@ -1,10 +1,13 @@
-//! The physics of one sample: geometry, joints, chains, moments, phasing. No slices, no threads.
+//! The physics of one sample: geometry, joints, chains, transmissions, moments and phasing. No
+//! slices, no threads.
 
 pub mod chain;
 pub(crate) mod double_angle;
 pub(crate) mod extremes;
+pub mod general;
 pub mod geometry;
 pub mod joint;
 pub(crate) mod moment;
+pub mod motion;
 pub mod phasing;
 pub mod transmission;

@@ -1,16 +1,16 @@
-//! The moment vector that a joint passes on, and the torques of a loaded driveline.
+//! The moment vector that a joint transmits, and the torques of a loaded driveline.
 //!
-//! A frictionless, massless cross passes on only a moment normal to both pins (D. Thoma 1920).
-//! With the torsion `D` of the driving shaft and the joint's own driving angle `α`:
+//! A frictionless, massless cross transmits only a moment normal to both pins (D. Thoma 1920). With
+//! the torsion `D` of the driving shaft and the joint's own driving angle `α`:
 //!
 //! `M = D [u_in + tan β sin α (sin α e_in − cos α m)]`, `e_in = m × u_in`.
 //!
-//! Its part across the driving shaft is the bracket without `u_in`; its part across the driven
-//! shaft is `−D [sin β cos² α e_out + tan β sin α cos α m]`, `e_out = cos β e_in − sin β u_in`.
-//! Neither is a difference of large numbers.
+//! Its component perpendicular to the driving shaft is the bracket without `u_in`. Its component
+//! perpendicular to the driven shaft is `−D [sin β cos² α e_out + tan β sin α cos α m]` with
+//! `e_out = cos β e_in − sin β u_in`. Neither is a difference of large numbers.
 //!
-//! The power `P = D · (speed ratio)` is the same on both sides of a joint, so torques along a
-//! chain are running sums of what the inertias take.
+//! The power `P = D · (speed ratio)` is the same on both sides of a joint, so torques along a chain
+//! are running sums of the power that the inertias absorb.
 
 use crate::mechanics::chain::Transfer;
 use crate::mechanics::geometry::Vector;
@@ -19,11 +19,11 @@ use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
-/// One joint of a driveline in space, and how the drive turns it.
+/// One joint of a driveline in space, and the map from the drive angle to its driving angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<T> {
-    /// `(cos α, sin α)` of the drive to the same of this joint's driving angle, times a positive
-    /// length.
+    /// The map from `(cos α, sin α)` of the drive to cosine and sine of this joint's driving angle,
+    /// multiplied by a positive length.
     matrix: [T; 4],
     /// `sin β`.
     sine: T,
@@ -32,17 +32,17 @@ pub(crate) struct Pose<T> {
     /// `tan β`.
     tangent: T,
     /// `u_in`.
-    pub(crate) along: [T; 3],
+    pub(crate) shaft_axis: [T; 3],
     /// `tan β e_in`.
     pub(crate) in_plane: [T; 3],
     /// `−tan β m`.
-    pub(crate) across: [T; 3],
+    pub(crate) plane_normal: [T; 3],
     /// `sin β e_out`.
     pub(crate) out_plane: [T; 3],
 }
 
-/// A torsion `D` times the squares and the product of sine and cosine of the joint's own driving
-/// angle: what every moment at the joint is made of.
+/// A torsion `D` multiplied by the squares and the product of sine and cosine of the joint's own
+/// driving angle. Every moment at the joint is a combination of these.
 #[derive(Clone, Copy)]
 pub(crate) struct TorsionParts<T> {
     /// `D sin² α`.
@@ -54,71 +54,73 @@ pub(crate) struct TorsionParts<T> {
 }
 
 impl<T: Real> Pose<T> {
-    /// The axes in whose plane both shafts lie, followed by the one along the joint's normal, if it is
-    /// along one.
-    pub(crate) fn plane(&self) -> Option<[usize; 3]> {
+    /// If the joint's normal is parallel to an axis of space: the two axes of the plane of both
+    /// shafts, then the axis of the normal.
+    pub(crate) fn plane_axes(&self) -> Option<[usize; 3]> {
         let zero = |x: T| x == T::from_f64(0.0);
         [[1, 2, 0], [2, 0, 1], [0, 1, 2]].into_iter().find(|&[a, b, normal]| {
-            zero(self.across[a])
-                && zero(self.across[b])
-                && [self.along, self.in_plane, self.out_plane].iter().all(|v| zero(v[normal]))
+            zero(self.plane_normal[a])
+                && zero(self.plane_normal[b])
+                && [self.shaft_axis, self.in_plane, self.out_plane].iter().all(|v| zero(v[normal]))
         })
     }
 
-    /// The same pose with its components in the order of these axes.
+    /// The same pose with the components of its vectors in the order of these axes.
     #[inline(always)]
-    pub(crate) fn seen_along(self, [a, b, c]: [usize; 3]) -> Self {
+    pub(crate) fn with_axes(self, [a, b, c]: [usize; 3]) -> Self {
         let order = |v: [T; 3]| [v[a], v[b], v[c]];
         Self {
-            along: order(self.along),
+            shaft_axis: order(self.shaft_axis),
             in_plane: order(self.in_plane),
-            across: order(self.across),
+            plane_normal: order(self.plane_normal),
             out_plane: order(self.out_plane),
             ..self
         }
     }
 
-    /// The moment on the driven shaft for a torsion; `PLANAR` poses have their normal along the last
-    /// axis.
+    /// The moment vector on the driven shaft for a torsion. The normal of a `PLANAR` pose is along
+    /// the last axis.
     #[inline(always)]
     pub(crate) fn moment<const PLANAR: bool>(&self, torsion: T, s: T, c: T) -> [T; 3] {
         let TorsionParts { sine2, product, .. } = self.parts(torsion, s, c);
-        let in_plane = |i: usize| self.in_plane[i].mul_add(sine2, self.along[i] * torsion);
+        let in_plane = |i: usize| self.in_plane[i].mul_add(sine2, self.shaft_axis[i] * torsion);
         if PLANAR {
-            [in_plane(0), in_plane(1), self.across[2] * product]
+            [in_plane(0), in_plane(1), self.plane_normal[2] * product]
         } else {
-            let all = |i: usize| self.across[i].mul_add(product, in_plane(i));
+            let all = |i: usize| self.plane_normal[i].mul_add(product, in_plane(i));
             [all(0), all(1), all(2)]
         }
     }
 
-    /// A component of what the bearings of the driving or the driven shaft must give against the part of
-    /// the moment, or of its reaction, across it; after what `before` begins with.
+    /// Component `I` of the moment that the bearings exert on the driving or the driven shaft. It
+    /// balances the perpendicular component of the joint's moment or of its reaction. The sum
+    /// starts with `previous`, if given.
     #[inline(always)]
     pub(crate) fn support<const PLANAR: bool, const I: usize>(
         &self,
         driving: bool,
         [square, product]: [T; 2],
-        before: Option<T>,
+        previous: Option<T>,
     ) -> T {
         let (in_plane, across) = if driving {
-            (self.in_plane[I], self.across[I])
+            (self.in_plane[I], self.plane_normal[I])
         } else {
-            (self.out_plane[I], -self.across[I])
+            (self.out_plane[I], -self.plane_normal[I])
         };
-        let term = |factor: T, number: T, before: Option<T>| match before {
-            Some(before) => factor.mul_add(number, before),
+        let term = |factor: T, number: T, previous: Option<T>| match previous {
+            Some(previous) => factor.mul_add(number, previous),
             None => factor * number,
         };
         match (PLANAR, I) {
-            (true, 0 | 1) => term(in_plane, square, before),
-            (true, _) => term(across, product, before),
-            (false, _) => term(across, product, Some(term(in_plane, square, before))),
+            (true, 0 | 1) => term(in_plane, square, previous),
+            (true, _) => term(across, product, previous),
+            (false, _) => term(across, product, Some(term(in_plane, square, previous))),
         }
     }
 
-    /// The pose of a joint that `transfer` drives, behind the shaft along `u_in`. What lies across the
-    /// driven shaft follows from the bend: its own direction is of rounded numbers.
+    /// The pose of a joint that `transfer` drives, behind the shaft along `u_in`. Vectors
+    /// perpendicular to the driven shaft are computed from the bend, because that shaft's direction
+    /// is rounded.
     pub(crate) fn new(
         transfer: &Transfer,
         joint: &Joint<DoubleDouble>,
@@ -136,22 +138,22 @@ impl<T: Real> Pose<T> {
             sine: T::from_double_double(joint.sin),
             cosine: T::from_double_double(joint.cos),
             tangent: T::from_double_double(tangent),
-            along: [u_in.x, u_in.y, u_in.z].map(T::from_f64),
+            shaft_axis: [u_in.x, u_in.y, u_in.z].map(T::from_f64),
             in_plane: times(e_in, tangent),
-            across: times([normal.x, normal.y, normal.z].map(DoubleDouble::exact), -tangent),
+            plane_normal: times([normal.x, normal.y, normal.z].map(DoubleDouble::exact), -tangent),
             out_plane: [out_plane(0), out_plane(1), out_plane(2)].map(T::from_double_double),
         }
     }
 
-    /// Sine and cosine of the joint's own driving angle, times a common length, from those of the
-    /// drive angle.
+    /// Sine and cosine of the joint's own driving angle, multiplied by a common length, from sine
+    /// and cosine of the drive angle.
     #[inline(always)]
     fn turn(&self, s: T, c: T) -> (T, T) {
         let [cc, cs, sc, ss] = self.matrix;
         (sc.mul_add(c, ss * s), cc.mul_add(c, cs * s))
     }
 
-    /// The parts of a torsion from a pin of the drive.
+    /// The parts of a torsion, from unnormalised sine and cosine of the drive angle.
     #[inline(always)]
     pub(crate) fn parts(&self, torsion: T, s: T, c: T) -> TorsionParts<T> {
         let (sine, cosine) = self.turn(s, c);
@@ -164,7 +166,7 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// Size of the bending moment in the driving shaft, `D tan β |sin α|` (Grossmann (6)).
+    /// Magnitude of the bending moment in the driving shaft, `D tan β |sin α|` (Grossmann (6)).
     #[inline(always)]
     pub(crate) fn bending_driving(&self, torsion: T, s: T, c: T) -> T {
         let (sine, cosine) = self.turn(s, c);
@@ -172,7 +174,8 @@ impl<T: Real> Pose<T> {
         torsion.abs() * self.tangent * (sine.abs() / length)
     }
 
-    /// The same in the driven shaft, `D sin β |cos α| √(1 + tan² β sin² α)` (Grossmann (8)).
+    /// Magnitude of the bending moment in the driven shaft, `D sin β |cos α| √(1 + tan² β sin² α)`
+    /// (Grossmann (8)).
     #[inline(always)]
     pub(crate) fn bending_driven(&self, torsion: T, s: T, c: T) -> T {
         let one = T::from_f64(1.0);
@@ -183,7 +186,8 @@ impl<T: Real> Pose<T> {
 }
 
 impl<T: Atan> Pose<T> {
-    /// Tilt `ψ₁` of the cross against the driving shaft, `tan ψ₁ = tan β sin α` (Grossmann (3)).
+    /// Tilt `ψ₁` of the cross relative to the driving shaft in rad, `tan ψ₁ = tan β sin α`
+    /// (Grossmann (3)).
     #[inline(always)]
     pub(crate) fn tilt_driving(&self, s: T, c: T) -> T {
         let (sine, cosine) = self.turn(s, c);
@@ -191,8 +195,8 @@ impl<T: Atan> Pose<T> {
         T::atan_any(self.sine * sine, self.cosine * length)
     }
 
-    /// Tilt `ψ₂` against the driven shaft, `sin ψ₂ = sin β cos α` (Grossmann (5)); its cosine is
-    /// `√(sin² α + cos² β cos² α)`.
+    /// Tilt `ψ₂` of the cross relative to the driven shaft in rad, `sin ψ₂ = sin β cos α`
+    /// (Grossmann (5)); its cosine is `√(sin² α + cos² β cos² α)`.
     #[inline(always)]
     pub(crate) fn tilt_driven(&self, s: T, c: T) -> T {
         let (sine, cosine) = self.turn(s, c);
@@ -209,7 +213,7 @@ fn cross(a: Vector, b: Vector) -> [DoubleDouble; 3] {
     [part(1, 2), part(2, 0), part(0, 1)]
 }
 
-/// What the inertia of a shaft takes from the power that enters it,
+/// The power that the inertia of a shaft absorbs, divided by the drive's speed:
 /// `I (ω₀² r′ + ω̇₀ r) r` with the shaft's speed ratio `r` and acceleration ratio `r′`.
 #[inline(always)]
 pub(crate) fn absorbed_power<T: Real>(

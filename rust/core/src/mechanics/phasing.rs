@@ -1,10 +1,10 @@
 //! The yoke phases that bring the last shaft closest to constant velocity.
 //!
 //! With `L = ln sec β` a joint is a step of length `L` in the hyperbolic plane and an intermediate
-//! shaft a turn by `2p`, `p = δ − τ + 90°`: for two joints
-//! `cosh L_E = cosh L₁ cosh L₂ + sinh L₁ sinh L₂ cos 2p`, the law of cosines. Constant velocity is a
-//! closed polygon. It exists if and only if the longest side is not longer than all others
-//! together; otherwise the best that can be done is to line those up against the longest.
+//! shaft a turn by `2p`, `p = δ − τ + 90°`. For two joints this is the law of cosines,
+//! `cosh L_E = cosh L₁ cosh L₂ + sinh L₁ sinh L₂ cos 2p`. Constant velocity corresponds to a closed
+//! polygon. It exists if and only if the longest side is not longer than all others together.
+//! Otherwise the best arrangement lines up all others against the longest.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -14,23 +14,25 @@ use crate::mechanics::joint::Joint;
 use crate::number::trig;
 use nalgebra::Complex;
 
-/// Steps of a search, and how often one is halved; most need a handful.
+/// The most steps of a search and the most halvings of a step; most searches need a handful.
 const STEPS: usize = 60;
 const HALVINGS: i32 = 12;
 
-/// The longest step along closed polygons, in units of the way to their tangent's shortest change.
+/// The longest step along closed polygons, in units of the step to the smallest change on their
+/// tangent.
 const LONGEST: f64 = 4.0;
 
-/// A polygon with a smaller gap than this is closed.
+/// A polygon with a gap up to this is closed.
 const CLOSED: f64 = 1e-12;
 
-/// The phases that make the equivalent bend of the last shaft as small as it can be: zero whenever
-/// the polygon closes. Of all such phases those with the smallest turn of the yokes (least sum of
-/// squares) from the given ones; a yoke turned by 180° is the same yoke.
+/// The phases in rad that minimise the equivalent bend of the last shaft, from `n` bends, `n − 1`
+/// twists and `n − 1` phases in rad. The bend is zero whenever the polygon closes. Among such
+/// phases, the yokes turn the least from the given ones (least sum of squares); a yoke turned by
+/// 180° is the same yoke.
 ///
-/// With four or more bent joints the closing phases form a family, and the smallest turn is sought
-/// from the given phases, from two closing triangles and from halfway to them: a least turn within
-/// its neighbourhood.
+/// With four or more bent joints the closing phases form a family. The search for the smallest turn
+/// starts from the given phases, from two closing triangles and from halfway to them; the result is
+/// a local minimum.
 ///
 /// ```
 /// let bends = [10_f64, 9.0, 6.0].map(f64::to_radians);
@@ -39,11 +41,11 @@ const CLOSED: f64 = 1e-12;
 /// assert!(equivalent.joint.k < 1e-16);
 /// ```
 pub fn optimal_phases(bends: &[f64], twists: &[f64], phases: &[f64]) -> Vec<f64> {
-    find(bends, twists, phases, None)
+    search_phases(bends, twists, phases, None)
 }
 
-/// The same, or what has been found when `stop` is set.
-pub(crate) fn find(
+/// The same, or the best phases so far when `stop` is set.
+pub(crate) fn search_phases(
     bends: &[f64],
     twists: &[f64],
     phases: &[f64],
@@ -58,7 +60,7 @@ pub(crate) fn find(
             group.push(j - 1);
             turn += within_a_turn(phases[j - 1]) - within_a_turn(twists[j - 1]) + FRAC_PI_2;
         }
-        // A straight joint passes every turn on: the shafts beside it turn as one.
+        // A straight joint transmits every turn, so the shafts at both its ends turn as one.
         if bend == 0.0 {
             continue;
         }
@@ -85,7 +87,7 @@ pub(crate) fn is_set(stop: Option<&AtomicBool>) -> bool {
     stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
 }
 
-/// An angle less whole turns, exactly: those of one far from zero hold all its digits.
+/// An angle modulo whole turns, exact even for angles far from zero.
 fn within_a_turn(angle: f64) -> f64 {
     if angle.abs() <= PI {
         return angle;
@@ -112,19 +114,19 @@ impl Side {
     }
 }
 
-/// A chain of bent joints with the present turns `p` between them.
+/// A chain of bent joints with the current turns `p` between them.
 #[derive(Default)]
 struct Polygon<'a> {
     sides: Vec<Side>,
     turns: Vec<f64>,
-    /// Number of shafts that share a turn.
+    /// The number of shafts that share each turn.
     weights: Vec<f64>,
-    /// Whether to search no further.
+    /// Ends the search when set.
     stop: Option<&'a AtomicBool>,
 }
 
 impl Polygon<'_> {
-    /// What to add to each turn.
+    /// The change of each turn.
     fn smallest_change(&self) -> Vec<f64> {
         let lengths = || self.sides.iter().map(|side| side.length);
         let longest = lengths().fold(0.0, f64::max);
@@ -149,14 +151,14 @@ impl Polygon<'_> {
             .map(|change| self.change_to(&self.turns_after(&change)))
             .map(|change| (self.gap(&change), self.size(&change), change))
             .min_by(|(gap, size, _), (other_gap, other_size, _)| {
-                // What does not close does not count, however small.
+                // A change that does not close the polygon loses, however small it is.
                 let open = |gap: &f64| *gap > CLOSED;
                 open(gap).cmp(&open(other_gap)).then(size.total_cmp(other_size))
             })
             .map_or_else(Vec::new, |(_, _, change)| change)
     }
 
-    /// The smallest change that leads to the given turns, each modulo 180°.
+    /// The smallest change to the given turns, each modulo 180°.
     fn change_to(&self, turns: &[f64]) -> Vec<f64> {
         let wrapped = |x: f64| x - PI * (x / PI).round();
         turns.iter().zip(&self.turns).map(|(to, from)| wrapped(to - from)).collect()
@@ -166,20 +168,21 @@ impl Polygon<'_> {
         self.turns.iter().zip(change).map(|(turn, x)| turn + x).collect()
     }
 
-    /// Sum of the squared turns of all yokes.
+    /// The sum of the squared turns of all yokes.
     fn size(&self, change: &[f64]) -> f64 {
         change.iter().zip(&self.weights).map(|(x, weight)| x * x / weight).sum()
     }
 
-    /// All sides along one line, the longest against all others.
+    /// The turns that put all sides on one line, the longest against all others.
     fn against_longest(&self, longest: f64) -> Vec<f64> {
         let index = self.sides.iter().position(|side| side.length == longest).unwrap_or(0);
-        let beside = |j: usize| j == index || j + 1 == index;
-        (0..self.turns.len()).map(|j| if beside(j) { FRAC_PI_2 } else { 0.0 }).collect()
+        let adjacent = |j: usize| j == index || j + 1 == index;
+        (0..self.turns.len()).map(|j| if adjacent(j) { FRAC_PI_2 } else { 0.0 }).collect()
     }
 
-    /// The polygon folded flat into a triangle and its mirror image: sides up to half the
-    /// perimeter, the side that passes it, and the rest, none longer than the other two.
+    /// The turns that fold the polygon flat into a triangle, and those of its mirror image. The
+    /// triangle's sides are the first sides up to half the perimeter, the side that passes it, and
+    /// the rest; none is longer than the other two together.
     fn triangles(&self, total: f64) -> [Vec<f64>; 2] {
         let half = 0.5 * total;
         let mut a = 0.0;
@@ -194,7 +197,7 @@ impl Polygon<'_> {
         let c: f64 = self.sides[second + 1..].iter().map(|side| side.length).sum();
         let past = |x: f64| (0.5 * (a + b + c) - x).max(0.0).sinh();
         let (s, s_a, s_b, s_c) = (past(0.0), past(a), past(b), past(c));
-        // Half the interior angle between two sides; the turn p is 90° less that.
+        // Half the interior angle between two sides; the turn `p` is 90° minus that.
         let angle = |near: f64, also: f64, far: f64| (near * also).sqrt().atan2((s * far).sqrt());
         let mut turns = vec![0.0; self.turns.len()];
         turns[second - 1] = FRAC_PI_2 - angle(s_a, s_b, s_c);
@@ -203,8 +206,8 @@ impl Polygon<'_> {
         [turns, mirrored]
     }
 
-    /// `B` of the map `w → A w + B w̄` with `|A|² − |B|² = 1`, and at each turn the turn itself and what
-    /// has become of `A` and `B` behind it.
+    /// `B` of the map `w → A w + B w̄` with `|A|² − |B|² = 1`. Also, at each turn, the rotation and
+    /// the values of `A` and `B` behind it.
     fn walk(&self, change: &[f64]) -> (Complex<f64>, Vec<[Complex<f64>; 3]>) {
         let past = |side: &Side, a: Complex<f64>, b: Complex<f64>| {
             (a * side.cosh - b.conj() * side.sinh, b * side.cosh - a.conj() * side.sinh)
@@ -220,8 +223,8 @@ impl Polygon<'_> {
         (b, states)
     }
 
-    /// The same `B`, and its derivative by each turn: on the way back, `B̄` at the end is `p A + q B̄`
-    /// of every state.
+    /// The same `B`, and its derivative with respect to each turn. Going backwards, `B̄` at the end
+    /// is `p A + q B̄` of every state.
     fn slope(&self, change: &[f64]) -> (Complex<f64>, Vec<Complex<f64>>) {
         let (end, states) = self.walk(change);
         let (mut p, mut q) = (Complex::new(0.0, 0.0), Complex::new(1.0, 0.0));
@@ -235,12 +238,13 @@ impl Polygon<'_> {
         (end, derivatives)
     }
 
-    /// How far the polygon is from closing, `sinh(L_E/2)`.
+    /// The gap of the polygon, `sinh(L_E/2)`.
     fn gap(&self, change: &[f64]) -> f64 {
         self.walk(change).0.norm()
     }
 
-    /// Newton's method for closing, each step the smallest that does, or a part of it.
+    /// Closes the polygon by Newton's method. Each step is the smallest that solves the linear
+    /// equations, or a fraction of it.
     fn close(&self, mut change: Vec<f64>) -> Vec<f64> {
         let mut gap = self.gap(&change);
         for _ in 0..STEPS {
@@ -263,10 +267,10 @@ impl Polygon<'_> {
         change
     }
 
-    /// Down from a change that closes to the smallest around it: along the closed polygons in the
-    /// direction that shortens the change most, then closing again what the step has opened. How far
-    /// follows from how the last step changed the direction (Barzilai and Borwein): steps of one
-    /// length would go to and fro where the closed polygons are curved.
+    /// Descends from a change that closes the polygon to the smallest nearby. Each step goes along
+    /// the closed polygons in the direction that shortens the change most; then the polygon is
+    /// closed again. The step length follows from how the last step changed the direction (Barzilai
+    /// and Borwein): a fixed length would oscillate where the closed polygons are curved.
     fn search(&self, mut change: Vec<f64>) -> Vec<f64> {
         let mut size = self.size(&change);
         let mut last: Option<[Vec<f64>; 2]> = None;
@@ -277,39 +281,41 @@ impl Polygon<'_> {
             let (_, derivatives) = self.slope(&change);
             let along: Complex<f64> = derivatives.iter().zip(&change).map(|(d, x)| d * *x).sum();
             let shortest = self.smallest_solution(&derivatives, along);
-            let way: Vec<f64> = shortest.iter().zip(&change).map(|(to, x)| to - x).collect();
-            let pace = last.as_ref().map_or(1.0, |[from, way_then]| {
+            let direction: Vec<f64> = shortest.iter().zip(&change).map(|(to, x)| to - x).collect();
+            let scale = last.as_ref().map_or(1.0, |[from, last_direction]| {
                 let (mut straight, mut turned) = (0.0, 0.0);
                 for (i, weight) in self.weights.iter().enumerate() {
                     let step = change[i] - from[i];
                     straight += step * step / weight;
-                    turned += step * (way_then[i] - way[i]) / weight;
+                    turned += step * (last_direction[i] - direction[i]) / weight;
                 }
                 (straight / turned.abs()).min(LONGEST)
             });
             let shorter = (0..HALVINGS).map(|halvings| 0.5_f64.powi(halvings)).find_map(|part| {
-                let moved = change.iter().zip(&way).map(|(x, dx)| x + pace * part * dx);
+                let moved = change.iter().zip(&direction).map(|(x, dx)| x + scale * part * dx);
                 let trial = self.close(moved.collect());
                 let trial_size = self.size(&trial);
                 let better = trial_size < size * (1.0 - 1e-12) && self.gap(&trial) <= CLOSED;
                 better.then_some((trial, trial_size))
             });
             let Some((trial, trial_size)) = shorter else { break };
-            last = Some([std::mem::replace(&mut change, trial), way]);
+            last = Some([std::mem::replace(&mut change, trial), direction]);
             size = trial_size;
         }
-        // A yoke that has come past 90° is nearer from the other side, and there is a way on.
+        // A yoke turned past 90° is nearer to the given one after half a turn back, and the search
+        // can go on from there.
         let nearer = self.change_to(&self.turns_after(&change));
         if self.size(&nearer) < size * (1.0 - 1e-9) { self.search(nearer) } else { nearer }
     }
 
-    /// The `x` with `Σ d_j x_j = target` and the least `Σ x_j²/weight_j`.
+    /// The `x` with `Σ d_j x_j = target` and the smallest `Σ x_j²/weight_j`.
     fn smallest_solution(&self, derivatives: &[Complex<f64>], target: Complex<f64>) -> Vec<f64> {
         let weighted = || derivatives.iter().zip(&self.weights);
         let rr: f64 = weighted().map(|(d, w)| w * d.re * d.re).sum();
         let ri: f64 = weighted().map(|(d, w)| w * d.re * d.im).sum();
         let ii: f64 = weighted().map(|(d, w)| w * d.im * d.im).sum();
-        // A folded polygon moves in one direction only; the shift keeps the solution finite there.
+        // A folded polygon can move in one direction only; the shift keeps the solution finite
+        // there.
         let shift = f64::EPSILON * (rr + ii);
         let (rr, ii) = (rr + shift, ii + shift);
         let determinant = rr * ii - ri * ri;

@@ -1,51 +1,24 @@
-//! How one shaft follows the drive: the motion at one drive angle, and its derivatives.
+//! Transmissions: the motion of one shaft at one drive angle, and its derivatives.
 //!
-//! Behind ideal joints all motion of a shaft depends on the drive angle and on one complex number,
+//! Behind ideal joints the motion of a shaft depends on the drive angle and on one complex number,
 //! `q = B/A` of the map `w → A w + B w̄` ([`crate::mechanics::chain`]). With `u = e^{−2iα}` and
 //! `g = 1/(1 + q u)` the angle error is `arg(1 + q u)`, the speed ratio `Re((1 − q u) g)`, the
 //! acceleration ratio `Re(4 i q u g²)` and the jerk ratio `Re(8 q u (1 − q u) g³)`.
 
-use std::f64::consts::{FRAC_PI_2, PI};
-
 use nalgebra::Complex;
 
 use crate::mechanics::chain::Equivalent;
-use crate::mechanics::joint::{self, Joint, JointConstants};
+use crate::mechanics::general::General;
+use crate::mechanics::joint::Joint;
+use crate::mechanics::motion::{Motion, MotionGradient, joint_motion};
 use crate::number::trig;
-
-/// The motion of a shaft at one drive angle, differentiated by the drive angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Motion {
-    /// Angle of the shaft less the drive angle, in rad, mean zero over a turn.
-    pub angle_error: f64,
-    /// First derivative of the shaft's angle.
-    pub speed_ratio: f64,
-    /// Second derivative.
-    pub acceleration_ratio: f64,
-    /// Third derivative.
-    pub jerk_ratio: f64,
-}
-
-/// The derivatives of the motion by `q`: a change `dq` changes each quantity by the real part of
-/// `derivative · dq`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MotionGradient {
-    /// Of the angle error.
-    pub angle_error: Complex<f64>,
-    /// Of the speed ratio.
-    pub speed_ratio: Complex<f64>,
-    /// Of the acceleration ratio.
-    pub acceleration_ratio: Complex<f64>,
-    /// Of the jerk ratio.
-    pub jerk_ratio: Complex<f64>,
-}
 
 /// How one shaft follows the drive.
 #[derive(Clone, Debug)]
 pub enum Transmission {
-    /// Through ideal joints, which act as one.
+    /// A chain of ideal joints, which act as one joint.
     Ideal(Ideal),
-    /// Joint by joint.
+    /// A chain that is evaluated joint by joint.
     General(General),
 }
 
@@ -59,7 +32,7 @@ impl Transmission {
     }
 }
 
-/// A chain of ideal joints, by its equivalent joint.
+/// A chain of ideal joints, evaluated by its equivalent joint.
 #[derive(Clone, Copy, Debug)]
 pub struct Ideal {
     equivalent: Equivalent,
@@ -99,11 +72,11 @@ impl Ideal {
         joint_motion(&self.equivalent.joint, s, c)
     }
 
-    /// The derivatives of the motion by `q` at a drive angle in rad.
+    /// The derivatives of the motion with respect to `q` at a drive angle in rad.
     ///
-    /// With `a` the equivalent joint's driving angle, `1 + q u` is
-    /// `2 (cos β cos² a + sin² a + i (1 − cos β) sin a cos a)/(1 + cos β)`: neither part cancels for
-    /// steep bends.
+    /// With `a` the equivalent joint's driving angle, `1 + q u` equals
+    /// `2 (cos β cos² a + sin² a + i (1 − cos β) sin a cos a)/(1 + cos β)`. Neither part cancels
+    /// for steep bends.
     pub fn gradient(&self, angle: f64) -> MotionGradient {
         let (s, c) = self.sin_cos(angle);
         let Joint { cos, versine, k, .. } = self.equivalent.joint;
@@ -125,95 +98,6 @@ impl Ideal {
     }
 }
 
-/// A chain whose joints are evaluated one after the other: the way of joints that no single `q`
-/// describes.
-#[derive(Clone, Debug)]
-pub struct General {
-    /// Each joint with the angle by which the shaft before it turns its pin on.
-    stages: Vec<(f64, Joint)>,
-    /// The mean of the sum of the joints' own angle errors.
-    mean: f64,
-}
-
-impl General {
-    /// The transmission to the output of the last of these joints.
-    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
-        let turns = phases.iter().zip(twists).map(|(phase, twist)| phase - twist + FRAC_PI_2);
-        let turns = std::iter::once(0.0).chain(turns);
-        let stages = turns.zip(bends.iter().map(|&bend| Joint::new(bend))).collect();
-        let mut general = Self { stages, mean: 0.0 };
-        general.mean = general.mean_error();
-        general
-    }
-
-    /// The mean over half a turn by the trapezoidal rule, whose error falls geometrically.
-    fn mean_error(&self) -> f64 {
-        const MOST: u32 = 1 << 16;
-        let mut count = 16;
-        let mut sum: f64 = (0..count).map(|i| self.error_at(i, count)).sum();
-        loop {
-            let before = sum / f64::from(count);
-            // The samples halfway between those that are known.
-            count *= 2;
-            sum += (1..count).step_by(2).map(|i| self.error_at(i, count)).sum::<f64>();
-            let mean = sum / f64::from(count);
-            if (mean - before).abs() <= 1e-16 || count >= MOST {
-                return mean;
-            }
-        }
-    }
-
-    fn error_at(&self, i: u32, count: u32) -> f64 {
-        self.motion(PI * f64::from(i) / f64::from(count)).angle_error
-    }
-
-    /// The motion at a drive angle in rad; NaN if it is not finite.
-    pub fn motion(&self, angle: f64) -> Motion {
-        let (mut s, mut c) = trig::sin_cos(angle);
-        let mut whole = Motion {
-            angle_error: -self.mean,
-            speed_ratio: 1.0,
-            acceleration_ratio: 0.0,
-            jerk_ratio: 0.0,
-        };
-        for (turn, joint) in &self.stages {
-            (s, c) = turned((s, c), trig::sin_cos(*turn));
-            let own = joint_motion(joint, s, c);
-            (s, c) = turned((s, c), trig::sin_cos(own.angle_error));
-            whole = own.after(&whole);
-        }
-        whole
-    }
-}
-
-impl Motion {
-    /// The motion of a shaft that follows one with the motion `before`, by the chain rule.
-    fn after(&self, before: &Self) -> Self {
-        let (r, a, j) = (before.speed_ratio, before.acceleration_ratio, before.jerk_ratio);
-        let Self { angle_error, speed_ratio, acceleration_ratio, jerk_ratio } = *self;
-        Self {
-            angle_error: before.angle_error + angle_error,
-            speed_ratio: speed_ratio * r,
-            acceleration_ratio: acceleration_ratio * r * r + speed_ratio * a,
-            jerk_ratio: jerk_ratio * r.powi(3) + 3.0 * acceleration_ratio * r * a + speed_ratio * j,
-        }
-    }
-}
-
-/// The motion behind one joint from sine and cosine of its driving angle.
-fn joint_motion(joint: &Joint, s: f64, c: f64) -> Motion {
-    let constants = JointConstants::of_doubles(joint);
-    let (y, x) = joint::error_tangent(&constants, s, c);
-    let (speed_ratio, acceleration_ratio) = joint::rates(&constants, s, c);
-    let jerk_ratio = joint::jerk_ratio(&constants, s, c);
-    Motion { angle_error: y.atan2(x), speed_ratio, acceleration_ratio, jerk_ratio }
-}
-
-/// Sine and cosine of a sum of angles.
-fn turned((s, c): (f64, f64), (by_s, by_c): (f64, f64)) -> (f64, f64) {
-    (s * by_c + c * by_s, c * by_c - s * by_s)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -231,8 +115,8 @@ mod tests {
         [angle_error, speed_ratio, acceleration_ratio, jerk_ratio]
     }
 
-    /// The motion of `q` by the formulas of this page.
-    fn plain(q: Complex<f64>, angle: f64) -> [f64; 4] {
+    /// The motion from `q` by the formulas in the module's documentation.
+    fn reference(q: Complex<f64>, angle: f64) -> [f64; 4] {
         let z = q * Complex::from_polar(1.0, -2.0 * angle);
         let one = Complex::new(1.0, 0.0);
         let g = one / (one + z);
@@ -252,7 +136,8 @@ mod tests {
             let general = Transmission::General(General::of_chain(bends, twists, phases));
             for i in 0..100 {
                 let angle = 0.1 * f64::from(i) - 3.0;
-                let [one, other] = [&ideal, &general].map(|way| numbers(way.motion(angle)));
+                let [one, other] =
+                    [&ideal, &general].map(|transmission| numbers(transmission.motion(angle)));
                 for (x, y) in one.into_iter().zip(other) {
                     assert!((x - y).abs() < 1e-12 * (1.0 + x.abs()), "{bends:?} {angle}: {x} {y}");
                 }
@@ -266,8 +151,8 @@ mod tests {
             let ideal = Ideal::of_chain(bends, twists, phases);
             for i in 0..50 {
                 let angle = 0.13 * f64::from(i);
-                let wanted = plain(ideal.q(), angle);
-                for (x, y) in numbers(ideal.motion(angle)).into_iter().zip(wanted) {
+                let expected = reference(ideal.q(), angle);
+                for (x, y) in numbers(ideal.motion(angle)).into_iter().zip(expected) {
                     assert!((x - y).abs() < 2e-11 * (1.0 + y.abs()), "{bends:?} {angle}: {x} {y}");
                 }
             }
@@ -290,17 +175,17 @@ mod tests {
                     gradient.jerk_ratio,
                 ];
                 for direction in [Complex::new(1.0, 0.0), Complex::new(0.0, 1.0)] {
-                    let at = |steps: f64| plain(q + direction * (steps * STEP), angle);
+                    let at = |steps: f64| reference(q + direction * (steps * STEP), angle);
                     let (far, near) = ([at(2.0), at(-2.0)], [at(1.0), at(-1.0)]);
                     for (n, derivative) in derivatives.into_iter().enumerate() {
-                        // Five points: the error is of the fourth order in the step.
+                        // Five-point differences: the error is of the fourth order in the step.
                         let wide = far[0][n] - far[1][n];
                         let slope = (8.0 * (near[0][n] - near[1][n]) - wide) / (12.0 * STEP);
-                        let found = (derivative * direction).re;
+                        let computed = (derivative * direction).re;
                         let scale = 1.0 + derivative.norm();
                         assert!(
-                            (found - slope).abs() < 1e-6 * scale,
-                            "{bends:?} {angle} {n}: {found} {slope}"
+                            (computed - slope).abs() < 1e-6 * scale,
+                            "{bends:?} {angle} {n}: {computed} {slope}"
                         );
                     }
                 }

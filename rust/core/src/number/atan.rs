@@ -1,8 +1,9 @@
-//! The inverse tangent, by number type and by the range that an angle error needs.
+//! The inverse tangent, for each number type and each range of tangents.
 //!
-//! `|tan Δ| ≤ (1 − cos β)/(2 √cos β)` is known before the first angle, and short polynomials do for
-//! the bends that occur in practice: `atan t = t + t z P(z)`, `z = t²`, minimax fits to the stated
-//! relative error (Remez exchange in 50-digit arithmetic).
+//! The bend bounds the tangent of the angle error: `|tan Δ| ≤ (1 − cos β)/(2 √cos β)`. Bends that
+//! occur in practice therefore need only short polynomials. `atan t = t + t z P(z)` with `z = t²`;
+//! the polynomials are minimax fits to the stated relative error (Remez exchange in 50-digit
+//! arithmetic).
 
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
@@ -65,7 +66,7 @@ const SINGLE_0_41: [f32; 5] =
 const TAN_EIGHTH: f64 = 0.414_213_562_373_095_03;
 const TAN_THREE_EIGHTHS: f64 = 2.414_213_562_373_095;
 
-/// The inverse tangent that an angle error needs, chosen once from the largest tangent in reach.
+/// The range of the inverse tangent of an angle error, chosen once from the largest tangent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum AtanRange {
     /// Tangents up to 0.008 (one joint: bends to 10.2°).
@@ -74,19 +75,20 @@ pub enum AtanRange {
     Tenth,
     /// Tangents up to 0.32 (bends to 57°).
     Third,
-    /// Tangents up to 1 (bends to 80°): those of 22.5° and a turn by 45°.
+    /// Tangents up to 1 (bends to 80°): the polynomial for 22.5° and a rotation by 45°.
     One,
-    /// Any tangent: the same and a turn by 45° or 90°.
+    /// Any tangent: the same polynomial and a rotation by 45° or 90°.
     Any,
 }
 
 impl AtanRange {
-    /// The shortest range that holds tangents up to `largest`.
+    /// The smallest range that contains tangents up to `largest`.
     pub fn holding(largest: f64) -> Self {
         Self::holding_squares(largest * largest, 1.0)
     }
 
-    /// The same by their squares, up to `square / divisor`: no root and no division.
+    /// The smallest range that contains tangents up to `√(square/divisor)`, without a root or a
+    /// division.
     #[inline(always)]
     pub(crate) fn holding_squares(square: f64, divisor: f64) -> Self {
         let holds = |tangent: f64| square <= tangent * tangent * divisor;
@@ -103,13 +105,14 @@ impl AtanRange {
         }
     }
 
-    /// Whether the bends are so moderate that squares shared among all formulas cost no accuracy;
-    /// steeper ones have formulas with fewer roundings each.
+    /// Whether the bends are moderate: sharing squares among all formulas then costs no accuracy.
+    /// Steeper bends use separate formulas with fewer roundings.
     pub(crate) fn is_moderate(self) -> bool {
         self <= Self::Third
     }
 
-    /// Its terms in single precision, in double, and in double with error terms.
+    /// The number of polynomial terms in single precision, in double precision and with error
+    /// terms.
     pub(crate) fn terms(self) -> [usize; 3] {
         match self {
             Self::Hundredth => [SINGLE_0_008.len(), ATAN_0_008.len(), ATAN_0_008.len()],
@@ -120,7 +123,7 @@ impl AtanRange {
     }
 }
 
-/// `atan(y/x)` for `x > 0`, by the range that holds `|y/x|`.
+/// `atan(y/x)` for `x > 0`, one method per range of `|y/x|`.
 pub trait Atan: Real {
     /// `|y| ≤ 0.008 x`.
     fn atan_hundredth(y: Self, x: Self) -> Self;
@@ -130,31 +133,31 @@ pub trait Atan: Real {
     fn atan_third(y: Self, x: Self) -> Self;
     /// `|y| ≤ 0.4143 x`.
     fn atan_eighth_turn(y: Self, x: Self) -> Self;
-    /// `self` and so many times 45°.
+    /// `self` plus `eighths` times 45°.
     #[must_use]
     fn after_eighths(self, eighths: f64) -> Self;
 
-    /// `|y| ≤ x`: from 22.5° on, turned back by 45°.
+    /// `|y| ≤ x`; angles above 22.5° are rotated back by 45°.
     #[inline(always)]
     fn atan_one(y: Self, x: Self) -> Self {
         let size = y.abs();
         let steep = size.exceeds(x * Self::from_f64(TAN_EIGHTH));
-        let (across, along) = if steep { (size - x, size + x) } else { (size, x) };
-        let a = Self::atan_eighth_turn(across, along);
+        let (numerator, denominator) = if steep { (size - x, size + x) } else { (size, x) };
+        let a = Self::atan_eighth_turn(numerator, denominator);
         a.after_eighths(if steep { 1.0 } else { 0.0 }).copysign(y)
     }
 
-    /// Any `y`: from 67.5° on, turned back by 90°.
+    /// Any `y`; angles above 22.5° are rotated back by 45°, angles above 67.5° by 90°.
     #[inline(always)]
     fn atan_any(y: Self, x: Self) -> Self {
         let size = y.abs();
         let steep = size.exceeds(x * Self::from_f64(TAN_EIGHTH));
         let steepest = size.exceeds(x * Self::from_f64(TAN_THREE_EIGHTHS));
-        let (across, along) = if steep { (size - x, size + x) } else { (size, x) };
-        let (across, along) = if steepest { (-x, size) } else { (across, along) };
+        let (numerator, denominator) = if steep { (size - x, size + x) } else { (size, x) };
+        let (numerator, denominator) = if steepest { (-x, size) } else { (numerator, denominator) };
         let eighths = if steep { 1.0 } else { 0.0 };
         let eighths = if steepest { 2.0 } else { eighths };
-        Self::atan_eighth_turn(across, along).after_eighths(eighths).copysign(y)
+        Self::atan_eighth_turn(numerator, denominator).after_eighths(eighths).copysign(y)
     }
 }
 
@@ -163,22 +166,22 @@ macro_rules! plain {
         impl Atan for $float {
             #[inline(always)]
             fn atan_hundredth(y: Self, x: Self) -> Self {
-                by_polynomial(y / x, &$hundredth)
+                atan_polynomial(y / x, &$hundredth)
             }
 
             #[inline(always)]
             fn atan_tenth(y: Self, x: Self) -> Self {
-                by_polynomial(y / x, &$tenth)
+                atan_polynomial(y / x, &$tenth)
             }
 
             #[inline(always)]
             fn atan_third(y: Self, x: Self) -> Self {
-                by_polynomial(y / x, &$third)
+                atan_polynomial(y / x, &$third)
             }
 
             #[inline(always)]
             fn atan_eighth_turn(y: Self, x: Self) -> Self {
-                by_polynomial(y / x, &$one)
+                atan_polynomial(y / x, &$one)
             }
 
             #[inline(always)]
@@ -198,15 +201,15 @@ plain!(
 );
 
 #[inline(always)]
-fn by_polynomial<T: Real>(t: T, coefficients: &[T]) -> T {
+fn atan_polynomial<T: Real>(t: T, coefficients: &[T]) -> T {
     let z = t * t;
     (t * z).mul_add(polynomial(z, coefficients), t)
 }
 
-/// The polynomial is small beside the tangent: only the latter needs its error term, of which the
-/// inverse tangent passes on `1/(1 + t²)`.
+/// The polynomial is small compared with the tangent, so only the tangent needs its error term. The
+/// derivative of the inverse tangent, `1/(1 + t²)`, scales that term.
 #[inline(always)]
-fn beside_tangent(t: DoubleDouble, coefficients: &[f64]) -> DoubleDouble {
+fn atan_with_error_term(t: DoubleDouble, coefficients: &[f64]) -> DoubleDouble {
     let z = t.high * t.high;
     let low = (-z).mul_add(t.low, t.low);
     DoubleDouble { high: t.high, low: (t.high * z).mul_add(polynomial(z, coefficients), low) }
@@ -215,22 +218,22 @@ fn beside_tangent(t: DoubleDouble, coefficients: &[f64]) -> DoubleDouble {
 impl Atan for DoubleDouble {
     #[inline(always)]
     fn atan_hundredth(y: Self, x: Self) -> Self {
-        beside_tangent(y / x, &ATAN_0_008)
+        atan_with_error_term(y / x, &ATAN_0_008)
     }
 
     #[inline(always)]
     fn atan_tenth(y: Self, x: Self) -> Self {
-        beside_tangent(y / x, &ATAN_0_1)
+        atan_with_error_term(y / x, &ATAN_0_1)
     }
 
     #[inline(always)]
     fn atan_third(y: Self, x: Self) -> Self {
-        beside_tangent(y / x, &ATAN_0_32)
+        atan_with_error_term(y / x, &ATAN_0_32)
     }
 
     #[inline(always)]
     fn atan_eighth_turn(y: Self, x: Self) -> Self {
-        beside_tangent(y / x, &ATAN_0_41)
+        atan_with_error_term(y / x, &ATAN_0_41)
     }
 
     #[inline(always)]

@@ -1,8 +1,8 @@
-//! A double and its error term: about 100 digits of the binary kind, at a few operations each.
+//! Double-double numbers: the unevaluated sum of a double and its error term, about 106 bits.
 //!
-//! Products and quotients find their error with a fused multiply-add, sums with Knuth's two-sum;
-//! errors of errors are dropped (M. Lange and S. M. Rump, Faithfully rounded floating-point
-//! computations, ACM TOMS 46, 2020). The error term need not be below half an ulp of the double:
+//! Products and quotients compute their error with a fused multiply-add, sums with Knuth's two-sum.
+//! Errors of errors are dropped (M. Lange and S. M. Rump, Faithfully rounded floating-point
+//! computations, ACM TOMS 46, 2020). The error term may exceed half an ulp of the double;
 //! [`DoubleDouble::value`] rounds.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -28,8 +28,8 @@ impl DoubleDouble {
         Self { high, low }
     }
 
-    /// An exact double. Its error term is the zero whose addition compilers leave out: -0.0 + 0.0 is
-    /// another number than -0.0.
+    /// An exact double. Its error term is -0.0, whose addition compilers can remove: -0.0 + 0.0 is
+    /// not -0.0.
     #[inline(always)]
     pub const fn exact(high: f64) -> Self {
         Self { high, low: -0.0 }
@@ -49,7 +49,7 @@ impl DoubleDouble {
         Self { high, low: (a - (high - part)) + (b - part) }
     }
 
-    /// The exact sum of two doubles of which the first is not the smaller one.
+    /// The exact sum of two doubles with `|large| ≥ |small|` (Dekker).
     #[inline(always)]
     pub fn fast_two_sum(large: f64, small: f64) -> Self {
         let high = large + small;
@@ -63,21 +63,21 @@ impl DoubleDouble {
         Self { high, low: a.mul_add(b, -high) }
     }
 
-    /// The same number with the nearest double as its high word.
+    /// The same number, with the nearest double as its high word.
     #[inline(always)]
     #[must_use]
     pub fn rounded(self) -> Self {
         Self::fast_two_sum(self.high, self.low)
     }
 
-    /// Times a power of two.
+    /// Multiplies by a power of two, exactly.
     #[inline(always)]
     #[must_use]
     pub fn scaled(self, power: f64) -> Self {
         Self { high: self.high * power, low: self.low * power }
     }
 
-    /// `self/divisor`, given the inverse of the divisor's high word.
+    /// `self/divisor`, given the reciprocal of the divisor's high word.
     #[inline(always)]
     fn divided(self, divisor: Self, inverse: f64) -> Self {
         let high = self.high * inverse;
@@ -85,7 +85,7 @@ impl DoubleDouble {
         Self { high, low: (-high).mul_add(divisor.low, rest) * inverse }
     }
 
-    /// `self + other` where `self` is not the smaller one.
+    /// `self + other` for `|self| ≥ |other|`.
     #[inline(always)]
     #[must_use]
     pub fn fast_add(self, other: Self) -> Self {

@@ -1,18 +1,19 @@
-//! The number types that the kernels compute in: double, single, and a double with its error term.
+//! The number types of the kernels: single precision, double precision and double-double.
 //!
-//! Formulas are written once over [`Real`] and mean the same in each; [`crate::number::double_double`] holds the third.
+//! Each formula is written once, over [`Real`]. The third type is in
+//! [`crate::number::double_double`].
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::number::double_double::DoubleDouble;
 
-/// What arrays hold: doubles or singles.
+/// An element of an array: `f64` or `f32`.
 pub trait Float: Copy + Debug + Default + PartialEq + Send + Sync + Into<f64> + 'static {
-    /// The nearest one.
+    /// The value of this type nearest to `x`.
     fn near(x: f64) -> Self;
 
-    /// An angle plus a small one, in this precision.
+    /// An angle plus a small angle, in this precision.
     fn sum(angle: DoubleDouble, small: f64) -> Self;
 }
 
@@ -40,7 +41,7 @@ impl Float for f32 {
     }
 }
 
-/// A number of a kernel.
+/// A number type of the kernels.
 pub trait Real:
     Copy
     + Debug
@@ -54,29 +55,29 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// What columns and planes hold: one word to a number, or two.
+    /// The word type of columns and planes; a number has one or two words.
     type Float: Float;
 
     /// Whether a number has a low word.
     const LOW: bool;
 
-    /// The number with these words; without a low word, the high one alone.
+    /// The number with these words. Types without a low word ignore `low`.
     fn from_words(high: Self::Float, low: Self::Float) -> Self;
 
-    /// Its words; the low one is zero where there is none.
+    /// The words of the number; the low one is zero for types without it.
     fn words(self) -> [Self::Float; 2];
 
-    /// The nearest number to a double with its error term.
+    /// The number nearest to a double-double.
     fn from_double_double(pair: DoubleDouble) -> Self;
 
-    /// The nearest word.
+    /// The number rounded to one word.
     #[inline(always)]
     fn value(self) -> Self::Float {
         let [high, _] = self.words();
         high
     }
 
-    /// A double, rounded where the number is shorter.
+    /// The number nearest to a double.
     #[inline(always)]
     fn from_f64(x: f64) -> Self {
         Self::from_words(Self::Float::near(x), Self::Float::default())
@@ -86,11 +87,11 @@ pub trait Real:
     #[must_use]
     fn mul_add(self, a: Self, b: Self) -> Self;
 
-    /// `self + other` where `self` is not the smaller one.
+    /// `self + other` for `|self| ≥ |other|`.
     #[must_use]
     fn fast_add(self, other: Self) -> Self;
 
-    /// Times a power of two.
+    /// Multiplies by a power of two.
     #[must_use]
     fn scaled(self, power: f64) -> Self;
 
@@ -98,7 +99,8 @@ pub trait Real:
     #[must_use]
     fn recip(self) -> Self;
 
-    /// `self/divisor` by way of the divisor's inverse: within one rounding, of short numbers two.
+    /// `self/divisor`, given the divisor's reciprocal: within one rounding, in single precision
+    /// within two.
     #[must_use]
     fn over(self, divisor: Self, inverse: Self) -> Self;
 
@@ -113,7 +115,7 @@ pub trait Real:
     #[must_use]
     fn abs(self) -> Self;
 
-    /// The size of `self` with the sign of `sign`.
+    /// The magnitude of `self` with the sign of `sign`.
     #[must_use]
     fn copysign(self, sign: Self) -> Self;
 

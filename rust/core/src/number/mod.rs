@@ -1,4 +1,4 @@
-//! What is computed with: number types, their storage, range reduction and elementary functions.
+//! Number types, their storage, range reduction and elementary functions.
 
 pub mod atan;
 pub mod double_double;
@@ -14,6 +14,6 @@ pub use precision::Precision;
 use atan::Atan;
 use trig::Angle;
 
-/// What a number type needs for kernels.
+/// All traits that a kernel requires of its number type.
 pub(crate) trait Number: Angle + Atan {}
 impl<T: Angle + Atan> Number for T {}

@@ -1,34 +1,35 @@
-//! The arithmetic of a run, and how exact it is.
+//! The arithmetic of a run, its error bounds and its costs.
 
 /// The arithmetic of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Single precision after a reduction in double.
+    /// Single precision; angles are reduced in double precision.
     Single,
-    /// Double.
+    /// Double precision.
     #[default]
     Double,
-    /// Double with error terms: results are within one ulp.
+    /// Double precision with error terms (double-double): results are within one ulp.
     DoubleDouble,
 }
 
 impl Precision {
-    /// The errors of results relative to the largest over a turn, with room above what is measured.
+    /// Bounds on the errors of results, relative to the largest result over a turn. They exceed the
+    /// measured errors by a margin.
     pub(crate) const SINGLE_ERROR: f64 = 1e-6;
     pub(crate) const DOUBLE_ERROR: f64 = 4e-15;
 }
 
-/// What decides between routes and loops for a number type, as measured.
+/// The measured facts that decide between routes and loops for a number type.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Costs {
-    /// Moderate bends are cheaper by sine and cosine of twice the angle: that saves numbers with
-    /// error terms a fifth of the time, and costs others an eighth.
+    /// Moderate bends are cheaper from sine and cosine of twice the drive angle. That saves
+    /// double-double arithmetic a fifth of the time and costs the other types an eighth more.
     pub(crate) double_angle: bool,
-    /// Angles of moderate bends are cheaper to reduce to fractions of a turn in fixed point: numbers
-    /// are shorter than the angles they come from.
+    /// At moderate bends, angles are cheaper to reduce to fixed-point fractions of a turn, because
+    /// the numbers are shorter than the angles.
     pub(crate) turn_fractions: bool,
-    /// Reduction and tangent are cheaper as two loops: vectors hold more short numbers than angles,
-    /// and with error terms one loop is too long for a core to overlap.
+    /// Reduction and tangent are cheaper in two loops. A vector holds more single-precision numbers
+    /// than angles, and one double-double loop is too long for a core to overlap its iterations.
     pub(crate) separate_reduction: bool,
 }
 

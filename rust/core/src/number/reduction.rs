@@ -36,11 +36,11 @@ const TWO_OVER_PI: [u64; 21] = [
     0xa9e3_9161_5ee6_1b08,
 ];
 
-/// The remainder of an angle to the nearest multiple of π/2, and the multiple in the low bits;
-/// branch-free. NaN gives NaN; an angle that does not pass [`LargeAngleFlag`] gives numbers without meaning.
+/// The remainder of an angle to the nearest multiple of π/2, and the low bits of that multiple;
+/// branch-free. NaN gives NaN. If [`LargeAngleFlag`] rejects the angle, both are meaningless.
 ///
-/// `x − n·P1` is exact and the error of the three-part π/2 stays far below one rounding of the
-/// remainder as long as `n` fits in 40 bits. The remainder is within half an ulp, however small.
+/// `x − n·P1` is exact. The error of the three-part π/2 stays far below one rounding of the
+/// remainder if `n` fits in 40 bits. Any remainder, however small, is within half an ulp.
 #[inline(always)]
 pub(crate) fn reduce(x: f64) -> (f64, u64) {
     let shifted = x.mul_add(FRAC_2_PI, ROUNDING);
@@ -51,7 +51,7 @@ pub(crate) fn reduce(x: f64) -> (f64, u64) {
     (r, shifted.to_bits())
 }
 
-/// The same for an angle with an error term; the remainder with its own.
+/// The same for an angle with an error term; the remainder has one too.
 #[inline(always)]
 pub(crate) fn reduce_double_double(x: DoubleDouble) -> (DoubleDouble, u64) {
     let shifted = x.high.mul_add(FRAC_2_PI, ROUNDING);
@@ -66,14 +66,14 @@ pub(crate) fn reduce_double_double(x: DoubleDouble) -> (DoubleDouble, u64) {
 /// Adding 1.5·2²² rounds to a multiple of 2⁻³⁰ and leaves it in the low bits.
 const TURN_FRACTION_ROUNDING: f64 = 6_291_456.0;
 
-/// An angle in units of 2⁻³⁰ quarter turns, in the low 32 bits: in one operation, to an error of 7e-10
-/// that does not shrink with the remainder.
+/// An angle in units of 2⁻³⁰ quarter turns, in the low 32 bits, from one operation. The error of
+/// 7e-10 is absolute and does not shrink with the remainder.
 #[inline(always)]
 pub(crate) fn turn_fraction_q30(x: f64) -> u64 {
     x.mul_add(FRAC_2_PI, TURN_FRACTION_ROUNDING).to_bits()
 }
 
-/// Remainder and quadrant of a phase.
+/// Remainder and quadrant of an angle in the units of [`turn_fraction_q30`].
 #[inline(always)]
 pub(crate) fn from_turn_fraction(phase: u32) -> (f32, u64) {
     const UNIT: f32 = (FRAC_PI_2 / (1_u64 << 32) as f64) as f32;
@@ -81,44 +81,44 @@ pub(crate) fn from_turn_fraction(phase: u32) -> (f32, u64) {
     ((phase << 2) as i32 as f32 * UNIT, u64::from(quadrant))
 }
 
-/// Watches a run of reductions for angles that are too far for them.
+/// Records whether any of a series of angles was too large for its reduction.
 #[derive(Clone, Copy)]
 pub(crate) struct LargeAngleFlag {
     least: u64,
     span: u64,
-    found: u64,
+    accumulated: u64,
 }
 
 impl LargeAngleFlag {
-    /// For quadrants: angles from about 1.7e12.
+    /// For [`reduce`]: angles from about 1.7e12 are too large.
     pub(crate) const fn for_quadrants() -> Self {
-        Self { least: ROUNDING.to_bits() - (1 << 40), span: 1 << 41, found: 0 }
+        Self { least: ROUNDING.to_bits() - (1 << 40), span: 1 << 41, accumulated: 0 }
     }
 
-    /// For phases: angles from about 3.2e6.
+    /// For [`turn_fraction_q30`]: angles from about 3.2e6 are too large.
     pub(crate) const fn for_turn_fractions() -> Self {
-        Self { least: TURN_FRACTION_ROUNDING.to_bits() - (1 << 51), span: 1 << 52, found: 0 }
+        Self { least: TURN_FRACTION_ROUNDING.to_bits() - (1 << 51), span: 1 << 52, accumulated: 0 }
     }
 
-    /// Takes note of one reduction: two integer operations.
+    /// Records one reduction, with two integer operations.
     #[inline(always)]
     pub(crate) fn accumulate(&mut self, bits: u64) {
-        self.found |= bits.wrapping_sub(self.least);
+        self.accumulated |= bits.wrapping_sub(self.least);
     }
 
-    /// Whether any angle was too far, or not a number.
+    /// Whether any angle was too large or NaN.
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
-        self.found >= self.span
+        self.accumulated >= self.span
     }
 }
 
 /// [`reduce_double_double`] for any angle; infinite angles and NaN give NaN.
 pub(crate) fn reduce_any(x: f64) -> (DoubleDouble, u64) {
     let near = reduce_double_double(DoubleDouble::exact(x));
-    let mut far = LargeAngleFlag::for_quadrants();
-    far.accumulate(near.1);
-    if !far.any() || x.is_nan() {
+    let mut too_large = LargeAngleFlag::for_quadrants();
+    too_large.accumulate(near.1);
+    if !too_large.any() || x.is_nan() {
         near
     } else if x.is_infinite() {
         (DoubleDouble::exact(f64::NAN), 0)
@@ -128,8 +128,8 @@ pub(crate) fn reduce_any(x: f64) -> (DoubleDouble, u64) {
     }
 }
 
-/// The same for twice the angle.
-pub(crate) fn twice((remainder, quadrant): (DoubleDouble, u64)) -> (DoubleDouble, u64) {
+/// Reduces twice the angle, given the reduced angle.
+pub(crate) fn double_angle((remainder, quadrant): (DoubleDouble, u64)) -> (DoubleDouble, u64) {
     let (double, quadrants) = (remainder.scaled(2.0), quadrant.wrapping_mul(2));
     let quarter = DoubleDouble::fast_two_sum(HALF_PI[0], HALF_PI[1]);
     if double.high > 0.5 * HALF_PI[0] {
@@ -144,15 +144,15 @@ pub(crate) fn twice((remainder, quadrant): (DoubleDouble, u64)) -> (DoubleDouble
 /// The remainder of a large finite `x` to the nearest multiple of π/2, and the low bits of
 /// that multiple (M. Payne and R. Hanek, 1983).
 ///
-/// `x = m·2ᵉ`, so of the digits of 2/π only a window matters: those before it give whole turns,
-/// those behind it less than 2⁻²⁰⁰.
+/// `x = m·2ᵉ`, so only a window of the digits of 2/π matters: digits before it give whole turns,
+/// digits after it less than 2⁻²⁰⁰.
 fn reduce_exactly(x: f64) -> (DoubleDouble, u64) {
     let bits = x.to_bits();
     let exponent = ((bits >> 52) as i64) - 1075;
     let mantissa = u128::from((bits & ((1 << 52) - 1)) | (1 << 52));
 
     // 256 digits of 2/π, the first of weight 2^(1 − exponent): 2^-254 · m · window ≡ x·2/π mod 4.
-    // The first digit behind the point has index 1; a leading word of zeros stands for the others.
+    // The first digit after the point has index 1; a leading zero word represents the earlier ones.
     let first = exponent - 1 + 63;
     let (word, shift) = ((first / 64) as usize, (first % 64) as u32);
     let digit_word = |i: usize| if i == 0 { 0 } else { TWO_OVER_PI[i - 1] };
@@ -202,8 +202,8 @@ mod tests {
     use crate::number::float::Real;
     use crate::number::trig;
 
-    /// Doubles beside multiples of π/2, `m 2ᵉ`, the multiple modulo 4, and what is left of them
-    /// in two words: from continued fractions with 2600 binary digits.
+    /// Doubles near multiples of π/2: `m 2ᵉ`, the multiple modulo 4, and the remainder in two
+    /// words, from continued fractions with 2600 binary digits.
     #[test]
     fn the_hardest_angles_keep_their_remainders() {
         for (m, e, quadrant, high, low) in [
@@ -298,7 +298,7 @@ mod tests {
     #[test]
     fn twice_an_angle_has_its_double_sine() {
         for x in (-40..=40).flat_map(|i| [0.1, 1e14, 7e200].map(|step| f64::from(i) * step)) {
-            let (r, n) = twice(reduce_any(x));
+            let (r, n) = double_angle(reduce_any(x));
             assert!(r.high.abs() <= 0.5 * HALF_PI[0], "{x:e}");
             let (sine, cosine) = trig::sin_cos_double_double(reduce_any(x));
             let (double_sine, double_cosine) = trig::sin_cos_double_double((r, n));

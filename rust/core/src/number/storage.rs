@@ -1,23 +1,23 @@
-//! Columns of numbers: a slice of words, or one of high and one of low words.
+//! Columns of numbers: one slice of words, or one slice of high words and one of low words.
 
 use std::ops::Range;
 
 use crate::number::float::Real;
 
-/// Bytes of a cache line: vectors that cross one take twice as long to load and to store.
-const LINE: usize = 64;
+/// Bytes of a cache line. Loading or storing a vector that crosses one takes twice as long.
+const CACHE_LINE: usize = 64;
 
-/// Lines between high and low words, so that they do not lie whole pages apart: a load that follows a
-/// store to the same place of another page waits for it.
-const APART: usize = 20;
+/// Cache lines between high and low words. They keep the two from being whole pages apart: a load
+/// waits for an earlier store to the same offset in another page.
+const PADDING_LINES: usize = 20;
 
-/// Lines of high words that are nowhere near a page, so that nothing need lie between.
-const FEW: usize = 4;
+/// Columns up to this number of cache lines are much shorter than a page and need no padding.
+const SHORT_LINES: usize = 4;
 
-/// A column of its own.
+/// A column that owns its words.
 #[derive(Clone, Debug)]
 pub(crate) struct Column<T: Real> {
-    /// High words from the first cache line on, then low words from another.
+    /// High words from the first cache-line boundary on, then low words from another boundary.
     words: Vec<T::Float>,
     first: usize,
     length: usize,
@@ -30,9 +30,9 @@ impl<T: Real> Column<T> {
         if length == 0 {
             return Self::EMPTY;
         }
-        let line = LINE / size_of::<T::Float>();
-        let words = vec![T::Float::default(); Self::low_after(length) + length + line];
-        let first = words.as_ptr().align_offset(LINE).min(line);
+        let line = CACHE_LINE / size_of::<T::Float>();
+        let words = vec![T::Float::default(); Self::low_offset(length) + length + line];
+        let first = words.as_ptr().align_offset(CACHE_LINE).min(line);
         Self { words, first, length }
     }
 
@@ -44,27 +44,27 @@ impl<T: Real> Column<T> {
         self.length
     }
 
-    /// How far behind the first high word the first low word lies.
-    fn low_after(length: usize) -> usize {
-        let line = LINE / size_of::<T::Float>();
+    /// Offset of the first low word from the first high word.
+    fn low_offset(length: usize) -> usize {
+        let line = CACHE_LINE / size_of::<T::Float>();
         let lines = length.div_ceil(line);
-        let between = if lines <= FEW { 0 } else { APART };
+        let between = if lines <= SHORT_LINES { 0 } else { PADDING_LINES };
         if T::LOW { (lines + between) * line } else { 0 }
     }
 
-    /// The first numbers, to read.
+    /// The first `length` numbers, for reading.
     #[inline(always)]
     pub(crate) fn view(&self, length: usize) -> View<'_, T> {
         self.part(0, length)
     }
 
-    /// The first numbers, to write.
+    /// The first `length` numbers, for writing.
     #[inline(always)]
     pub(crate) fn view_mut(&mut self, length: usize) -> ViewMut<'_, T> {
         self.part_mut(0, length)
     }
 
-    /// Numbers from `start` on, or the first ones of a column that is too short to hold them.
+    /// `length` numbers from `start` on, for writing; a column that is too short gives all it has.
     #[inline(always)]
     pub(crate) fn window_mut(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
         let start = if start + length <= self.length { start } else { 0 };
@@ -72,26 +72,26 @@ impl<T: Real> Column<T> {
         self.part_mut(start, length)
     }
 
-    /// Numbers from `start` on, to read.
+    /// `length` numbers from `start` on, for reading.
     #[inline(always)]
     pub(crate) fn part(&self, start: usize, length: usize) -> View<'_, T> {
         let first = self.first + start;
-        let from = first + Self::low_after(self.length);
+        let from = first + Self::low_offset(self.length);
         let low = low::<T>(from..from + length);
         View { high: &self.words[first..first + length], low: &self.words[low] }
     }
 
-    /// Numbers from `start` on, to write.
+    /// `length` numbers from `start` on, for writing.
     #[inline(always)]
     pub(crate) fn part_mut(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
         let first = self.first + start;
         let (high, rest) = self.words[first..].split_at_mut(length);
-        let from = Self::low_after(self.length).saturating_sub(length);
+        let from = Self::low_offset(self.length).saturating_sub(length);
         ViewMut { high, low: &mut rest[low::<T>(from..from + length)] }
     }
 }
 
-/// Columns of the same length.
+/// `N` columns of the same length.
 #[inline(always)]
 pub(crate) fn columns<T: Real, const N: usize>(length: usize) -> [Column<T>; N] {
     let mut columns = [const { Column::EMPTY }; N];
@@ -103,11 +103,11 @@ pub(crate) fn columns<T: Real, const N: usize>(length: usize) -> [Column<T>; N] 
     columns
 }
 
-// A loop leaves out its checks if it sees that all that it touches is as long as it runs, and the standard
-// `map` of an array is a call of its own that hides it: these go view by view, and a loop cuts what it
-// writes to the length of what it reads.
+// The compiler removes the bounds checks of a loop if it sees that every slice is as long as the
+// loop. `map` on an array is a function call that hides this, so these functions loop over the
+// views. Each loop cuts its output to the length of its input.
 
-/// The first numbers of several columns, to read.
+/// The first `length` numbers of several columns, for reading.
 #[inline(always)]
 pub(crate) fn views<T: Real, const N: usize>(
     columns: &[Column<T>; N],
@@ -120,7 +120,7 @@ pub(crate) fn views<T: Real, const N: usize>(
     views
 }
 
-/// Numbers of several columns from `start` on, to write.
+/// `length` numbers of several columns from `start` on, for writing.
 #[inline(always)]
 pub(crate) fn views_mut<T: Real, const N: usize>(
     columns: &mut [Column<T>; N],
@@ -134,13 +134,13 @@ pub(crate) fn views_mut<T: Real, const N: usize>(
     views
 }
 
-/// The range of the low words.
+/// The given range if the type has low words, else an empty one.
 #[inline(always)]
 fn low<T: Real>(range: Range<usize>) -> Range<usize> {
     if T::LOW { range } else { 0..0 }
 }
 
-/// A part of a column to read.
+/// A read-only part of a column.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a, T: Real> {
     high: &'a [T::Float],
@@ -150,7 +150,7 @@ pub(crate) struct View<'a, T: Real> {
 impl<'a, T: Real> View<'a, T> {
     pub(crate) const EMPTY: Self = Self { high: &[], low: &[] };
 
-    /// The first numbers: loops cut what they read to the length of what they write.
+    /// The first `length` numbers. Loops cut their inputs to the length of their output.
     #[inline(always)]
     pub(crate) fn cut(self, length: usize) -> Self {
         Self { high: &self.high[..length], low: &self.low[low::<T>(0..length)] }
@@ -174,14 +174,14 @@ impl<'a, T: Real> View<'a, T> {
     }
 }
 
-/// A part of a column to write.
+/// A writable part of a column.
 pub(crate) struct ViewMut<'a, T: Real> {
     high: &'a mut [T::Float],
     low: &'a mut [T::Float],
 }
 
 impl<T: Real> ViewMut<'_, T> {
-    /// The first numbers.
+    /// The first `length` numbers.
     #[inline(always)]
     pub(crate) fn cut(self, length: usize) -> Self {
         Self { high: &mut self.high[..length], low: &mut self.low[low::<T>(0..length)] }
@@ -194,15 +194,15 @@ impl<T: Real> ViewMut<'_, T> {
         ViewMut { high: &mut self.high[start..start + length], low: &mut self.low[low] }
     }
 
-    /// The same part to read.
+    /// The same part, for reading.
     #[inline(always)]
     pub(crate) fn view(&self) -> View<'_, T> {
         View { high: self.high, low: self.low }
     }
 
-    /// The same part once more.
+    /// The same part, borrowed again.
     #[inline(always)]
-    pub(crate) fn again(&mut self) -> ViewMut<'_, T> {
+    pub(crate) fn reborrow(&mut self) -> ViewMut<'_, T> {
         ViewMut { high: self.high, low: self.low }
     }
 
@@ -220,14 +220,14 @@ impl<T: Real> ViewMut<'_, T> {
         }
     }
 
-    /// Only the high word; the low one is left as it is.
+    /// Sets the high word and leaves the low word unchanged.
     #[inline(always)]
     pub(crate) fn set_high(&mut self, i: usize, number: T) {
         let [high, _] = number.words();
         self.high[i] = high;
     }
 
-    /// The high word by itself.
+    /// The high word alone.
     #[inline(always)]
     pub(crate) fn get_high(&self, i: usize) -> T {
         T::from_words(self.high[i], T::Float::default())

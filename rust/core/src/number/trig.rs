@@ -1,11 +1,10 @@
-//! Sine, cosine and tangent as branch-free arithmetic, by number type.
+//! Branch-free sine, cosine and tangent for each number type.
 //!
-//! Loops over these functions vectorise at every instruction set, and because every step is an
-//! exactly rounded operation (`mul_add` included) the bits are the same at every one of them.
+//! Loops over these functions vectorise for every instruction set. Every step is an exactly rounded
+//! operation, `mul_add` included, so the bits do not depend on the instruction set.
 //!
-//! The polynomials are minimax fits in `z = r²` to the stated relative error of the function
-//! itself (Remez exchange in 50-digit arithmetic); the tests check them against an independent
-//! evaluation.
+//! The polynomials are minimax fits in `z = r²` to the stated relative error of the function itself
+//! (Remez exchange in 50-digit arithmetic). The tests check them against an independent evaluation.
 
 use crate::number::Precision;
 use crate::number::double_double::DoubleDouble;
@@ -64,8 +63,8 @@ const TANGENT: Tangent<3, 3, f64> = Tangent {
 const TANGENT_SINGLE: Tangent<1, 2, f32> =
     Tangent { numerator: [-0.095_781_24], denominator: [-0.429_115_06, 0.009_709_465] };
 
-/// Relative error 2⁻⁶² with the first coefficient of the numerator continued by
-/// [`TANGENT_LOW`]; that of the denominator is exact.
+/// Relative error 2⁻⁶². [`TANGENT_LOW`] is the error term of the numerator's first coefficient; the
+/// denominator's is exact.
 const TANGENT_DOUBLE_DOUBLE: Tangent<4, 3, f64> = Tangent {
     numerator: [
         -0.130_995_154_759_405_24,
@@ -88,38 +87,39 @@ pub(crate) fn polynomial<T: Real>(z: T, coefficients: &[T]) -> T {
     rest.iter().rev().fold(last, |sum, &coefficient| sum.mul_add(z, coefficient))
 }
 
-/// What a number type adds to [`Real`] for angles.
+/// The operations on angles that a number type adds to [`Real`].
 pub trait Angle: Real {
-    /// The remainder of an angle to the nearest multiple of π/2, and the multiple in the low bits,
+    /// The remainder of an angle to the nearest multiple of π/2, and the low bits of that multiple,
     /// for angles up to about 1.7e12.
     fn reduce(angle: f64) -> (Self, u64);
 
-    /// Numerator and denominator of the rational tangent of a remainder.
+    /// Numerator and denominator of the rational approximation to the tangent of a remainder.
     fn tangent(remainder: Self) -> (Self, Self);
 
-    /// The arithmetic that computes with these numbers.
+    /// The arithmetic that uses this number type.
     const PRECISION: Precision;
 
     /// Sine and cosine of a remainder.
     fn sin_cos(remainder: Self) -> (Self, Self);
 
-    /// The number with its sign turned if the lowest bit is one.
+    /// The number, negated if the lowest bit is one.
     #[must_use]
     fn turned_if(self, bit: u64) -> Self;
 
-    /// Remainder and quadrant of a phase (`reduction::phase`).
+    /// Remainder and quadrant of a turn fraction (`reduction::turn_fraction_q30`).
     fn from_turn_fraction(phase: u64) -> (Self, u64);
 
-    /// The lowest bits of a quadrant or a phase, kept in a number's place.
+    /// Stores the lowest bits of a quadrant or turn fraction as a number.
     fn of_bits(bits: u64) -> Self;
 
-    /// The bits kept in a number's place.
+    /// The bits stored by [`Angle::of_bits`].
     fn bits(self) -> u64;
 
-    /// The drive angle plus `self`, the angle error.
+    /// The drive angle plus `self`, an angle error.
     fn after<W: Float>(self, drive: DoubleDouble) -> W;
 
-    /// `tan(a + b)` as numerator and denominator from both tangents, `|a + b| < 1.2`.
+    /// `tan(a + b)` as numerator and denominator, from both tangents with their error terms, for
+    /// `|a + b| < 1.2`.
     fn tangent_of_sum(a: [Self::Float; 2], b: [Self::Float; 2]) -> (Self, Self);
 }
 
@@ -187,7 +187,7 @@ impl Angle for DoubleDouble {
         reduction::reduce_double_double(Self::exact(angle))
     }
 
-    // Only the leading terms need their errors: the others are small beside them.
+    // Only the leading terms need error terms, because the others are small compared with them.
     #[inline(always)]
     fn tangent(r: Self) -> (Self, Self) {
         let [first, tail @ ..] = &TANGENT_DOUBLE_DOUBLE.numerator;
@@ -213,7 +213,7 @@ impl Angle for DoubleDouble {
 
     const PRECISION: Precision = Precision::DoubleDouble;
 
-    // Within 2⁻⁵⁸: each polynomial is small beside the term before it.
+    // Within 2⁻⁵⁸: each polynomial is small compared with the term before it.
     #[inline(always)]
     fn sin_cos(r: Self) -> (Self, Self) {
         let Self { high: z, low } = Self::two_product(r.high, r.high);
@@ -265,15 +265,16 @@ impl Angle for DoubleDouble {
         let (a, b) = (Self::new(a, a_low), Self::new(b, b_low));
         let product = a * b;
         let Self { high, low } = Self::fast_two_sum(1.0, -product.high);
-        // Where the sum cancels its error term is large, of which an inverse tangent keeps too little.
+        // Where the sum cancels, its error term is large, and the inverse tangent would lose part
+        // of it.
         ((a + b).rounded(), Self { high, low: low - product.low })
     }
 }
 
-/// A vector along `(sin x, cos x)` or against it, of a length between 0.9 and 1.1.
+/// A vector parallel or antiparallel to `(sin x, cos x)`, of a length between 0.9 and 1.1.
 ///
-/// What depends on a pin as a line, such as a tangent or a ratio of squares, sees neither the
-/// length nor the sense, and a rational tangent costs half of a sine and a cosine.
+/// It suffices for quantities such as a tangent or a ratio of squares, which depend neither on its
+/// length nor on its sense. A rational tangent costs half as much as a sine and a cosine.
 #[inline(always)]
 pub(crate) fn pin<T: Angle>((remainder, quadrant): (T, u64)) -> (T, T) {
     let (s, c) = T::tangent(remainder);
@@ -282,9 +283,9 @@ pub(crate) fn pin<T: Angle>((remainder, quadrant): (T, u64)) -> (T, T) {
     (s, c.turned_if(odd))
 }
 
-/// The same along `(sin x, cos x)`, for what depends on the sense of a pin.
+/// A vector parallel to `(sin x, cos x)`, for quantities that depend on the sense of a pin.
 #[inline(always)]
-pub(crate) fn sensed_pin<T: Angle>(reduced: (T, u64)) -> (T, T) {
+pub(crate) fn directed_pin<T: Angle>(reduced: (T, u64)) -> (T, T) {
     let (s, c) = pin(reduced);
     let against = reduced.1 >> 1 & 1;
     (s.turned_if(against), c.turned_if(against))
@@ -292,7 +293,7 @@ pub(crate) fn sensed_pin<T: Angle>(reduced: (T, u64)) -> (T, T) {
 
 /// Sine and cosine of a reduced angle.
 #[inline(always)]
-pub(crate) fn turned<T: Angle>((remainder, quadrant): (T, u64)) -> (T, T) {
+pub(crate) fn sin_cos_reduced<T: Angle>((remainder, quadrant): (T, u64)) -> (T, T) {
     let (s, c) = T::sin_cos(remainder);
     let (odd, half) = (quadrant & 1, quadrant >> 1 & 1);
     let (s, c) = if odd == 1 { (c, s) } else { (s, c) };
@@ -328,7 +329,7 @@ pub(crate) fn sine_tail(z: f64) -> f64 {
     z.mul_add(polynomial(z, &SINE), -SIXTH.high)
 }
 
-/// Sine and cosine of a remainder within 2⁻⁶² of themselves.
+/// Sine and cosine of a remainder, with relative errors below 2⁻⁶².
 #[inline(always)]
 pub(crate) fn sin_cos_of_remainder(r: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
     let z = r.square();
@@ -339,18 +340,18 @@ pub(crate) fn sin_cos_of_remainder(r: DoubleDouble) -> (DoubleDouble, DoubleDoub
     (sine, head.fast_add(z.square() * rest))
 }
 
-/// Whether any of the angles is too far for [`Angle::reduce`].
-pub(crate) fn any_far(angles: impl Iterator<Item = f64>) -> bool {
-    let mut far = LargeAngleFlag::for_quadrants();
-    angles.for_each(|x| far.accumulate(reduction::reduce(x).1));
-    far.any()
+/// Whether any of the angles is too large for [`Angle::reduce`].
+pub(crate) fn any_too_large(angles: impl Iterator<Item = f64>) -> bool {
+    let mut too_large = LargeAngleFlag::for_quadrants();
+    angles.for_each(|x| too_large.accumulate(reduction::reduce(x).1));
+    too_large.any()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Remainders with error terms of half a unit, and their sines and cosines.
+    /// Remainders with error terms of half an ulp, and their sines and cosines.
     fn remainders() -> impl Iterator<Item = (DoubleDouble, DoubleDouble, DoubleDouble)> {
         (-392..=392).map(|i| {
             let high = f64::from(i) * 0.002;

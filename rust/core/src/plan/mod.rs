@@ -1,4 +1,4 @@
-//! From the outputs requested to the steps that compute them.
+//! Plans: the requested outputs, the steps that compute them, and the routes of a run.
 
 pub mod output;
 pub mod reduction;

@@ -1,6 +1,6 @@
-//! The quantities that can be requested: one row of a table each.
+//! The table of outputs: one row for each quantity that can be requested.
 
-/// What there is one of an output for.
+/// The part of a driveline that an output describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Per {
     /// Each shaft.
@@ -10,7 +10,7 @@ pub enum Per {
 }
 
 impl Per {
-    /// The name by which users know it.
+    /// The name used in the Python interface.
     pub fn name(self) -> &'static str {
         match self {
             Self::Shaft => "shaft",
@@ -19,31 +19,32 @@ impl Per {
     }
 }
 
-/// What an output needs, and so which part of a plan computes it.
+/// The part of a plan that computes an output.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Needs {
-    /// The motion of a shaft; the value where it turns with the drive, except for its angle.
+    /// The motion of a shaft, with the value for a shaft that turns with the drive; the angle has
+    /// none.
     Motion(Option<f64>),
-    /// The sense of the pins at a joint.
+    /// The tilts of the cross, which depend on the sense of the pins.
     Tilt,
-    /// The power that enters a shaft.
+    /// The power entering a shaft.
     Power,
-    /// The parts of the moments at both ends of a shaft.
+    /// The moments of the joints at both ends of a shaft.
     Support,
-    /// The torsion that a joint receives.
+    /// The torsion entering a joint.
     Torsion,
 }
 
-/// What an output is.
+/// The properties of an output.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
-    /// The name by which users request it.
+    /// The name in requests.
     pub name: &'static str,
-    /// What there is one for.
+    /// Whether the output describes shafts or joints.
     pub per: Per,
     /// Its SI unit, `"1"` for a ratio.
     pub unit: &'static str,
-    /// The names of its components; a scalar has one without a name.
+    /// The names of the components; a scalar has one component with an empty name.
     pub components: &'static [&'static str],
     pub(crate) needs: Needs,
 }
@@ -51,22 +52,23 @@ pub struct Row {
 const SCALAR: &[&str] = &[""];
 const VECTOR: &[&str] = &["x", "y", "z"];
 
-/// The table: a variant, its meaning, and its row.
+/// The table: each row has a description, a variant, a name, the part described, a unit, the
+/// components and the needs.
 macro_rules! outputs {
-    ($($(#[$meaning:meta])* $output:ident: $name:literal, $per:ident, $unit:literal, $components:ident,
-        $needs:expr;)*) => {
+    ($($(#[$meaning:meta])* $output:ident: $name:literal, $per:ident, $unit:literal,
+        $components:ident, $needs:expr;)*) => {
         /// A quantity that can be requested.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
         pub enum Output {$($(#[$meaning])* $output,)*}
 
         impl Output {
-            /// All of them, in the order of the documentation.
+            /// All outputs, in the order of the documentation.
             pub const ALL: [Self; Self::COUNT] = [$(Self::$output),*];
 
-            /// How many there are.
+            /// The number of outputs.
             pub const COUNT: usize = [$($name),*].len();
 
-            /// What it is.
+            /// The properties of the output.
             pub const fn row(self) -> Row {
                 match self {
                     $(Self::$output => Row {
@@ -85,23 +87,23 @@ macro_rules! outputs {
 outputs! {
     /// Rotation of a shaft, continuous and mean-synchronous with the drive.
     Angle: "angle", Shaft, "rad", SCALAR, Needs::Motion(None);
-    /// Angle of a shaft less the drive angle, mean zero.
+    /// Angle of a shaft minus the drive angle, mean zero.
     AngleError: "angle_error", Shaft, "rad", SCALAR, Needs::Motion(Some(0.0));
-    /// `ω_i/ω_0`.
+    /// Speed of a shaft over the speed of the drive, `ω_i/ω_0`.
     SpeedRatio: "speed_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(1.0));
     /// `d²(angle)/dα²`.
     AccelerationRatio: "acceleration_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0));
     /// `d³(angle)/dα³`.
     JerkRatio: "jerk_ratio", Shaft, "1", SCALAR, Needs::Motion(Some(0.0));
-    /// Torsion entering a shaft.
+    /// Torsional moment entering a shaft.
     Torque: "torque", Shaft, "N m", SCALAR, Needs::Power;
-    /// Moment vector that the bearings must give a shaft.
+    /// Moment vector that the bearings exert on a shaft.
     SupportMoment: "support_moment", Shaft, "N m", VECTOR, Needs::Support;
     /// Moment vector that a joint exerts on its driven shaft.
     Moment: "moment", Joint, "N m", VECTOR, Needs::Torsion;
-    /// Size of the bending moment in a joint's driving shaft.
+    /// Magnitude of the bending moment in a joint's driving shaft.
     BendingDriving: "bending_driving", Joint, "N m", SCALAR, Needs::Torsion;
-    /// Size of the bending moment in a joint's driven shaft.
+    /// Magnitude of the bending moment in a joint's driven shaft.
     BendingDriven: "bending_driven", Joint, "N m", SCALAR, Needs::Torsion;
     /// Signed tilt `ψ₁` of the cross against the driving shaft.
     TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Tilt;
@@ -110,18 +112,18 @@ outputs! {
 }
 
 impl Output {
-    /// Whether it needs a load.
+    /// Whether the output needs a load.
     pub fn needs_load(self) -> bool {
         !matches!(self.row().needs, Needs::Motion(_) | Needs::Tilt)
     }
 
-    /// Planes of the result per shaft or joint.
+    /// The number of planes per shaft or joint: one for a scalar, three for a vector.
     pub fn components(self) -> usize {
         self.row().components.len()
     }
 }
 
-/// The first plane of each output of one shaft or joint that is requested.
+/// The first plane of each requested output of one shaft or joint.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OutputPlanes([Option<usize>; Output::COUNT]);
 

@@ -1,8 +1,8 @@
-//! Reductions: one number for a row of samples.
+//! Reductions of a row of samples to one number.
 
 use crate::plan::steps::Plan;
 
-/// What a row of samples is reduced to. NaN among the samples gives NaN.
+/// A reduction of a row of samples. NaN among the samples gives NaN.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reduction {
     /// The smallest sample.
@@ -11,22 +11,22 @@ pub enum Reduction {
     Max,
     /// The mean.
     Mean,
-    /// The root of the mean square.
+    /// The root mean square.
     Rms,
-    /// The largest size; of a vector its largest length.
+    /// The largest magnitude; for a vector, its largest length.
     Peak,
 }
 
 impl Reduction {
-    /// Whether it is one of the samples' own values or its size.
+    /// Whether the result is the value or the magnitude of a single sample.
     pub(crate) fn is_extreme(self) -> bool {
         matches!(self, Self::Min | Self::Max | Self::Peak)
     }
 
-    /// All of them.
+    /// All reductions.
     pub const ALL: [Self; 5] = [Self::Min, Self::Max, Self::Mean, Self::Rms, Self::Peak];
 
-    /// The name by which users ask for it.
+    /// The name used in the Python interface.
     pub fn name(self) -> &'static str {
         match self {
             Self::Min => "min",
@@ -37,14 +37,15 @@ impl Reduction {
         }
     }
 
-    /// How many planes of the plan each result takes: one, or the three of a vector's peak.
+    /// The number of the plan's planes that each result combines: one, or three for the peak of a
+    /// vector.
     pub(crate) fn groups(self, plan: &Plan) -> Vec<usize> {
         let whole = self == Self::Peak;
         let of = |&size: &usize| if whole { vec![size] } else { vec![1; size] };
         plan.components.iter().flat_map(of).collect()
     }
 
-    /// Number of results of a plan.
+    /// The number of results for a plan, and so of the planes that [`Plan::reduce`] fills.
     pub fn results(self, plan: &Plan) -> usize {
         self.groups(plan).len()
     }

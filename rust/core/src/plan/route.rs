@@ -1,4 +1,4 @@
-//! How the motion of each shaft is found: decided once per run, here, and read by everything else.
+//! Routes: how a run computes the motion of each shaft. They are decided here, once per run.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -8,16 +8,17 @@ use crate::number::Precision;
 use crate::number::atan::AtanRange;
 use crate::plan::steps::Plan;
 
-/// How the motion of one shaft is found at a sample.
+/// How the motion of one shaft is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Route {
-    /// No joint before the shaft is bent: it turns with the drive.
+    /// The shaft turns with the drive, because no joint before it is bent.
     Drive,
-    /// From sine and cosine of the equivalent joint's driving angle, up to a common factor.
+    /// From unnormalised sine and cosine (tangent form) of the equivalent joint's driving angle.
     Tangent,
     /// From sine and cosine of twice the drive angle.
     DoubleAngle,
-    /// From those of a long sweep, turned from sample to sample by whole steps.
+    /// From sine and cosine of twice the drive angle, rotated from sample to sample of a long
+    /// sweep.
     Rotation,
 }
 
@@ -25,60 +26,60 @@ pub enum Route {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Routes {
     first_bent: usize,
-    /// The route of moderate bends; steep ones always take [`Route::Tangent`].
+    /// The route of moderate bends; steep bends always take [`Route::Tangent`].
     moderate: Route,
-    /// Whether the sines and cosines of a sweep are turned by whole steps.
+    /// Whether sine and cosine of twice the sweep's angles are computed by rotations.
     rotations: bool,
-    /// The length of the groups within which pins of a sweep follow by the addition theorem of the
-    /// tangent, if they do.
+    /// The length of the groups of samples within which the pins of a sweep follow by the addition
+    /// theorem of the tangent, if they do.
     pub(crate) tangent_sum: Option<usize>,
-    /// The number of samples after which a sweep repeats itself, if its results are copied.
+    /// The number of samples after which the results of a sweep repeat, if they are copied.
     pub(crate) period: Option<usize>,
 }
 
-/// The shortest rows of a sweep for which a table of its steps saves time.
+/// The shortest row of a sweep for which a table of its steps saves time.
 const LONG_ROW: usize = 4096;
 
-/// The longest period whose results are kept and copied.
+/// The longest period whose results are stored and copied.
 const LONGEST_PERIOD: usize = 8192;
 
-/// The fewest samples in a quarter turn for which rotations save time, and the most whose number is
-/// exact enough.
+/// Samples in a quarter turn for which rotations are used: with fewer they save no time, with more
+/// the sample number is not exact enough.
 const ROTATION_QUARTERS: std::ops::Range<f64> = 32.0..(1_u64 << 40) as f64;
 
-/// The widest turn from the middle of a group of tangent sums, in rad: with the eighth of a turn that
-/// the remainder of the middle may have, the cosine of the sum stays away from zero.
+/// The largest angle from the middle of a group of tangent sums, in rad. The remainder of the
+/// middle may be an eighth of a turn; together the two keep the cosine of the sum away from zero.
 const TANGENT_SUM_WIDEST: f64 = 0.39;
 
-/// The fewest samples for which a group of tangent sums saves time, and the most in one.
+/// The fewest samples for which a group of tangent sums saves time, and the most in one group.
 const TANGENT_SUM_FEWEST: usize = 32;
 const TANGENT_SUM_LONGEST: f64 = 512.0;
 
 impl Routes {
-    /// The routes of a run over these samples.
+    /// The routes of a run over the samples of a table.
     pub(crate) fn of_run(plan: &Plan, table: &Table<'_>, precision: Precision) -> Self {
         let per_sample = table.geometry_variation() == GeometryVariation::BySample;
         let period = period(plan, table);
         let mut routes = Self { period, ..Self::of_arrays(plan, precision) };
-        // Sums depend on the middle of their group in the last bit, a repeated period on where its
-        // block begins: only one of them may serve a sweep.
+        // The last bit of a tangent sum depends on the middle of its group, and that of a repeated
+        // period on the start of its block. A sweep may use only one of the two.
         let long = table.row_length() >= LONG_ROW && period.is_none();
         let Some(sweep) = table.sweep.as_ref().filter(|_| long) else { return routes };
         let is_moderate = |shaft: usize| plan.range(shaft).is_moderate();
         let moderate = !per_sample && plan.moving().any(|step| is_moderate(step.shaft));
         let steep = plan.moving().any(|step| !is_moderate(step.shaft));
-        let pinned = plan.needs_poses() || steep || !moderate && plan.moving().next().is_some();
+        let needs_pins = plan.needs_poses() || steep || !moderate && plan.moving().next().is_some();
         if moderate && has_rotations(sweep) {
             routes.rotations = true;
             if routes.moderate == Route::Tangent {
                 routes.moderate = Route::Rotation;
             }
         }
-        routes.tangent_sum = if pinned { tangent_sum_length(sweep) } else { None };
+        routes.tangent_sum = if needs_pins { tangent_sum_length(sweep) } else { None };
         routes
     }
 
-    /// The routes of runs over arrays of angles.
+    /// The routes of a run over arrays of angles.
     pub(crate) fn of_arrays(plan: &Plan, precision: Precision) -> Self {
         let double_angle = precision.costs().double_angle;
         Self {
@@ -90,7 +91,7 @@ impl Routes {
         }
     }
 
-    /// The route of a shaft whose tangents of the angle error stay within `range`.
+    /// The route of a shaft whose tangent of the angle error stays within `range`.
     #[inline(always)]
     pub(crate) fn of(&self, shaft: usize, range: AtanRange) -> Route {
         if !self.is_bent(shaft) {
@@ -102,45 +103,46 @@ impl Routes {
         }
     }
 
-    /// Whether any joint before the shaft is bent.
+    /// Whether a joint before the shaft is bent.
     #[inline(always)]
     pub(crate) fn is_bent(&self, shaft: usize) -> bool {
         shaft > self.first_bent
     }
 
-    /// Whether moderate bends go another way than steep ones, from constants of their own.
+    /// Whether moderate and steep bends have different routes and so different constants.
     pub(crate) fn splits(&self) -> bool {
         self.moderate != Route::Tangent
     }
 
-    /// Whether moderate bends take sines that a sweep turns within their own loop.
+    /// Whether the loops for moderate bends rotate sine and cosine from sample to sample.
     pub(crate) fn has_rotation(&self) -> bool {
         self.moderate == Route::Rotation
     }
 
-    /// Whether moderate bends read stored sines and cosines of twice the drive angle.
+    /// Whether moderate bends use stored sines and cosines of twice the drive angle.
     pub(crate) fn has_double_angle(&self) -> bool {
         self.moderate == Route::DoubleAngle
     }
 
-    /// Whether the sweep's sines and cosines of twice the angle follow by rotations.
+    /// Whether the run needs a table of rotations.
     pub(crate) fn needs_rotations(&self) -> bool {
         self.rotations
     }
 }
 
-/// The number of samples after which the pins of a sweep repeat themselves, if that is often enough to
-/// copy results.
+/// The number of samples after which the pins of a sweep repeat, if they repeat often enough for
+/// copying results.
 fn period(plan: &Plan, table: &Table<'_>) -> Option<usize> {
     let period = table.sweep.as_ref()?.period(plan.needs_sense())?;
     let changes = table.geometry_variation() == GeometryVariation::BySample || table.load_varies();
     let length = table.row_length();
-    // A long sweep has another way than sample by sample, and two periods cost more than it.
+    // A long sweep has faster routes, and computing two periods sample by sample costs more than
+    // they do.
     let fewest = if length < LONG_ROW { 2 } else { 4 };
     (!changes && period <= LONGEST_PERIOD && fewest * period <= length).then_some(period)
 }
 
-/// Whether the steps of a sweep are short enough for rotations and not too short.
+/// Whether the steps of a sweep suit rotations.
 fn has_rotations(sweep: &Sweep) -> bool {
     ROTATION_QUARTERS.contains(&(FRAC_PI_2 / sweep.step().abs()))
 }

@@ -1,8 +1,8 @@
-//! From the outputs asked for to the steps that compute them, once per call.
+//! The steps that compute the requested outputs, planned once per call.
 //!
-//! A plan knows nothing of angles or of particular bends: it says which shafts and joints are
-//! needed, in which plane of the result each quantity lands, and in which order a load is carried
-//! along the driveline. [`crate::run`] runs it.
+//! A plan does not depend on angles or on particular bends. It lists the shafts and joints that are
+//! needed, the plane of the result for each quantity, and the order in which a load travels along
+//! the driveline. [`crate::run`] runs it.
 
 use crate::error::{Error, Result};
 use crate::mechanics::joint::Joint;
@@ -10,68 +10,69 @@ use crate::number::Precision;
 use crate::number::atan::AtanRange;
 use crate::plan::output::{Needs, Output, OutputPlanes, Per};
 
-/// Where the load's torque is given.
+/// The end of the driveline at which the load's torque is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// Put into shaft 0.
+    /// The torque enters shaft 0.
     Drive,
-    /// Delivered by the last shaft.
+    /// The torque leaves the last shaft.
     Output,
 }
 
-/// What is asked of a driveline.
+/// What to compute for a driveline.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
-    /// The largest bend of each joint, from [`crate::Drivelines::largest_bends`] or a bound to it.
+    /// The largest bend of each joint in rad, from [`crate::Drivelines::largest_bends`], or an
+    /// upper bound.
     pub largest_bends: &'a [f64],
-    /// The quantities, each at most once.
+    /// The outputs, each at most once.
     pub outputs: &'a [Output],
     /// The shafts, `0..=n`, each at most once.
     pub shafts: &'a [usize],
     /// The joints, `0..n`, each at most once.
     pub joints: &'a [usize],
-    /// Where the load's torque is given, if there is a load.
+    /// The end at which the load's torque is given, if there is a load.
     pub load: Option<End>,
-    /// The shafts whose inertia takes part.
+    /// The shafts with an inertia.
     pub inertias: &'a [usize],
 }
 
-/// The steps for one request. The planes of the result are numbered output by output, within an
-/// output item by item, within an item component by component.
+/// The steps for one request. The planes of the result are numbered by output, then by shaft or
+/// joint, then by component.
 #[derive(Clone, Debug)]
 pub struct Plan {
     pub(crate) joint_count: usize,
-    /// The largest bend of each joint; a joint with none is straight in every driveline.
+    /// The largest bend of each joint; a joint with zero is straight in every driveline.
     pub(crate) largest_bends: Vec<f64>,
-    /// A bound to the cosine of the bend equivalent to the joints before each shaft: that of the
-    /// aligned chain, for which the cosines multiply.
+    /// A lower bound on the cosine of the bend equivalent to the joints before each shaft. It holds
+    /// for the aligned chain, whose cosines multiply.
     least_cosines: Vec<f64>,
-    /// Whether the whole chain is moderate.
+    /// Whether the equivalent bend of the whole chain is moderate.
     pub(crate) moderate: bool,
     pub(crate) planes: usize,
-    /// How many of the planes, in their order, make up each item of each output.
+    /// The number of planes of each shaft or joint of each output, in order.
     pub(crate) components: Vec<usize>,
     /// In ascending order.
     pub(crate) shafts: Vec<ShaftStep>,
-    /// One per joint; most may be idle.
+    /// One step per joint, needed or not.
     pub(crate) joints: Vec<JointStep>,
     pub(crate) load: Option<LoadStep>,
 }
 
-/// What to compute of one shaft: the plane of each output, and the rates that the load needs.
+/// What to compute for one shaft: the plane of each output, and the rates that the load needs.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ShaftStep {
     pub(crate) shaft: usize,
     pub(crate) planes: OutputPlanes,
-    /// Whether the load needs the one and the other.
+    /// Whether the load needs the speed ratio and the acceleration ratio.
     pub(crate) keep_ratio: bool,
     pub(crate) keep_acceleration: bool,
 }
 
 impl ShaftStep {
-    /// The planes of rotation, speed ratio and acceleration ratio, if one loop finds all three:
-    /// the angle or its error, not both, and rates that nothing else reads.
-    pub(crate) fn together(&self) -> Option<[usize; 3]> {
+    /// The planes of rotation, speed ratio and acceleration ratio, if one loop computes all three:
+    /// the angle or the angle error but not both, and no rates for the load.
+    pub(crate) fn combined_planes(&self) -> Option<[usize; 3]> {
         let plane = |output| self.planes.get(output);
         let ((Some(rotation), None) | (None, Some(rotation))) =
             (plane(Output::Angle), plane(Output::AngleError))
@@ -83,33 +84,33 @@ impl ShaftStep {
     }
 }
 
-/// What to compute of one joint.
+/// What to compute for one joint.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointStep {
     pub(crate) planes: OutputPlanes,
-    /// Whether any of them is a tilt, and whether any is made of the torsion.
+    /// Whether any output is a tilt, and whether any needs the torsion.
     pub(crate) needs_tilt: bool,
     needs_moment: bool,
-    /// Its parts of the support moments of the shaft that the load leaves here and of the one that
-    /// it comes to.
+    /// The joint's contributions to the support moments of the shaft that the load leaves here and
+    /// of the shaft that it enters.
     pub(crate) support: [Option<Support>; 2],
 }
 
-/// A joint's part of the support moment of one of its shafts.
+/// A joint's contribution to the support moment of one of its shafts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Support {
     /// First plane of the shaft's support moment.
     pub(crate) plane: usize,
-    /// Whether the shaft is the joint's driving one.
+    /// Whether the shaft is the joint's driving shaft.
     pub(crate) driving: bool,
-    /// Whether it is the shaft's first part on the way of the load.
+    /// Whether it is the shaft's first contribution along the path of the load.
     pub(crate) first: bool,
-    /// Whether it is its last.
+    /// Whether it is the last.
     pub(crate) last: bool,
 }
 
 impl JointStep {
-    /// Whether it takes part in a support moment.
+    /// Whether the joint contributes to a support moment.
     pub(crate) fn needs_support(&self) -> bool {
         self.support.iter().any(Option::is_some)
     }
@@ -119,22 +120,22 @@ impl JointStep {
     }
 }
 
-/// How the power is carried along the driveline from the end where the torque is given.
+/// How the power is computed along the driveline, from the end where the torque is given.
 #[derive(Clone, Debug)]
 pub(crate) struct LoadStep {
     pub(crate) end: End,
-    /// In the order of travel.
+    /// In the order of computation.
     pub(crate) stations: Vec<Station>,
 }
 
-/// One shaft on the way: what its inertia takes, and what is wanted of the power entering it.
+/// One shaft on the path of the load.
 #[derive(Clone, Debug)]
 pub(crate) struct Station {
     pub(crate) shaft: usize,
     pub(crate) absorbs: bool,
     /// Plane of the torque entering this shaft.
     pub(crate) torque: Option<usize>,
-    /// Whether the torsion is wanted that the joint before this shaft receives.
+    /// Whether the torsion entering the joint before this shaft is needed.
     pub(crate) torsion: bool,
 }
 
@@ -142,8 +143,8 @@ impl Plan {
     /// Plans a request.
     ///
     /// # Errors
-    /// A shaft or joint that does not exist or is named twice, an output named twice, an output
-    /// that needs a load where none is given.
+    /// A shaft or joint that does not exist or is repeated, a repeated output, or an output that
+    /// needs a load where the request has none.
     pub fn new(request: &Request<'_>) -> Result<Self> {
         let n = request.largest_bends.len();
         check_items("shafts", request.shafts, n + 1)?;
@@ -207,11 +208,11 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The cheapest arithmetic whose results are within a tolerance relative to the largest of each
-    /// output over a turn.
+    /// The cheapest arithmetic whose errors are within a tolerance, relative to the largest value
+    /// of each output over a turn.
     ///
-    /// The angle by which a chain's equivalent joint is turned is known to a rounding of the
-    /// arithmetic, and a steep chain stretches it by the inverse of its cosine.
+    /// The arithmetic rounds the turn between the drive shaft and a chain's equivalent joint. A
+    /// steep chain amplifies that error by the reciprocal of its cosine.
     pub fn precision(&self, tolerance: f64) -> Precision {
         let reach = self.reach();
         let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(1.0) } else { 1.0 };
@@ -229,80 +230,80 @@ impl Plan {
         self.planes
     }
 
-    /// Joints that must be folded to serve the last shaft or joint that is needed.
+    /// The number of joints to fold for the last shaft or joint that is needed.
     pub(crate) fn reach(&self) -> usize {
         let shafts = self.shafts.last().map_or(0, |step| step.shaft);
         let joints = (0..self.joint_count).rev().find(|&joint| self.needs_pose(joint));
         shafts.max(joints.map_or(0, |joint| joint + 1))
     }
 
-    /// Whether nothing but the motion behind the first joint is needed, and so no map of a chain.
+    /// Whether only the motion behind the first joint is needed, and so no map of a chain.
     pub(crate) fn is_joint(&self) -> bool {
         self.reach() == 1 && !self.needs_pose(0)
     }
 
-    /// Whether anything is wanted of a joint itself.
+    /// Whether any output needs the pose of the joint.
     pub(crate) fn needs_pose(&self, joint: usize) -> bool {
         self.joints[joint].needs_tilt || self.joints[joint].needs_torsion()
     }
 
-    /// Whether any shaft's own angle is wanted.
+    /// Whether the angle of any shaft is requested.
     pub(crate) fn needs_angle(&self) -> bool {
         self.shafts.iter().any(|step| step.planes.get(Output::Angle).is_some())
     }
 
-    /// What is needed of the shafts beyond the first bend.
+    /// The steps of the shafts behind the first bent joint.
     pub(crate) fn moving(&self) -> impl Iterator<Item = &ShaftStep> {
         let bent = self.first_bent();
         self.shafts.iter().filter(move |step| step.shaft > bent)
     }
 
-    /// Whether this plane holds angles.
+    /// Whether the plane contains angles.
     pub(crate) fn is_angle(&self, plane: usize) -> bool {
         self.shafts.iter().any(|step| step.planes.get(Output::Angle) == Some(plane))
     }
 
-    /// Whether anything is wanted of any joint itself.
+    /// Whether any output needs the pose of a joint.
     pub(crate) fn needs_poses(&self) -> bool {
         (0..self.joint_count).any(|joint| self.needs_pose(joint))
     }
 
-    /// Whether nothing is wanted but what is extreme at known angles.
+    /// Whether every output has its extremes at known angles.
     pub(crate) fn has_closed_extremes(&self) -> bool {
         self.load.is_none() && !self.needs_poses() && !self.needs_angle()
     }
 
-    /// Whether the sense of a pin matters and not only its line.
+    /// Whether the sense of a pin matters, not only its line.
     pub(crate) fn needs_sense(&self) -> bool {
         self.joints.iter().any(|step| step.needs_tilt)
     }
 
-    /// The first joint that is bent in any driveline; the shafts up to it turn with the drive.
+    /// The first joint that is bent in any driveline; the shafts before it turn with the drive.
     pub(crate) fn first_bent(&self) -> usize {
         let bent = self.largest_bends.iter().position(|&bend| bend != 0.0);
         bent.unwrap_or(self.joint_count)
     }
 
-    /// The inverse tangent that serves a shaft of every driveline.
+    /// The range of the inverse tangent for a shaft, over all drivelines.
     pub(crate) fn range(&self, shaft: usize) -> AtanRange {
         range(self.least_cosines[shaft])
     }
 
     fn step(&mut self, shaft: usize) -> &mut ShaftStep {
-        let found = self.shafts.iter().position(|step| step.shaft == shaft);
-        let index = found.unwrap_or_else(|| {
+        let index = self.shafts.iter().position(|step| step.shaft == shaft);
+        let index = index.unwrap_or_else(|| {
             self.shafts.push(ShaftStep { shaft, ..ShaftStep::default() });
             self.shafts.len() - 1
         });
         &mut self.shafts[index]
     }
 
-    /// The parts of one shaft's support moment, each with the joint that gives it.
+    /// Plans the contributions of its joints to one shaft's support moment.
     fn plan_support(&mut self, end: End, shaft: usize, plane: usize) {
         let n = self.joint_count;
         let before = shaft > 0;
         let after = shaft < n;
-        // The load comes to a shaft at one joint and leaves it at the next.
+        // The load enters a shaft at one joint and leaves it at the next.
         let (leaves, comes) = (0, 1);
         let slots = if end == End::Drive { [comes, leaves] } else { [leaves, comes] };
         if before {
@@ -317,27 +318,27 @@ impl Plan {
         }
     }
 
-    /// Lists the stations between the end where the torque is given and the farthest shaft whose
-    /// entering power is wanted; inertias beyond it do not matter.
+    /// Lists the shafts from the end where the torque is given to the last one whose entering power
+    /// is needed; inertias beyond it do not matter.
     fn plan_load(&mut self, end: End, inertias: &[usize], torque: &[Option<usize>]) {
         let (n, bent) = (self.joint_count, self.first_bent());
         let torsion_before = |shaft: usize| shaft > 0 && self.joints[shaft - 1].needs_torsion();
-        let wanted = |shaft: &usize| torque[*shaft].is_some() || torsion_before(*shaft);
+        let needed = |shaft: &usize| torque[*shaft].is_some() || torsion_before(*shaft);
         let range: Vec<usize> = match end {
-            End::Drive => match (0..=n).rev().find(wanted) {
+            End::Drive => match (0..=n).rev().find(needed) {
                 Some(last) => (0..=last).collect(),
                 None => return,
             },
-            End::Output => match (0..=n).find(wanted) {
+            End::Output => match (0..=n).find(needed) {
                 Some(first) => (first..=n).rev().collect(),
                 None => return,
             },
         };
-        let farthest = range[range.len() - 1];
+        let last = range[range.len() - 1];
         let stations: Vec<Station> = range
             .into_iter()
             .map(|shaft| {
-                let passed = end == End::Output || shaft != farthest;
+                let passed = end == End::Output || shaft != last;
                 let absorbs = passed && inertias.contains(&shaft);
                 Station { shaft, absorbs, torque: torque[shaft], torsion: torsion_before(shaft) }
             })
@@ -345,7 +346,7 @@ impl Plan {
         for station in &stations {
             let shaft = station.shaft;
             let starts = end == End::Output && shaft == n;
-            // Nothing is divided or multiplied by the speed ratio of a shaft that turns as the drive.
+            // A shaft that turns with the drive has the speed ratio 1, which no step needs.
             if station.absorbs || shaft > bent && (station.torque.is_some() || starts) {
                 self.step(shaft).keep_ratio = true;
             }
@@ -360,9 +361,9 @@ impl Plan {
     }
 }
 
-/// The inverse tangent that serves bends whose cosine is no less.
+/// The range of the inverse tangent for bends with at least this cosine.
 fn range(cos: f64) -> AtanRange {
-    // A bound to the tangent, with room for rounding.
+    // An upper bound on the tangent, with a margin for rounding.
     AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
 }
 

@@ -1,4 +1,4 @@
-//! A block of samples, run by one thread: rows of one driveline, cut into chunks.
+//! A block of samples, which one thread runs: rows of the table, cut into chunks.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -12,130 +12,98 @@ use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
-use crate::run::chunk;
+use crate::run::constants::GeometryIndex;
 use crate::run::extrema;
-use crate::run::fold::{Folded, FoldedAs, FoldedDriveline, GeometryIndex};
+use crate::run::fold::Folded;
 use crate::run::level::{Level, compiled_for};
+use crate::run::load;
+use crate::run::motion;
 use crate::run::scratch::Scratch;
+use crate::run::sines;
+use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
-use crate::sincos::array::Drive;
+use crate::sincos::array::DriveAngles;
 
-/// Samples per chunk: what is kept of so many stays in the first-level cache, or nearly.
+/// Samples per chunk. The buffers for so many samples stay in the first-level cache, or nearly.
 pub(crate) const CHUNK: usize = 1024;
 
-/// Samples per chunk with a load, which keeps more of each, and the most in a group of a sweep: those do
-/// not depend on the load.
+/// Samples per chunk with a load, which has more buffers. It also limits the groups of a sweep,
+/// which must not depend on the load.
 pub(crate) const SHORT_CHUNK: usize = CHUNK / 2;
 
-/// Samples per chunk of a long sweep that goes by groups and keeps nothing of its samples.
+/// Samples per chunk of a long sweep that is computed by rotations without staging buffers.
 const LONG_CHUNK: usize = 16 * CHUNK;
 
-/// Rows whose drivelines are folded together.
+/// The most rows whose drivelines are folded together.
 pub(crate) const GROUP: usize = 64;
 
-/// A number type and the words that its results are delivered in.
-pub(crate) trait StoresAs<W: Float>: Number {
-    /// The words that the kernels put.
-    type Plane: Float;
-
-    /// The constants of a driveline that was folded for this type.
-    fn folded(driveline: &FoldedDriveline) -> Option<&Folded<Self>>;
-
-    /// The planes themselves, where the kernels put what they hold.
-    fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Plane]]>;
-}
-
-macro_rules! stores_as {
-    ($($number:ident as $precision:ident by $plane:ident to $word:ident: $planes:ident => $direct:expr;)*) => {$(
-        impl StoresAs<$word> for $number {
-            type Plane = $plane;
-
-            fn folded(driveline: &FoldedDriveline) -> Option<&Folded<Self>> {
-                if let FoldedAs::$precision(folded) = &driveline.0 { Some(folded) } else { None }
-            }
-
-            fn direct<'a, 'b>(
-                $planes: &'a mut [&'b mut [$word]],
-            ) -> Option<&'a mut [&'b mut [$plane]]> {
-                $direct
-            }
-        }
-    )*};
-}
-
-stores_as! {
-    f32 as Single by f32 to f32: planes => Some(planes);
-    f32 as Single by f64 to f64: planes => Some(planes);
-    f64 as Double by f64 to f64: planes => Some(planes);
-    f64 as Double by f64 to f32: _planes => None;
-    DoubleDouble as DoubleDouble by f64 to f64: planes => Some(planes);
-    DoubleDouble as DoubleDouble by f64 to f32: _planes => None;
-}
-
-/// What becomes of a block's results.
+/// The destination of a block's results.
 pub(crate) enum Target<'a, 'b, W> {
-    /// They fill these parts of the planes.
+    /// These parts of the planes.
     Planes(&'a mut [&'b mut [W]]),
-    /// Those of each row are reduced, group of planes by group of planes.
+    /// A reduction of each row, one number per group of planes.
     Reduced(Reduction, &'a [usize], &'a mut [DoubleDouble]),
 }
 
-/// What the blocks of a run share.
+/// The data that all blocks of a run share.
 pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) plan: &'a Plan,
     pub(crate) table: &'a Table<'s>,
     pub(crate) level: Level,
     pub(crate) routes: Routes,
     pub(crate) tables: SweepTables<T>,
-    /// The only driveline, folded before.
+    /// The only driveline, if it was folded before.
     pub(crate) folded: Option<&'a Folded<T>>,
-    /// Whether to leave out the rest.
+    /// Skips the remaining chunks when set.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
 
-/// A block and what it needs at hand.
+/// A block and its buffers.
 pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     shared: &'a Shared<'a, 's, T>,
-    /// The only driveline, or those of these rows, or of the samples of one chunk.
+    /// The folded drivelines: the only one, those of `rows`, or those of the samples of one chunk.
     folded: Cow<'a, Folded<T>>,
     rows: Range<usize>,
     /// Samples per chunk.
     chunk_length: usize,
     scratch: Scratch<T>,
-    /// Planes for one chunk, where the results go on to be converted or reduced.
-    spare: Vec<Vec<T::Plane>>,
-    /// The angles of a chunk, where the samples do not hold them side by side.
+    /// Planes for one chunk, if the results are converted or reduced afterwards.
+    staging: Vec<Vec<T::Plane>>,
+    /// The angles of a chunk, if they are not contiguous in the samples.
     angles: Vec<f64>,
-    /// First angle, step and length of the chunk whose pins are at hand, and of that for which
-    /// sine and cosine of twice the angle are.
-    pins: Option<(usize, usize, usize)>,
-    twice: Option<(usize, usize, usize)>,
+    /// First angle, step and length of the chunks for which `scratch` holds pins and double angles.
+    pins_key: Option<(usize, usize, usize)>,
+    double_angles_key: Option<(usize, usize, usize)>,
 }
 
-/// Part of a row: the row, its samples, and where the block's planes take their results.
+/// Part of a row: the row, its samples, and the offset of its results in the block's planes.
 struct RowPart {
     row: usize,
     samples: Range<usize>,
-    place: usize,
+    offset: usize,
 }
 
 impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
-    pub(crate) fn new(shared: &'a Shared<'a, 's, T>, samples: &Range<usize>, spare: bool) -> Self {
+    pub(crate) fn new(
+        shared: &'a Shared<'a, 's, T>,
+        samples: &Range<usize>,
+        staging: bool,
+    ) -> Self {
         let Shared { plan, table, ref routes, .. } = *shared;
         let row_length = table.row_length();
         let chunk_length = if plan.load.is_some() {
             SHORT_CHUNK
-        } else if routes.has_rotation() && plan.moderate && !plan.needs_poses() && !spare {
+        } else if routes.has_rotation() && plan.moderate && !plan.needs_poses() && !staging {
             LONG_CHUNK
         } else if T::LOW {
-            // Loops so long take longer to begin than what leaves the cache takes to come back.
+            // Starting these long loops costs more than results that leave the first-level cache.
             2 * CHUNK
         } else {
             CHUNK
         };
         let longest = chunk_length.min(row_length);
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
-        let room = || {
+        let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
                 GeometryVariation::One => (1, false),
                 GeometryVariation::ByRow => (GROUP.min(rows), false),
@@ -145,22 +113,22 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         };
         Self {
             shared,
-            folded: shared.folded.map_or_else(room, Cow::Borrowed),
+            folded: shared.folded.map_or_else(allocate, Cow::Borrowed),
             rows: 0..0,
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
-            spare: if spare {
+            staging: if staging {
                 vec![vec![T::Plane::default(); longest]; plan.planes]
             } else {
                 vec![]
             },
             angles: vec![],
-            pins: None,
-            twice: None,
+            pins_key: None,
+            double_angles_key: None,
         }
     }
 
-    /// Runs the samples, row after row.
+    /// Runs the samples, row by row.
     pub(crate) fn run(&mut self, samples: Range<usize>, target: &mut Target<'_, '_, W>) {
         let row_length = self.shared.table.row_length();
         let last_row = (samples.end - 1) / row_length;
@@ -168,10 +136,10 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         while at < samples.end && !self.stopped() {
             let (row, first) = (at / row_length, at % row_length);
             let end = row_length.min(first + samples.end - at);
-            let unit = row - samples.start / row_length;
-            let part = RowPart { row, samples: first..end, place: at - samples.start };
+            let row_in_block = row - samples.start / row_length;
+            let part = RowPart { row, samples: first..end, offset: at - samples.start };
             self.load_row(row, last_row);
-            self.row(&part, unit, target);
+            self.row(&part, row_in_block, target);
             at += end - first;
         }
     }
@@ -181,12 +149,13 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         self.shared.stop.is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
-    /// Folds the row's driveline, together with those of the next ones, unless it is at hand.
+    /// Loads the row: folds its driveline, together with those of the next rows, unless this was
+    /// done.
     fn load_row(&mut self, row: usize, last: usize) {
         for (column, cursor) in self.shared.table.columns.iter().zip(&mut self.scratch.cursors) {
             *cursor = self.shared.table.locate(&column.strides, row);
         }
-        // What is the same at every sample of the row is not gathered again chunk by chunk.
+        // Values that all samples of the row share are gathered once, not chunk by chunk.
         for index in self.loads() {
             if let (origin, 0) = self.scratch.cursors[index] {
                 self.scratch.gathered[index].fill(self.shared.table.columns[index].data[origin]);
@@ -197,12 +166,12 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             GeometryVariation::ByRow => row..(last + 1).min(row + GROUP),
             GeometryVariation::BySample => return,
         };
-        let at_hand = match (&self.folded, self.shared.table.geometry_variation()) {
+        let is_folded = match (&self.folded, self.shared.table.geometry_variation()) {
             (Cow::Borrowed(_), _) => true,
             (_, GeometryVariation::One) => !self.rows.is_empty(),
             _ => self.rows.contains(&row),
         };
-        if at_hand {
+        if is_folded {
             return;
         }
         let table = self.shared.table;
@@ -215,7 +184,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         self.rows = rows;
     }
 
-    /// The columns of the load that matter: speed and acceleration do to inertias alone.
+    /// The columns of the load that the plan needs: only inertias need speed and acceleration.
     fn loads(&self) -> Range<usize> {
         match &self.shared.plan.load {
             None => 0..0,
@@ -226,8 +195,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         }
     }
 
-    /// Runs a part of one row, chunk after chunk; chunks begin at multiples of their length.
-    fn row(&mut self, part: &RowPart, unit: usize, target: &mut Target<'_, '_, W>) {
+    /// Runs a part of one row, chunk by chunk. Chunks begin at multiples of their length.
+    fn row(&mut self, part: &RowPart, row_in_block: usize, target: &mut Target<'_, '_, W>) {
         let Range { start, end } = part.samples;
         let stop = match self.period(part, target) {
             Some(period) => start + period,
@@ -237,17 +206,17 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             self.scratch.keep_errors(self.shared.plan, stop - start);
         }
         if let Target::Reduced(reduction, ..) = target
-            && let Some(picked) = self.extremes(part.row, start..stop, *reduction)
+            && let Some(selected) = self.extremes(part.row, start..stop, *reduction)
         {
-            for samples in picked.chunks(self.chunk_length) {
-                self.chunk(part, 0..samples.len(), Some(samples), unit, target);
+            for samples in selected.chunks(self.chunk_length) {
+                self.chunk(part, 0..samples.len(), Some(samples), row_in_block, target);
             }
             return;
         }
         let mut at = start;
         while at < stop && !self.stopped() {
             let next = stop.min((at / self.chunk_length + 1) * self.chunk_length);
-            self.chunk(part, at..next, None, unit, target);
+            self.chunk(part, at..next, None, row_in_block, target);
             at = next;
         }
         if stop < end {
@@ -255,7 +224,9 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 Target::Planes(planes) => self.repeat(part, stop - start, planes),
                 Target::Reduced(reduction, groups, partials) => {
                     let times = (end - start) / (stop - start);
-                    for partial in &mut partials[unit * groups.len()..(unit + 1) * groups.len()] {
+                    for partial in &mut partials
+                        [row_in_block * groups.len()..(row_in_block + 1) * groups.len()]
+                    {
                         reduction.repeat(partial, times);
                     }
                 }
@@ -263,13 +234,13 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         }
     }
 
-    /// After how many samples the results of a row repeat themselves, if they are to be repeated.
+    /// The number of samples after which the results of a row repeat, if they are to be copied.
     fn period(&self, part: &RowPart, target: &Target<'_, '_, W>) -> Option<usize> {
         let period = self.shared.routes.period?;
         let repeats = 2 * period <= part.samples.len();
         match target {
             Target::Planes(_) => repeats.then_some(period),
-            // Whole periods of what repeats are as good as one that counts as often.
+            // One period of the samples gives the reduction of any whole number of periods.
             Target::Reduced(..) => {
                 let whole = part.samples.len().is_multiple_of(period);
                 (repeats && whole && !self.shared.plan.needs_angle()).then_some(period)
@@ -277,7 +248,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         }
     }
 
-    /// The samples that decide a smallest or largest value, if few do.
+    /// The samples that can have the smallest or largest value, if they are few.
     fn extremes(
         &self,
         row: usize,
@@ -301,13 +272,13 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         extrema::samples_near_extrema(sweep, samples, shafts)
     }
 
-    /// One chunk of a row, or samples picked from it.
+    /// Runs one chunk of a row, or samples selected from it.
     fn chunk(
         &mut self,
         part: &RowPart,
         samples: Range<usize>,
-        picked: Option<&[f64]>,
-        unit: usize,
+        selected: Option<&[f64]>,
+        row_in_block: usize,
         target: &mut Target<'_, '_, W>,
     ) {
         let loads = self.loads();
@@ -317,14 +288,16 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let size = samples.len();
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
-        let drive = match (&table.sweep, picked) {
-            (Some(sweep), Some(picked)) => Drive::Picked(sweep, picked),
-            (Some(sweep), None) => Drive::Sweep(sweep, begin),
-            (None, _) if step == 1 => Drive::Array(&table.columns[ANGLE].data[begin..begin + size]),
+        let drive = match (&table.sweep, selected) {
+            (Some(sweep), Some(selected)) => DriveAngles::Selected(sweep, selected),
+            (Some(sweep), None) => DriveAngles::Sweep(sweep, begin),
+            (None, _) if step == 1 => {
+                DriveAngles::Array(&table.columns[ANGLE].data[begin..begin + size])
+            }
             (None, _) => {
                 self.angles.resize(size, 0.0);
                 gather(table.columns[ANGLE].data, begin, step, &mut self.angles);
-                Drive::Array(&self.angles)
+                DriveAngles::Array(&self.angles)
             }
         };
         let geometry = match table.geometry_variation() {
@@ -339,34 +312,36 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             }
         };
         let folded: &Folded<T> = &self.folded;
-        let place = picked.is_none().then_some((begin, step, size));
-        let [pinned, doubled] = chunk::sines_needed(plan, routes, folded, geometry);
-        if pinned && (place.is_none() || self.pins != place) {
+        let key = selected.is_none().then_some((begin, step, size));
+        let [needs_pins, needs_double_angles] = sines::sines_needed(plan, routes, folded, geometry);
+        if needs_pins && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
-            compiled_for!(level, chunk::find_pins(plan, drive, group, scratch, size));
-            self.pins = place;
+            compiled_for!(level, sines::find_pins(plan, drive, group, scratch, size));
+            self.pins_key = key;
         }
-        if doubled && (place.is_none() || self.twice != place) {
-            compiled_for!(level, chunk::find_twice(drive, rotations, scratch, size));
-            self.twice = place;
+        if needs_double_angles && (key.is_none() || self.double_angles_key != key) {
+            compiled_for!(level, sines::find_double_angles(drive, rotations, scratch, size));
+            self.double_angles_key = key;
         }
-        // Picked samples have no place in the row: they are reduced at once.
-        let kept_from = if picked.is_some() { 0 } else { samples.start - part.samples.start };
-        let from = part.place + kept_from;
+        // Selected samples have no position in the row: they are reduced at once.
+        let row_offset = if selected.is_some() { 0 } else { samples.start - part.samples.start };
+        let first = part.offset + row_offset;
         let direct = match target {
             Target::Planes(planes) => T::direct(planes),
             Target::Reduced(..) => None,
         };
         let is_direct = direct.is_some();
         let mut views: Vec<&mut [T::Plane]> = match direct {
-            Some(planes) => planes.iter_mut().map(|plane| &mut plane[from..from + size]).collect(),
-            None => self.spare.iter_mut().map(|plane| &mut plane[..size]).collect(),
+            Some(planes) => {
+                planes.iter_mut().map(|plane| &mut plane[first..first + size]).collect()
+            }
+            None => self.staging.iter_mut().map(|plane| &mut plane[..size]).collect(),
         };
         compiled_for!(
             level,
-            chunk::run_motion(
+            motion::run_motion(
                 plan, routes, drive, rotations, folded, geometry, scratch, &mut views, size,
-                kept_from
+                row_offset
             )
         );
         if let Some(load) = &plan.load {
@@ -379,21 +354,22 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             }
             compiled_for!(
                 level,
-                chunk::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
+                load::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
             );
         }
         match target {
             _ if is_direct => {}
             Target::Planes(planes) => {
-                for (plane, words) in planes.iter_mut().zip(&self.spare) {
-                    compiled_for!(level, convert(&words[..size], &mut plane[from..from + size]));
+                for (plane, words) in planes.iter_mut().zip(&self.staging) {
+                    compiled_for!(level, convert(&words[..size], &mut plane[first..first + size]));
                 }
             }
             Target::Reduced(reduction, groups, partials) => {
-                let own = &mut partials[unit * groups.len()..(unit + 1) * groups.len()];
+                let own =
+                    &mut partials[row_in_block * groups.len()..(row_in_block + 1) * groups.len()];
                 let mut plane = 0;
                 for (partial, &group) in own.iter_mut().zip(*groups) {
-                    let planes = &self.spare[plane..plane + group];
+                    let planes = &self.staging[plane..plane + group];
                     compiled_for!(level, reduction.take(partial, planes, size));
                     plane += group;
                 }
@@ -401,18 +377,18 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         }
     }
 
-    /// Fills the rest of a row from its first period.
+    /// Copies the first period of a row to the rest of it.
     fn repeat(&mut self, part: &RowPart, period: usize, planes: &mut [&mut [W]]) {
         let length = part.samples.len();
         for (i, plane) in planes.iter_mut().enumerate() {
             if !self.shared.plan.is_angle(i) {
-                let row = &mut plane[part.place..part.place + length];
+                let row = &mut plane[part.offset..part.offset + length];
                 let (first, rest) = row.split_at_mut(period);
-                for again in rest.chunks_mut(period) {
+                for copy in rest.chunks_mut(period) {
                     if self.stopped() {
                         return;
                     }
-                    again.copy_from_slice(&first[..again.len()]);
+                    copy.copy_from_slice(&first[..copy.len()]);
                 }
             }
         }
@@ -425,17 +401,20 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             while at < length && !self.stopped() {
                 let in_period = at % period;
                 let size = (period - in_period).min(length - at).min(self.chunk_length);
-                let drive = Drive::Sweep(sweep, origin + part.samples.start + at);
-                let place = part.place + at..part.place + at + size;
+                let drive = DriveAngles::Sweep(sweep, origin + part.samples.start + at);
+                let place = part.offset + at..part.offset + at + size;
                 let (scratch, level) = (&self.scratch, self.shared.level);
                 if let Some(direct) = T::direct(planes) {
                     let out = &mut direct[plane][place];
-                    compiled_for!(level, chunk::repeat_angle(scratch, slot, in_period, drive, out));
-                } else {
-                    let angles = &mut self.spare[plane][..size];
                     compiled_for!(
                         level,
-                        chunk::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
+                        motion::repeat_angle(scratch, slot, in_period, drive, out)
+                    );
+                } else {
+                    let angles = &mut self.staging[plane][..size];
+                    compiled_for!(
+                        level,
+                        motion::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
                     );
                     compiled_for!(level, convert(angles, &mut planes[plane][place]));
                 }

@@ -1,4 +1,4 @@
-//! Evaluating a plan: the public calls.
+//! Evaluating a plan: the public functions.
 
 use std::sync::atomic::AtomicBool;
 
@@ -15,31 +15,32 @@ use crate::run::fold::FoldedDriveline;
 use crate::run::level::Level;
 use crate::run::threads::{BLOCK, Run};
 
-/// How a run is spread over the machine. Results do not depend on it.
+/// How a run uses the machine. Results do not depend on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Execution<'a> {
-    /// The instruction set; the best of the machine if `None`.
+    /// The instruction set; by default the best of the machine.
     pub level: Option<Level>,
-    /// At most so many threads; if `None`, all of rayon's where the work repays them.
+    /// The most threads to use; by default all of rayon's if there is enough work for them.
     pub workers: Option<usize>,
-    /// Once this is set, every thread leaves out the chunks that it has not begun, and the results
-    /// are partial.
+    /// Once this is set, every thread skips the chunks that it has not begun, and the results are
+    /// incomplete.
     pub stop: Option<&'a AtomicBool>,
 }
 
-/// The planes of a result, each as long as there are samples.
+/// The planes of a result, each with one element per sample.
 #[derive(Debug)]
 pub enum Planes<'a, 'b> {
-    /// Of doubles.
+    /// Planes of doubles.
     Double(&'a mut [&'b mut [f64]]),
-    /// Of single precision.
+    /// Planes of single-precision numbers.
     Single(&'a mut [&'b mut [f32]]),
 }
 
 impl Plan {
-    /// Evaluates the plan at every sample.
+    /// Evaluates the plan at every sample into `planes`, [`Plan::planes`] in number.
     ///
-    /// `folded` is what [`Plan::fold`] gives for the only driveline of the samples, if it is known.
+    /// `folded` is the result of [`Plan::fold`] for the only driveline of the samples, if it is
+    /// known.
     ///
     /// # Errors
     /// Arrays whose lengths do not fit together, a plan with a load without one in the samples.
@@ -67,11 +68,11 @@ impl Plan {
         }
     }
 
-    /// Evaluates the plan and reduces the last axis of the samples; `planes` are as many as
-    /// [`Reduction::results`] says, each as long as there are rows.
+    /// Evaluates the plan and reduces the last axis of the samples. There must be
+    /// [`Reduction::results`] planes, each with one element per row.
     ///
     /// # Errors
-    /// As [`Plan::run`].
+    /// As for [`Plan::run`].
     pub fn reduce(
         &self,
         samples: &Samples<'_>,
@@ -90,9 +91,9 @@ impl Plan {
         }
     }
 
-    /// An upper bound on the bytes that a run allocates apart from its results: folded drivelines and a
-    /// chunk of each result per thread, and the partial results of a reduction. `folded` says whether
-    /// the only driveline was folded before.
+    /// An upper bound on the bytes that a run allocates besides its results: folded drivelines and
+    /// one chunk of each result per thread, and the partial results of a reduction. `folded` says
+    /// whether the only driveline was folded before.
     pub fn scratch_bytes(
         &self,
         samples: &Samples<'_>,
@@ -120,10 +121,11 @@ impl Plan {
         of_thread.saturating_mul(threads).saturating_add(of_parts)
     }
 
-    /// Evaluates a plan without a load for one driveline; one vector per plane.
+    /// Evaluates a plan without a load for one driveline at angles in rad; returns one vector per
+    /// plane.
     ///
     /// # Errors
-    /// As [`Plan::run`].
+    /// As for [`Plan::run`].
     ///
     /// ```
     /// use cardan::{Geometry, Output, Plan, Request};

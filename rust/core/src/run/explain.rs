@@ -1,4 +1,4 @@
-//! What a run of a plan does for each sample, and what it leaves out and why, in words.
+//! A description of what a run does for each sample, and of what it skips and why.
 
 use crate::error::{Error, Result};
 use crate::input::Samples;
@@ -11,25 +11,26 @@ use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{Plan, ShaftStep};
-use crate::run::fold::{Folded, GeometryIndex, fold_first};
+use crate::run::constants::GeometryIndex;
+use crate::run::fold::{Folded, fold_first};
 
 /// How a plan is called, apart from its samples.
 #[derive(Clone, Copy, Debug)]
 pub struct Call {
     /// The arithmetic.
     pub precision: Precision,
-    /// What rows are reduced to, if they are.
+    /// The reduction of rows, if any.
     pub reduction: Option<Reduction>,
     /// Whether results are in single precision.
     pub single: bool,
 }
 
-/// The routes of a run, and what the first of its drivelines makes of them.
+/// The routes of a run, and the routes of its shafts for the first driveline.
 struct Choices {
     routes: Routes,
     /// Whether the angles come from a sweep.
     sweep: bool,
-    /// Route and reach of each shaft of the plan.
+    /// Route and range of the inverse tangent for each shaft of the plan.
     shafts: Vec<(Route, AtanRange)>,
 }
 
@@ -50,12 +51,13 @@ impl Choices {
 }
 
 impl Plan {
-    /// The steps taken and those skipped with the reason, and bytes per sample, as text. The steps are
-    /// those of the first of the drivelines.
+    /// A text with the steps taken, the steps skipped with the reason, and the bytes per sample. It
+    /// describes the first of the drivelines.
     ///
     /// # Errors
-    /// Arrays whose lengths do not fit together, or no sample.
+    /// Arrays whose lengths do not fit together, or an empty set of samples.
     pub fn explain(&self, samples: &Samples<'_>, call: Call) -> Result<String> {
+        samples.lines.check(self.joint_count)?;
         if samples.shape.contains(&0) {
             return Err(Error::new("samples", &[], "are none; there is nothing to explain"));
         }
@@ -95,7 +97,7 @@ impl Plan {
         }
     }
 
-    /// How sines and cosines are found.
+    /// The steps that compute sines and cosines.
     fn sines(&self, choices: &Choices) -> Vec<String> {
         let Choices { routes, sweep, .. } = choices;
         let mut steps = vec![];
@@ -123,14 +125,14 @@ impl Plan {
         steps
     }
 
-    /// The steps in the order in which they run.
+    /// All steps, in the order in which they run.
     fn steps(&self, choices: &Choices, call: Call) -> Vec<String> {
         let mut steps = self.sines(choices);
         for (step, &(route, range)) in self.shafts.iter().zip(&choices.shafts) {
             let shaft = step.shaft;
-            let found = found(step);
+            let names = output_names(step);
             if route == Route::Drive {
-                steps.push(format!("shaft {shaft}: {found}, those of the drive"));
+                steps.push(format!("shaft {shaft}: {names}, those of the drive"));
                 continue;
             }
             if shaft > 1 && route == Route::Tangent {
@@ -138,15 +140,15 @@ impl Plan {
                     .push(format!("shaft {shaft}: sine and cosine turned to its equivalent joint"));
             }
             let mut how = String::new();
-            let rotates = |output| step.planes.get(output).is_some();
-            if rotates(Output::Angle) || rotates(Output::AngleError) {
+            let has = |output| step.planes.get(output).is_some();
+            if has(Output::Angle) || has(Output::AngleError) {
                 let terms = range.terms()[call.precision as usize];
                 how = format!(" (inverse tangent of {terms} terms)");
             }
-            if step.together().is_some() && range.is_moderate() {
+            if step.combined_planes().is_some() && range.is_moderate() {
                 how += ", in one loop";
             }
-            steps.push(format!("shaft {shaft}: {found}{how}"));
+            steps.push(format!("shaft {shaft}: {names}{how}"));
         }
         for (j, step) in self.joints.iter().enumerate() {
             if step.needs_tilt {
@@ -170,7 +172,7 @@ impl Plan {
                     (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
                 ];
                 let names: Vec<&str> =
-                    parts.iter().filter(|(wanted, _)| *wanted).map(|(_, name)| *name).collect();
+                    parts.iter().filter(|(computed, _)| *computed).map(|(_, name)| *name).collect();
                 steps.push(format!("joint {}: {} from the torsion", shaft - 1, names.join(", ")));
             }
         }
@@ -180,7 +182,7 @@ impl Plan {
         steps
     }
 
-    /// What is left out, and why.
+    /// The skipped steps, with the reason.
     fn skipped(&self, table: &Table<'_>, choices: &Choices) -> Vec<String> {
         let n = self.joint_count;
         let mut skipped = vec![];
@@ -226,12 +228,12 @@ impl Plan {
         skipped
     }
 
-    /// Terms of vectors that vanish all over the first driveline, because of where it lies.
+    /// Terms of vectors that are zero because of the first driveline's position in space.
     fn vanishing(&self, table: &Table<'_>) -> Vec<String> {
         let folded = fold_first::<f64>(self, &table.lines);
         let mut vanishing = vec![];
         for (j, step) in self.joints.iter().enumerate() {
-            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane) else {
+            let Some([.., normal]) = folded.poses[j].first().and_then(Pose::plane_axes) else {
                 continue;
             };
             let plane = ["yz", "zx", "xy"][normal];
@@ -249,219 +251,20 @@ impl Plan {
     }
 }
 
-/// What is wanted of a shaft.
-fn found(step: &ShaftStep) -> String {
-    let wanted = |output: &Output| {
+/// The names of the outputs that are computed for a shaft.
+fn output_names(step: &ShaftStep) -> String {
+    let computed = |output: &Output| {
         step.planes.get(*output).is_some()
             || *output == Output::SpeedRatio && step.keep_ratio
             || *output == Output::AccelerationRatio && step.keep_acceleration
     };
-    let names: Vec<String> =
-        Output::ALL.iter().filter(|o| wanted(o)).map(|o| o.row().name.replace('_', " ")).collect();
+    let names: Vec<String> = Output::ALL
+        .iter()
+        .filter(|o| computed(o))
+        .map(|o| o.row().name.replace('_', " "))
+        .collect();
     names.join(", ")
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::input::{Angles, Drivelines, Source, Sweep};
-    use crate::plan::steps::Request;
-    use crate::run::execution::{Execution, Planes};
-    use crate::run::taken;
-
-    /// Drivelines of three joints.
-    struct Batch {
-        bends: Vec<f64>,
-        between: Vec<f64>,
-        frame: Vec<f64>,
-    }
-
-    impl Batch {
-        fn new(bends: &[[f64; 3]]) -> Self {
-            let count = bends.len();
-            let between = [0.3, 0.4].repeat(count);
-            Self { bends: bends.concat(), between, frame: vec![0.0; 12 * count] }
-        }
-
-        fn lines(&self) -> Drivelines<'_> {
-            Drivelines {
-                bends: &self.bends,
-                twists: &self.between,
-                phases: &self.between,
-                directions: &self.frame,
-                normals: &self.frame[..self.bends.len() * 3],
-            }
-        }
-
-        fn plan(&self, outputs: &[Output], shafts: &[usize]) -> Plan {
-            let request = Request {
-                largest_bends: &self.lines().largest_bends(3),
-                outputs,
-                shafts,
-                joints: &[],
-                load: None,
-                inertias: &[],
-            };
-            Plan::new(&request).unwrap()
-        }
-    }
-
-    const MOTION: &[Output] = &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio];
-
-    fn text(
-        outputs: &[Output],
-        shafts: &[usize],
-        precision: Precision,
-        angle: Angles<'_>,
-    ) -> String {
-        let batch = Batch::new(&[[0.1, 0.0, 0.2]]);
-        let count = if let Angles::Sweep(sweep) = &angle { sweep.count() } else { 2 };
-        let shape = &[count];
-        let samples =
-            Samples { shape, lines: batch.lines(), line_strides: &[0], angle, load: None };
-        let call = Call { precision, reduction: None, single: false };
-        batch.plan(outputs, shafts).explain(&samples, call).unwrap()
-    }
-
-    fn array() -> Angles<'static> {
-        Angles::Array(Source { data: &[0.5], strides: &[0] })
-    }
-
-    fn has(text: &str, lines: &[&str]) {
-        for line in lines {
-            assert!(text.lines().any(|found| found.trim() == *line), "{line}: {text}");
-        }
-    }
-
-    #[test]
-    fn what_runs_and_what_does_not() {
-        let last = text(MOTION, &[3], Precision::Double, array());
-        has(
-            &last,
-            &[
-                "angle to unnormalised sine and cosine (tangent form, sign left open)",
-                "shaft 3: sine and cosine turned to its equivalent joint",
-                "joint 1: straight, it passes its rotation on",
-                "joints one by one: the 3 before shaft 3 act as one",
-                "shafts 0, 1, 2: motion not asked for",
-                "torques and moments: not asked for",
-            ],
-        );
-        assert!(last.contains("bytes read, 24 bytes written"), "{last}");
-        assert!(!last.contains("twice the angle") && !last.contains("beyond"), "{last}");
-        let twice = text(MOTION, &[3], Precision::DoubleDouble, array());
-        has(&twice, &["angle to sine and cosine of twice the angle"]);
-        assert!(!twice.contains("tangent form") && !twice.contains("turned to"), "{twice}");
-        let first = text(&[Output::SpeedRatio], &[1], Precision::Double, array());
-        has(&first, &["shaft 1: speed ratio", "joint 1 to 2: beyond everything asked for"]);
-        assert!(!first.contains("turned to") && !first.contains("one by one"), "{first}");
-        let second = text(&[Output::SpeedRatio], &[0, 1, 2], Precision::Double, array());
-        has(&second, &["joint 2: beyond everything asked for", "shaft 3: motion not asked for"]);
-        let drive = text(&[Output::SpeedRatio], &[0], Precision::Double, array());
-        has(&drive, &["sine and cosine: everything turns with the drive"]);
-        has(&drive, &["shaft 0: speed ratio, those of the drive"]);
-    }
-
-    #[test]
-    fn sweeps_have_steps_of_their_own() {
-        let turns = Angles::Sweep(Sweep::of_turns(7200, 720).unwrap());
-        let repeated = text(MOTION, &[3], Precision::Double, turns);
-        has(
-            &repeated,
-            &[
-                "sample number to unnormalised sine and cosine (tangent form, sign left open)",
-                "samples after the first 360 of a row: results repeat and are copied",
-                "array of angles: a sweep needs none",
-            ],
-        );
-        let long = || Angles::Sweep(Sweep::new(0.0, 30.0, 10_000).unwrap());
-        let rotated = text(MOTION, &[3], Precision::Double, long());
-        has(
-            &rotated,
-            &[
-                "sample number to sine and cosine of twice the angle, turned by whole steps from the \
-               middle of groups of samples",
-            ],
-        );
-        assert!(!rotated.contains("tangent form") && !rotated.contains("copied"), "{rotated}");
-    }
-
-    /// Every kind of samples and arithmetic runs by the routes that are explained.
-    #[test]
-    fn what_is_explained_is_what_runs() {
-        let moderate = [0.1, 0.0, 0.2];
-        let batches = [
-            Batch::new(&[moderate]),
-            Batch::new(&[[1.5, 0.3, 0.8]]),
-            Batch::new(&[[0.0, 0.0, 0.4]]),
-            // Alone the first two are moderate; the bound of the batch is steep.
-            Batch::new(&[[0.6, 0.6, 0.0], moderate, [1.2, 0.9, 0.2]]),
-        ];
-        let array: Vec<f64> = (0..5000).map(|i| f64::from(i) * 0.01).collect();
-        let sweeps = [
-            Sweep::of_turns(5000, 720).unwrap(),
-            Sweep::new(0.0, 30.0, 5000).unwrap(),
-            Sweep::new(0.0, 3e6, 5000).unwrap(),
-            Sweep::new(0.0, 30.0, 700).unwrap(),
-        ];
-        let mut compared = std::collections::BTreeSet::new();
-        for batch in &batches {
-            let rows = batch.bends.len() / 3;
-            let plan = batch.plan(MOTION, &[0, 1, 2, 3]);
-            for (angle, count) in std::iter::once((None, 5000))
-                .chain(sweeps.iter().map(|sweep| (Some(*sweep), sweep.count())))
-            {
-                for line_strides in [[1, 0], [0, 0], [0, 1]] {
-                    let along = line_strides[1] == 1;
-                    let shape = if along { [1, rows] } else { [rows, count] };
-                    let angle = match angle {
-                        Some(_) if along => continue,
-                        Some(sweep) => Angles::Sweep(sweep),
-                        None => Angles::Array(Source { data: &array, strides: &[0, 1] }),
-                    };
-                    let lines = batch.lines();
-                    let samples = Samples {
-                        shape: &shape,
-                        lines,
-                        line_strides: &line_strides,
-                        angle,
-                        load: None,
-                    };
-                    for precision in [Precision::Single, Precision::Double, Precision::DoubleDouble]
-                    {
-                        let table = Table::new(3, false, &samples).unwrap();
-                        let choices = plan.choices(&table, precision);
-                        let one = table.geometry_variation() == GeometryVariation::One;
-                        let folded = one.then(|| plan.fold(&lines, precision).unwrap());
-                        let mut results = vec![vec![0.0; shape[0] * shape[1]]; plan.planes()];
-                        let mut planes: Vec<&mut [f64]> =
-                            results.iter_mut().map(Vec::as_mut_slice).collect();
-                        taken::take();
-                        let execution = Execution { workers: Some(1), ..Execution::default() };
-                        plan.run(
-                            &samples,
-                            folded.as_ref(),
-                            precision,
-                            Planes::Double(&mut planes),
-                            execution,
-                        )
-                        .unwrap();
-                        let ran = taken::take();
-                        for (step, &(route, range)) in plan.shafts.iter().zip(&choices.shafts) {
-                            let own = (step.shaft, route, range);
-                            assert!(ran.contains(&own), "{own:?} is not among {ran:?}");
-                            compared.insert(route);
-                        }
-                        if table.geometry_variation() != GeometryVariation::ByRow {
-                            assert_eq!(ran.len(), plan.shafts.len());
-                        }
-                    }
-                }
-            }
-        }
-        assert_eq!(
-            compared.into_iter().collect::<Vec<_>>(),
-            [Route::Drive, Route::Tangent, Route::DoubleAngle, Route::Rotation]
-        );
-    }
-}
+mod tests;

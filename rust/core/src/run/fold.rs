@@ -1,179 +1,40 @@
-//! The constants that a plan needs of its drivelines.
+//! Folding: the constants that a plan needs of its drivelines.
 //!
-//! Drivelines are folded many at a time, joint by joint over all of them, so that folding
-//! vectorises as the kernels do: a batch of geometries, or a geometry that changes with the angle.
-#![allow(clippy::needless_range_loop, reason = "as in the kernels")]
+//! Many drivelines are folded together, joint by joint over all of them, so that folding vectorises
+//! like the kernels. This serves batches, and geometries that change with the angle.
 
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
-use crate::mechanics::chain::{self, Complex, Equivalent, Transfer};
-use crate::mechanics::double_angle::DoubleAngle;
-use crate::mechanics::extremes::ExtremaLocator;
 use crate::mechanics::geometry::Vector;
-use crate::mechanics::joint::{Joint, JointConstants};
+use crate::mechanics::joint::Joint;
 use crate::mechanics::moment::Pose;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
-use crate::number::float::Real;
-use crate::number::storage::{Column, View, columns, views, views_mut};
-use crate::number::trig::{self, Angle};
+use crate::number::storage::columns;
+use crate::number::trig::Angle;
 use crate::number::{Number, Precision};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::Plan;
+use crate::run::constants::{FoldedShaft, GeometryIndex};
+use crate::run::lanes::{FirstJoint, LANES, Lane, Maps, PassJoint, Reset, Turns};
 use crate::run::level::{Level, compiled_for};
 
-/// Drivelines that are folded together: their running maps stay in the first-level cache.
-const LANES: usize = 64;
-
-/// The constants of a run of drivelines.
+/// The constants of a series of drivelines.
 #[derive(Clone, Debug)]
 pub(crate) struct Folded<T: Angle> {
-    /// Per shaft, where the plan needs it; shaft 0 needs nothing.
+    /// Per shaft, if the plan needs it; shaft 0 needs none.
     pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
-    /// Per joint, empty where the plan does not need it.
+    /// Per joint; empty if the plan does not need it.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
     maps: Maps,
     turns: Turns,
 }
 
-/// The constants of one shaft, one set per driveline: an equivalent joint, or what goes by twice the drive
-/// angle as long as bends are moderate.
-#[derive(Clone, Debug)]
-pub(crate) struct FoldedShaft<T: Angle> {
-    /// The largest tangents in reach.
-    bound: AtanRange,
-    double_angles: [Column<T>; 5],
-    equivalents: [Column<T>; 7],
-}
-
-impl<T: Angle> FoldedShaft<T> {
-    /// Room for so many, where moderate bends may have constants apart; a geometry `by_sample` has one
-    /// kind of them at all samples.
-    fn new(bound: AtanRange, length: usize, by_sample: bool, splits: bool) -> Self {
-        let moderate = bound.is_moderate();
-        let steep = !splits || !moderate;
-        let doubled = splits && (moderate || !by_sample);
-        let size = |needed: bool| if needed { length } else { 0 };
-        Self { bound, double_angles: columns(size(doubled)), equivalents: columns(size(steep)) }
-    }
-
-    /// The largest tangents that the samples of a chunk reach.
-    #[inline(always)]
-    fn range(&self, geometry: GeometryIndex) -> AtanRange {
-        match geometry {
-            GeometryIndex::Shared(index) if self.is_doubled() => {
-                self.double_angles(geometry, 0).get(index).range().min(self.bound)
-            }
-            GeometryIndex::Shared(index) => self.equivalents(geometry, 0).get(index).0.range(),
-            GeometryIndex::PerSample => self.bound,
-        }
-    }
-
-    /// Whether moderate bends have constants in twice the drive angle.
-    #[inline(always)]
-    fn is_doubled(&self) -> bool {
-        !self.double_angles[0].is_empty()
-    }
-
-    /// What the extremes of one of them need.
-    pub(crate) fn extrema_locator(&self, index: usize) -> ExtremaLocator {
-        let geometry = GeometryIndex::Shared(index);
-        if self.is_doubled() {
-            let [re, im]: [f64; 2] =
-                self.double_angles(geometry, 0).get(index).q.map(|x| x.value().into());
-            return ExtremaLocator { twice_offset: -im.atan2(re), k: re.hypot(im) };
-        }
-        let (joint, turn) = self.equivalents(geometry, 0).get(index);
-        let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
-        let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
-        ExtremaLocator { twice_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
-    }
-
-    /// The constants by twice the drive angle.
-    #[inline(always)]
-    pub(crate) fn double_angles(
-        &self,
-        geometry: GeometryIndex,
-        size: usize,
-    ) -> DoubleAngleColumns<'_, T> {
-        DoubleAngleColumns(views(&self.double_angles, geometry.count(size)))
-    }
-
-    /// The equivalent joints.
-    #[inline(always)]
-    pub(crate) fn equivalents(
-        &self,
-        geometry: GeometryIndex,
-        size: usize,
-    ) -> EquivalentColumns<'_, T> {
-        EquivalentColumns(views(&self.equivalents, geometry.count(size)))
-    }
-
-    /// Joints on the drive shaft, whose pin has no turn.
-    #[inline(always)]
-    fn set_moderate(&mut self, start: usize, bends: &[f64]) {
-        let length = bends.len();
-        let [cos, cos2, sin2, versine, ..] = views_mut(&mut self.equivalents, start, length);
-        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
-        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
-        for i in 0..length {
-            let joint = JointConstants::<T>::of_moderate_bend(bends[i]);
-            cos.set(i, joint.cos);
-            cos2.set(i, joint.cos2);
-            sin2.set(i, joint.sin2);
-            versine.set(i, joint.versine);
-        }
-    }
-
-    #[inline(always)]
-    fn set<L>(&mut self, start: usize, length: usize, source: &L)
-    where
-        L: Lane<DoubleAngle<DoubleDouble>> + Lane<Equivalent<DoubleDouble>>,
-    {
-        if !self.double_angles[0].is_empty() {
-            let [re, im, mean, complement, gain] =
-                views_mut(&mut self.double_angles, start, length);
-            let (mut re, mut im) = (re.cut(length), im.cut(length));
-            let (mut mean, mut complement) = (mean.cut(length), complement.cut(length));
-            let mut gain = gain.cut(length);
-            for i in 0..length {
-                let double_angle: DoubleAngle<DoubleDouble> = source.at(i);
-                let double_angle = DoubleAngle::<T>::nearest(&double_angle);
-                re.set(i, double_angle.q[0]);
-                im.set(i, double_angle.q[1]);
-                mean.set(i, double_angle.mean);
-                complement.set(i, double_angle.complement);
-                gain.set(i, double_angle.gain);
-            }
-        }
-        if self.equivalents[0].is_empty() {
-            return;
-        }
-        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
-            views_mut(&mut self.equivalents, start, length);
-        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
-        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
-        let mut inverse_exsecant = inverse_exsecant.cut(length);
-        let (mut turn_cos, mut turn_sin) = (turn_cos.cut(length), turn_sin.cut(length));
-        for i in 0..length {
-            let equivalent: Equivalent<DoubleDouble> = source.at(i);
-            let joint = JointConstants::<T>::nearest(&equivalent.joint);
-            cos.set(i, joint.cos);
-            cos2.set(i, joint.cos2);
-            sin2.set(i, joint.sin2);
-            versine.set(i, joint.versine);
-            inverse_exsecant.set(i, joint.inverse_exsecant);
-            turn_cos.set(i, T::from_double_double(equivalent.turn_cos));
-            turn_sin.set(i, T::from_double_double(equivalent.turn_sin));
-        }
-    }
-}
-
-/// The folded constants of one driveline, prepared for any number of runs over arrays of angles.
+/// The constants of one driveline, prepared for any number of runs over arrays of angles.
 #[derive(Clone, Debug)]
 pub struct FoldedDriveline(pub(crate) FoldedAs);
 
-/// The constants by the arithmetic of the runs.
+/// The constants, by the arithmetic of the runs.
 #[derive(Clone, Debug)]
 pub(crate) enum FoldedAs {
     Single(Folded<f32>),
@@ -182,10 +43,10 @@ pub(crate) enum FoldedAs {
 }
 
 impl Plan {
-    /// Folds the first of the drivelines once for all runs.
+    /// Folds the first of the drivelines, once for all runs.
     ///
     /// # Errors
-    /// Arrays of other lengths than one driveline has, or fewer.
+    /// Arrays whose lengths do not fit together, or no driveline.
     pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<FoldedDriveline> {
         lines.check(self.joint_count)?;
         Ok(FoldedDriveline(match precision {
@@ -196,225 +57,15 @@ impl Plan {
     }
 }
 
-/// The first driveline folded for arrays of angles.
+/// Folds the first driveline for arrays of angles.
 pub(crate) fn fold_first<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
     let mut folded = Folded::new(plan, 1, false, &Routes::of_arrays(plan, T::PRECISION));
     compiled_for!(Level::new(), folded.fold(plan, lines, 1, |_| 0));
     folded
 }
 
-/// Which of the folded drivelines the samples of a chunk have.
-#[derive(Clone, Copy)]
-pub(crate) enum GeometryIndex {
-    /// All samples share this one of the folded drivelines.
-    Shared(usize),
-    /// Each sample has its own.
-    PerSample,
-}
-
-impl GeometryIndex {
-    /// How many of the folded drivelines that takes for so many samples.
-    #[inline(always)]
-    pub(crate) fn count(self, size: usize) -> usize {
-        match self {
-            Self::Shared(index) => index + 1,
-            Self::PerSample => size,
-        }
-    }
-}
-
-/// A run of constants by twice the drive angle to read.
-#[derive(Clone, Copy)]
-pub(crate) struct DoubleAngleColumns<'a, T: Real>([View<'a, T>; 5]);
-
-impl<T: Real> DoubleAngleColumns<'_, T> {
-    #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> DoubleAngle<T> {
-        let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
-        DoubleAngle { q: [re, im], mean, complement, gain }
-    }
-}
-
-/// A run of equivalent joints to read.
-#[derive(Clone, Copy)]
-pub(crate) struct EquivalentColumns<'a, T: Real>([View<'a, T>; 7]);
-
-impl<T: Real> EquivalentColumns<'_, T> {
-    /// The constants of the joint, cosine and sine of its turn.
-    #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
-        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
-            self.0.each_ref().map(|view| view.get(i));
-        (JointConstants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
-    }
-}
-
-/// The running maps of the drivelines that are folded together.
-#[derive(Clone, Debug)]
-struct Maps {
-    a: [Column<DoubleDouble>; 2],
-    b: [Column<DoubleDouble>; 2],
-    complement: Column<DoubleDouble>,
-}
-
-impl Maps {
-    fn new(lanes: usize) -> Self {
-        Self { a: columns(lanes), b: columns(lanes), complement: Column::new(lanes) }
-    }
-
-    #[inline(always)]
-    fn read(&self, length: usize) -> Read<'_> {
-        let [a_re, a_im] = views(&self.a, length);
-        let [b_re, b_im] = views(&self.b, length);
-        Read([a_re, a_im, b_re, b_im, self.complement.view(length)])
-    }
-
-    /// Each map by what `step` makes of it.
-    #[inline(always)]
-    fn update(&mut self, length: usize, step: &impl Step) {
-        let ([a_re, a_im], [b_re, b_im]) =
-            (views_mut(&mut self.a, 0, length), views_mut(&mut self.b, 0, length));
-        let (mut a_re, mut a_im) = (a_re.cut(length), a_im.cut(length));
-        let (mut b_re, mut b_im) = (b_re.cut(length), b_im.cut(length));
-        let mut complement = self.complement.view_mut(length).cut(length);
-        for i in 0..length {
-            let mut transfer = Transfer {
-                a: Complex::new(a_re.get(i), a_im.get(i)),
-                b: Complex::new(b_re.get(i), b_im.get(i)),
-                complement: complement.get(i),
-            };
-            step.take(i, &mut transfer);
-            a_re.set(i, transfer.a.re);
-            a_im.set(i, transfer.a.im);
-            b_re.set(i, transfer.b.re);
-            b_im.set(i, transfer.b.im);
-            complement.set(i, transfer.complement);
-        }
-    }
-}
-
-// What happens in a lane is a method and not a closure: a closure so large would be compiled by
-// itself, without the instruction set of the loop that calls it.
-
-/// Something that there is in each lane.
-trait Lane<T> {
-    fn at(&self, i: usize) -> T;
-}
-
-/// A step that every lane takes.
-trait Step {
-    fn take(&self, i: usize, transfer: &mut Transfer);
-}
-
-/// The running maps.
-struct Read<'a>([View<'a, DoubleDouble>; 5]);
-
-impl Lane<Transfer> for Read<'_> {
-    #[inline(always)]
-    fn at(&self, i: usize) -> Transfer {
-        let [a_re, a_im, b_re, b_im, complement] = self.0.each_ref().map(|view| view.get(i));
-        Transfer { a: Complex::new(a_re, a_im), b: Complex::new(b_re, b_im), complement }
-    }
-}
-
-impl Lane<DoubleAngle<DoubleDouble>> for Read<'_> {
-    #[inline(always)]
-    fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
-        let transfer: Transfer = self.at(i);
-        transfer.double_angle()
-    }
-}
-
-impl Lane<Equivalent<DoubleDouble>> for Read<'_> {
-    #[inline(always)]
-    fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
-        let transfer: Transfer = self.at(i);
-        transfer.equivalent()
-    }
-}
-
-/// First joints, by their bends.
-struct First<'a>(&'a [f64]);
-
-impl Lane<DoubleAngle<DoubleDouble>> for First<'_> {
-    #[inline(always)]
-    fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
-        DoubleAngle::of_joint(self.0[i])
-    }
-}
-
-impl Lane<Equivalent<DoubleDouble>> for First<'_> {
-    #[inline(always)]
-    fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
-        Equivalent::of_joint(Joint::with_error_terms(self.0[i]))
-    }
-}
-
-/// Back to the drive shaft.
-struct Start;
-
-impl Step for Start {
-    #[inline(always)]
-    fn take(&self, _: usize, transfer: &mut Transfer) {
-        *transfer = Transfer::default();
-    }
-}
-
-/// Past a joint, by its bend.
-struct PassJoint<'a>(&'a [f64]);
-
-impl Step for PassJoint<'_> {
-    #[inline(always)]
-    fn take(&self, i: usize, transfer: &mut Transfer) {
-        transfer.pass_joint(&Joint::with_error_terms(self.0[i]));
-    }
-}
-
-/// Past a shaft, by its turn.
-struct PassShaft<'a>([View<'a, DoubleDouble>; 2]);
-
-impl Step for PassShaft<'_> {
-    #[inline(always)]
-    fn take(&self, i: usize, transfer: &mut Transfer) {
-        let [re, im] = self.0.each_ref().map(|view| view.get(i));
-        transfer.pass_shaft(Complex::new(re, im));
-    }
-}
-
-/// The turns of intermediate shafts, one per driveline.
-#[derive(Clone, Debug)]
-struct Turns([Column<DoubleDouble>; 2]);
-
-impl Turns {
-    #[inline(always)]
-    fn find(&mut self, phases: &[f64], twists: &[f64]) {
-        let length = phases.len();
-        let (phases, twists) = (&phases[..length], &twists[..length]);
-        let [re, im] = views_mut(&mut self.0, 0, length);
-        let (mut re, mut im) = (re.cut(length), im.cut(length));
-        let far = trig::any_far(phases.iter().chain(twists).copied());
-        for i in 0..length {
-            let turn = chain::near_shaft_turn(phases[i], twists[i]);
-            re.set(i, turn.re);
-            im.set(i, turn.im);
-        }
-        if far {
-            for i in 0..length {
-                let turn = chain::shaft_turn(phases[i], twists[i]);
-                re.set(i, turn.re);
-                im.set(i, turn.im);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn read(&self, length: usize) -> PassShaft<'_> {
-        PassShaft(views(&self.0, length))
-    }
-}
-
 impl<T: Angle> Folded<T> {
-    /// Room for a run of so many drivelines, of different rows or of different samples.
+    /// Allocates the constants of `longest` drivelines, of different rows or of different samples.
     pub(crate) fn new(plan: &Plan, longest: usize, by_sample: bool, routes: &Routes) -> Self {
         let lanes = if plan.is_joint() { 0 } else { LANES.min(longest) };
         let (maps, turns) = (Maps::new(lanes), Turns(columns(lanes)));
@@ -426,7 +77,7 @@ impl<T: Angle> Folded<T> {
         Self { shafts, poses: vec![vec![]; plan.joint_count], maps, turns }
     }
 
-    /// The route of a shaft at a chunk with this geometry, and the tangents that it reaches.
+    /// The route of a shaft in a chunk with this geometry, and its range of tangents.
     #[inline(always)]
     pub(crate) fn route(
         &self,
@@ -439,8 +90,8 @@ impl<T: Angle> Folded<T> {
         (routes.of(shaft, range), range)
     }
 
-    /// Folds `count` drivelines, of which `line_of(i)` is the index, each once up to the last shaft
-    /// that the plan needs.
+    /// Folds `count` drivelines with the indices `line_of(i)`. Each is folded once, up to the last
+    /// shaft that the plan needs.
     #[inline(always)]
     pub(crate) fn fold(
         &mut self,
@@ -470,9 +121,9 @@ impl<T: Angle> Folded<T> {
         let mut bends = [0.0; LANES];
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let first = line_of(0);
-        let side_by_side = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
+        let contiguous = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
         let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
-            if each == 1 && side_by_side {
+            if each == 1 && contiguous {
                 out.copy_from_slice(&data[first..first + out.len()]);
                 return;
             }
@@ -484,7 +135,7 @@ impl<T: Angle> Folded<T> {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
             if j == 0 && !plan.is_joint() {
-                maps.update(length, &Start);
+                maps.update(length, &Reset);
             } else if j > 0 {
                 gather(lines.phases, n - 1, j - 1, &mut phases[..length]);
                 gather(lines.twists, n - 1, j - 1, &mut twists[..length]);
@@ -504,10 +155,10 @@ impl<T: Angle> Folded<T> {
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                if shaft.bound.is_moderate() && !shaft.is_doubled() {
+                if shaft.bound.is_moderate() && !shaft.has_double_angles() {
                     shaft.set_moderate(start, bends);
                 } else {
-                    shaft.set(start, length, &First(bends));
+                    shaft.set(start, length, &FirstJoint(bends));
                 }
             }
             if plan.reach() == 1 {

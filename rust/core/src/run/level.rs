@@ -3,9 +3,9 @@
 pub use fearless_simd::Level;
 use fearless_simd::Simd;
 
-/// Runs the expression compiled for the level, at the strongest one that it holds. Those before
-/// AVX2 have no fused multiply-add and gain nothing on the machine's baseline; elsewhere than on
-/// x86 the baseline has all that the kernels need.
+/// Runs the expression compiled for the level. Levels before AVX2 have no fused multiply-add and
+/// gain nothing over the baseline of the machine. Outside x86 the baseline has everything that the
+/// kernels need.
 macro_rules! compiled_for {
     ($level:expr, $run:expr) => {{
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

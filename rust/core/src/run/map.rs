@@ -1,32 +1,29 @@
-//! The loops over a chunk: three shapes, and what runs in them.
+//! The loops over a chunk, in three shapes, and the computations in them.
 //!
-//! Each shape is a plain loop without branches over one sample after the other, which the compiler
-//! vectorises for whichever instruction set the caller was compiled for; all are inlined into the
-//! functions that [`crate::run::block`] calls for the instruction set. The slices are a chunk of the
-//! angles, small enough for the first-level cache, so a loop per output costs no more than one loop for
-//! all and keeps each skippable.
+//! Each shape is a plain branch-free loop over the samples, which the compiler vectorises for the
+//! instruction set of its caller. All loops are inlined into the functions that
+//! [`crate::run::block`] calls for an instruction set. The slices fit in the first-level cache, so
+//! one loop per output costs no more than one loop for all, and each can be skipped.
 //!
-//! Constants come through `at(i)`: one value for the whole chunk, or one per sample.
+//! `at(i)` returns the constants: one value for the whole chunk, or one per sample.
 //!
-//! Whatever a loop touches is first cut to one length, and it counts instead of iterating: a check
-//! that is left in it costs more than itself, because the last vectors of every chunk would then be
-//! computed number by number. The closures are inlined by command: one that is compiled by itself has
-//! not the instruction set of the loop that calls it.
+//! All slices of a loop are first cut to one length, and the loop counts instead of iterating. A
+//! remaining bounds check costs more than itself, because the last vectors of every chunk would
+//! then be computed one number at a time. Closures are marked `#[inline(always)]`: a closure
+//! compiled separately would not use the instruction set of its loop.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
-use crate::mechanics::double_angle::DoubleAngle;
-use crate::mechanics::joint;
 use crate::mechanics::moment::{self, Pose, TorsionParts};
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
-use crate::number::trig::Angle;
+use crate::run::formula::MotionFormula;
 use crate::run::sink::Sink;
-use crate::sincos::array::{Drive, SinCos, SinCosBlock, SinCosBlocks, number};
+use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
-/// A value for each sample from its number, its sine and its cosine.
+/// A value for each sample, from its index, sine and cosine.
 #[inline(always)]
 pub(crate) fn over_sin_cos<T: Real, V>(
     sin_cos: impl SinCosBlocks<T>,
@@ -59,7 +56,7 @@ pub(crate) fn formula<T: Real, C, V>(
     );
 }
 
-/// A value for each of so many samples from its number.
+/// A value for each sample, from its index.
 #[inline(always)]
 pub(crate) fn over_samples<V>(length: usize, mut out: impl Sink<V>, value: impl Fn(usize) -> V) {
     let mut out = out.slice(0, length);
@@ -68,7 +65,7 @@ pub(crate) fn over_samples<V>(length: usize, mut out: impl Sink<V>, value: impl 
     }
 }
 
-/// Each number of a column by what `value` makes of it.
+/// Replaces each number of a column.
 #[inline(always)]
 fn update<T: Real>(column: ViewMut<'_, T>, value: impl Fn(usize, T) -> T) {
     let length = column.len();
@@ -78,103 +75,7 @@ fn update<T: Real>(column: ViewMut<'_, T>, value: impl Fn(usize, T) -> T) {
     }
 }
 
-/// How a shaft moves, from sine and cosine of an angle: its own way for steep bends and for others.
-pub(crate) trait MotionFormula<T: Real>: Copy {
-    /// Whether it serves moderate bends, and whether it serves others.
-    const MODERATE: bool;
-    const STEEP: bool;
-
-    /// Numerator and positive denominator of the tangent of the angle error.
-    fn error_tangent(&self, s: T, c: T) -> (T, T);
-
-    /// Speed ratio and acceleration ratio.
-    fn rates(&self, s: T, c: T) -> (T, T);
-
-    /// The same by a quotient with fewer roundings where bends are the steepest.
-    fn steep_error_tangent(&self, s: T, c: T) -> (T, T);
-
-    #[inline(always)]
-    fn speed_ratio(&self, s: T, c: T) -> T {
-        self.rates(s, c).0
-    }
-
-    #[inline(always)]
-    fn acceleration_ratio(&self, s: T, c: T) -> T {
-        self.rates(s, c).1
-    }
-
-    /// Jerk ratio.
-    fn jerk_ratio(&self, s: T, c: T) -> T;
-
-    /// Tangent and rates.
-    fn motion(&self, s: T, c: T) -> ((T, T), (T, T));
-}
-
-/// From the pins of the joint's driving angle.
-impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
-    const MODERATE: bool = !T::PRECISION.costs().double_angle;
-    const STEEP: bool = true;
-
-    #[inline(always)]
-    fn error_tangent(&self, s: T, c: T) -> (T, T) {
-        joint::error_tangent(self, s, c)
-    }
-
-    #[inline(always)]
-    fn steep_error_tangent(&self, s: T, c: T) -> (T, T) {
-        joint::steep_error_tangent(self, s, c)
-    }
-
-    #[inline(always)]
-    fn rates(&self, s: T, c: T) -> (T, T) {
-        joint::rates(self, s, c)
-    }
-
-    #[inline(always)]
-    fn jerk_ratio(&self, s: T, c: T) -> T {
-        joint::jerk_ratio(self, s, c)
-    }
-
-    #[inline(always)]
-    fn motion(&self, s: T, c: T) -> ((T, T), (T, T)) {
-        joint::motion(self, s, c)
-    }
-}
-
-/// From twice the drive angle.
-impl<T: Angle, const PARTS: usize> MotionFormula<T> for DoubleAngle<T, PARTS> {
-    const MODERATE: bool = true;
-    const STEEP: bool = false;
-
-    #[inline(always)]
-    fn error_tangent(&self, s: T, c: T) -> (T, T) {
-        let terms = self.terms(s, c);
-        (terms.neg_im, terms.one_minus_re)
-    }
-
-    #[inline(always)]
-    fn steep_error_tangent(&self, s: T, c: T) -> (T, T) {
-        self.error_tangent(s, c)
-    }
-
-    #[inline(always)]
-    fn rates(&self, s: T, c: T) -> (T, T) {
-        self.terms(s, c).rates()
-    }
-
-    #[inline(always)]
-    fn jerk_ratio(&self, s: T, c: T) -> T {
-        self.terms(s, c).jerk_ratio()
-    }
-
-    #[inline(always)]
-    fn motion(&self, s: T, c: T) -> ((T, T), (T, T)) {
-        let terms = self.terms(s, c);
-        ((terms.neg_im, terms.one_minus_re), terms.rates())
-    }
-}
-
-/// Angle error of a shaft whose tangents stay within `range`.
+/// Angle error of a shaft whose tangent stays within `range`.
 #[inline(always)]
 pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
     range: AtanRange,
@@ -203,7 +104,8 @@ pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
         }
     } else if S::STEEP {
         match range {
-            // With error terms the infinite inverse exsecant of a straight joint would be no number.
+            // In double-double arithmetic the infinite inverse exsecant of a straight joint would
+            // give NaN.
             AtanRange::Any if T::LOW => by!(S::error_tangent, T::atan_any),
             AtanRange::Any => by!(S::steep_error_tangent, T::atan_any),
             _ => by!(S::error_tangent, T::atan_one),
@@ -211,8 +113,8 @@ pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
     }
 }
 
-/// Angle or angle error, speed ratio and acceleration ratio together, for moderate bends: steeper
-/// ones have formulas with fewer roundings each.
+/// Angle or angle error, speed ratio and acceleration ratio in one loop, for moderate bends.
+/// Steeper bends use separate formulas with fewer roundings.
 #[inline(always)]
 pub(crate) fn motion<T: Number, S: MotionFormula<T>>(
     range: AtanRange,
@@ -241,7 +143,7 @@ pub(crate) fn motion<T: Number, S: MotionFormula<T>>(
     }
 }
 
-/// A column to another place.
+/// Copies a column.
 #[inline(always)]
 pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Sink<T>) {
     over_samples(
@@ -252,7 +154,7 @@ pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Sink<T>) {
     );
 }
 
-/// The power that a shaft's inertia takes, added to the running power times `sign`.
+/// Adds the power that a shaft's inertia absorbs, multiplied by `sign`, to the running power.
 #[inline(always)]
 pub(crate) fn absorb<T: Real>(
     sign: f64,
@@ -277,7 +179,7 @@ pub(crate) fn absorb<T: Real>(
     );
 }
 
-/// Element by element `a / b`.
+/// `a / b`, element by element.
 #[inline(always)]
 pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>) {
     let b = b.cut(a.len());
@@ -289,7 +191,7 @@ pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>)
     );
 }
 
-/// A column of doubles, times another column if there is one.
+/// A column of doubles, multiplied by another column if there is one.
 #[inline(always)]
 pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_, T>) {
     match b {
@@ -311,7 +213,7 @@ pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_
     }
 }
 
-/// A joint's torsion times squares and product of its pin's sine and cosine.
+/// A joint's torsion multiplied by the squares and the product of its pin's sine and cosine.
 #[inline(always)]
 pub(crate) fn parts<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
@@ -331,7 +233,7 @@ pub(crate) fn parts<T: Real>(
     );
 }
 
-/// The moment that a joint passes on.
+/// The moment vector that a joint transmits.
 #[inline(always)]
 pub(crate) fn moment<const PLANAR: bool, T: Real>(
     at: impl Fn(usize) -> Pose<T>,
@@ -348,14 +250,14 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     );
 }
 
-/// A joint's part of a component of the support moment of one of its shafts, after what `before` begins
-/// with.
+/// A joint's contribution to a component of the support moment of one of its shafts, added to
+/// `previous`.
 #[inline(always)]
 pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
     at: impl Fn(usize) -> Pose<T>,
     driving: bool,
     [square, product]: [View<'_, T>; 2],
-    before: impl Fn(usize) -> Option<T>,
+    previous: impl Fn(usize) -> Option<T>,
     out: impl Sink<T>,
 ) {
     let product = product.cut(square.len());
@@ -365,12 +267,12 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
         #[inline(always)]
         |i| {
             let numbers = [square.get(i), product.get(i)];
-            at(i).support::<PLANAR, COMPONENT>(driving, numbers, before(i))
+            at(i).support::<PLANAR, COMPONENT>(driving, numbers, previous(i))
         },
     );
 }
 
-/// A number per sample that the pose gives for its torsion.
+/// A scalar per sample, from the pose and the torsion.
 #[inline(always)]
 pub(crate) fn size<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
@@ -388,7 +290,7 @@ pub(crate) fn size<T: Real>(
     );
 }
 
-/// Words from the numbers of samples.
+/// Fills a slice from the indices of its words.
 #[inline(always)]
 fn fill<W>(out: &mut [W], word: impl Fn(usize) -> W) {
     for i in 0..out.len() {
@@ -398,10 +300,14 @@ fn fill<W>(out: &mut [W], word: impl Fn(usize) -> W) {
 
 /// The drive angle plus an angle error; NaN where the drive angle is not finite.
 #[inline(always)]
-fn add_drive_to<T: Number, W: Float>(drive: Drive<'_>, error: impl Fn(usize) -> T, out: &mut [W]) {
+fn add_drive_to<T: Number, W: Float>(
+    drive: DriveAngles<'_>,
+    error: impl Fn(usize) -> T,
+    out: &mut [W],
+) {
     let length = out.len();
     match drive {
-        Drive::Array(angle) => {
+        DriveAngles::Array(angle) => {
             let angle = &angle[..length];
             fill(
                 out,
@@ -409,17 +315,17 @@ fn add_drive_to<T: Number, W: Float>(drive: Drive<'_>, error: impl Fn(usize) -> 
                 |i| error(i).after(DoubleDouble::exact(angle[i].mul_add(0.0, angle[i]))),
             );
         }
-        Drive::Sweep(sweep, first) if sweep.starts_at_zero() => fill(
+        DriveAngles::Sweep(sweep, first) if sweep.starts_at_zero() => fill(
             out,
             #[inline(always)]
-            |i| error(i).after(sweep.turned(number(first, i))),
+            |i| error(i).after(sweep.turn_after(sample_number(first, i))),
         ),
-        Drive::Sweep(sweep, first) => fill(
+        DriveAngles::Sweep(sweep, first) => fill(
             out,
             #[inline(always)]
-            |i| error(i).after(sweep.angle(number(first, i))),
+            |i| error(i).after(sweep.angle(sample_number(first, i))),
         ),
-        Drive::Picked(sweep, samples) => {
+        DriveAngles::Selected(sweep, samples) => {
             let samples = &samples[..length];
             fill(
                 out,
@@ -430,9 +336,13 @@ fn add_drive_to<T: Number, W: Float>(drive: Drive<'_>, error: impl Fn(usize) -> 
     }
 }
 
-/// The drive angle plus the angle errors of a column.
+/// The drive angle plus a column of angle errors.
 #[inline(always)]
-pub(crate) fn add_drive<T: Number, W: Float>(drive: Drive<'_>, errors: View<'_, T>, out: &mut [W]) {
+pub(crate) fn add_drive<T: Number, W: Float>(
+    drive: DriveAngles<'_>,
+    errors: View<'_, T>,
+    out: &mut [W],
+) {
     let errors = errors.cut(out.len());
     add_drive_to(
         drive,
@@ -444,7 +354,7 @@ pub(crate) fn add_drive<T: Number, W: Float>(drive: Drive<'_>, errors: View<'_, 
 
 /// The angle of a shaft that turns with the drive.
 #[inline(always)]
-pub(crate) fn drive_angle<T: Number, W: Float>(drive: Drive<'_>, out: &mut [W]) {
+pub(crate) fn drive_angle<T: Number, W: Float>(drive: DriveAngles<'_>, out: &mut [W]) {
     let zero = T::from_f64(0.0);
     add_drive_to(
         drive,
@@ -454,12 +364,12 @@ pub(crate) fn drive_angle<T: Number, W: Float>(drive: Drive<'_>, out: &mut [W]) 
     );
 }
 
-/// A constant, NaN where the angle is not finite.
+/// A constant; NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, out: impl Sink<T>) {
+pub(crate) fn constant<T: Number>(value: f64, drive: DriveAngles<'_>, out: impl Sink<T>) {
     let length = out.length();
     match drive {
-        Drive::Array(angle) => {
+        DriveAngles::Array(angle) => {
             let angle = &angle[..length];
             over_samples(
                 length,
@@ -468,7 +378,7 @@ pub(crate) fn constant<T: Number>(value: f64, drive: Drive<'_>, out: impl Sink<T
                 |i| T::from_f64(angle[i].mul_add(0.0, value)),
             );
         }
-        Drive::Sweep(..) | Drive::Picked(..) => over_samples(
+        DriveAngles::Sweep(..) | DriveAngles::Selected(..) => over_samples(
             length,
             out,
             #[inline(always)]

@@ -1,18 +1,24 @@
-//! Running a plan: threads, blocks, chunks, loops over slices, and where results go.
+//! Running a plan: threads, blocks, chunks, loops over slices, and sinks for the results.
 
 mod block;
-mod chunk;
+mod constants;
 pub mod execution;
 pub mod explain;
 mod extrema;
 pub mod fold;
+mod formula;
+mod lanes;
 pub mod level;
+mod load;
 mod map;
+mod motion;
 pub mod phases;
 mod reduce;
 mod scratch;
+mod sines;
 mod sink;
+mod stores_as;
 mod sweep_tables;
 #[cfg(test)]
 mod taken;
-mod threads;
+pub mod threads;

@@ -1,15 +1,18 @@
-//! The phases closest to constant velocity for a batch of drivelines, on many threads.
+//! The phases closest to constant velocity for a batch of drivelines, on several threads.
 
 use rayon::prelude::*;
 
-use crate::mechanics::phasing::{find, is_set};
+use crate::mechanics::phasing::{is_set, search_phases};
 use crate::run::execution::Execution;
 
-/// Drivelines that a thread takes at a time, and the fewest such pieces that use threads.
+/// The number of drivelines in a piece of work for one thread, and the fewest pieces that use
+/// threads.
 const PIECE: usize = 64;
 const MIN_PARALLEL_PIECES: usize = 16;
 
-/// [`crate::mechanics::phasing::optimal_phases`] for a batch, `joints` to a driveline; results in place of the phases.
+/// [`crate::mechanics::phasing::optimal_phases`] for a batch of drivelines with `joints` joints
+/// each, `bends` `(…, joints)` and `twists` and `phases` `(…, joints − 1)` in rad. The results
+/// replace the phases.
 pub fn optimal_phases_of_batch(
     joints: usize,
     bends: &[f64],
@@ -26,7 +29,7 @@ pub fn optimal_phases_of_batch(
         let lines = phases.chunks_mut(between).zip(twists.chunks(between).skip(i * PIECE));
         for ((phases, twists), bends) in lines.zip(bends.chunks(joints).skip(i * PIECE)) {
             if !is_set(stop) {
-                phases.copy_from_slice(&find(bends, twists, phases, stop));
+                phases.copy_from_slice(&search_phases(bends, twists, phases, stop));
             }
         }
     };

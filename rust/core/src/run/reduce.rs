@@ -1,14 +1,14 @@
-//! Reducing a row of samples as it is found, without keeping it.
+//! Reducing a row of samples while it is computed, without storing it.
 
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
 use crate::plan::reduction::Reduction;
 
-/// Running results that are found side by side.
+/// The number of running results that are computed in parallel.
 const LANES: usize = 16;
 
 impl Reduction {
-    /// What a row begins with.
+    /// The initial value for a row.
     pub(crate) fn start(self) -> DoubleDouble {
         DoubleDouble::exact(match self {
             Self::Min => f64::INFINITY,
@@ -17,7 +17,7 @@ impl Reduction {
         })
     }
 
-    /// Takes in the first numbers of a plane, or of the three planes of a vector.
+    /// Includes the first `length` numbers of a plane, or of the three planes of a vector.
     #[inline(always)]
     pub(crate) fn take<W: Float>(
         self,
@@ -30,15 +30,15 @@ impl Reduction {
         let one = |i: usize| -> f64 { first[i].into() };
         match self {
             Self::Min => {
-                let found = fold(length, f64::INFINITY, one, smaller);
-                partial.high = smaller(partial.high, found);
+                let value = fold(length, f64::INFINITY, one, smaller);
+                partial.high = smaller(partial.high, value);
             }
             Self::Max => {
-                let found = fold(length, f64::NEG_INFINITY, one, larger);
-                partial.high = larger(partial.high, found);
+                let value = fold(length, f64::NEG_INFINITY, one, larger);
+                partial.high = larger(partial.high, value);
             }
             Self::Peak => {
-                let found = if planes.len() == 3 {
+                let value = if planes.len() == 3 {
                     let (y, z) = (words(1), words(2));
                     let square = |i: usize| {
                         let [x, y, z]: [f64; 3] = [first[i].into(), y[i].into(), z[i].into()];
@@ -48,7 +48,7 @@ impl Reduction {
                 } else {
                     fold(length, 0.0, |i| one(i).abs(), larger)
                 };
-                partial.high = larger(partial.high, found);
+                partial.high = larger(partial.high, value);
             }
             Self::Mean => *partial = *partial + DoubleDouble::exact(fold(length, 0.0, one, plus)),
             Self::Rms => {
@@ -58,14 +58,14 @@ impl Reduction {
         }
     }
 
-    /// What it is after so many times the samples that it has taken in.
+    /// The partial result after repeating its samples `times` times.
     pub(crate) fn repeat(self, partial: &mut DoubleDouble, times: usize) {
         if !self.is_extreme() {
             *partial = *partial * DoubleDouble::exact(times as f64);
         }
     }
 
-    /// The result of a row of so many samples from those of its parts.
+    /// The result for a row of `length` samples, from the partial results of its parts.
     pub(crate) fn finish(self, parts: impl Iterator<Item = DoubleDouble>, length: usize) -> f64 {
         let count = length as f64;
         match self {
@@ -88,20 +88,20 @@ fn plus(a: f64, b: f64) -> f64 {
     a + b
 }
 
-/// The smaller one; NaN if either is.
+/// The smaller number; NaN if either is NaN.
 #[inline(always)]
 fn smaller(a: f64, b: f64) -> f64 {
     if b < a || b.is_nan() { b } else { a }
 }
 
-/// The larger one; NaN if either is.
+/// The larger number; NaN if either is NaN.
 #[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
-/// Folds numbers in as many lanes as vectors of every width can share, so that sums have the same
-/// bits at each.
+/// Folds numbers in a number of lanes that vectors of every width divide, so that sums have the
+/// same bits for each.
 #[inline(always)]
 fn fold(
     length: usize,

@@ -1,4 +1,4 @@
-//! The buffers that the chunks of a block work in.
+//! The buffers of a block, which its chunks share.
 
 use crate::input::table::Table;
 use crate::number::Number;
@@ -10,23 +10,23 @@ use crate::sincos::rotation;
 
 /// The buffers of one block, each as long as its longest chunk.
 pub(crate) struct Scratch<T: Number> {
-    /// Where the current row begins in each column of the table, and its step.
+    /// The index of the current row's first element in each column of the table, and its step.
     pub(crate) cursors: Vec<(usize, usize)>,
-    /// The load's columns at the current chunk.
+    /// The load's columns for the current chunk.
     pub(crate) gathered: Vec<Vec<f64>>,
     pub(crate) pins: [Column<T>; 2],
-    pub(crate) twice: [Column<T>; 2],
-    /// What takes the place of `twice` in a long sweep.
+    pub(crate) double_sin_cos: [Column<T>; 2],
+    /// The groups that replace `double_sin_cos` in a long sweep.
     pub(crate) groups: Vec<rotation::RotationGroup<T>>,
-    pub(crate) turned: [Column<T>; 2],
+    pub(crate) rotated_pins: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
     pub(crate) rates: Vec<[Column<T>; 2]>,
     pub(crate) power: Column<T>,
     pub(crate) torsion: Column<T>,
     pub(crate) parts: [Column<T>; 3],
-    /// The first part of the support moment of the shaft that the load has come to.
+    /// The first contribution to the support moment of the shaft that the load has entered.
     pub(crate) support: [Column<T>; 3],
-    /// Angle errors of a period that is to be repeated, for each shaft whose angle is wanted.
+    /// Angle errors of a period that is to be repeated, for each shaft whose angle is requested.
     pub(crate) errors: Vec<Column<T>>,
 }
 
@@ -41,17 +41,17 @@ impl<T: Number> Scratch<T> {
             ]
         });
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let pinned = !routes.splits() || steep || plan.needs_poses();
+        let needs_pins = !routes.splits() || steep || plan.needs_poses();
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
         let supports = plan.joints.iter().any(JointStep::needs_support);
         Self {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
-            pins: columns(size(pinned)),
-            twice: columns(size(routes.has_double_angle())),
+            pins: columns(size(needs_pins)),
+            double_sin_cos: columns(size(routes.has_double_angle())),
             groups: vec![],
-            turned: columns(size(pinned && plan.moving().any(|step| step.shaft > 1))),
+            rotated_pins: columns(size(needs_pins && plan.moving().any(|step| step.shaft > 1))),
             rates: rates.collect(),
             power: Column::new(size(loaded)),
             torsion: Column::new(size(moments)),
@@ -61,7 +61,7 @@ impl<T: Number> Scratch<T> {
         }
     }
 
-    /// Makes room for the angle errors of a period that is to be repeated.
+    /// Allocates the angle errors of a period that is to be repeated.
     pub(crate) fn keep_errors(&mut self, plan: &Plan, period: usize) {
         let angles = plan.shafts.iter().filter(|step| step.planes.get(Output::Angle).is_some());
         self.errors = angles.map(|_| Column::new(period)).collect();

@@ -1,26 +1,26 @@
-//! Where the loops of the kernels put their results.
+//! Sinks: the destinations of the kernels' results.
 
 use crate::input::sweep::Sweep;
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
-use crate::sincos::array::number;
+use crate::sincos::array::sample_number;
 
-/// Where a loop puts its results: a column of numbers, words of a plane, or several of these.
+/// The destination of a loop's results: a column of numbers, words of a plane, or several of these.
 pub(crate) trait Sink<T> {
-    /// Where a part of them goes.
+    /// The sink for a part of the results.
     type Slice<'a>: Sink<T>
     where
         Self: 'a;
 
-    /// How many there are.
+    /// The number of results.
     fn length(&self) -> usize;
 
-    /// A part of them.
+    /// The sink for `length` results from `start` on.
     fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_>;
 
-    /// Puts result `i`.
+    /// Stores result `i`.
     fn store(&mut self, i: usize, number: T);
 }
 
@@ -117,12 +117,12 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     }
 }
 
-/// Takes angle errors and puts angles: drive angle plus error.
-pub(crate) struct AfterArray<'a, 'b, W>(pub(crate) &'a [f64], pub(crate) &'b mut [W]);
+/// Adds drive angles from an array to angle errors.
+pub(crate) struct ArrayAngleSink<'a, 'b, W>(pub(crate) &'a [f64], pub(crate) &'b mut [W]);
 
-impl<'a, T: Number, W: Float> Sink<T> for AfterArray<'a, '_, W> {
+impl<'a, T: Number, W: Float> Sink<T> for ArrayAngleSink<'a, '_, W> {
     type Slice<'c>
-        = AfterArray<'a, 'c, W>
+        = ArrayAngleSink<'a, 'c, W>
     where
         Self: 'c;
 
@@ -132,8 +132,8 @@ impl<'a, T: Number, W: Float> Sink<T> for AfterArray<'a, '_, W> {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> AfterArray<'a, '_, W> {
-        AfterArray(&self.0[start..start + length], &mut self.1[start..start + length])
+    fn slice(&mut self, start: usize, length: usize) -> ArrayAngleSink<'a, '_, W> {
+        ArrayAngleSink(&self.0[start..start + length], &mut self.1[start..start + length])
     }
 
     #[inline(always)]
@@ -142,16 +142,16 @@ impl<'a, T: Number, W: Float> Sink<T> for AfterArray<'a, '_, W> {
     }
 }
 
-/// The same for a sweep from this sample on.
-pub(crate) struct AfterSweep<'a, 'b, W>(
+/// Adds the drive angles of a sweep, from this sample on, to angle errors.
+pub(crate) struct SweepAngleSink<'a, 'b, W>(
     pub(crate) &'a Sweep,
     pub(crate) usize,
     pub(crate) &'b mut [W],
 );
 
-impl<'a, T: Number, W: Float> Sink<T> for AfterSweep<'a, '_, W> {
+impl<'a, T: Number, W: Float> Sink<T> for SweepAngleSink<'a, '_, W> {
     type Slice<'c>
-        = AfterSweep<'a, 'c, W>
+        = SweepAngleSink<'a, 'c, W>
     where
         Self: 'c;
 
@@ -161,18 +161,18 @@ impl<'a, T: Number, W: Float> Sink<T> for AfterSweep<'a, '_, W> {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> AfterSweep<'a, '_, W> {
-        AfterSweep(self.0, self.1 + start, &mut self.2[start..start + length])
+    fn slice(&mut self, start: usize, length: usize) -> SweepAngleSink<'a, '_, W> {
+        SweepAngleSink(self.0, self.1 + start, &mut self.2[start..start + length])
     }
 
     #[inline(always)]
     fn store(&mut self, i: usize, error: T) {
-        self.2[i] = error.after(self.0.angle(number(self.1, i)));
+        self.2[i] = error.after(self.0.angle(sample_number(self.1, i)));
     }
 }
 
-/// The same from one angle of the sweep on, by the turns of whole steps.
-pub(crate) struct AfterSteps<'a, 'b, W> {
+/// The same from one angle of the sweep and a table of the angles of whole steps.
+pub(crate) struct SteppedAngleSink<'a, 'b, W> {
     sweep: &'a Sweep,
     first: usize,
     begin: DoubleDouble,
@@ -180,8 +180,8 @@ pub(crate) struct AfterSteps<'a, 'b, W> {
     out: &'b mut [W],
 }
 
-impl<'a, 'b, W> AfterSteps<'a, 'b, W> {
-    /// From this sample on; parts may be as long as there are turns.
+impl<'a, 'b, W> SteppedAngleSink<'a, 'b, W> {
+    /// Begins at sample `first`; slices may be as long as `turns`.
     #[inline(always)]
     pub(crate) fn new(
         sweep: &'a Sweep,
@@ -193,9 +193,9 @@ impl<'a, 'b, W> AfterSteps<'a, 'b, W> {
     }
 }
 
-impl<'a, T: Number, W: Float> Sink<T> for AfterSteps<'a, '_, W> {
+impl<'a, T: Number, W: Float> Sink<T> for SteppedAngleSink<'a, '_, W> {
     type Slice<'c>
-        = AfterSteps<'a, 'c, W>
+        = SteppedAngleSink<'a, 'c, W>
     where
         Self: 'c;
 
@@ -205,9 +205,9 @@ impl<'a, T: Number, W: Float> Sink<T> for AfterSteps<'a, '_, W> {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> AfterSteps<'a, '_, W> {
+    fn slice(&mut self, start: usize, length: usize) -> SteppedAngleSink<'a, '_, W> {
         let out = &mut self.out[start..start + length];
-        AfterSteps::new(self.sweep, self.first + start, self.turns.cut(length), out)
+        SteppedAngleSink::new(self.sweep, self.first + start, self.turns.cut(length), out)
     }
 
     #[inline(always)]

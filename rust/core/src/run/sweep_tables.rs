@@ -1,4 +1,4 @@
-//! The tables by which the samples of a long sweep follow from each other, shared by all blocks.
+//! The tables that relate the samples of a long sweep to each other; all blocks share them.
 
 use crate::input::sweep::Sweep;
 use crate::number::trig::Angle;
@@ -7,11 +7,11 @@ use crate::run::level::{Level, compiled_for};
 use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
 
-/// The tables that the routes of a run read.
+/// The tables that the routes of a run need.
 pub(crate) struct SweepTables<T: Angle> {
-    /// Sine and cosine of the drive angle up to a common factor.
+    /// For sine and cosine of the drive angle, up to a common factor.
     pub(crate) tangent_sum: Option<TangentSum<T>>,
-    /// Sine and cosine of twice the drive angle.
+    /// For sine and cosine of twice the drive angle.
     pub(crate) rotations: Option<Rotations<T>>,
 }
 

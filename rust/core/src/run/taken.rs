@@ -1,4 +1,4 @@
-//! The routes that runs of a test have taken.
+//! The routes that runs have taken, recorded for tests.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -7,15 +7,16 @@ use crate::number::atan::AtanRange;
 use crate::plan::route::Route;
 
 thread_local! {
-    static TAKEN: RefCell<BTreeSet<(usize, Route, AtanRange)>> = const { RefCell::new(BTreeSet::new()) };
+    static TAKEN: RefCell<BTreeSet<(usize, Route, AtanRange)>> =
+        const { RefCell::new(BTreeSet::new()) };
 }
 
-/// Notes the route of a shaft at a chunk.
+/// Records the route of a shaft in a chunk.
 pub(crate) fn note(shaft: usize, route: Route, range: AtanRange) {
     TAKEN.with_borrow_mut(|taken| taken.insert((shaft, route, range)));
 }
 
-/// The routes noted on this thread since the last call.
+/// The routes recorded on this thread since the last call.
 pub(crate) fn take() -> Vec<(usize, Route, AtanRange)> {
     TAKEN.take().into_iter().collect()
 }

@@ -1,5 +1,5 @@
-//! One call over threads: its samples cut into blocks, rows reduced in the same parts on any number of
-//! threads.
+//! One call on several threads: its samples are cut into blocks, and rows are reduced in the same
+//! parts on any number of threads.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -13,20 +13,27 @@ use crate::number::float::Float;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
-use crate::run::block::{Block, CHUNK, Shared, StoresAs, Target};
+use crate::run::block::{Block, CHUNK, Shared, Target};
 use crate::run::execution::Execution;
 use crate::run::fold::FoldedDriveline;
 use crate::run::level::Level;
+use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
 
-/// Samples per block of a threaded run, at most: some 20 µs of work. A multiple of the chunk.
+/// The most samples per block of a threaded run: about 20 µs of work. It is a multiple of the
+/// chunk.
 pub(crate) const BLOCK: usize = 16 * CHUNK;
 
-/// Samples from which a run uses threads: about 100 µs of work, where one thread and four measure the
-/// same for the cheapest output.
+/// The fewest samples for which a run uses threads: about 100 µs of work. There one thread and four
+/// take the same time for the cheapest output.
 const THREADED: usize = 6 * BLOCK;
 
-/// One call: what it computes and reads, and how it is spread over the machine.
+/// Whether a run over this number of samples may use several threads.
+pub fn uses_threads(samples: usize) -> bool {
+    samples >= THREADED
+}
+
+/// One call: its plan, its input, and how it uses the machine.
 pub(crate) struct Run<'a, 's> {
     pub(crate) plan: &'a Plan,
     pub(crate) table: &'a Table<'s>,
@@ -36,13 +43,13 @@ pub(crate) struct Run<'a, 's> {
 }
 
 impl<'a, 's> Run<'a, 's> {
-    /// Fills the planes, in blocks if threads repay it.
+    /// Fills the planes, in blocks if threads save time.
     pub(crate) fn fill<T: StoresAs<W>, W: Float>(&self, planes: &mut [&mut [W]]) -> Result<()> {
         let workers = self.execution.workers;
         let total = self.table.samples();
         if planes.len() != self.plan.planes || planes.iter().any(|plane| plane.len() != total) {
-            let (found, wanted) = (planes.len(), self.plan.planes);
-            let problem = format!("has {found} planes; it needs {wanted} of {total} samples");
+            let (given, needed) = (planes.len(), self.plan.planes);
+            let problem = format!("has {given} planes; it needs {needed} of {total} samples");
             return Err(Error::new("planes", &[], problem));
         }
         if total == 0 || planes.is_empty() {
@@ -54,9 +61,9 @@ impl<'a, 's> Run<'a, 's> {
             run_block(&shared, 0..total, Target::Planes(planes));
             return Ok(());
         }
-        let mut rests: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
+        let mut chunks: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
         let blocks: Vec<Vec<&mut [W]>> = (0..total.div_ceil(size))
-            .map(|_| rests.iter_mut().filter_map(Iterator::next).collect())
+            .map(|_| chunks.iter_mut().filter_map(Iterator::next).collect())
             .collect();
         blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
             let samples = i * size..total.min((i + 1) * size);
@@ -65,8 +72,8 @@ impl<'a, 's> Run<'a, 's> {
         Ok(())
     }
 
-    /// Reduces every row to one number per result. Rows are cut into the same parts whatever the
-    /// number of threads, so that sums are the same.
+    /// Reduces every row to one number per result. Rows are cut into the same parts for any number
+    /// of threads, so that sums have the same bits.
     pub(crate) fn reduce<T: StoresAs<f64>>(
         &self,
         reduction: Reduction,
@@ -76,8 +83,8 @@ impl<'a, 's> Run<'a, 's> {
         let (rows, length) = (self.table.rows(), self.table.row_length());
         let groups = reduction.groups(self.plan);
         if out.len() != groups.len() || out.iter().any(|plane| plane.len() != rows) {
-            let (found, wanted) = (out.len(), groups.len());
-            let problem = format!("has {found} planes; it needs {wanted} of {rows} rows");
+            let (given, needed) = (out.len(), groups.len());
+            let problem = format!("has {given} planes; it needs {needed} of {rows} rows");
             return Err(Error::new("planes", &[], problem));
         }
         if groups.is_empty() || rows * length == 0 {
@@ -103,10 +110,10 @@ impl<'a, 's> Run<'a, 's> {
             partials.chunks_mut(per_block).enumerate().for_each(run);
         } else {
             let blocks = rows.div_ceil(rows_per_block) * parts;
-            let most = workers.map_or(1, |workers| blocks.div_ceil(workers.max(1)));
+            let min_length = workers.map_or(1, |workers| blocks.div_ceil(workers.max(1)));
             partials
                 .par_chunks_mut(per_block)
-                .with_min_len(if workers.is_some() { most } else { 1 })
+                .with_min_len(if workers.is_some() { min_length } else { 1 })
                 .enumerate()
                 .for_each(run);
         }
@@ -119,17 +126,17 @@ impl<'a, 's> Run<'a, 's> {
         Ok(())
     }
 
-    /// What the blocks of this run share.
+    /// The data that the blocks of this run share.
     fn shared<T: StoresAs<W>, W: Float>(&self) -> Shared<'a, 's, T> {
         let Self { plan, table, folded, execution } = *self;
         let level = execution.level.unwrap_or_else(Level::new);
         let routes = Routes::of_run(plan, table, T::PRECISION);
         let tables = SweepTables::new(&routes, table.sweep.as_ref(), level);
-        // A driveline that was folded before has the constants for arrays of angles.
+        // A driveline folded before the run has the constants for arrays of angles.
         let arrays = Routes::of_arrays(plan, T::PRECISION);
         let one = table.geometry_variation() == GeometryVariation::One;
-        let serves = one && routes.splits() == arrays.splits();
-        let folded = folded.filter(|_| serves).and_then(T::folded);
+        let usable = one && routes.splits() == arrays.splits();
+        let folded = folded.filter(|_| usable).and_then(T::folded);
         Shared { plan, table, level, routes, tables, folded, stop: execution.stop }
     }
 }
@@ -143,24 +150,24 @@ fn run_block<T: StoresAs<W>, W: Float>(
     if shared.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
         return;
     }
-    let spare = match &mut target {
+    let staging = match &mut target {
         Target::Planes(planes) => T::direct(planes).is_none(),
         Target::Reduced(..) => true,
     };
-    let mut block = Block::<T, W>::new(shared, &samples, spare);
+    let mut block = Block::<T, W>::new(shared, &samples, staging);
     block.run(samples, &mut target);
 }
 
-/// Samples per block: all of them where threads do not repay their waking.
+/// Samples per block; all of them if threads save no time.
 fn block_size(total: usize, workers: Option<usize>) -> usize {
     match workers {
-        _ if total < THREADED => total,
-        // Without a look at the pool, which may not be there.
+        _ if !uses_threads(total) => total,
+        // This does not query the pool, which may not exist.
         Some(1) => total,
         Some(workers) if workers < rayon::current_num_threads() => {
             total.div_ceil(workers.max(1)).next_multiple_of(BLOCK)
         }
-        // Two for each thread at least, so that none waits long for the last one.
+        // At least two blocks per thread, so that no thread waits long for the last block.
         _ => {
             let shared = total.div_ceil(2 * rayon::current_num_threads());
             BLOCK.min(shared.next_multiple_of(CHUNK))

@@ -1,4 +1,4 @@
-//! The pins of a chunk: sines and cosines of its drive angles, by the reduction that serves them.
+//! Sines and cosines of the drive angles of a chunk.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
 use std::iter::once;
@@ -12,23 +12,24 @@ use crate::number::trig::{self, Angle};
 
 /// The drive angles of a chunk.
 #[derive(Clone, Copy)]
-pub(crate) enum Drive<'a> {
-    /// Doubles.
+pub(crate) enum DriveAngles<'a> {
+    /// An array of angles.
     Array(&'a [f64]),
-    /// Those of a sweep from this sample on.
+    /// The angles of a sweep from this sample on.
     Sweep(&'a Sweep, usize),
-    /// Those of a sweep at these samples.
-    Picked(&'a Sweep, &'a [f64]),
+    /// The angles of a sweep at these samples.
+    Selected(&'a Sweep, &'a [f64]),
 }
 
-/// The number of a sweep's sample as a double: a sum, because few machines convert long integers
-/// in vectors.
+/// The number of a sweep's sample as a double. It is a sum because few machines convert 64-bit
+/// integers in vectors.
 #[inline(always)]
-pub(crate) fn number(first: usize, i: usize) -> f64 {
+pub(crate) fn sample_number(first: usize, i: usize) -> f64 {
     first as f64 + f64::from(i as u32)
 }
 
-/// Sines and cosines of a chunk: of the drive angle, up to a common factor, or of twice the angle.
+/// Sines and cosines of a chunk: of the drive angle, up to a common factor, or of twice the drive
+/// angle.
 #[derive(Clone, Copy)]
 pub(crate) struct SinCos<'a, T: Real> {
     pub(crate) sine: View<'a, T>,
@@ -47,23 +48,23 @@ impl<T: Real> SinCos<'_, T> {
     }
 }
 
-/// Where a loop takes sines and cosines from: from parts of the chunk, one after the other.
+/// The source of a loop's sines and cosines, in consecutive blocks of samples.
 pub(crate) trait SinCosBlocks<T>: Copy {
     type SinCosBlock: SinCosBlock<T>;
 
-    /// Whether they are those of a sweep by groups of samples.
-    const SWEPT: bool = false;
+    /// Whether they are computed by rotations of a sweep's groups.
+    const FROM_SWEEP: bool = false;
 
-    /// The turns of whole steps of such a sweep, as many as a part may take.
+    /// The angles of whole steps of such a sweep, as many as the longest block.
     fn turns(&self) -> View<'_, DoubleDouble> {
         View::EMPTY
     }
 
-    /// Each part and the sample that it begins with.
+    /// Each block and the number of its first sample.
     fn parts(self) -> impl Iterator<Item = (usize, Self::SinCosBlock)>;
 }
 
-/// Sines and cosines of samples side by side.
+/// Sines and cosines of consecutive samples.
 pub(crate) trait SinCosBlock<T> {
     fn len(&self) -> usize;
 
@@ -91,54 +92,55 @@ impl<T: Real> SinCosBlock<T> for SinCos<'_, T> {
     }
 }
 
-/// Which sines and cosines to find.
+/// Which sines and cosines to compute.
 pub(crate) trait SinCosKind {
     /// Whether they are of twice the drive angle.
-    const TWICE: bool = false;
+    const DOUBLE_ANGLE: bool = false;
 
     /// Sine and cosine of a reduced angle.
-    fn find<T: Angle>(reduced: (T, u64)) -> (T, T);
+    fn sin_cos<T: Angle>(reduced: (T, u64)) -> (T, T);
 }
 
-/// Pins as lines: a common factor of sine and cosine does not matter.
-pub(crate) struct Line;
+/// Pins as lines: sine and cosine up to a common factor.
+pub(crate) struct PinLine;
 
-impl SinCosKind for Line {
+impl SinCosKind for PinLine {
     #[inline(always)]
-    fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
+    fn sin_cos<T: Angle>(reduced: (T, u64)) -> (T, T) {
         trig::pin(reduced)
     }
 }
 
-/// Pins with their sense: a positive factor does not matter.
-pub(crate) struct Sense;
+/// Pins with their sense: sine and cosine up to a common positive factor.
+pub(crate) struct PinSense;
 
-impl SinCosKind for Sense {
+impl SinCosKind for PinSense {
     #[inline(always)]
-    fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
-        trig::sensed_pin(reduced)
+    fn sin_cos<T: Angle>(reduced: (T, u64)) -> (T, T) {
+        trig::directed_pin(reduced)
     }
 }
 
-/// Sine and cosine themselves, of twice the angle.
-pub(crate) struct Twice;
+/// Sine and cosine of twice the drive angle.
+pub(crate) struct DoubleAngleSinCos;
 
-impl SinCosKind for Twice {
-    const TWICE: bool = true;
+impl SinCosKind for DoubleAngleSinCos {
+    const DOUBLE_ANGLE: bool = true;
 
     #[inline(always)]
-    fn find<T: Angle>(reduced: (T, u64)) -> (T, T) {
-        trig::turned(reduced)
+    fn sin_cos<T: Angle>(reduced: (T, u64)) -> (T, T) {
+        trig::sin_cos_reduced(reduced)
     }
 }
 
-/// Sine and cosine for each angle, by the exact path where one is too far for the fast one.
+/// Computes sine and cosine of each angle. If one angle is too large for the fast reduction, all
+/// angles take the exact one.
 ///
-/// `coarse` pins are as good as short numbers are beside 1, not relative to themselves: they do for
+/// `coarse` pins have an absolute and not a relative error of one rounding, which suffices for
 /// moderate bends.
 #[inline(always)]
-pub(crate) fn find<K: SinCosKind, T: Angle>(
-    drive: Drive<'_>,
+pub(crate) fn fill_sin_cos<K: SinCosKind, T: Angle>(
+    drive: DriveAngles<'_>,
     coarse: bool,
     sine: ViewMut<'_, T>,
     cosine: ViewMut<'_, T>,
@@ -146,25 +148,26 @@ pub(crate) fn find<K: SinCosKind, T: Angle>(
     let length = sine.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     match drive {
-        Drive::Array(angle) => {
+        DriveAngles::Array(angle) => {
             let angle = &angle[..length];
             if T::PRECISION.costs().turn_fractions
                 && coarse
-                && coarse_sin_cos::<K, T>(angle, sine.again(), cosine.again())
+                && coarse_sin_cos::<K, T>(angle, sine.reborrow(), cosine.reborrow())
             {
                 return;
             }
-            let mut far = LargeAngleFlag::for_quadrants();
+            let mut too_large = LargeAngleFlag::for_quadrants();
             for i in 0..length {
                 let x = angle[i];
-                let reduced = T::reduce(if K::TWICE { x + x } else { x });
-                far.accumulate(reduced.1);
+                let reduced = T::reduce(if K::DOUBLE_ANGLE { x + x } else { x });
+                too_large.accumulate(reduced.1);
                 set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
             }
-            if far.any() {
+            if too_large.any() {
                 for i in 0..length {
                     let reduced = reduction::reduce_any(angle[i]);
-                    let (r, quadrant) = if K::TWICE { reduction::twice(reduced) } else { reduced };
+                    let (r, quadrant) =
+                        if K::DOUBLE_ANGLE { reduction::double_angle(reduced) } else { reduced };
                     set_reduced::<K, T>(
                         &mut sine,
                         &mut cosine,
@@ -174,12 +177,12 @@ pub(crate) fn find<K: SinCosKind, T: Angle>(
                 }
             }
         }
-        Drive::Sweep(sweep, first) => {
-            let sweep = if K::TWICE { sweep.twice() } else { *sweep };
+        DriveAngles::Sweep(sweep, first) => {
+            let sweep = if K::DOUBLE_ANGLE { sweep.double_angle() } else { *sweep };
             match sweep.reduction() {
                 AngleReduction::OfTurns { per_turn, inverse, quarter } => {
                     for i in 0..length {
-                        let i_th = number(first, i);
+                        let i_th = sample_number(first, i);
                         let (r, quadrant) =
                             AngleReduction::of_turns(per_turn, inverse, quarter, i_th);
                         let reduced = (T::from_double_double(r), quadrant);
@@ -188,15 +191,16 @@ pub(crate) fn find<K: SinCosKind, T: Angle>(
                 }
                 AngleReduction::OfAngles(sweep) => {
                     for i in 0..length {
-                        let (r, quadrant) = AngleReduction::of_angles(&sweep, number(first, i));
+                        let (r, quadrant) =
+                            AngleReduction::of_angles(&sweep, sample_number(first, i));
                         let reduced = (T::from_double_double(r), quadrant);
                         set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
                     }
                 }
             }
         }
-        Drive::Picked(sweep, samples) => {
-            let reduction = if K::TWICE { sweep.twice() } else { *sweep }.reduction();
+        DriveAngles::Selected(sweep, samples) => {
+            let reduction = if K::DOUBLE_ANGLE { sweep.double_angle() } else { *sweep }.reduction();
             let samples = &samples[..length];
             for i in 0..length {
                 let (r, quadrant) = reduction.of(samples[i]);
@@ -217,7 +221,7 @@ pub(crate) fn find<K: SinCosKind, T: Angle>(
     }
 }
 
-/// Sine and cosine by phases, unless an angle is too far for these.
+/// Sine and cosine from turn fractions; false if an angle is too large for them.
 #[inline(always)]
 fn coarse_sin_cos<K: SinCosKind, T: Angle>(
     angle: &[f64],
@@ -226,13 +230,13 @@ fn coarse_sin_cos<K: SinCosKind, T: Angle>(
 ) -> bool {
     let length = angle.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
-    let mut far = LargeAngleFlag::for_turn_fractions();
+    let mut too_large = LargeAngleFlag::for_turn_fractions();
     for i in 0..length {
         let phase = reduction::turn_fraction_q30(angle[i]);
-        far.accumulate(phase);
+        too_large.accumulate(phase);
         cosine.set_high(i, T::of_bits(phase));
     }
-    if far.any() {
+    if too_large.any() {
         return false;
     }
     for i in 0..length {
@@ -242,8 +246,8 @@ fn coarse_sin_cos<K: SinCosKind, T: Angle>(
     true
 }
 
-/// Angles are reduced as doubles, of which a vector holds half as many as of short numbers: those
-/// find their pins in a loop of their own.
+/// Stores a reduced angle, or its pin. Angles are reduced as doubles, and a vector holds half as
+/// many doubles as single-precision numbers, so some types compute pins in a second loop.
 #[inline(always)]
 fn set_reduced<K: SinCosKind, T: Angle>(
     sine: &mut ViewMut<'_, T>,
@@ -266,14 +270,14 @@ fn set_pin<K: SinCosKind, T: Angle>(
     i: usize,
     reduced: (T, u64),
 ) {
-    let (s, c) = K::find(reduced);
+    let (s, c) = K::sin_cos(reduced);
     sine.set(i, s);
     cosine.set(i, c);
 }
 
-/// Sine and cosine of the equivalent joint's driving angle `α + φ`, given those of `φ`.
+/// Sine and cosine of the equivalent joint's driving angle `α + φ`, given cosine and sine of `φ`.
 #[inline(always)]
-pub(crate) fn turn<T: Real>(
+pub(crate) fn rotate<T: Real>(
     at: impl Fn(usize) -> [T; 2],
     pins: SinCos<'_, T>,
     sine: ViewMut<'_, T>,

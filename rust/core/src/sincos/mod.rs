@@ -1,4 +1,4 @@
-//! Sines and cosines of drive angles: of arrays, and of sweeps by sums of tangents or by rotations.
+//! Sines and cosines of drive angles: of arrays, and of sweeps by tangent sums or rotations.
 
 pub(crate) mod array;
 pub(crate) mod rotation;

@@ -1,4 +1,5 @@
-//! Pins of a long sweep by the addition theorem of the tangent, from the middle of a group of samples.
+//! Pins of a long sweep, by the addition theorem of the tangent from the middle of a group of
+//! samples.
 
 use crate::input::sweep::Sweep;
 use crate::number::double_double::DoubleDouble;
@@ -6,19 +7,20 @@ use crate::number::float::Float;
 use crate::number::storage::ViewMut;
 use crate::number::trig::{self, Angle};
 
-/// Tangents of whole steps about the middle of a group of samples. The samples of a group take
-/// theirs from that of the middle by the addition theorem, `(a + b)/(1 − a b)`: no sine each.
+/// Tangents of whole steps from the middle of a group of samples. The tangent of each sample
+/// follows from that of the middle by the addition theorem, `(a + b)/(1 − a b)`, without a sine per
+/// sample.
 #[derive(Clone, Debug)]
 pub(crate) struct TangentSum<T: Angle> {
     tangents: [Vec<T::Float>; 2],
 }
 
 impl<T: Angle> TangentSum<T> {
-    /// Samples that are nearer to a quarter turn than this part of their middle have a sum that
-    /// cancels more than its error terms make good.
-    const CANCELLED: f64 = 1.0 / 1024.0;
+    /// The part of the middle's distance from a quarter turn within which a sample's sum cancels
+    /// more than its error terms can recover.
+    const CANCELLATION: f64 = 1.0 / 1024.0;
 
-    /// Groups of so many samples of a sweep, a multiple of 16.
+    /// The table for groups of `length` samples of a sweep, a multiple of 16.
     #[inline(always)]
     pub(crate) fn new(sweep: &Sweep, length: usize) -> Self {
         let mut tangents = [vec![T::Float::default(); length], vec![T::Float::default(); length]];
@@ -35,7 +37,7 @@ impl<T: Angle> TangentSum<T> {
         self.tangents[0].len()
     }
 
-    /// Sine and cosine up to a positive factor of the samples from `first` on.
+    /// Sine and cosine, up to a positive factor, of the samples from `first` on.
     #[inline(always)]
     pub(crate) fn pins(
         &self,
@@ -44,16 +46,16 @@ impl<T: Angle> TangentSum<T> {
         mut sine: ViewMut<'_, T>,
         mut cosine: ViewMut<'_, T>,
     ) {
-        const MOST: usize = 64;
+        const MAX_GROUPS: usize = 64;
         let length = self.length();
         let reduction = sweep.reduction();
         let count = sine.len();
-        let mut middles = [([T::Float::default(); 2], 0_u64, 0.0); MOST];
+        let mut middles = [([T::Float::default(); 2], 0_u64, 0.0); MAX_GROUPS];
         let mut at = 0;
         while at < count {
-            // The middles of the next groups side by side, then group by group.
+            // First the middles of the next groups, in one loop; then group by group.
             let group = (first + at) / length;
-            let groups = ((first + count).div_ceil(length) - group).min(MOST);
+            let groups = ((first + count).div_ceil(length) - group).min(MAX_GROUPS);
             for (i, middle) in middles[..groups].iter_mut().enumerate() {
                 let sample = ((group + i) * length + length / 2) as f64;
                 let (remainder, quadrant) = reduction.of(sample);
@@ -85,13 +87,13 @@ impl<T: Angle> TangentSum<T> {
                         c.set(j, x);
                     }
                 }
-                // Beside a quarter turn hardly anything is left of the sum but its rounding.
+                // Next to a quarter turn the sum cancels and mainly its rounding is left.
                 let crossing = (length / 2) as f64 - steps - from as f64;
-                let beside = 1.0 + Self::CANCELLED * steps.abs();
-                let near = (crossing - beside).max(0.0) as usize..size;
-                for j in near.take_while(|&j| j as f64 <= crossing + beside) {
+                let margin = 1.0 + Self::CANCELLATION * steps.abs();
+                let near = (crossing - margin).max(0.0) as usize..size;
+                for j in near.take_while(|&j| j as f64 <= crossing + margin) {
                     let (r, quadrant) = reduction.of((begin + from + j) as f64);
-                    let (y, x) = trig::sensed_pin((T::from_double_double(r), quadrant));
+                    let (y, x) = trig::directed_pin((T::from_double_double(r), quadrant));
                     s.set(j, y);
                     c.set(j, x);
                 }
@@ -101,7 +103,7 @@ impl<T: Angle> TangentSum<T> {
     }
 }
 
-/// A number's high word and what is missing to it.
+/// The word nearest to a number, and the remainder.
 #[inline(always)]
 fn words<T: Angle>(number: DoubleDouble) -> [T::Float; 2] {
     let high = T::Float::near(number.value());

@@ -1,0 +1,218 @@
+//! The constants of one shaft for a series of drivelines, and which of them a chunk uses.
+#![allow(clippy::needless_range_loop, reason = "as in the kernels")]
+
+use crate::mechanics::chain::Equivalent;
+use crate::mechanics::double_angle::DoubleAngle;
+use crate::mechanics::extremes::ExtremaLocator;
+use crate::mechanics::joint::JointConstants;
+use crate::number::atan::AtanRange;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Real;
+use crate::number::storage::{Column, View, columns, views, views_mut};
+use crate::number::trig::Angle;
+use crate::run::lanes::Lane;
+
+/// Runs the body with `at(i)`, the constants of sample `i`. The body is compiled twice: for
+/// constants that all samples share, which stay in registers, and for constants per sample.
+macro_rules! with_constants {
+    ($geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
+        let constants = $constants;
+        match $geometry {
+            GeometryIndex::Shared(index) => {
+                let shared = constants(index);
+                let $at = move |_: usize| shared;
+                $body
+            }
+            GeometryIndex::PerSample => {
+                let $at = constants;
+                $body
+            }
+        }
+    }};
+}
+
+pub(crate) use with_constants;
+
+/// Which of the folded drivelines a chunk uses.
+#[derive(Clone, Copy)]
+pub(crate) enum GeometryIndex {
+    /// All samples share the driveline with this index.
+    Shared(usize),
+    /// Each sample has its own.
+    PerSample,
+}
+
+impl GeometryIndex {
+    /// The number of folded drivelines that a chunk of `size` samples reads, counted from the
+    /// first.
+    #[inline(always)]
+    pub(crate) fn count(self, size: usize) -> usize {
+        match self {
+            Self::Shared(index) => index + 1,
+            Self::PerSample => size,
+        }
+    }
+}
+
+/// A read-only series of constants in twice the drive angle.
+#[derive(Clone, Copy)]
+pub(crate) struct DoubleAngleColumns<'a, T: Real>([View<'a, T>; 5]);
+
+impl<T: Real> DoubleAngleColumns<'_, T> {
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> DoubleAngle<T> {
+        let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
+        DoubleAngle { q: [re, im], mean, complement, gain }
+    }
+}
+
+/// A read-only series of equivalent joints.
+#[derive(Clone, Copy)]
+pub(crate) struct EquivalentColumns<'a, T: Real>([View<'a, T>; 7]);
+
+impl<T: Real> EquivalentColumns<'_, T> {
+    /// The constants of the joint, and cosine and sine of its offset.
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
+            self.0.each_ref().map(|view| view.get(i));
+        (JointConstants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
+    }
+}
+
+/// The constants of one shaft, one set per driveline: its equivalent joint, or constants in twice
+/// the drive angle while bends are moderate.
+#[derive(Clone, Debug)]
+pub(crate) struct FoldedShaft<T: Angle> {
+    /// The range of the tangents of the angle error over all drivelines.
+    pub(super) bound: AtanRange,
+    double_angles: [Column<T>; 5],
+    equivalents: [Column<T>; 7],
+}
+
+impl<T: Angle> FoldedShaft<T> {
+    /// Allocates the constants of `length` drivelines. If `splits`, moderate bends have their own
+    /// constants. A geometry `by_sample` has one kind of constants for all samples.
+    pub(super) fn new(bound: AtanRange, length: usize, by_sample: bool, splits: bool) -> Self {
+        let moderate = bound.is_moderate();
+        let steep = !splits || !moderate;
+        let double_angle = splits && (moderate || !by_sample);
+        let size = |needed: bool| if needed { length } else { 0 };
+        Self {
+            bound,
+            double_angles: columns(size(double_angle)),
+            equivalents: columns(size(steep)),
+        }
+    }
+
+    /// The range of the tangents in a chunk.
+    #[inline(always)]
+    pub(super) fn range(&self, geometry: GeometryIndex) -> AtanRange {
+        match geometry {
+            GeometryIndex::Shared(index) if self.has_double_angles() => {
+                self.double_angles(geometry, 0).get(index).range().min(self.bound)
+            }
+            GeometryIndex::Shared(index) => self.equivalents(geometry, 0).get(index).0.range(),
+            GeometryIndex::PerSample => self.bound,
+        }
+    }
+
+    /// Whether there are constants in twice the drive angle.
+    #[inline(always)]
+    pub(super) fn has_double_angles(&self) -> bool {
+        !self.double_angles[0].is_empty()
+    }
+
+    /// The constants that determine the extremes for one driveline.
+    pub(crate) fn extrema_locator(&self, index: usize) -> ExtremaLocator {
+        let geometry = GeometryIndex::Shared(index);
+        if self.has_double_angles() {
+            let [re, im]: [f64; 2] =
+                self.double_angles(geometry, 0).get(index).q.map(|x| x.value().into());
+            return ExtremaLocator { double_offset: -im.atan2(re), k: re.hypot(im) };
+        }
+        let (joint, turn) = self.equivalents(geometry, 0).get(index);
+        let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
+        let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
+        ExtremaLocator { double_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
+    }
+
+    /// The constants in twice the drive angle.
+    #[inline(always)]
+    pub(crate) fn double_angles(
+        &self,
+        geometry: GeometryIndex,
+        size: usize,
+    ) -> DoubleAngleColumns<'_, T> {
+        DoubleAngleColumns(views(&self.double_angles, geometry.count(size)))
+    }
+
+    /// The equivalent joints.
+    #[inline(always)]
+    pub(crate) fn equivalents(
+        &self,
+        geometry: GeometryIndex,
+        size: usize,
+    ) -> EquivalentColumns<'_, T> {
+        EquivalentColumns(views(&self.equivalents, geometry.count(size)))
+    }
+
+    /// Sets moderate joints on the drive shaft, whose pins need no rotation.
+    #[inline(always)]
+    pub(super) fn set_moderate(&mut self, start: usize, bends: &[f64]) {
+        let length = bends.len();
+        let [cos, cos2, sin2, versine, ..] = views_mut(&mut self.equivalents, start, length);
+        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
+        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
+        for i in 0..length {
+            let joint = JointConstants::<T>::of_moderate_bend(bends[i]);
+            cos.set(i, joint.cos);
+            cos2.set(i, joint.cos2);
+            sin2.set(i, joint.sin2);
+            versine.set(i, joint.versine);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn set<L>(&mut self, start: usize, length: usize, source: &L)
+    where
+        L: Lane<DoubleAngle<DoubleDouble>> + Lane<Equivalent<DoubleDouble>>,
+    {
+        if !self.double_angles[0].is_empty() {
+            let [re, im, mean, complement, gain] =
+                views_mut(&mut self.double_angles, start, length);
+            let (mut re, mut im) = (re.cut(length), im.cut(length));
+            let (mut mean, mut complement) = (mean.cut(length), complement.cut(length));
+            let mut gain = gain.cut(length);
+            for i in 0..length {
+                let double_angle: DoubleAngle<DoubleDouble> = source.at(i);
+                let double_angle = DoubleAngle::<T>::nearest(&double_angle);
+                re.set(i, double_angle.q[0]);
+                im.set(i, double_angle.q[1]);
+                mean.set(i, double_angle.mean);
+                complement.set(i, double_angle.complement);
+                gain.set(i, double_angle.gain);
+            }
+        }
+        if self.equivalents[0].is_empty() {
+            return;
+        }
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
+            views_mut(&mut self.equivalents, start, length);
+        let (mut cos, mut cos2) = (cos.cut(length), cos2.cut(length));
+        let (mut sin2, mut versine) = (sin2.cut(length), versine.cut(length));
+        let mut inverse_exsecant = inverse_exsecant.cut(length);
+        let (mut turn_cos, mut turn_sin) = (turn_cos.cut(length), turn_sin.cut(length));
+        for i in 0..length {
+            let equivalent: Equivalent<DoubleDouble> = source.at(i);
+            let joint = JointConstants::<T>::nearest(&equivalent.joint);
+            cos.set(i, joint.cos);
+            cos2.set(i, joint.cos2);
+            sin2.set(i, joint.sin2);
+            versine.set(i, joint.versine);
+            inverse_exsecant.set(i, joint.inverse_exsecant);
+            turn_cos.set(i, T::from_double_double(equivalent.turn_cos));
+            turn_sin.set(i, T::from_double_double(equivalent.turn_sin));
+        }
+    }
+}

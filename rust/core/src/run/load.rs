@@ -1,0 +1,189 @@
+//! Torques and moments for one chunk, over slices that fit in the first-level cache.
+
+use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
+use crate::mechanics::moment::Pose;
+use crate::number::Number;
+use crate::number::float::Float;
+use crate::number::storage::{Column, View, ViewMut, views, views_mut};
+use crate::plan::output::Output;
+use crate::plan::steps::{End, JointStep, LoadStep, Plan, Support};
+use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::fold::Folded;
+use crate::run::map;
+use crate::run::scratch::Scratch;
+use crate::run::sines::pins_of;
+use crate::sincos::array::SinCos;
+
+/// Torques and moments for one chunk, in order from the end where the torque is given.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
+pub(crate) fn run_load<T: Number, W: Float>(
+    plan: &Plan,
+    load: &LoadStep,
+    table: &Table<'_>,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
+    let column = |index: usize| &gathered[index][..size];
+    let pins = pins_of(pins, size);
+    let ratio = |shaft: usize| rates[shaft][0].view(size);
+    let bent = plan.first_bent();
+    let first = match load.end {
+        End::Drive => None,
+        End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
+    };
+    map::spread(column(TORQUE), first, power.view_mut(size));
+    for station in &load.stations {
+        let absorb = |sign: f64, power: ViewMut<'_, T>| {
+            if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
+                let drive = [column(inertia), column(SPEED), column(ACCELERATION)];
+                let acceleration = rates[station.shaft][1].view(size);
+                map::absorb(sign, drive, ratio(station.shaft), acceleration, power);
+            }
+        };
+        if load.end == End::Output {
+            absorb(1.0, power.view_mut(size));
+        }
+        if let Some(plane) = station.torque {
+            let torque = &mut *planes[plane];
+            if station.shaft > bent {
+                map::divide::<T>(power.view(size), ratio(station.shaft), torque);
+            } else {
+                map::copy::<T>(power.view(size), torque);
+            }
+        }
+        if station.torsion {
+            let joint = station.shaft - 1;
+            let torsion = if joint > bent {
+                map::divide(power.view(size), ratio(joint), torsion.view_mut(size));
+                torsion.view(size)
+            } else {
+                power.view(size)
+            };
+            let step = &plan.joints[joint];
+            let poses = &folded.poses[joint][..geometry.count(size)];
+            with_constants!(geometry, |i: usize| poses[i], at => {
+                run_bending(step, at, pins, torsion, planes);
+                if step.needs_support() {
+                    map::parts(at, pins, torsion, views_mut(parts, 0, size));
+                }
+            });
+            let plane = match geometry {
+                GeometryIndex::Shared(index) => poses[index].plane_axes(),
+                GeometryIndex::PerSample => None,
+            };
+            if let Some(axes) = plane {
+                let at = |i: usize| poses[i].with_axes(axes);
+                with_constants!(geometry, at, at => {
+                    run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
+                    run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
+                });
+            } else {
+                with_constants!(geometry, |i: usize| poses[i], at => {
+                    run_moment::<false, T, W>(step, at, AXES, pins, torsion, planes);
+                    run_supports::<false, T, W>(step, at, AXES, parts, support, planes, size);
+                });
+            }
+        }
+        if load.end == End::Drive {
+            absorb(-1.0, power.view_mut(size));
+        }
+    }
+}
+
+/// Magnitudes of a joint's bending moments.
+#[inline(always)]
+fn run_bending<T: Number, W: Float>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T> + Copy,
+    pins: SinCos<'_, T>,
+    torsion: View<'_, T>,
+    planes: &mut [&mut [W]],
+) {
+    if let Some(plane) = step.planes.get(Output::BendingDriving) {
+        let out = &mut *planes[plane];
+        map::size::<T>(at, Pose::bending_driving, pins, torsion, out);
+    }
+    if let Some(plane) = step.planes.get(Output::BendingDriven) {
+        let out = &mut *planes[plane];
+        map::size::<T>(at, Pose::bending_driven, pins, torsion, out);
+    }
+}
+
+const AXES: [usize; 3] = [0, 1, 2];
+
+/// The moment vector that a joint transmits, from a pose with its components in the order `axes`.
+#[inline(always)]
+fn run_moment<const PLANAR: bool, T: Number, W: Float>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T>,
+    axes: [usize; 3],
+    pins: SinCos<'_, T>,
+    torsion: View<'_, T>,
+    planes: &mut [&mut [W]],
+) {
+    if let Some(plane) = step.planes.get(Output::Moment) {
+        let out = vector(planes, plane, axes);
+        map::moment::<PLANAR, T>(at, pins, torsion, out);
+    }
+}
+
+/// The joint's contribution to the support moments of its shafts, from the parts of its torsion.
+#[inline(always)]
+fn run_supports<const PLANAR: bool, T: Number, W: Float>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T> + Copy,
+    axes: [usize; 3],
+    parts: &[Column<T>; 3],
+    support: &mut [Column<T>; 3],
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    // The shaft that the load leaves is completed before the contribution to the next is stored.
+    for step in step.support.iter().flatten() {
+        let [sine2, cosine2, product] = views(parts, size);
+        let numbers = [if step.driving { sine2 } else { cosine2 }, product];
+        let [x, y, z] = axes;
+        run_support::<PLANAR, 0, T, W>(step, at, x, numbers, &mut support[x], planes);
+        run_support::<PLANAR, 1, T, W>(step, at, y, numbers, &mut support[y], planes);
+        run_support::<PLANAR, 2, T, W>(step, at, z, numbers, &mut support[z], planes);
+    }
+}
+
+/// One component of that contribution, along the axis `axis` of space.
+#[inline(always)]
+fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
+    step: &Support,
+    at: impl Fn(usize) -> Pose<T>,
+    axis: usize,
+    numbers: [View<'_, T>; 2],
+    stored: &mut Column<T>,
+    planes: &mut [&mut [W]],
+) {
+    let &Support { driving, plane, first, last } = step;
+    let (size, none) = (numbers[0].len(), |_: usize| None);
+    let out = &mut *planes[plane + axis];
+    match (first, last) {
+        (true, true) => map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out),
+        (true, false) => {
+            let stored = stored.view_mut(size);
+            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, stored);
+        }
+        (false, _) => {
+            let stored = stored.view(size).cut(size);
+            let previous = |i: usize| Some(stored.get(i));
+            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, previous, out);
+        }
+    }
+}
+
+/// The planes of a vector's components, in the order of these axes.
+#[inline(always)]
+fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> [&'a mut [W]; 3] {
+    let views = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
+    views.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
+}

@@ -1,0 +1,236 @@
+//! The motion of shafts for one chunk, over slices that fit in the first-level cache.
+
+use crate::mechanics::moment::Pose;
+use crate::number::Number;
+use crate::number::atan::AtanRange;
+use crate::number::float::Float;
+use crate::number::storage::{Column, ViewMut, views_mut};
+use crate::plan::output::{Needs, Output};
+use crate::plan::route::{Route, Routes};
+use crate::plan::steps::{Plan, ShaftStep};
+use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::fold::Folded;
+use crate::run::formula::MotionFormula;
+use crate::run::map;
+use crate::run::scratch::Scratch;
+use crate::run::sines::pins_of;
+use crate::run::sink::{ArrayAngleSink, SteppedAngleSink, SweepAngleSink};
+use crate::sincos::array::{self, DriveAngles, SinCosBlocks};
+use crate::sincos::rotation::{RotatedSinCos, Rotations};
+
+/// Motion of every shaft of the plan and tilts of every joint, for one chunk.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
+pub(crate) fn run_motion<T: Number, W: Float>(
+    plan: &Plan,
+    routes: &Routes,
+    drive: DriveAngles<'_>,
+    rotations: Option<&Rotations<T>>,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [&mut [W]],
+    size: usize,
+    row_offset: usize,
+) {
+    let Scratch { pins, double_sin_cos, groups, rotated_pins, rates, errors, .. } = scratch;
+    let pins = pins_of(pins, size);
+    let double_sin_cos = pins_of(double_sin_cos, size);
+    let mut errors = errors.iter_mut();
+    for step in &plan.shafts {
+        let mut none = Column::new(0);
+        let errors =
+            step.planes.get(Output::Angle).and_then(|_| errors.next()).unwrap_or(&mut none);
+        let errors = errors.window_mut(row_offset, size);
+        let rates = rates[step.shaft].each_mut();
+        let (route, range) = folded.route(routes, step.shaft, geometry);
+        #[cfg(test)]
+        crate::run::taken::note(step.shaft, route, range);
+        let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| route != Route::Drive)
+        else {
+            run_drive_shaft::<T, W>(step, drive, rates, planes, size);
+            continue;
+        };
+        if route == Route::Tangent {
+            let equivalents = shaft.equivalents(geometry, size);
+            with_constants!(geometry, |i| equivalents.get(i), at => {
+                let mut pins = pins;
+                if step.shaft > 1 {
+                    let [sine, cosine] = views_mut(rotated_pins, 0, size);
+                    array::rotate(|i| at(i).1, pins, sine, cosine);
+                    pins = pins_of(rotated_pins, size);
+                }
+                let at = |i| at(i).0;
+                run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
+            });
+            continue;
+        }
+        let double_angles = shaft.double_angles(geometry, size);
+        // Each number type uses one of the two routes, so only that one is compiled for it.
+        if T::PRECISION.costs().double_angle {
+            if step.shaft == 1 {
+                with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
+                    run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
+                });
+            } else {
+                with_constants!(geometry, |i| double_angles.get(i), at => {
+                    run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
+                });
+            }
+        } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
+            let double_angle = double_angles.get(index);
+            let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
+            let at = |_| double_angle.with_parts::<0>();
+            run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
+        }
+    }
+    for (step, poses) in plan.joints.iter().zip(&folded.poses) {
+        if !step.needs_tilt {
+            continue;
+        }
+        let poses = &poses[..geometry.count(size)];
+        with_constants!(geometry, |i: usize| poses[i], at => {
+            if let Some(plane) = step.planes.get(Output::TiltDriving) {
+                map::formula(Pose::tilt_driving, at, pins, &mut *planes[plane]);
+            }
+            if let Some(plane) = step.planes.get(Output::TiltDriven) {
+                map::formula(Pose::tilt_driven, at, pins, &mut *planes[plane]);
+            }
+        });
+    }
+}
+
+/// The angle of a shaft in a later period, from the errors that the first period stored in `slot`.
+#[inline(always)]
+pub(crate) fn repeat_angle<T: Number, W: Float>(
+    scratch: &Scratch<T>,
+    slot: usize,
+    first: usize,
+    drive: DriveAngles<'_>,
+    out: &mut [W],
+) {
+    map::add_drive(drive, scratch.errors[slot].part(first, out.len()), out);
+}
+
+/// Outputs of a shaft without a bent joint before it, which turns with the drive.
+#[inline(always)]
+fn run_drive_shaft<T: Number, W: Float>(
+    step: &ShaftStep,
+    drive: DriveAngles<'_>,
+    [ratio, acceleration]: [&mut Column<T>; 2],
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    for output in Output::ALL {
+        let Some(plane) = step.planes.get(output) else { continue };
+        match output.row().needs {
+            Needs::Motion(Some(value)) => map::constant::<T>(value, drive, &mut *planes[plane]),
+            _ => map::drive_angle::<T, W>(drive, &mut *planes[plane]),
+        }
+    }
+    if step.keep_ratio {
+        map::constant::<T>(1.0, drive, ratio.view_mut(size));
+    }
+    if step.keep_acceleration {
+        map::constant::<T>(0.0, drive, acceleration.view_mut(size));
+    }
+}
+
+/// Outputs of one shaft. Each is stored directly in its plane; values that the load or a later
+/// period needs as well pass through a buffer.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
+fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
+    step: &ShaftStep,
+    range: AtanRange,
+    at: impl Fn(usize) -> S + Copy,
+    drive: DriveAngles<'_>,
+    pins: P,
+    [ratio, acceleration]: [&mut Column<T>; 2],
+    mut errors: ViewMut<'_, T>,
+    planes: &mut [&mut [W]],
+    size: usize,
+) {
+    if let Some(plane) = step.planes.get(Output::JerkRatio) {
+        map::formula(S::jerk_ratio, at, pins, &mut *planes[plane]);
+    }
+    let together = step.combined_planes().filter(|_| S::MODERATE && range.is_moderate());
+    if let Some([rotation, ratio, acceleration]) = together {
+        let [rotation, ratio, acceleration] = planes
+            .get_disjoint_mut([rotation, ratio, acceleration])
+            .expect("a plan gives every output planes of its own");
+        let rates: (&mut [W], &mut [W]) = (ratio, acceleration);
+        match drive {
+            _ if step.planes.get(Output::Angle).is_none() => {
+                map::motion(range, at, pins, &mut **rotation, rates);
+            }
+            DriveAngles::Array(angle) => {
+                let out = ArrayAngleSink(&angle[..size], rotation);
+                map::motion(range, at, pins, out, rates);
+            }
+            DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
+                let out = SteppedAngleSink::new(sweep, first, pins.turns(), rotation);
+                map::motion(range, at, pins, out, rates);
+            }
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+                let out = SweepAngleSink(sweep, first, rotation);
+                map::motion(range, at, pins, out, rates);
+            }
+            _ => {
+                map::motion(range, at, pins, errors.reborrow(), rates);
+                map::add_drive(drive, errors.view(), rotation);
+            }
+        }
+        return;
+    }
+    if let Some(plane) = step.planes.get(Output::AngleError) {
+        map::angle_error(range, at, pins, &mut *planes[plane]);
+    }
+    if let Some(plane) = step.planes.get(Output::Angle) {
+        let out = &mut *planes[plane];
+        match drive {
+            DriveAngles::Array(angle) => {
+                map::angle_error(range, at, pins, ArrayAngleSink(&angle[..size], out));
+            }
+            DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
+                let out = SteppedAngleSink::new(sweep, first, pins.turns(), out);
+                map::angle_error(range, at, pins, out);
+            }
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+                map::angle_error(range, at, pins, SweepAngleSink(sweep, first, out));
+            }
+            _ => {
+                map::angle_error(range, at, pins, errors.reborrow());
+                map::add_drive(drive, errors.view(), out);
+            }
+        }
+    }
+    let mut remaining =
+        (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
+    if step.keep_acceleration {
+        map::formula(S::rates, at, pins, (ratio.view_mut(size), acceleration.view_mut(size)));
+        if let Some(plane) = remaining.1.take() {
+            map::copy::<T>(acceleration.view(size), &mut *planes[plane]);
+        }
+    } else if step.keep_ratio {
+        map::formula(S::speed_ratio, at, pins, ratio.view_mut(size));
+    }
+    if step.keep_ratio
+        && let Some(plane) = remaining.0.take()
+    {
+        map::copy::<T>(ratio.view(size), &mut *planes[plane]);
+    }
+    match remaining {
+        (Some(ratio), None) => map::formula(S::speed_ratio, at, pins, &mut *planes[ratio]),
+        (None, Some(acceleration)) => {
+            map::formula(S::acceleration_ratio, at, pins, &mut *planes[acceleration]);
+        }
+        (Some(ratio), Some(acceleration)) => {
+            let [ratio, acceleration] = planes
+                .get_disjoint_mut([ratio, acceleration])
+                .expect("a plan gives every output planes of its own");
+            map::formula(S::rates, at, pins, (&mut **ratio, &mut **acceleration));
+        }
+        (None, None) => {}
+    }
+}

@@ -1,0 +1,85 @@
+//! The sines and cosines that one chunk needs.
+
+use crate::number::Number;
+use crate::number::storage::{Column, views_mut};
+use crate::plan::route::{Route, Routes};
+use crate::plan::steps::Plan;
+use crate::run::constants::GeometryIndex;
+use crate::run::fold::Folded;
+use crate::run::scratch::Scratch;
+use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, PinSense, SinCos};
+use crate::sincos::rotation::Rotations;
+use crate::sincos::tangent_sum::TangentSum;
+
+/// Computes the pins of the drive for a chunk.
+#[inline(always)]
+pub(crate) fn find_pins<T: Number>(
+    plan: &Plan,
+    drive: DriveAngles<'_>,
+    group: Option<&TangentSum<T>>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    let [sine, cosine] = views_mut(&mut scratch.pins, 0, size);
+    let coarse = plan.moderate;
+    match (drive, group) {
+        (DriveAngles::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
+        _ if plan.needs_sense() => array::fill_sin_cos::<PinSense, T>(drive, coarse, sine, cosine),
+        _ => array::fill_sin_cos::<PinLine, T>(drive, coarse, sine, cosine),
+    }
+}
+
+/// Computes sine and cosine of twice the drive angle for a chunk, or the groups that replace them.
+#[inline(always)]
+pub(crate) fn find_double_angles<T: Number>(
+    drive: DriveAngles<'_>,
+    rotations: Option<&Rotations<T>>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    let [sine, cosine] = &mut scratch.double_sin_cos;
+    let (sine, cosine) = (sine.window_mut(0, size), cosine.window_mut(0, size));
+    let Some(rotations) = rotations else {
+        return array::fill_sin_cos::<DoubleAngleSinCos, T>(drive, false, sine, cosine);
+    };
+    let groups = &mut scratch.groups;
+    groups.clear();
+    match drive {
+        DriveAngles::Sweep(sweep, first) => rotations.group(sweep, first, size, 0, groups),
+        DriveAngles::Selected(sweep, samples) => {
+            for (i, &sample) in samples.iter().enumerate() {
+                rotations.group(sweep, sample as usize, 1, i, groups);
+            }
+        }
+        DriveAngles::Array(_) => {}
+    }
+    if T::PRECISION.costs().double_angle {
+        rotations.sin_cos(groups, sine, cosine);
+    }
+}
+
+/// Whether any route of the chunk needs pins, and whether any needs twice the drive angle.
+#[inline(always)]
+pub(crate) fn sines_needed<T: Number>(
+    plan: &Plan,
+    routes: &Routes,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+) -> [bool; 2] {
+    let mut needed = [plan.needs_poses(), false];
+    for step in &plan.shafts {
+        match folded.route(routes, step.shaft, geometry).0 {
+            Route::Drive => {}
+            Route::Tangent => needed[0] = true,
+            Route::DoubleAngle | Route::Rotation => needed[1] = true,
+        }
+    }
+    needed
+}
+
+/// The first `size` sines and cosines of two columns; none if the columns are empty.
+#[inline(always)]
+pub(super) fn pins_of<T: Number>([sine, cosine]: &[Column<T>; 2], size: usize) -> SinCos<'_, T> {
+    let size = if sine.is_empty() { 0 } else { size };
+    SinCos { sine: sine.view(size).cut(size), cosine: cosine.view(size).cut(size) }
+}

@@ -1,0 +1,163 @@
+"""Reader and JSON Schema of scenes take the same values and the same sections."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from cardan.scene import Scene
+from cardan.scene import values as kinds
+from cardan.scene.errors import Location
+from cardan.scene.format import FORMAT, FORMS
+from scene_values import DEFINITIONS, VALUES, as_toml, fitting, nearly
+
+# JSON has one kind of number and none that is not finite; TOML tells 1 from 1.0.
+_TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER.redefine_many(
+    {
+        "integer": lambda _, value: isinstance(value, int) and not isinstance(value, bool),
+        "number": lambda _, value: (
+            isinstance(value, int | float) and not isinstance(value, bool) and value == value
+        ),
+    }
+)
+_OfToml = jsonschema.validators.extend(jsonschema.Draft202012Validator, type_checker=_TYPES)
+SCHEMA = Scene.schema()
+VALIDATOR = _OfToml(SCHEMA)
+
+# What no schema can say of a single value.
+ONE_STEP = r"\.steps is 1; from \S+ to \S+ takes at least 2$"
+NOT_PRINTABLE = r"; it must have printable characters only$"
+
+
+def _only_the_reader(value: object, message: str) -> bool:
+    if isinstance(value, str):
+        return not value.isprintable() and bool(re.search(NOT_PRINTABLE, message))
+    return bool(re.search(ONE_STEP, message))
+
+
+KINDS = {name: kind for name, kind in vars(kinds).items() if isinstance(kind, kinds.Kind)}
+
+
+def test_kinds_are_those_of_the_format() -> None:
+    used = {id(key.kind) for section in FORMAT.values() for key in section.keys.values()}
+    assert used == {id(kind) for kind in KINDS.values()}
+
+
+@pytest.mark.parametrize("name", KINDS)
+@settings(max_examples=120)
+@given(data=st.data())
+def test_reader_and_schema_take_the_same_values(name: str, data: st.DataObject) -> None:
+    rule = KINDS[name].rule
+    right = fitting(rule.schema)
+    value = data.draw(st.one_of(right, right.flatmap(nearly), VALUES))
+    valid = _OfToml({**rule.schema, "$defs": DEFINITIONS}).is_valid(value)
+    message = ""
+    try:
+        rule.read(Location("key"), value)
+    except ValueError as error:
+        message = str(error)
+        assert message.startswith("key")
+        assert len(message) < 500
+    assert valid == (not message) or (valid and _only_the_reader(value, message)), message
+
+
+# What no schema can say of a scene: rules across keys, the geometry, and files.
+ACROSS_KEYS = (
+    ONE_STEP,
+    NOT_PRINTABLE,
+    # Lengths, numbers of shafts and joints, and places that must fit the driveline.
+    r" has length \d+; it needs \d+, (as many as \w+|one per shaft\b)",
+    r"(shafts|joints)\[\d+\] is \d+; there are \d+, counted from 0$",
+    r" has no such place; there are \d+, counted from 0$",
+    r" has no entries; one joint has no shaft between two joints$",
+    # Sizes.
+    r" a sweep takes at most \d+ steps$",
+    r" makes the study .* rows; it takes at most \d+: ",
+    # Sections that others need.
+    r"quantities\[\d+\] is '\w+'; it needs a section \[load\]$",
+    r"table needs a section \[study\], reduce or closed_forms$",
+    r"table is '.*'; that is the file of the curves$",
+    r"closed_forms do not go with recorded bends$",
+    r"\[study\] \S+ does not go with recorded bends$",
+    r"\[study\] \w+ needs a section \[load\]$",
+    r"\[study\] \w+ is not in \[\w+\]; it can vary what is there: ",
+    r"\[study\] \w+ does not go with \w+ of \[load\]; vary that$",
+    r"\[study\] \S+ varies \S+, which varies already$",
+    r"\[study\] at ",
+    # Points, directions and slopes that make no driveline.
+    r"\[driveline\] (points_m|points_mm|directions|slopes_|projected_)\w*( and \w+)? "
+    r"?(give|are|\[)",
+    # What a file holds.
+    r"\[angles\] ",
+)
+
+
+@st.composite
+def scenes(draw: st.DrawFn) -> dict[str, Any]:
+    """Scenes of sections as the schema wants them; lengths mostly fit."""
+    described = SCHEMA["properties"]
+    form = draw(st.sampled_from([FORMS[0]] * 4 + [*FORMS]))
+    joints = form.joints or draw(st.integers(1, 3))
+    lengths = dict.fromkeys(form.keys, joints + form.ends) | dict.fromkeys(
+        form.optional, joints - 1
+    )
+    keys = [*form.keys, *draw(st.lists(st.sampled_from(form.optional), unique=True))]
+    scene: dict[str, Any] = {"driveline": {}}
+    for key in keys:
+        size = draw(st.sampled_from([lengths[key]] * 9 + [lengths[key] + 1]))
+        part = described["driveline"]["properties"][key]
+        items = fitting(part["items"])
+        scene["driveline"][key] = draw(st.lists(items, min_size=size, max_size=size))
+    if draw(st.booleans()):
+        sizes = {"minItems": joints + 1, "maxItems": joints + 1}
+        load = described["load"]
+        inertias = {**load["properties"]["inertias_kgm2"], **sizes}
+        scene["load"] = draw(
+            fitting({**load, "properties": {**load["properties"], "inertias_kgm2": inertias}})
+        )
+    for name in draw(st.lists(st.sampled_from(["sweep", "study", "output", "angles"]), max_size=3)):
+        properties = described[name]["properties"]
+        most = st.lists(st.sampled_from(list(properties)), min_size=1, max_size=3, unique=True)
+        chosen = {key: properties[key] for key in draw(most)}
+        if name == "study" and draw(st.booleans()):
+            used = [*scene["driveline"], *scene.get("load", {})]
+            chosen = {key: properties[key] for key in used[:2]}
+        if name == "angles":
+            scene[name] = {"file": "a_run.csv", "angle_column_deg": "crank_deg"}
+        else:
+            scene[name] = draw(fitting({"type": "object", "properties": chosen}))
+    if draw(st.booleans()):
+        section = draw(st.sampled_from(sorted(scene)))
+        scene[section] = draw(nearly(scene[section]))
+    return scene
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the recorded scenes read."""
+    path = tmp_path_factory.mktemp("recordings")
+    (path / "a_run.csv").write_text("crank_deg\n0\n1\n")
+    return path
+
+
+@settings(max_examples=400)
+@given(scenes())
+def test_reader_and_schema_take_the_same_scenes(folder: Path, scene: dict[str, Any]) -> None:
+    text = "\n".join(f"{as_toml(key)} = {as_toml(value)}" for key, value in scene.items())
+    valid = VALIDATOR.is_valid(tomllib.loads(text))
+    message = ""
+    try:
+        Scene.parse(text, "a.toml", folder)
+    except ValueError as error:
+        message = str(error)
+    except OSError as error:
+        message = f"[angles] {error}"
+    across = any(re.search(rule, message) for rule in ACROSS_KEYS)
+    assert valid == (not message) or (valid and across), message
