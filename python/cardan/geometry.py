@@ -141,7 +141,7 @@ def from_slopes(
     """Lay out as ``Driveline.from_slopes`` does."""
     up = _slopes("vertical", vertical, degrees)
     right = _slopes("horizontal", horizontal, degrees)
-    return from_directions(_sloping(up, right), phases, degrees)
+    return from_directions(sloping(up, right), phases, degrees)
 
 
 def from_projected_bends(
@@ -150,7 +150,7 @@ def from_projected_bends(
     """Lay out as ``Driveline.from_projected_bends`` does."""
     up = _slopes_against(reference, "vertical", vertical, degrees)
     right = _slopes_against(reference, "horizontal", horizontal, degrees)
-    return from_directions(_sloping(up, right), phases, degrees)
+    return from_directions(sloping(up, right), phases, degrees)
 
 
 def _laid_out(
@@ -243,7 +243,7 @@ def _slopes_against(reference: str, name: str, value: ArrayLike, degrees: bool) 
     return view
 
 
-def _sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
+def sloping(vertical: FloatArray, horizontal: FloatArray) -> FloatArray:
     """Directions from the slopes in side view and top view."""
     if vertical.shape[-1] != horizontal.shape[-1]:
         raise ArgumentValueError(

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
+import re
 import shutil
 import signal
 import subprocess
 import sys
 import sysconfig
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+from cardan.files.whole_file import check_writable
 
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
 JOINT = "[driveline]\nbends_deg = [8.5]\n"
@@ -185,14 +190,11 @@ def size_of(path: Path) -> int:
     return 0
 
 
-@posix
-@pytest.mark.parametrize("old", [True, False])
-def test_interrupt_while_a_table_is_written(folder: Path, old: bool) -> None:
+@contextlib.contextmanager
+def writing_a_table(folder: Path) -> Iterator[subprocess.Popen[str]]:
+    """A process that is in the midst of a long table."""
     assert SCRIPT
     Path("a.toml").write_text(STUDY)
-    if old:
-        Path("a.csv").write_text("old")
-
     process = subprocess.Popen(
         [SCRIPT, "run", "a.toml"],
         stdout=subprocess.PIPE,
@@ -206,15 +208,90 @@ def test_interrupt_while_a_table_is_written(folder: Path, old: bool) -> None:
             assert process.poll() is None
             assert time.monotonic() < deadline
             time.sleep(0.01)
-        process.send_signal(signal.SIGINT)
-        _, errors = process.communicate(timeout=60)
+        yield process
     finally:
         process.kill()
-        process.wait()
-    assert process.returncode == 130
+        process.communicate()
+
+
+@posix
+@pytest.mark.parametrize("old", [True, False])
+@pytest.mark.parametrize(("number", "status"), [("SIGINT", 130), ("SIGTERM", -15), ("SIGHUP", -1)])
+def test_interrupt_while_a_table_is_written(
+    folder: Path, old: bool, number: str, status: int
+) -> None:
+    if old:
+        Path("a.csv").write_text("old")
+    with writing_a_table(folder) as process:
+        process.send_signal(getattr(signal, number))
+        _, errors = process.communicate(timeout=60)
+    assert process.returncode == status
     assert errors.strip() == ""
     left = {entry.name: entry.read_text() for entry in folder.iterdir()}
     assert left == {"a.toml": STUDY} | ({"a.csv": "old"} if old else {})
+
+
+@posix
+def test_next_run_removes_what_a_killed_one_left(folder: Path) -> None:
+    other = Path(".0123456789abcdef.part")
+    other.write_text("of something else")
+    with writing_a_table(folder) as process:
+        # While it lives, its file stays.
+        check_writable("a.csv")
+        check_writable("b.csv")
+        assert len(list(folder.glob(".cardan-*.part"))) == 1
+        process.kill()
+    assert len(list(folder.glob(".cardan-*.part"))) == 1
+    check_writable("b.csv")
+    assert len(list(folder.glob(".cardan-*.part"))) == 1
+    check_writable("a.csv")
+    assert {entry.name for entry in folder.iterdir()} == {"a.toml", other.name}
+
+
+ESCAPES = "\x1b[2J\x1b]52;c;Y2FyZGFu\x07\x9b2J\u202e"
+CONTROL = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u202e]")
+
+
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_control_characters_of_a_title_are_not_printed(folder: Path, options: list[str]) -> None:
+    written = "".join(f"\\u{ord(character):04x}" for character in ESCAPES)
+    Path("a.toml").write_text(f'title = "Rig{written}"\n{JOINT}')
+    done = script("run", "a.toml", *options)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert not CONTROL.search(done.stdout)
+    if options:
+        assert json.loads(done.stdout)["title"] == f"Rig{ESCAPES}"
+    else:
+        assert done.stdout.startswith("Rig\\x1b[2J\\x1b]52;c;Y2FyZGFu\\x07\\x9b2J\\u202e\n")
+
+
+def test_control_characters_in_errors_are_not_printed(folder: Path) -> None:
+    for arguments in (
+        ["run", f"{ESCAPES}.toml"],
+        [ESCAPES],
+        ["schema", "--output", f"{ESCAPES}/a"],
+    ):
+        done = script(*arguments)
+        assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+        assert not CONTROL.search(done.stderr[:-1])
+    Path("run.csv").write_text(f"crank\x1b[2J\n1\n{ESCAPES}\n")
+    refused(
+        JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'crnk'\n",
+        "a.toml, line 3: [angles] run.csv: no column 'crnk'; did you mean 'crank\\x1b[2J'?; "
+        "the columns are crank\\x1b[2J",
+    )
+
+
+def test_module_runs_as_the_script(folder: Path) -> None:
+    module = [sys.executable, "-m", "cardan"]
+    for arguments in (["--version"], ["--help"], ["run", "missing.toml"]):
+        done = subprocess.run([*module, *arguments], capture_output=True, text=True)
+        asked = script(*arguments)
+        assert (done.returncode, done.stdout, done.stderr) == (
+            asked.returncode,
+            asked.stdout,
+            asked.stderr,
+        )
 
 
 def on_a_terminal(*arguments: str, **environment: str) -> tuple[int, str, str]:
@@ -293,8 +370,9 @@ def test_errors_of_a_long_study_name_the_point(folder: Path) -> None:
     refused(
         "[driveline]\npoints_m = [[0, 0, 0], [0, 1, 0], [0, 5, 0]]\n"
         "[study]\npoints_m.1.x = [0, 1, 1.9]\npoints_m.1.y = [2, 0.8, 4.1]\n",
-        "a.toml: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends[0] = "
-        "1.5971060440478189 rad; a bend must lie in [0, pi/2)",
+        "a.toml: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give joint 0 "
+        "a bend of 91.507436 deg at point 1, between points 0 and 2; "
+        "a bend must lie in [0, 90) deg",
     )
 
 

@@ -21,6 +21,7 @@ from click.testing import CliRunner, Result
 
 import cardan
 from cardan.command import commands
+from cardan.command.files import wrote
 from cardan.files.columns import write_columns
 from cardan.scene import Scene
 from cardan.scene.format import FORMAT
@@ -383,7 +384,7 @@ def test_plot_of_a_study(into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         assert words in drawn
     failed(
         run("plot", "a.toml", "--study", "k"),
-        "column is 'k'; the study has equivalent_bend, non_uniformity, max_angle_error",
+        "--study is 'k'; known are equivalent_bend, non_uniformity, max_angle_error",
     )
     Path("a.toml").write_text(text)
     failed(
@@ -498,26 +499,33 @@ def test_unwritable(scene: Path, into: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("module", "message", "left"),
+    ("module", "command", "message"),
     [
-        ("pyarrow", "a .parquet file needs pyarrow: pip install 'cardan[table]'", []),
-        ("matplotlib", "a picture needs matplotlib: pip install 'cardan[plot]'", ["a.parquet"]),
+        ("pyarrow", "run", "this needs pyarrow: pip install 'cardan[table]'"),
+        ("matplotlib", "run", "a picture needs matplotlib: pip install 'cardan[plot]'"),
+        ("matplotlib", "plot", "a picture needs matplotlib: pip install 'cardan[plot]'"),
+        ("jinja2", "report", "this needs jinja2: pip install 'cardan[app]'"),
     ],
 )
 def test_missing_extra(
     scene: Path,
     into: Path,
     module: str,
+    command: str,
     message: str,
-    left: list[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
+    """It is noticed before the work is done."""
+
+    def work(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("cardan.scene.Scene.run", work)
+    monkeypatch.chdir(into)
     scene.write_text(scene.read_text().replace("a.csv", "a.parquet"))
     monkeypatch.setitem(sys.modules, module, None)
-    result = run("run", scene, "--into", into)
-    assert result.exit_code == 2
-    assert result.output.splitlines()[-1] == f"cardan: {message}"
-    assert [entry.name for entry in into.iterdir()] == left
+    failed(run(command, scene), message)
+    assert list(into.iterdir()) == []
 
 
 def test_without_click() -> None:
@@ -534,6 +542,147 @@ def test_memory(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("cardan.scene.Scene.run", exhausted)
     failed(run("run", scene), "not enough memory; a smaller samples_per_turn or study needs less")
+
+
+def test_memory_of_a_stream(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def exhausted(*_: object, **__: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(sys.modules["cardan.command.commands"], "stream_curves", exhausted)
+    hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
+    failed(run("stream", scene), hint)
+
+
+GAPS = """\
+title = "Gaps"
+[angles]
+file = "gaps.csv"
+angle_column_deg = "crank"
+bend_columns_deg = ["front"]
+[load]
+output_torque_Nm = 100
+[output]
+curves = "c.csv"
+picture = "c.svg"
+reduce = ["peak", "mean"]
+"""
+
+
+def test_missing_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They keep their place, are NaN in the curves, count in no figure, and are told."""
+    monkeypatch.chdir(tmp_path)
+    Path("gaps.toml").write_text(GAPS)
+    rows = [[str(10 * i), str(5 + i / 10)] for i in range(37)]
+
+    def written(rows: list[list[str]]) -> str:
+        lines = ["crank,front", *(",".join(row) for row in rows)]
+        Path("gaps.csv").write_text("\n".join(lines) + "\n")
+        result = run("run", "gaps.toml")
+        assert result.exit_code == 0, result.output
+        return result.output
+
+    kept = [row for i, row in enumerate(rows) if i not in (0, 5, 36)]
+    text = written(kept)
+    whole = Path("c.csv").read_text().splitlines()
+    rows[0][1], rows[5][0], rows[36][1] = "", " ", "NaN"
+    said = "3 of 37 samples are missing in gaps.csv; their results are NaN.\n\n"
+    assert written(rows).replace(said, "") == text.replace("34 rows", "37 rows")
+    lines = Path("c.csv").read_text().splitlines()
+    assert [i for i, line in enumerate(lines[1:]) if set(line.split(",")) == {"nan"}] == [0, 5, 36]
+    assert [line for line in lines if "nan" not in line] == whole
+    assert json.loads(run("run", "gaps.toml", "--json").output)["missing_samples"] == 3
+    assert "0 of 34" in run("check", "gaps.toml").output
+    assert run("report", "gaps.toml").exit_code == 0
+    page = Path("gaps.html").read_text()
+    assert "34 samples; 3 missing samples are left out" in page
+    assert not re.search(r"\bnan\b", page, re.IGNORECASE)
+
+
+def test_missing_samples_of_a_stream(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("long.toml").write_text(LONG)
+    write_columns("angles.parquet", {"angle_deg": np.array([0.0, np.nan, 1.0])})
+    result = run("stream", "long.toml")
+    assert result.exit_code == 0, result.output
+    said = "1 of 3 samples are missing in the recording; their results are NaN."
+    assert result.output.splitlines()[-1] == said
+
+
+def test_bends_out_of_range_name_the_line(tmp_path: Path) -> None:
+    path = tmp_path / "gaps.toml"
+    path.write_text(GAPS)
+    (tmp_path / "gaps.csv").write_text("crank,front\n0,5\n\n1,95\n")
+    failed(
+        run("run", path),
+        f"{path}, line 2: [angles] {tmp_path / 'gaps.csv'}: line 4, column 'front' is 95.0; "
+        "a bend must lie in [0, 90) deg",
+    )
+
+
+def test_figure_of_a_study_that_is_unknown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.toml").write_text("[driveline]\nbends_deg = [8]\n[study]\nbends_deg = [1, 2]\n")
+    failed(
+        run("plot", "a.toml", "--study", "equivalent_bent"),
+        "--study is 'equivalent_bent'; did you mean 'equivalent_bend'?",
+    )
+    Path("a.toml").write_text("[driveline]\nbends_deg = [8]\n[output]\nreduce = 'peak'\n")
+    failed(
+        run("plot", "a.toml", "--study", "equivalent_bend"),
+        "the study varies no key; a picture shows a study of 1 or 2",
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            'title = "C:\\Users"\n',
+            "not TOML: Invalid hex value (at line 1, column 14); "
+            "a path with backslashes needs single quotes",
+        ),
+        (
+            "# a\u2028b\n[driveline]\nbends_deg = [2021-01-01]\n",
+            "line 3: [driveline] bends_deg[0] is 2021-01-01; it must be a number",
+        ),
+        (
+            "[driveline]\npoints_mm = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]\n",
+            "line 2: [driveline] points_mm give joint 0 a bend of 135 deg at point 1, "
+            "between points 0 and 2; a bend must lie in [0, 90) deg",
+        ),
+    ],
+)
+def test_messages_of_scenes(tmp_path: Path, text: str, message: str) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(text, encoding="utf-8")
+    separator = ", " if message.startswith("line") else ": "
+    failed(run("run", path), f"{path}{separator}{message}")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_full_disk_names_the_starter(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(file: Path, *_: str, **__: str) -> object:
+        file.touch()
+        return Path("/dev/full").open("w")
+
+    monkeypatch.setattr("builtins.open", full)
+    path = tmp_path / "a.toml"
+    result = run("new", "joint", path)
+    monkeypatch.undo()
+    failed(result, f"{path}: No space left on device")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("found", "line"),
+    [
+        (0, "wrote a (9 rows in 1 file)"),
+        (1, "kept a (9 rows in 1 file, already complete)"),
+    ],
+)
+def test_line_of_a_folder(found: int, line: str) -> None:
+    assert wrote("a", 9, 1, found) == line
+    assert wrote("a", 1, 3, 2) == "wrote a (1 row in 3 files, 2 of them there already)"
 
 
 def test_terminal_that_lacks_characters(into: Path) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
-from matplotlib import pyplot
+from matplotlib import font_manager, pyplot
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -66,6 +66,32 @@ def headings(figure: Figure) -> list[str]:
 
 def foeppl() -> SceneResult:
     return Scene.load(next(path for path in EXAMPLES if path.stem == "foeppl")).run()
+
+
+def characters(font: str) -> set[str]:
+    found = font_manager.get_font(font_manager.findfont(font))
+    return set(map(chr, found.get_charmap()))
+
+
+def test_title_in_characters_of_another_font(tmp_path: Path) -> None:
+    """It is drawn from an installed font that has them; warnings are errors here."""
+    other = characters("STIXGeneral") - characters("DejaVu Sans")
+    title = "Joint " + "".join(sorted(c for c in other if c.isalpha())[:3])
+    scene = Scene.parse(f"title = '{title}'\n[driveline]\nbends_deg = [8]\n")
+    write_picture(scene.run(), tmp_path / "a.svg")
+
+
+def test_title_in_characters_of_no_font(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "matplotlib.font_manager.fontManager.ttflist",
+        [e for e in font_manager.fontManager.ttflist if e.name in ("DejaVu Sans", "Last Resort")],
+    )
+    scene = Scene.parse("title = '駆動軸'\n[driveline]\nbends_deg = [8]\n")
+    with pytest.warns(UserWarning, match="font") as caught:
+        write_picture(scene.run(), tmp_path / "a.svg")
+    assert [str(warning.message) for warning in caught] == [
+        "no installed font has the characters 駆動軸; the picture shows boxes in their place"
+    ]
 
 
 def test_one_panel_per_quantity() -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from cardan.files.recording import read_columns
+from cardan.files.recording import place_of, read_columns
 
 ANGLE, BEND = [0.0, 0.5, -1e-3], [5.0, 6.25, 7.0]
 
@@ -61,9 +62,29 @@ def test_parquet(tmp_path: Path) -> None:
         ("angle,bend\n", "column 'angle' has no rows"),
         ("angle,bend\n0,1\nabc,2\n", "line 3, column 'angle' is 'abc'; it must be a number"),
         ("angle,bend\n0,1\n\n\n1,x\n", "line 5, column 'bend' is 'x'; it must be a number"),
-        ("angle,bend\n0\n", "line 2, column 'bend' is empty; it must be a number"),
-        ("angle,bend\n0,  \n", "line 2, column 'bend' is empty; it must be a number"),
-        ("angle,bend\n0,nan\n", "line 2, column 'bend' is nan; it must be finite"),
+        (
+            "angle,bend\n0,1\n0\n",
+            "line 3 has 1 cell, the header 2; every row must have as many cells as the header",
+        ),
+        (
+            "angle,bend\n0;1\n",
+            "line 2 has 1 cell, the header 2; every row must have as many cells as the header",
+        ),
+        (
+            "angle,bend\n1,5,7,5\n",
+            "line 2 has 4 cells, the header 2; every row must have as many cells as the header, "
+            "and numbers a decimal point",
+        ),
+        (
+            "angle;bend\n0;1;\n",
+            "line 2 has 3 cells, the header 2; every row must have as many cells as the header",
+        ),
+        (
+            "angle,bend\n0,1_000\n",
+            "line 2, column 'bend' is '1_000'; it must be a number, without underscores",
+        ),
+        ("angle,bend\n0,\u0661\n", "line 2, column 'bend' is '\u0661'; it must be a number"),
+        ("angle,bend\n0,  \n1,nan\n", "column 'bend' has no numbers, only empty cells or NaN"),
         ("angle,bend\n-inf,0\n", "line 2, column 'angle' is -inf; it must be finite"),
         (
             "angle;bend\n1,5;2\n",
@@ -85,16 +106,16 @@ def test_parquet(tmp_path: Path) -> None:
             f"line 2, column 'angle' is '{'x' * 37}...'; it must be a number",
         ),
         (
-            f"{'x' * 284},bend\n",
-            f"no column 'angle'; the columns are {'x' * 281}...",
+            f"{'x' * 284},bend\n0,1\n",
+            f"no column 'angle'; the nearest of 2 columns are bend, {'x' * 262}...",
         ),
         (
-            f"{'x' * 278},bend\n",
+            f"{'x' * 278},bend\n0,1\n",
             f"no column 'angle'; the columns are {'x' * 278}, bend",
         ),
         (
-            f"{'x' * 279},bend\n",
-            f"no column 'angle'; the columns are {'x' * 279}, ...",
+            f"{'x' * 279},bend\n0,1\n",
+            f"no column 'angle'; the nearest of 2 columns are bend, {'x' * 262}...",
         ),
         (
             f"angle,bend\n{'x' * 100},0\n",
@@ -111,6 +132,66 @@ def test_csv_messages(tmp_path: Path, text: str, message: str) -> None:
     assert str(caught.value).startswith(f"{path}: {message}")
     if "limit" not in message:
         assert str(caught.value) == f"{path}: {message}"
+
+
+def test_decimal_commas_in_a_single_column(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("a\n1,5\n2,5\n")
+    with pytest.raises(ValueError, match=r"a\.csv: line 2 has 2 cells, the header 1; .* decimal"):
+        read_columns(path, ["a"])
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "message"),
+    [
+        ("root:x:0:0\nme:x:1:1\n", "a", "no column 'a'; the file is not a table of"),
+        ("root,x,0\n", "a", "no column 'a'; the file is not a table of"),
+        ("root,x,0\nsecret,s\n", "a", "no column 'a'; the file is not a table of"),
+        ("-- KEY --\nsecret\n", "-- KEY --", "line 2, column '-- KEY --' is no number; the file"),
+    ],
+)
+def test_what_is_no_table_is_not_shown(tmp_path: Path, text: str, name: str, message: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=r"a\.csv") as caught:
+        read_columns(path, [name])
+    assert str(caught.value).startswith(f"{path}: {message}")
+    problem = str(caught.value).removeprefix(str(path))
+    assert "root" not in problem
+    assert "secret" not in problem
+
+
+def test_missing_samples_keep_their_place(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("angle,bend\n0,\nNaN,1\n  ,2\n3,4\n")
+    angle, bend = read_columns(path, ["angle", "bend"])
+    np.testing.assert_array_equal(angle, [0.0, np.nan, np.nan, 3.0])
+    np.testing.assert_array_equal(bend, [np.nan, 1.0, 2.0, 4.0])
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    path = tmp_path / "a.parquet"
+    parquet.write_table(pyarrow.table({"a": [1.0, None, np.nan], "n": [1, None, 3]}), path)
+    angle, count = read_columns(path, ["a", "n"])
+    np.testing.assert_array_equal(angle, [1.0, np.nan, np.nan])
+    np.testing.assert_array_equal(count, [1.0, np.nan, 3.0])
+
+
+def test_many_columns_name_the_nearest(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    names = [f"channel {i}" for i in range(500)] + ["crank angle"]
+    path.write_text(",".join(names) + "\n" + ",".join("0" * len(names)) + "\n")
+    with pytest.raises(ValueError, match="the nearest of 501 columns are crank angle, "):
+        read_columns(path, ["angle"])
+    with pytest.raises(ValueError, match="; did you mean 'crank angle'"):
+        read_columns(path, ["CRANK ANGLE"])
+
+
+def test_lines_are_counted_as_editors_do(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text('a,"b\nc"\n\n1,2\n\n\n3,4\n')
+    assert [place_of(path, row) for row in (0, 1)] == ["line 4", "line 7"]
+    assert place_of("a.npz", 1) == "row 2, counted from 1"
 
 
 def test_csv_that_is_not_text(tmp_path: Path) -> None:
@@ -142,13 +223,18 @@ def test_npz_messages(tmp_path: Path) -> None:
     refused(r"column 'angle' has shape \(3, 1\) and dtype float64; it must hold numbers in one")
     np.savez(path, angle=np.array(["a"]), bend=np.zeros(1))
     refused(r"column 'angle' has shape \(1,\) and dtype <U1")
-    np.savez(path, angle=np.array([0.0, np.nan]), bend=np.zeros(2))
-    refused(r"row 1, counted from 0, column 'angle' is nan; it must be finite$")
+    np.savez(path, angle=np.array([0.0, np.inf]), bend=np.zeros(2))
+    refused(r"row 2, counted from 1, column 'angle' is inf; it must be finite$")
+    np.savez(path, angle=np.array([0.0, 1.0]), bend=np.full(2, np.nan))
+    refused(r"column 'bend' has no numbers, only empty cells or NaN$")
     np.savez(path, angle=np.array([{}]), bend=np.zeros(1))
-    refused(r"a\.npz: .*allow_pickle")
+    refused(r"a\.npz: column 'angle' holds objects; it must hold numbers$")
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("secret.txt", "secret")
+    refused(r"a\.npz: a ZIP file, but not one of arrays; np\.savez writes one$")
     with open(path, "wb") as file:
         np.save(file, np.zeros(3))
-    refused(r"a\.npz: one array without a name; a column needs one$")
+    refused(r"a\.npz: one array without a name; a column needs one, as np\.savez gives it$")
 
 
 def test_parquet_messages(tmp_path: Path) -> None:
@@ -169,8 +255,8 @@ def test_parquet_messages(tmp_path: Path) -> None:
         refused(r"a\.parquet: not a readable Parquet file: ")
     parquet.write_table(pyarrow.table({"angle": ["a"], "bend": [1.0]}), path)
     refused(r"a\.parquet: column 'angle' holds string; it must hold numbers$")
-    parquet.write_table(pyarrow.table({"angle": [1.0, None], "bend": [1.0, 2.0]}), path)
-    refused(r"a\.parquet: row 1, counted from 0, column 'angle' is empty$")
+    parquet.write_table(pyarrow.table({"angle": [1.0, None, -np.inf], "bend": [1.0] * 3}), path)
+    refused(r"a\.parquet: row 3, counted from 1, column 'angle' is -inf; it must be finite$")
     parquet.write_table(pyarrow.table({"a": [1.0]}), path)
     refused(r"a\.parquet: no column 'angle'; the columns are a$")
 

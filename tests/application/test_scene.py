@@ -349,8 +349,8 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         DRIVELINE + "slopes_vertical_deg = [50, -50]\nslopes_horizontal_deg = [0, 0]",
         2,
-        "[driveline] slopes_vertical_deg and slopes_horizontal_deg give bends[0] = "
-        "1.7453292519943295 rad; a bend must lie in [0, pi/2)",
+        "[driveline] slopes_vertical_deg and slopes_horizontal_deg give joint 0 "
+        "a bend of 100 deg between shafts 0 and 1; a bend must lie in [0, 90) deg",
     ),
     (
         DRIVELINE + "projected_bends_vertical_deg = [1]\nprojected_bends_horizontal_deg = [1]",
@@ -697,7 +697,7 @@ def test_recorded_bends_out_of_range(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="front") as caught:
         Scene.parse(text, folder=tmp_path)
     assert str(caught.value) == (
-        f"scene, line 1: [angles] {tmp_path / 'run.csv'}: row 1, counted from 0, column 'front' "
+        f"scene, line 1: [angles] {tmp_path / 'run.csv'}: line 3, column 'front' "
         "is -5.0; a bend must lie in [0, 90) deg"
     )
 

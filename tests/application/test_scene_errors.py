@@ -50,7 +50,7 @@ CASES: list[tuple[str, int | None, str, str, tuple[int | str, ...], str, str]] =
         "slopes_vertical_deg",
         (),
         "driveline.slopes_vertical_deg",
-        "and slopes_horizontal_deg give bends[0] = ",
+        "and slopes_horizontal_deg give joint 0 a bend of ",
     ),
     (
         f"{TWO}[load]\ninertias_kgm2 = [1, -2, 1]\n",
@@ -147,7 +147,7 @@ def test_a_point_of_a_study() -> None:
     assert (error.name, error.line, error.section) == ("a.toml", None, "study")
     assert (error.argument, error.place, error.point) == ("points_m", (), POINT)
     assert error.key == "driveline.points_m"
-    assert error.problem.startswith("give bends[0] = 1.597")
+    assert error.problem.startswith("give joint 0 a bend of 91.5")
 
 
 def test_a_point_of_a_study_counts_no_rows() -> None:
@@ -181,4 +181,4 @@ def test_a_point_of_a_study_on_a_worker(tmp_path: Path) -> None:
     assert isinstance(error, StudyPointError)
     assert (error.argument, error.place, error.section) == ("points_m", (), "driveline")
     assert error.point == POINT
-    assert str(error).startswith("at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends")
+    assert str(error).startswith("at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give joint 0")

@@ -517,7 +517,7 @@ def test_the_end_of_any_axis_is_tried_before_the_run() -> None:
         values = [[0.0, 0.1, 0.2] for _ in axes]
         values[wrong][wrong] = 9.0
         text = "".join(f"{axis} = {given}\n" for axis, given in zip(axes, values, strict=True))
-        with pytest.raises(ValueError, match="points_m give bends") as caught:
+        with pytest.raises(ValueError, match="points_m give joint ") as caught:
             Scene.parse(points + text)
         assert f"{axes[wrong]} = 9" in str(caught.value)
 
@@ -533,7 +533,7 @@ def test_a_point_inside_the_grid_that_makes_no_driveline(monkeypatch: pytest.Mon
         with pytest.raises(ValueError, match="study") as caught:
             scene.run()
         assert str(caught.value).startswith(
-            "scene: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give bends[0]"
+            "scene: [study] at points_m.1.x = 1.9, points_m.1.y = 0.8: points_m give joint 0"
         )
 
 

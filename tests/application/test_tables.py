@@ -60,14 +60,14 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
     whole = tmp_path / "whole.parquet"
     write_curves(Scene.load(scene).run(), whole, radians=radians)
     steps: list[tuple[int, int]] = []
-    path, written = stream(
+    path, written, missing = stream(
         scene,
         tmp_path,
         radians=radians,
         rows=rows,
         progress=lambda done, total: steps.append((done, total)),
     )
-    assert (path, written) == (tmp_path / "out.parquet", ROWS)
+    assert (path, written, missing) == (tmp_path / "out.parquet", ROWS, 0)
     assert parquet.read_table(path).equals(parquet.read_table(whole))
     assert steps[-1] == (ROWS, ROWS)
     assert len(steps) >= ROWS // rows
@@ -166,15 +166,14 @@ def test_scenes_that_cannot_be_streamed(
 @pytest.mark.parametrize(
     ("column", "value", "message"),
     [
-        ("turn_deg", np.nan, "row 700, counted from 0, column 'turn_deg' is nan; it must be"),
-        ("turn_deg", None, "row 700, counted from 0, column 'turn_deg' is empty"),
-        ("front_deg", 90.0, "row 700, counted from 0, column 'front_deg' is 90.0; a bend must"),
+        ("turn_deg", np.inf, "row 701, counted from 1, column 'turn_deg' is inf; it must be"),
+        ("front_deg", 90.0, "row 701, counted from 1, column 'front_deg' is 90.0; a bend must"),
     ],
 )
 def test_rows_are_counted_through(
-    scene: Path, tmp_path: Path, column: str, value: float | None, message: str
+    scene: Path, tmp_path: Path, column: str, value: float, message: str
 ) -> None:
-    wrong: list[float | None] = RECORDED[column].tolist()
+    wrong: list[float] = RECORDED[column].tolist()
     wrong[700] = value
     source = tmp_path / "in.parquet"
     parquet.write_table(pyarrow.table({**RECORDED, column: wrong}), source)

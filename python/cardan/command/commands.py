@@ -19,16 +19,25 @@ from cardan import __version__
 from cardan.command.files import (
     check_for_cluster,
     check_output,
+    missing_of,
+    missing_samples,
     write_files,
     write_on_cluster,
     wrote,
 )
-from cardan.command.terminal import as_json_text, give_up_output, progress_bar, say
+from cardan.command.terminal import (
+    as_json_text,
+    give_up_output,
+    progress_bar,
+    say,
+    say_before_files,
+)
+from cardan.errors import ArgumentValueError
 from cardan.figures.extremes import study_data
 from cardan.figures.limits import check_scene
 from cardan.figures.summary import summary, summary_data
 from cardan.figures.yokes import yoke_settings
-from cardan.files.whole_file import check_writable, whole_file
+from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
 from cardan.report import write_report
 from cardan.scene import starters
@@ -80,7 +89,7 @@ def commands() -> click.Group:
             else:
                 sys.exit(status or 0)
             with suppress(BrokenPipeError):
-                click.echo(f"cardan: {' '.join(message.split())}", err=True)
+                say(f"cardan: {' '.join(message.split())}", on_error=True)
             sys.exit(2)
 
     scene_argument = click.argument("scene", type=click.Path(path_type=Path))
@@ -112,8 +121,8 @@ def commands() -> click.Group:
     @click.argument("file", type=click.Path(path_type=Path))
     def new(kind: str, file: Path) -> None:
         for path in starters.write_starter(kind, file):
-            click.echo(f"wrote {path}")
-        click.echo(f"next: cardan run {file}")
+            say(f"wrote {path}")
+        say(f"next: cardan run {file}")
 
     @cardan.command(help=help_text.RUN, short_help="Evaluate a scene.")
     @scene_argument
@@ -150,19 +159,23 @@ def commands() -> click.Group:
         if as_json:
             data: dict[str, Any] = {"title": loaded.title}
             data["summary"] = summary_data(summary(result), radians=radians)
+            if loaded.missing:
+                data["missing_samples"] = loaded.missing
             if result.study:
                 data["study"] = study_data(result.study, radians=radians)
-            click.echo(as_json_text({**data, "files": list(files)}))
+            say(as_json_text({**data, "files": list(files)}))
             return
         if loaded.title:
-            say(f"{loaded.title}\n")
-        say(summary_text(summary(result), radians=radians))
+            say_before_files(f"{loaded.title}\n")
+        say_before_files(summary_text(summary(result), radians=radians))
+        if loaded.missing:
+            say_before_files(f"\n{missing_of(loaded)}")
         if result.study:
-            say(f"\n{study_text(result.study, radians=radians)}")
+            say_before_files(f"\n{study_text(result.study, radians=radians)}")
         for number, entry in enumerate(files):
             if number == 0:
-                say()
-            say(wrote(**entry))
+                say_before_files()
+            say_before_files(wrote(**entry))
 
     @cardan.command(help=help_text.STREAM, short_help="Evaluate recorded angles of any number.")
     @scene_argument
@@ -170,15 +183,22 @@ def commands() -> click.Group:
     @units
     def stream(scene: Path, into: Path, radians: bool) -> None:
         begun = time.perf_counter()
-        with progress_bar("rows") as progress:
-            path, rows = stream_curves(scene, into, radians=radians, progress=progress)
+        try:
+            with progress_bar("rows") as progress:
+                path, rows, missing = stream_curves(scene, into, radians=radians, progress=progress)
+        except MemoryError:
+            # It takes the angles by chunks already.
+            hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
+            raise click.ClickException(hint) from None
         rate = rows / (time.perf_counter() - begun) / 1e6
-        click.echo(f"wrote {path} ({rows} rows, {rate:.3g} million a second)")
+        say(f"wrote {path} ({rows} rows, {rate:.3g} million a second)")
+        if missing:
+            say(missing_samples(missing, rows, "the recording"))
 
     @cardan.command(help=help_text.EXPLAIN, short_help="Say how a scene is evaluated.")
     @scene_argument
     def explain(scene: Path) -> None:
-        click.echo(Scene.load(scene).explain())
+        say(Scene.load(scene).explain())
 
     @cardan.command(help=help_text.PLOT, short_help="Draw a scene.")
     @scene_argument
@@ -189,11 +209,16 @@ def commands() -> click.Group:
     def plot(scene: Path, output: Path | None, study: str | None) -> None:
         path = output or Path(f"{scene.stem}.svg")
         loaded = Scene.load(scene)
-        check_writable(path)
+        check_output(loaded, path)
         with progress_bar() as progress:
             result = loaded.run(progress)
-        write_picture(result, path, study)
-        click.echo(f"wrote {path}")
+        try:
+            write_picture(result, path, study)
+        except ArgumentValueError as error:
+            if error.argument != "column":
+                raise
+            raise ValueError(f"--study {error.problem}") from None
+        say(f"wrote {path}")
 
     @cardan.command(help=help_text.REPORT, short_help="Write a page to hand on.")
     @scene_argument
@@ -204,7 +229,7 @@ def commands() -> click.Group:
         check_output(loaded, path)
         with progress_bar() as progress:
             write_report(loaded, path, progress)
-        click.echo(f"wrote {path}")
+        say(f"wrote {path}")
 
     @cardan.command(help=help_text.CHECK, short_help="Check a scene against the limits.")
     @scene_argument
@@ -227,11 +252,9 @@ def commands() -> click.Group:
                 }
                 for finding in found.findings
             ]
-            click.echo(
-                as_json_text({"title": loaded.title, "passes": passes, "findings": findings})
-            )
+            say(as_json_text({"title": loaded.title, "passes": passes, "findings": findings}))
         else:
-            click.echo(str(found))
+            say(str(found))
         return 0 if passes else 1
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")
@@ -239,17 +262,17 @@ def commands() -> click.Group:
     @as_json
     def phase(scene: Path, as_json: bool) -> None:
         data = yoke_settings(Scene.load(scene))
-        click.echo(as_json_text(data) if as_json else yoke_text(data))
+        say(as_json_text(data) if as_json else yoke_text(data))
 
     @cardan.command(help=help_text.SCHEMA, short_help="Print the JSON Schema of scenes.")
     @output_option("File to write; by default it is printed.")
     def schema(output: Path | None) -> None:
         text = as_json_text(Scene.schema())
         if output is None:
-            click.echo(text)
+            say(text)
             return
         with whole_file(output) as file:
             file.write(f"{text}\n".encode())
-        click.echo(f"wrote {output}")
+        say(f"wrote {output}")
 
     return cardan

@@ -6,9 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from cardan import report
+from cardan.arrays import import_optional
 from cardan.command.terminal import progress_bar
+from cardan.files import pictures
 from cardan.files.whole_file import check_writable
 from cardan.plots import write_picture
+from cardan.plots.style import matplotlib
 from cardan.scene import cluster
 from cardan.scene.curves import write_curves, write_study
 from cardan.scene.errors import SceneError
@@ -34,13 +38,32 @@ def write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict
         yield {"file": str(path)}
 
 
+def missing_of(scene: Scene) -> str:
+    """Return the line that says how many recorded samples of a scene are missing."""
+    assert scene.recording
+    return missing_samples(scene.missing, len(scene.drive_angle), scene.recording.name)
+
+
+def missing_samples(missing: int, count: int, where: str) -> str:
+    """Return the line that says how many samples are missing where."""
+    return f"{missing} of {count} samples are missing in {where}; their results are NaN."
+
+
 def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
     """Return the line that says which file was written."""
     if not rows:
         return f"wrote {file}"
-    there = f", {found} of them found there" if found else ""
-    count = f"{rows} row{'s' if rows > 1 else ''}"
-    return f"wrote {file} ({count}{f' in {parts} files{there}' if parts else ''})"
+    size, files = _count(rows, "row"), _count(parts, "file")
+    if not parts:
+        return f"wrote {file} ({size})"
+    if found == parts:
+        return f"kept {file} ({size} in {files}, already complete)"
+    there = f", {found} of them there already" if found else ""
+    return f"wrote {file} ({size} in {files}{there})"
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}{'s' if number != 1 else ''}"
 
 
 def check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) -> None:
@@ -52,6 +75,8 @@ def check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) ->
     if not scene.study or not str(scene.table_file).endswith(".parquet"):
         option = "--local" if local else "--scheduler"
         raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")
+    import_optional("distributed", "dask")
+    import_optional("pyarrow", "table")
 
 
 def write_on_cluster(
@@ -72,7 +97,13 @@ def write_on_cluster(
 
 
 def check_output(scene: Scene, path: Path) -> None:
-    """Refuse a file that cannot be written or that the scene reads."""
+    """Refuse a file that cannot be written or that the scene reads, before the work is done."""
     if scene.recording and path.exists() and path.samefile(scene.recording):
         raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
     check_writable(path)
+    if path.suffix == ".parquet":
+        import_optional("pyarrow", "table")
+    if path.suffix in pictures.SUFFIXES:
+        matplotlib()
+    if path.suffix in report.SUFFIXES:
+        import_optional("jinja2", "app")

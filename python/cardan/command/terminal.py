@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -13,8 +14,19 @@ from cardan.files.progress import Progress
 
 
 def as_json_text(data: Any) -> str:  # noqa: ANN401 - any plain data
-    """Return plain data as JSON."""
-    return json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    """Return plain data as JSON, of which no character moves the cursor of a terminal."""
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    return _UNSAFE.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+
+
+# Control characters, and those that turn the direction of writing: a title with them could clear a
+# screen, set a clipboard or show another text than is there.
+_UNSAFE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+def printable(text: str) -> str:
+    """Return a text for a terminal, its control characters written as Python does."""
+    return _UNSAFE.sub(lambda found: repr(found[0])[1:-1], text)
 
 
 @contextmanager
@@ -39,12 +51,22 @@ def progress_bar(label: str = "study") -> Iterator[Progress | None]:
         yield progress
 
 
-def say(text: str = "") -> None:
-    """Print; if whoever reads has stopped, the files to come are written all the same."""
+def say(text: str = "", *, on_error: bool = False) -> None:
+    """Print a text without control characters; everything with text of the user goes through here.
+
+    Args:
+        text: what to print.
+        on_error: whether on standard error.
+    """
     import click
 
+    click.echo(printable(text), err=on_error)
+
+
+def say_before_files(text: str = "") -> None:
+    """Print; if whoever reads has stopped, the files to come are written all the same."""
     try:
-        click.echo(text)
+        say(text)
     except BrokenPipeError:
         give_up_output()
 

@@ -22,7 +22,7 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
     ``progress`` is called after each block of the study with the rows done and all rows.
     """
     if scene.study is None or not scene.study.axes:
-        return scene.line.check(scene.speed or None)
+        return scene.without_missing().line.check(scene.speed or None)
     blocks = []
     rows = math.prod(scene.study.shape)
     for first, line, load in scene.study.blocks():

@@ -24,11 +24,11 @@ def first_peak(sizes: FloatArray) -> tuple[int, bool]:
     """Return the place of the first of equal peaks, however they are rounded, and whether all are.
 
     Args:
-        sizes: magnitudes, ``(samples,)``.
+        sizes: magnitudes, ``(samples,)``; NaN is left out.
     """
-    largest = np.max(sizes)
+    largest = np.nanmax(sizes)
     place = int(np.argmax(sizes >= (1.0 - ROUNDING) * largest))
-    return place, bool(np.ptp(sizes) <= ROUNDING * largest)
+    return place, bool(largest - np.nanmin(sizes) <= ROUNDING * largest)
 
 
 def flat_limits(low: float, high: float, scale: float) -> tuple[float, float] | None:

@@ -118,7 +118,7 @@ def _recorded_motion(result: SceneResult, shaft: int, of_shaft: str) -> Iterable
 
 
 def _extent(label: str, values: FloatArray, unit: str = "") -> Row:
-    return Row(label, (float(np.min(values)), float(np.max(values))), unit, is_range=True)
+    return Row(label, (float(np.nanmin(values)), float(np.nanmax(values))), unit, is_range=True)
 
 
 def _shaft_motion(scene: Scene, shaft: int, of_shaft: str) -> Iterable[Row]:
@@ -162,7 +162,7 @@ def _loads(result: SceneResult) -> Iterable[Row]:
 def _peak(result: SceneResult, label: str, sizes: FloatArray) -> Row:
     place, all_alike = first_peak(sizes)
     at = None if all_alike else result.scene.drive_angle_deg[place]
-    return Row(label, (float(np.max(sizes)),), "N m", at)
+    return Row(label, (float(np.nanmax(sizes)),), "N m", at)
 
 
 def _degrees(angles: FloatArray) -> tuple[float, ...]:

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-import csv
 import os
 import zipfile
 import zlib
-from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
 from cardan.arrays import FloatArray, import_optional
-from cardan.outputs import nearest
+from cardan.files.delimited import line_of, read_csv
+from cardan.files.headings import place_of_column, short
+
+_Columns = list[FloatArray]
 
 MOST_ROWS = 100_000_000
 """Rows of a Parquet file that are read at once at most."""
 
 
-def read_columns(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
-    """Return columns of a file, all of one length, as doubles.
+def read_columns(path: str | PathLike[str], names: Sequence[str]) -> _Columns:
+    """Return columns of a file, all of one length, as doubles; what is missing is NaN.
+
+    Missing are empty cells of a CSV file, nulls of a Parquet file, and NaN anywhere.
 
     A CSV file has its names in the first line and commas, semicolons or tabs between the columns;
     of an NPZ file each array of one dimension is a column.
@@ -35,8 +38,9 @@ def read_columns(path: str | PathLike[str], names: Sequence[str]) -> list[FloatA
     Raises:
         ImportError: Parquet without pyarrow.
         OSError: the file cannot be read.
-        ValueError: a column that is missing, not of numbers or not finite, columns of different
-            lengths, a damaged file; one line with file, line or row, column and value.
+        ValueError: a column that is missing, not of numbers, infinite somewhere or without any
+            number, columns of different lengths, a damaged file; one line with file, line or row,
+            column and value.
     """
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
@@ -48,7 +52,8 @@ def read_columns(path: str | PathLike[str], names: Sequence[str]) -> list[FloatA
                 raise ValueError(
                     f"column {name!r} has {len(column)} rows, {names[0]!r} has {len(read[0])}"
                 )
-        _check_finite(names, read, 0)
+        _check_numbers(path, names, read)
+        _check_some(names, (not np.isnan(column).all() for column in read))
     return read
 
 
@@ -75,13 +80,18 @@ def read_chunks(path: str | PathLike[str], names: Sequence[str], rows: int) -> I
     with _of_file(path), _parquet_file(path, names) as file:
         total = file.metadata.num_rows
         if not total:
-            _check_finite(names, [np.empty(0)], 0)
+            raise ValueError(f"column {names[0]!r} has no rows")
         first = 0
+        found = [False] * len(names)
         for batch in file.iter_batches(rows, columns=list(names)):
-            read = _of_arrow(batch, names, first)
-            _check_finite(names, read, first)
+            read = _of_arrow(batch, names)
+            _check_numbers(path, names, read, first)
+            found = [
+                some or not np.isnan(column).all() for some, column in zip(found, read, strict=True)
+            ]
             yield Chunk(first, read, total)
             first += batch.num_rows
+        _check_some(names, found)
 
 
 @contextmanager
@@ -95,82 +105,43 @@ def _of_file(path: str | PathLike[str]) -> Iterator[None]:
         raise ValueError(f"{os.fspath(path)}: {error}") from None
 
 
-def _check_finite(names: Sequence[str], read: Sequence[FloatArray], first: int) -> None:
-    for name, column in zip(names, read, strict=False):
+def _check_numbers(
+    path: str | PathLike[str], names: Sequence[str], read: _Columns, first: int = 0
+) -> None:
+    for name, column in zip(names, read, strict=True):
         if not len(column):
             raise ValueError(f"column {name!r} has no rows")
-        finite = np.isfinite(column)
-        if not finite.all():
-            row = int(np.argmin(finite))
-            raise ValueError(
-                f"row {first + row}, counted from 0, column {name!r} is {column[row]}; "
-                "it must be finite"
-            )
+        infinite = np.isinf(column)
+        if infinite.any():
+            row = int(np.argmax(infinite))
+            where = place_of(path, first + row)
+            raise ValueError(f"{where}, column {name!r} is {column[row]}; it must be finite")
 
 
-def _csv(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
-    with open(path, encoding="utf-8-sig", newline="") as file:
-        first = file.readline()
-        file.seek(0)
-        delimiter = max(",;\t", key=first.count)
-        rows = csv.reader(file, delimiter=delimiter, skipinitialspace=True)
-        try:
-            header = [name.strip() for name in next(rows, [])]
-            places = [_place(name, header) for name in names]
-            read = [array("d") for _ in names]
-            for row in rows:
-                if not row:
-                    continue
-                for name, place, column in zip(names, places, read, strict=True):
-                    column.append(_cell(row, place, f"line {rows.line_num}, column {name!r}"))
-        except csv.Error as error:
-            raise ValueError(f"line {rows.line_num}: not CSV: {error}") from None
-    return [np.array(column, dtype=np.float64) for column in read]
+def _check_some(names: Sequence[str], found: Iterable[bool]) -> None:
+    for name, some in zip(names, found, strict=True):
+        if not some:
+            raise ValueError(f"column {name!r} has no numbers, only empty cells or NaN")
 
 
-def _cell(row: Sequence[str], place: int, where: str) -> float:
-    if place >= len(row) or not row[place].strip():
-        raise ValueError(f"{where} is empty; it must be a number")
-    try:
-        number = float(row[place])
-    except ValueError:
-        text = row[place] if len(row[place]) <= 40 else f"{row[place][:37]}..."
-        hint = ", with a decimal point" if _decimal_comma(text) else ""
-        raise ValueError(f"{where} is {text!r}; it must be a number{hint}") from None
-    if not np.isfinite(number):
-        raise ValueError(f"{where} is {number}; it must be finite")
-    return number
+def place_of(path: str | PathLike[str], row: int) -> str:
+    """Say where a row of a file is, which is counted from 0, as whoever opens the file finds it.
+
+    Of a CSV file that is the line as editors count them, of other files the row, the first one 1.
+    """
+    if Path(path).suffix == ".csv":
+        return f"line {line_of(path, row)}"
+    return f"row {row + 1}, counted from 1"
 
 
-def _decimal_comma(text: str) -> bool:
-    return text.count(",") == 1 and text.replace(",", "").strip(" +-").isdigit()
-
-
-def _place(name: str, columns: Sequence[str]) -> int:
-    if name not in columns:
-        there = f"the columns are {', '.join(columns)}" if columns else "the file has none"
-        close = nearest(name, columns)
-        meant = f"; {close}" if close.startswith("did") else ""
-        raise ValueError(f"no column {name!r}{meant}; {_short(there)}")
-    if columns.count(name) > 1:
-        raise ValueError(f"column {name!r} is there {columns.count(name)} times")
-    return columns.index(name)
-
-
-def _short(text: str) -> str:
-    # A quoted heading may go over several lines.
-    text = " ".join(text.splitlines())
-    return text if len(text) <= 300 else f"{text[:297]}..."
-
-
-def _parquet(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
+def _parquet(path: str | PathLike[str], names: Sequence[str]) -> _Columns:
     with _parquet_file(path, names) as file:
         if file.metadata.num_rows > MOST_ROWS:
             raise ValueError(
                 f"{file.metadata.num_rows} rows are too many to be read at once, "
                 f"{MOST_ROWS} at most; cardan stream takes any number"
             )
-        return _of_arrow(file.read(columns=list(names)), names, 0)
+        return _of_arrow(file.read(columns=list(names)), names)
 
 
 @contextmanager
@@ -187,40 +158,38 @@ def _parquet_file(path: str | PathLike[str], names: Sequence[str]) -> Iterator[A
             file = parquet.ParquetFile(source, buffer_size=1 << 20, pre_buffer=False)
             schema = file.schema_arrow
             for name in names:
-                kind = schema.field(_place(name, schema.names)).type
+                kind = schema.field(place_of_column(name, schema.names)).type
                 if not (pyarrow.types.is_integer(kind) or pyarrow.types.is_floating(kind)):
                     raise ValueError(f"column {name!r} holds {kind}; it must hold numbers")
             yield file
         except (pyarrow.ArrowException, OSError) as error:
             reason = " ".join(str(error).split())
-            raise ValueError(f"not a readable Parquet file: {_short(reason)}") from None
+            raise ValueError(f"not a readable Parquet file: {short(reason)}") from None
 
 
-def _of_arrow(
-    table: Any,  # noqa: ANN401 - a table or a batch of pyarrow
-    names: Sequence[str],
-    first: int,
-) -> list[FloatArray]:
+def _of_arrow(table: Any, names: Sequence[str]) -> _Columns:  # noqa: ANN401 - of pyarrow
+    """Columns of a table or a batch; Arrow's nulls become NaN."""
+    columns = []
     for name in names:
-        if table[name].null_count:
-            row = int(np.argmin(np.asarray(table[name].is_valid())))
-            raise ValueError(f"row {first + row}, counted from 0, column {name!r} is empty")
-    return [np.asarray(table[name]).astype(np.float64, copy=False) for name in names]
+        column = table[name]
+        if column.null_count:
+            column = column.cast("float64")
+        columns.append(np.asarray(column).astype(np.float64, copy=False))
+    return columns
 
 
 # A RuntimeError is a flag of the archive that asks for what it does not have, as a password.
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError)
 
 
-def _npz(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
+def _npz(path: str | PathLike[str], names: Sequence[str]) -> _Columns:
     with open(path, "rb") as source:
         try:
-            file = np.load(source, allow_pickle=False)
-            if not isinstance(file, np.lib.npyio.NpzFile):
-                raise ValueError("one array without a name; a column needs one")
-            for name in names:
-                _place(name, file.files)
-            read = [file[name] for name in names]
+            _check_archive(source)
+            with np.load(source, allow_pickle=False) as file:
+                for name in names:
+                    place_of_column(name, file.files)
+                read = [_array(file, name) for name in names]
         except _DAMAGED as error:
             raise ValueError(f"not a readable NPZ file: {error}") from None
     for name, column in zip(names, read, strict=True):
@@ -232,8 +201,31 @@ def _npz(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
     return [column.astype(np.float64) for column in read]
 
 
+def _check_archive(source: IO[bytes]) -> None:
+    """Refuse what is no archive of arrays before NumPy takes it for a pickle."""
+    if source.read(6) == b"\x93NUMPY":
+        raise ValueError("one array without a name; a column needs one, as np.savez gives it")
+    if not zipfile.is_zipfile(source):
+        raise ValueError("not a readable NPZ file; np.savez writes one")
+    with zipfile.ZipFile(source) as archive:
+        # Whatever else an archive holds is none of a message's business.
+        if not all(name.endswith(".npy") for name in archive.namelist()):
+            raise ValueError("a ZIP file, but not one of arrays; np.savez writes one")
+    source.seek(0)
+
+
+def _array(file: Any, name: str) -> Any:  # noqa: ANN401 - an open NPZ file and an array of it
+    try:
+        return file[name]
+    except _DAMAGED:
+        raise
+    except ValueError:
+        # NumPy would advise to read pickles, which may run anything.
+        raise ValueError(f"column {name!r} holds objects; it must hold numbers") from None
+
+
 SUFFIXES: Mapping[str, Callable[[str | PathLike[str], Sequence[str]], list[FloatArray]]] = {
-    ".csv": _csv,
+    ".csv": read_csv,
     ".npz": _npz,
     ".parquet": _parquet,
 }

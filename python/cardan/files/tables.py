@@ -35,7 +35,7 @@ def map_parquet(
     Args:
         source: the file to read.
         target: the file to write, likewise Parquet; it appears whole or not at all.
-        names: the columns wanted, of finite numbers.
+        names: the columns wanted, of numbers; what is missing is NaN.
         function: takes an array for each of these, of some rows, and returns arrays as long by
             name, or a ``Result``, written as by its ``to_arrow``. A plan for a column of angles in
             rad is such a function.

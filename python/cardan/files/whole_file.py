@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import os
 import secrets
+import sys
+import time
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -32,7 +35,8 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
 
     It is written under another name in the same folder, brought to the disk and renamed. Whatever
     interrupts that, an exception, Ctrl-C or a full disk, leaves nothing behind, and an earlier file
-    of the name untouched. A link stays one; a folder, device or pipe is refused.
+    of the name untouched. What a process left that was killed is removed when the same file is
+    written again. A link stays one; a folder, device or pipe is refused.
 
     Raises:
         OSError: the file cannot be written; the error names ``path``.
@@ -43,13 +47,16 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
     if os.path.exists(path) and not os.path.isfile(path):
         # Renaming would put a file in the place of a device.
         raise OSError(errno.EINVAL, "Not a plain file", os.fspath(path))
-    temporary = target.with_name(f".{secrets.token_hex(8)}.part")
+    _remove_abandoned(target)
+    temporary = target.with_name(f"{_stem(target)}{secrets.token_hex(8)}.part")
     try:
-        with open(temporary, "xb") as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(temporary, target)
+        with contextlib.ExitStack() as held:
+            with open(temporary, "xb") as file:
+                _lock(file, held)
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, target)
     except BaseException as error:
         with contextlib.suppress(OSError):
             temporary.unlink()
@@ -58,3 +65,51 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
             reason = error.strerror or str(error)
             raise OSError(error.errno or errno.EIO, reason, os.fspath(path)) from error
         raise
+
+
+def _stem(target: Path) -> str:
+    """How the temporary names of a file begin: its own could be too long with more to it."""
+    digest = hashlib.sha256(os.fsencode(target.name)).hexdigest()
+    return f".cardan-{digest[:12]}-"
+
+
+def _remove_abandoned(target: Path) -> None:
+    """Remove what processes that are gone left of the same file."""
+    with contextlib.suppress(OSError), os.scandir(target.parent) as entries:
+        stem = _stem(target)
+        for entry in entries:
+            if entry.name.startswith(stem) and entry.name.endswith(".part"):
+                with contextlib.suppress(OSError):
+                    _remove_unlocked(entry.path)
+
+
+# A lock ends with its process, however that ends; a number of a process may belong to another, or
+# to another machine. Windows keeps an open file from being removed without one.
+if sys.platform == "win32":
+
+    def _lock(file: IO[bytes], held: contextlib.ExitStack) -> None:
+        pass
+
+    def _remove_unlocked(path: str) -> None:
+        os.unlink(path)
+
+else:
+    import fcntl
+
+    _BEGUN = 60.0  # seconds
+
+    def _lock(file: IO[bytes], held: contextlib.ExitStack) -> None:
+        # A second descriptor, because the lock is to last until the file has its name.
+        descriptor = os.dup(file.fileno())
+        held.callback(os.close, descriptor)
+        # Some network drives have no locks; there nothing is removed either.
+        with contextlib.suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+    def _remove_unlocked(path: str) -> None:
+        with open(path, "rb") as file:
+            found = os.fstat(file.fileno())
+            # A file that was begun just now may not be locked yet.
+            if found.st_size or time.time() - found.st_mtime > _BEGUN:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                os.unlink(path)

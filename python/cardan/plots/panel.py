@@ -39,21 +39,22 @@ def draw(
 
     Args:
         axes: where.
-        angle_deg: drive angles, ``(samples,)``; recorded ones need not rise.
+        angle_deg: drive angles, ``(samples,)``; recorded ones need not rise, and NaN
+            leaves a gap.
         curves: label and values of each, ``(samples,)``.
         scale: what values that are all 0 would be measured in.
     """
     for place, (label, curve) in enumerate(curves, len(axes.get_lines())):
         axes.plot(angle_deg, curve, label=label, **line_style(place))
     axes.grid(visible=True)
-    first, last = float(np.min(angle_deg)), float(np.max(angle_deg))
+    first, last = float(np.nanmin(angle_deg)), float(np.nanmax(angle_deg))
     if last > first:
         axes.set_xlim(first, last)
     degree_ticks(axes.xaxis, first, last)
     value_ticks(axes.yaxis)
     drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
     axes.autoscale(axis="y")
-    limits = flat_limits(float(np.min(drawn)), float(np.max(drawn)), scale)
+    limits = flat_limits(float(np.nanmin(drawn)), float(np.nanmax(drawn)), scale)
     if limits:
         axes.set_ylim(*limits)
 

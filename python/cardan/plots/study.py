@@ -12,6 +12,7 @@ from cardan.arrays import FloatArray
 from cardan.check import MAX_EQUIVALENT_BEND
 from cardan.errors import ArgumentValueError
 from cardan.figures.rounding import ROUNDING, flat_limits
+from cardan.outputs import nearest
 from cardan.plots.style import (
     LINES,
     THIN,
@@ -61,12 +62,11 @@ def plot_study(
         ValueError: an unknown column, a study of no key or more than two.
     """
     if column not in study.values:
-        raise ArgumentValueError(
-            "column", f"is {column!r}; the study has {', '.join(study.values)}"
-        )
+        raise ArgumentValueError("column", f"is {column!r}; {nearest(column, study.values)}")
     varied = [axis for axis in study.axes if len(axis.values) > 1]
     if len(varied) not in (1, 2):
-        raise ValueError(f"the study varies {len(varied)} keys; a picture shows 1 or 2")
+        count = f"{len(varied)} keys" if varied else "no key"
+        raise ValueError(f"the study varies {count}; a picture shows a study of 1 or 2")
     unit = next(known.unit for known in study.columns if known.name == column)
     # A list in a scene need not rise.
     orders = [np.argsort(axis.values) for axis in varied]

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from cardan.errors import ArgumentValueError
 from cardan.files.pictures import SUFFIXES
 from cardan.files.whole_file import whole_file
+from cardan.plots.glyphs import with_glyphs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,6 +100,9 @@ def drawing(
 def save(figure: Figure, path: str | PathLike[str]) -> None:
     """Write a figure in the format that the path's suffix names, the same bytes every time.
 
+    Characters that the figure's font lacks are taken from another installed font; a warning names
+    those that none has.
+
     Raises:
         ImportError: matplotlib is missing.
         OSError: the file cannot be written; nothing of it is left behind then.
@@ -107,7 +111,7 @@ def save(figure: Figure, path: str | PathLike[str]) -> None:
     suffix = Path(path).suffix
     if suffix not in SUFFIXES:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
-    with matplotlib().rc_context(STYLE), whole_file(path) as file:
+    with matplotlib().rc_context(STYLE), with_glyphs(figure), whole_file(path) as file:
         figure.savefig(file, format=suffix[1:], dpi=300, metadata=SUFFIXES[suffix])
 
 

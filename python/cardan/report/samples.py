@@ -166,6 +166,7 @@ class Samples:
 
 def evaluated(scene: Scene) -> Samples:
     """Evaluate a scene for the page: one turn in half degrees, or the recorded angles."""
+    scene = scene.without_missing()
     if scene.recording is None:
         turn = Angles.uniform(1.0, _PER_TURN, float(scene.drive_angle_deg[0]))
         scene = replace(scene, drive_angle_deg=turn.degrees, angle=turn.drive)

@@ -68,8 +68,9 @@ def inputs(scene: Scene) -> dict[str, Table]:
         given += [("Speed of the drive", f"{_figure(scene.speed)} rad/s, {_figure(rpm)} rpm")]
         if scene.accelerates:
             given += [("Acceleration of the drive", f"{_figure(load.acceleration)} rad/s²")]
-    count, span = len(scene.drive_angle_deg), _span(scene.drive_angle_deg)
-    given += [("Drive angles", f"{span} deg, {count} samples")]
+    known = scene.without_missing().drive_angle_deg
+    left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
+    given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
     if scene.recording is not None:
         given += [("Recorded in", scene.recording.name)]
     given += [

@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
-from cardan.files.recording import read_columns
+from cardan.files.recording import place_of, read_columns
 from cardan.scene.format import BEND_COLUMNS, FORMAT
 from cardan.scene.rules import shown
 from cardan.sweep import Sweep
@@ -24,17 +25,21 @@ _MOST_STEPS = 10_000_000
 class Angles:
     """Drive angles, and the bends recorded with them.
 
+    A sample of which a recorded number is missing has a drive angle of NaN.
+
     Attributes:
         degrees: the angles in degrees, for tables and pictures.
         drive: the same for evaluating: a sweep, or recorded angles in rad.
         to_reduce: those of them to take figures over.
         bends: bends recorded with the angles, in degrees, if any.
+        bends_to_reduce: those of them that go with the angles to reduce.
     """
 
     degrees: FloatArray
     drive: FloatArray | Sweep
     to_reduce: FloatArray | Sweep
     bends: FloatArray | None = None
+    bends_to_reduce: FloatArray | None = None
 
     @classmethod
     def swept(cls, values: Mapping[str, Any]) -> Self:
@@ -91,20 +96,37 @@ class Angles:
         column, *bend_columns = read
         end, unit = (math.pi / 2, "pi/2) rad") if BEND_COLUMNS[1] in values else (90.0, "90) deg")
         for name, bend in zip(_bend_columns(values), bend_columns, strict=True):
-            wrong = np.flatnonzero(~((bend >= 0.0) & (bend < end)))
+            wrong = np.flatnonzero((bend < 0.0) | (bend >= end))
             if wrong.size:
-                row = first + wrong[0]
+                file = folder / values["file"]
+                where = place_of(file, first + int(wrong[0]))
                 raise ValueError(
-                    f"{folder / values['file']}: row {row}, counted from 0, column {name!r} "
-                    f"is {bend[wrong[0]]}; a bend must lie in [0, {unit}"
+                    f"{file}: {where}, column {name!r} is {bend[wrong[0]]}; "
+                    f"a bend must lie in [0, {unit}"
                 )
+        known: NDArray[np.bool_] = ~np.any(np.isnan(np.stack(read)), axis=0)
+        if not known.all():
+            column = np.where(known, column, np.nan)
+            bend_columns = [_filled(bend, known) for bend in bend_columns]
         in_degrees = "angle_column_deg" in values
         radians = np.radians(column) if in_degrees else column
         degrees = column if in_degrees else np.degrees(column)
         bends = np.stack(bend_columns, -1) if bend_columns else None
         if bends is not None and BEND_COLUMNS[1] in values:
             bends = np.degrees(bends)
-        return cls(degrees, radians, radians, bends)
+        of_known = None if bends is None else bends[known]
+        return cls(degrees, radians, radians[known], bends, of_known)
+
+
+def _filled(bend: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
+    """Bends of which those at missing samples are replaced by the last known ones.
+
+    A driveline needs all its bends; that the sample is missing shows in its drive angle.
+    """
+    if not known.any():
+        return np.zeros_like(bend)
+    places = np.where(known, np.arange(bend.size), int(np.argmax(known)))
+    return bend[np.maximum.accumulate(places)]
 
 
 def _bend_columns(values: Mapping[str, Any]) -> list[str]:

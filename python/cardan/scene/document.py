@@ -123,7 +123,7 @@ class Document:
 def _keys_by_line(text: str) -> list[tuple[int, str]]:
     """Every line that begins a section or a value, with the dotted path to it."""
     found, section = [], ""
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.split("\n"), start=1):
         if header := re.match(r"\s*\[\[?\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
             section = _path(header[1])
             found.append((number, section))
@@ -140,9 +140,14 @@ def _toml(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except ValueError as error:
-        raise ValueError(f"not TOML: {error}") from None
+        hint = "; a path with backslashes needs single quotes" if _WINDOWS_PATH.search(text) else ""
+        raise ValueError(f"not TOML: {error}{hint}") from None
     except RecursionError:
         raise ValueError("not TOML: nested too deeply") from None
+
+
+# A path of Windows in double quotes, in which a backslash begins an escape.
+_WINDOWS_PATH = re.compile(r'"[A-Za-z]:\\[^"\\]')
 
 
 def _meant(key: str, known: Iterable[str]) -> str:

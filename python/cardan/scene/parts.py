@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 
+from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
+from cardan.geometry import sloping
 from cardan.load import Load
 from cardan.scene.format import FORMAT, FORMS, Form
 
@@ -67,7 +69,7 @@ def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
     names: dict[str, tuple[str, ...]] = {keys[key].argument: (key,) for key in values}
     # Slopes become directions before their bends are known.
     names.setdefault("directions", form.keys)
-    with _named(names):
+    with _named(names, lambda: _vectors_along_shafts(values)):
         # Neither points nor directions are angles: what is in degrees is what can be.
         return form.make(**{keys[key].argument: values[key] for key in values}, degrees=True)
 
@@ -111,11 +113,54 @@ def _check_count(key: str, values: Sequence[Any], wanted: int, why: str) -> None
 
 
 @contextmanager
-def _named(names: Mapping[str, tuple[str, ...]]) -> Iterator[None]:
-    """Let errors name the keys of the file instead of a constructor's arguments."""
+def _named(
+    names: Mapping[str, tuple[str, ...]],
+    vectors: Callable[[], FloatArray | None] | None = None,
+) -> Iterator[None]:
+    """Let errors name the keys of the file instead of a constructor's arguments.
+
+    Args:
+        names: keys by argument.
+        vectors: finds the vectors along the shafts, if arguments give some.
+    """
     try:
         yield
     except ArgumentValueError as error:
         key, *others = names.get(error.argument, (error.argument,))
-        problem = " ".join((*(f"and {other}" for other in others), error.problem))
+        along = vectors and vectors()
+        problem = error.problem
+        # The place is that of a driveline in the batch and not of a vector in it.
+        if along is not None and len(error.place) == along.ndim - 2:
+            problem = _too_steep(key, along[error.place]) or problem
+        problem = " ".join((*(f"and {other}" for other in others), problem))
         raise ArgumentValueError(key, problem, error.place) from None
+
+
+def _vectors_along_shafts(values: Mapping[str, Any]) -> FloatArray | None:
+    """Vectors along the shafts that points, directions or slopes give; ``None`` for bends."""
+    for key, value in values.items():
+        if key.startswith("points"):
+            return np.diff(np.asarray(value, float), axis=-2)
+        if key == "directions":
+            return np.asarray(value, float)
+    if "slopes_vertical_deg" in values:
+        return sloping(
+            *(np.radians(values[f"slopes_{view}_deg"]) for view in ("vertical", "horizontal"))
+        )
+    return None
+
+
+def _too_steep(key: str, vectors: FloatArray) -> str | None:
+    """The first bend that is too large, in degrees and with the numbers of its points or shafts."""
+    one, other = vectors[:-1], vectors[1:]
+    sine = np.linalg.norm(np.cross(one, other), axis=-1)
+    bends = np.degrees(np.arctan2(sine, np.sum(one * other, axis=-1)))
+    if not np.any(bends >= 90.0):
+        return None
+    joint = int(np.argmax(bends >= 90.0))
+    bend = bends[joint]
+    if key.startswith("points"):
+        place = f"at point {joint + 1}, between points {joint} and {joint + 2}"
+    else:
+        place = f"between shafts {joint} and {joint + 1}"
+    return f"give joint {joint} a bend of {bend:.8g} deg {place}; a bend must lie in [0, 90) deg"

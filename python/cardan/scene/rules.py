@@ -11,6 +11,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from datetime import date, time
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -50,6 +51,9 @@ def shown(value: object) -> str:
         return str(value).lower()
     if isinstance(value, dict):
         return "a section"
+    if isinstance(value, date | time):
+        # As TOML writes it.
+        return value.isoformat()
     try:
         text = repr(value)
     except (ValueError, RecursionError):

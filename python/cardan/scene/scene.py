@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Self
@@ -213,10 +213,13 @@ class Scene:
                 raise ArgumentValueError(next(iter(varied)), "does not go with recorded bends")
             if wanted:
                 default = () if angle.bends is not None else _CLOSED_FORMS
+                reduced = driveline
+                if angle.bends_to_reduce is not None:
+                    reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
                 study = Study(
                     axes_of(varied, driveline, loaded),
                     form,
-                    driveline,
+                    reduced,
                     loaded,
                     angle.to_reduce,
                     _reduced(output, quantities, loaded),
@@ -250,6 +253,20 @@ class Scene:
     def drive_angle(self) -> FloatArray:
         """Drive angles in rad, ``(samples,)``."""
         return np.asarray(self.angle)
+
+    @property
+    def missing(self) -> int:
+        """Number of recorded samples that are missing; their results are NaN."""
+        return 0 if self.recording is None else int(np.count_nonzero(np.isnan(self.drive_angle)))
+
+    def without_missing(self) -> Self:
+        """Return the scene without the recorded samples that are missing."""
+        if not self.missing:
+            return self
+        known = ~np.isnan(self.drive_angle)
+        line = self.line[known] if self.line.shape else self.line
+        degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
+        return replace(self, line=line, drive_angle_deg=degrees, angle=radians)
 
     @property
     def speed(self) -> float:

@@ -162,9 +162,12 @@ def write_starter(kind: str, path: str | PathLike[str]) -> list[Path]:
             with open(file, "x", encoding="utf-8") as opened:
                 written.append(file)
                 opened.write(text)
-    except BaseException:
-        for file in written:
-            file.unlink(missing_ok=True)
+    except BaseException as error:
+        for made in written:
+            made.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.filename is None:
+            # A full disk shows when the text is written, where Python names no file.
+            raise OSError(error.errno, error.strerror, fspath(file)) from error
         raise
     return written
 

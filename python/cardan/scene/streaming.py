@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
@@ -15,6 +15,14 @@ from cardan.scene.curves import columns
 from cardan.scene.scene import Scene, SceneResult
 
 
+class Streamed(NamedTuple):
+    """A file of curves that was written, its rows, and the recorded samples that are missing."""
+
+    path: Path
+    rows: int
+    missing: int
+
+
 def stream(
     scene: str | PathLike[str],
     into: str | PathLike[str] = ".",
@@ -22,7 +30,7 @@ def stream(
     radians: bool = False,
     rows: int = ROWS,
     progress: Progress | None = None,
-) -> tuple[Path, int]:
+) -> Streamed:
     """Write the curves of a scene with recorded angles, whose files may be of any length.
 
     The file has the rows and columns that ``cardan run`` writes, to the same bits; only where bends
@@ -37,7 +45,7 @@ def stream(
         progress: called after each chunk with the rows done and all rows.
 
     Returns:
-        the file written and its rows.
+        the file written, its rows, and how many recorded samples are missing.
 
     Raises:
         ImportError: pyarrow is missing.
@@ -51,12 +59,17 @@ def stream(
     if first.recording and path.exists() and path.samefile(first.recording):
         raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
 
+    missing = 0
+
     def pieces() -> Iterable[tuple[Mapping[str, NDArray[Any]], int]]:
         yield curves(first), total
         for part, _ in parts:
             yield curves(part), total
 
     def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
+        nonlocal missing
+        missing += part.missing
         return columns(SceneResult(part, part.evaluate()), radians=radians)
 
-    return path, write_pieces(path, pieces(), progress)
+    written = write_pieces(path, pieces(), progress)
+    return Streamed(path, written, missing)
