@@ -629,7 +629,7 @@ def test_figure_of_a_study_that_is_unknown(tmp_path: Path, monkeypatch: pytest.M
     Path("a.toml").write_text("[driveline]\nbends_deg = [8]\n[output]\nreduce = 'peak'\n")
     failed(
         run("plot", "a.toml", "--study", "equivalent_bend"),
-        "the study varies no key; a picture shows a study of 1 or 2",
+        "the study varies no key; a picture shows 1 or 2",
     )
 
 

@@ -713,7 +713,7 @@ def test_a_flat_map_shows_no_rounding() -> None:
 
 
 def test_studies_that_make_no_picture() -> None:
-    with pytest.raises(ValueError, match="the study has equivalent_bend, non_uniformity"):
+    with pytest.raises(ValueError, match="known are equivalent_bend, non_uniformity"):
         plots.plot_study(study(COMPENSATION), "bend")
     text = COMPENSATION.replace("[10, 10]", "[10, 10]\ntwists_deg = [0]")
     with pytest.raises(ValueError, match="varies 3 keys; a picture shows 1 or 2"):

@@ -66,7 +66,7 @@ def plot_study(
     varied = [axis for axis in study.axes if len(axis.values) > 1]
     if len(varied) not in (1, 2):
         count = f"{len(varied)} keys" if varied else "no key"
-        raise ValueError(f"the study varies {count}; a picture shows a study of 1 or 2")
+        raise ValueError(f"the study varies {count}; a picture shows 1 or 2")
     unit = next(known.unit for known in study.columns if known.name == column)
     # A list in a scene need not rise.
     orders = [np.argsort(axis.values) for axis in varied]

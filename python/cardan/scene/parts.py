@@ -131,7 +131,7 @@ def _named(
         problem = error.problem
         # The place is that of a driveline in the batch and not of a vector in it.
         if along is not None and len(error.place) == along.ndim - 2:
-            problem = _too_steep(key, along[error.place]) or problem
+            problem = _too_steep(key, along[tuple(map(int, error.place))]) or problem
         problem = " ".join((*(f"and {other}" for other in others), problem))
         raise ArgumentValueError(key, problem, error.place) from None
 
