@@ -140,7 +140,7 @@ impl<T: Real> JointConstants<T> {
 }
 
 impl JointConstants<f64> {
-    /// The constants of a joint with doubles.
+    /// The constants of a joint in double precision.
     pub(crate) fn of_doubles(joint: &Joint) -> Self {
         let Joint { cos, cos2, sin2, versine, inverse_exsecant, .. } = *joint;
         Self { cos, cos2, sin2, versine, inverse_exsecant }
