@@ -238,4 +238,34 @@ def digits(arrays: Arrays) -> Arrays:
     return {name: np.vectorize("{:.11e}".format)(array) for name, array in arrays.items()}
 
 
-GROUPS = (of_lines, of_angles, of_reductions, of_loads, of_batches, of_choices, of_closed_forms)
+def of_jerk() -> Iterator[Case]:
+    """The jerk ratio alone and with the rest of the motion, and the transmissions to one shaft."""
+    names = (*SHAFT_MOTION, "jerk_ratio")
+    for line, own in LINES.items():
+        for tier, options in TIERS.items():
+            yield case(f"{line}, alone, {tier}", own, MANY[:500], "jerk_ratio", **options)
+        yield case(f"{line}, together", own, MANY[:500], names)
+        for sweep, values in SWEEPS.items() if line in SOME else ():
+            yield case(f"{line}, {sweep}", own, values, names)
+        for how in REDUCTIONS:
+            yield case(f"{line}, {how}", own, FULL_TURNS, "jerk_ratio", reduce=how)
+    for tier, options in TIERS.items():
+        yield case(f"rows, {tier}", batch(2, (4, 1), 2), MANY[:500], "jerk_ratio", **options)
+        yield case(f"each, {tier}", batch(12, (600,), 2), MANY[:600], "jerk_ratio", **options)
+    for line, own in {**LINES, "batch": batch(3, (5, 1), 3)}.items():
+        transmission = own.transmission()
+        yield f"{line}, q", {"q": transmission.q}
+        yield f"{line}, motion", transmission.motion(EIGHT)._asdict()
+        yield f"{line}, gradient", transmission.gradient(EIGHT)._asdict()
+
+
+GROUPS = (
+    of_lines,
+    of_angles,
+    of_reductions,
+    of_loads,
+    of_batches,
+    of_choices,
+    of_closed_forms,
+    of_jerk,
+)

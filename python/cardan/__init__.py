@@ -70,4 +70,4 @@ def __getattr__(name: str) -> _Any:  # noqa: ANN401 - a module or a class
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, *_LATER})
+    return sorted({*__all__, *_LATER})

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cardan import notebook
 from cardan.approximations import (
     INERTIA_LIMIT,
     INERTIA_MAXIMUM,
@@ -84,6 +85,9 @@ class Finding:
 class Check:
     """What a check found; ``print`` it to read it.
 
+    The check of one driveline at one speed is true if it passes: ``if line.check(): ...``. That of
+    a batch has no single answer and raises; use ``check.passes.all()`` or ``check.passes.any()``.
+
     Attributes:
         findings: one per figure.
     """
@@ -96,6 +100,20 @@ class Check:
         passes = np.broadcast_arrays(*(finding.passes for finding in self.findings))
         return np.asarray(np.all(passes, axis=0))
 
+    def __bool__(self) -> bool:
+        """Return whether it passes.
+
+        Raises:
+            ValueError: a check of a batch.
+        """
+        passes = self.passes
+        if passes.shape:
+            raise ValueError(
+                f"the check has a verdict for each of {passes.size} drivelines or speeds, not one; "
+                "use check.passes.all() or check.passes.any()"
+            )
+        return bool(passes)
+
     def __str__(self) -> str:
         """Say it in words, the verdict first."""
         count, all_of_them = np.count_nonzero(self.passes), self.passes.size
@@ -103,6 +121,12 @@ class Check:
         if self.passes.shape:
             verdict = f"{count} of {all_of_them} pass."
         return "\n".join([verdict, *(f"- {f}" for f in self.findings)])
+
+    def _repr_html_(self) -> str:
+        """Show the verdict and a row for each finding."""
+        verdict, *findings = str(self).splitlines()
+        rows = [(finding.removeprefix("- "),) for finding in findings]
+        return notebook.table(verdict, ("finding",), rows)
 
 
 class Checkable(Protocol):

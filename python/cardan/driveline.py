@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, approximations, geometry, threads
 from cardan.arrays import FloatArray, deferring
+from cardan.batch import Batch
 from cardan.check import Check, check
+from cardan.degrees import PlanInDegrees
 from cardan.equivalent import (
     EquivalentJoint,
     Harmonics,
@@ -18,7 +20,6 @@ from cardan.equivalent import (
     equivalent,
     harmonics,
 )
-from cardan.geometry import Geometry
 from cardan.load import Load
 from cardan.plan import Plan
 from cardan.request import Items, Reduction
@@ -26,7 +27,7 @@ from cardan.result import Result
 from cardan.sweep import Sweep
 
 
-class Driveline:
+class Driveline(Batch):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or
@@ -42,11 +43,7 @@ class Driveline:
     shafts 0 and 1. All rotations are right-handed about ``u_i``.
     """
 
-    __slots__ = ("_geometry", "_lines", "_n_joints", "_shape")
-    _geometry: Geometry
-    _lines: _core.Lines
-    _n_joints: int
-    _shape: tuple[int, ...]
+    __slots__ = ()
 
     def __init__(self) -> None:
         """Refuse: a driveline is made from bends, points, directions or slopes."""
@@ -181,71 +178,6 @@ class Driveline:
             geometry.from_projected_bends(vertical, horizontal, phases, degrees, reference)
         )
 
-    @classmethod
-    def _of(cls, own: Geometry) -> Self:
-        self = object.__new__(cls)
-        self._geometry = own
-        self._n_joints, self._shape = own.n_joints, own.shape
-        for array in own:
-            array.flags.writeable = False
-        self._lines = _core.Lines(self._n_joints, self._shape, own.flat())
-        return self
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the five arrays."""
-        return (_unpickled, tuple(self._geometry))
-
-    def __copy__(self) -> Self:
-        """Return the driveline itself: it never changes."""
-        return self
-
-    def __deepcopy__(self, memo: object) -> Self:
-        """Return the driveline itself: it never changes."""
-        return self
-
-    def __repr__(self) -> str:
-        """Show number of joints and bends, or the shape of a batch."""
-        joints = f"{self.n_joints} joint{'s' if self.n_joints > 1 else ''}"
-        if self.shape:
-            return f"<Driveline batch {self.shape} of {joints}>"
-        bends = ", ".join(f"{bend:.6g}" for bend in np.degrees(self.bends))
-        return f"<Driveline of {joints}, bent by {bends} deg>"
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch; ``()`` for one driveline."""
-        return self._shape
-
-    @property
-    def n_joints(self) -> int:
-        """Number of joints of each driveline, ``n``."""
-        return self._n_joints
-
-    @property
-    def bends(self) -> FloatArray:
-        """Bend of each joint in rad, ``(..., n)``."""
-        return self._geometry.bends
-
-    @property
-    def twists(self) -> FloatArray:
-        """Twist of each intermediate shaft in rad, ``(..., n - 1)``."""
-        return self._geometry.twists
-
-    @property
-    def phases(self) -> FloatArray:
-        """Phase of each intermediate shaft in rad, ``(..., n - 1)``."""
-        return self._geometry.phases
-
-    @property
-    def directions(self) -> FloatArray:
-        """Unit vector along each shaft, ``(..., n + 1, 3)``."""
-        return self._geometry.directions
-
-    @property
-    def normals(self) -> FloatArray:
-        """Unit normal of each joint's bend plane, ``(..., n, 3)``."""
-        return self._geometry.normals
-
     def with_phases(self, phases: ArrayLike, *, degrees: bool = False) -> Driveline:
         """Return the driveline with its yokes set anew.
 
@@ -313,7 +245,7 @@ class Driveline:
         """
         return Transmission(self, shaft)
 
-    def optimal_phases(self) -> FloatArray:
+    def optimal_phases(self, *, degrees: bool = False) -> FloatArray:
         """Return the phases that bring the last shaft closest to constant velocity.
 
         With ``L = ln sec(bend)`` exact constant velocity is possible if and only if the largest
@@ -326,12 +258,16 @@ class Driveline:
         L_2 cos 2p`` (from Thoma 4), the law of cosines of the hyperbolic plane, where constant
         velocity is a closed polygon of sides ``L``.
 
+        Args:
+            degrees: whether to return the phases in degrees.
+
         Returns:
-            phases in rad, ``(..., n - 1)``, for ``with_phases``.
+            phases in rad or degrees, ``(..., n - 1)``, for ``with_phases``.
         """
-        bends, twists, phases, *_ = self._geometry.flat()
-        best = _core.optimal_phases(self.n_joints, bends, twists, phases, threads.at_most(None))
-        return best.reshape(self.phases.shape)
+        bends, twists, present, *_ = self._geometry.flat()
+        best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
+        phases = best.reshape(self.phases.shape)
+        return np.degrees(phases) if degrees else phases
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
@@ -396,6 +332,7 @@ class Driveline:
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
+        degrees: bool = False,
     ) -> Result:
         """Evaluate outputs over drive angles.
 
@@ -407,7 +344,8 @@ class Driveline:
             angle: drive angle in rad, any shape, or a ``Sweep``; broadcasts against the batch. NaN
                 and infinite angles give NaN at their own samples. With an array of dask the arrays
                 of the result are dask's, a task of one thread for each chunk; with a DataArray of
-                xarray an ``xarray.Dataset`` is returned, which keeps its coordinates.
+                xarray an ``xarray.Dataset`` is returned, which keeps its coordinates; with a Series
+                of pandas a DataFrame, which keeps its index.
             outputs: names from ``cardan.OUTPUTS``.
             shafts: shafts for the outputs per shaft: an index, a slice or a list; by default the
                 last one.
@@ -434,6 +372,9 @@ class Driveline:
             workers: at most so many threads, ``-1`` for all cores; by default all where the work
                 repays them. The environment variable ``RAYON_NUM_THREADS`` says how many that are;
                 a forked process uses one. The results do not depend on it.
+            degrees: whether the drive angle is in degrees; outputs that are angles are then in
+                degrees too, and all others stay as they are. Both conversions round. A ``Sweep``
+                must have been made with ``degrees=True`` or by ``Sweep.revolutions``.
 
         Raises:
             IndexError: a shaft or joint that does not exist.
@@ -445,7 +386,7 @@ class Driveline:
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
         plan = Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
-        return plan(angle, out)
+        return PlanInDegrees(plan)(angle, out) if degrees else plan(angle, out)
 
     def plan(
         self,
@@ -485,19 +426,3 @@ class Driveline:
                 one inertia per shaft, a tolerance or number of threads out of range.
         """
         return Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
-
-    def __getitem__(self, index: Any) -> Driveline:  # noqa: ANN401 - whatever NumPy takes
-        """Return drivelines of the batch, by NumPy's rules over its dimensions.
-
-        ``line[3]`` is one of a batch, ``line[:, None]`` adds a dimension to broadcast over.
-
-        Raises:
-            IndexError: an index that does not fit the batch.
-            TypeError: a single driveline has nothing to index.
-        """
-        return Driveline._of(self._geometry.taken(index))
-
-
-def _unpickled(*arrays: FloatArray) -> Driveline:
-    # What came in a message lies anywhere in it.
-    return Driveline._of(Geometry(*(np.require(a, requirements=["C", "A"]) for a in arrays)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -73,6 +73,37 @@ class Geometry(NamedTuple):
         places = np.arange(size).reshape(self.shape)[index]
         rows = (array.reshape(size, *array.shape[batch:]) for array in self)
         return Geometry(*(array.take(places, axis=0) for array in rows))
+
+    def reshaped(self, shape: tuple[int, ...]) -> Geometry:
+        """Give the batch another shape as ``Driveline.reshape`` does."""
+        batch, size = len(self.shape), math.prod(self.shape)
+        try:
+            # One of the sizes may be left open.
+            full = np.broadcast_to(np.empty(()), size).reshape(shape).shape
+        except ValueError:
+            raise ArgumentValueError(
+                "shape", f"is {shape}, which has no room for just {size} drivelines"
+            ) from None
+        return Geometry(*(np.array(a).reshape(*full, *a.shape[batch:]) for a in self))
+
+
+def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
+    """Join batches as ``Driveline.concatenate`` does."""
+    shapes = [part.shape for part in parts]
+    batch = len(shapes[0])
+    if not -batch <= axis < batch:
+        raise ArgumentValueError("axis", f"is {axis}; the batches have {batch} axes")
+    axis %= batch
+    for i, shape in enumerate(shapes):
+        others = [(*own[:axis], *own[axis + 1 :]) for own in (shapes[0], shape)]
+        if len(shape) != batch or others[0] != others[1]:
+            raise ArgumentValueError(
+                "lines",
+                f"has shape {shape} and lines[0] {shapes[0]}; "
+                f"they may differ along axis {axis} only",
+                (i,),
+            )
+    return Geometry(*(np.concatenate(arrays, axis=axis) for arrays in zip(*parts, strict=True)))
 
 
 def from_bends(bends: ArrayLike, twists: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64
 from cardan.errors import ArgumentValueError, wrong_element
 
+_RAD_S_PER_RPM = np.pi / 30.0
+
 
 @dataclass(frozen=True, eq=False, init=False)
 class Load:
@@ -22,14 +24,20 @@ class Load:
         drive_torque: torque in N m put into shaft 0.
         output_torque: torque in N m delivered by the last shaft; the default, with 0. Give one of
             the two.
-        speed: speed of the drive in rad/s.
-        acceleration: acceleration of the drive in rad/s².
+        speed: speed of the drive in rad/s; 0 by default.
+        speed_rpm: the same in revolutions per minute. Give one of the two.
+        acceleration: acceleration of the drive in rad/s²; 0 by default.
         inertias: one moment of inertia in kg m² per shaft, each about its own axis (the shafts
-            are the last axis if this is an array); none by default.
+            are the last axis if this is an array); none by default. Inertias need a speed or an
+            acceleration, which may be 0: without either they would count for nothing.
 
     Raises:
         TypeError: values that are not real numbers.
-        ValueError: a torque on both ends, a negative inertia.
+        ValueError: a torque on both ends, a speed in both units, a negative inertia, inertias
+            without a speed or an acceleration.
+
+    >>> float(Load(speed_rpm=1500.0).speed.round(3))
+    157.08
     """
 
     end: Literal["drive", "output"]
@@ -43,24 +51,36 @@ class Load:
         *,
         drive_torque: ArrayLike | None = None,
         output_torque: ArrayLike | None = None,
-        speed: ArrayLike = 0.0,
-        acceleration: ArrayLike = 0.0,
+        speed: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
         inertias: ArrayLike | None = None,
+        speed_rpm: ArrayLike | None = None,
     ) -> None:
         """Check the values and keep them as arrays of their own."""
         if drive_torque is not None and output_torque is not None:
             raise ArgumentValueError(
                 "drive_torque", "and output_torque are both given; give one of them"
             )
+        if speed is not None and speed_rpm is not None:
+            raise ArgumentValueError("speed", "and speed_rpm are both given; give one of them")
         values = {
             "end": "output" if drive_torque is None else "drive",
             "torque": as_float64("drive_torque", drive_torque)
             if drive_torque is not None
             else as_float64("output_torque", output_torque if output_torque is not None else 0.0),
-            "speed": as_float64("speed", speed),
-            "acceleration": as_float64("acceleration", acceleration),
+            "speed": as_float64("speed", 0.0 if speed is None else speed)
+            if speed_rpm is None
+            else np.asarray(as_float64("speed_rpm", speed_rpm) * _RAD_S_PER_RPM),
+            "acceleration": as_float64(
+                "acceleration", 0.0 if acceleration is None else acceleration
+            ),
             "inertias": None if inertias is None else _checked_inertias(inertias),
         }
+        if inertias is not None and speed is speed_rpm is acceleration is None:
+            raise ArgumentValueError(
+                "inertias",
+                "has neither a speed nor an acceleration beside it; inertias need one of them",
+            )
         for name, value in values.items():
             kept = value.copy() if isinstance(value, np.ndarray) else value
             object.__setattr__(self, name, kept)

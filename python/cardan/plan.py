@@ -76,6 +76,10 @@ class Plan:
         n = line.n_joints
         shaft_items = [n] if shafts is None else item_indices("shafts", shafts, n + 1)
         joint_items = [*range(n)] if joints is None else item_indices("joints", joints, n)
+        if load is not None and not isinstance(load, Load):
+            raise ArgumentTypeError(
+                "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
+            )
         # In the order of this method, for pickling. A ``Request`` costs a fifth of a small call.
         arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
         self._arguments: tuple[Any, ...] = arguments
@@ -110,7 +114,7 @@ class Plan:
         one_joint = joints is not None and is_index(joints)
         shafts_shown = shaft_items[0] if one_shaft else shaft_items
         joints_shown = joint_items[0] if one_joint else joint_items
-        self.labels = (shafts_shown, joints_shown, shape, reduce)
+        self.labels = (shafts_shown, joints_shown, shape, reduce, "rad")
         self.places: dict[str, Place] = {}
         first, alone = 0, True
         for name in names:

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+import numpy as np
 from numpy.typing import NDArray
 
+from cardan import notebook
 from cardan.arrays import adapter, import_optional
+from cardan.outputs import OUTPUTS
+from cardan.sweep import Sweep
 
 if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
 
-Labels: TypeAlias = tuple[int | list[int], int | list[int], tuple[int, ...], str | None]
-"""Shafts and joints evaluated, shape of the driveline's batch, reduction."""
+Labels: TypeAlias = tuple[int | list[int], int | list[int], tuple[int, ...], str | None, str]
+"""Shafts and joints evaluated, shape of the driveline's batch, reduction, unit of angles."""
 
 
 class Result(Mapping[str, NDArray[Any]]):
@@ -23,7 +28,13 @@ class Result(Mapping[str, NDArray[Any]]):
 
     ``result["speed_ratio"]`` and ``result.speed_ratio`` are the same array. The arrays themselves
     are yours to change. ``to_xarray``, ``to_pandas`` and ``to_arrow`` label them; the drive angles
-    that they show are those of the array that was evaluated, which is not copied.
+    that they show are those of the array that was evaluated, which is not copied. ``units`` says
+    the unit of each output.
+
+    ``==`` has one answer, true or false, and not one per sample: results are equal if they have the
+    same outputs in the same units and all values are the same, where NaN equals NaN. Arrays that
+    are computed later are equal only to themselves. Compare ``result.angle == other.angle`` for an
+    answer per sample.
     """
 
     __slots__ = ("_angle", "_arrays", "_labels")
@@ -40,8 +51,56 @@ class Result(Mapping[str, NDArray[Any]]):
         self._angle = angle
 
     def __getitem__(self, name: str) -> NDArray[Any]:
-        """Return the array of one output."""
-        return self._arrays[name]
+        """Return the array of one output.
+
+        Raises:
+            KeyError: no such output.
+        """
+        try:
+            return self._arrays[name]
+        except (KeyError, TypeError):
+            held = ", ".join(self._arrays)
+            hint = ""
+            if not isinstance(name, str):
+                first = next(iter(self._arrays), "angle")
+                hint = f"; samples are indexed in an output: result.{first}[{name!r}]"
+            raise KeyError(f"{name!r} is no output; the result holds {held}{hint}") from None
+
+    def __eq__(self, other: object) -> bool:
+        """Compare outputs, units and all values; NaN equals NaN."""
+        if not isinstance(other, Result):
+            return NotImplemented
+        if self.keys() != other.keys() or self._angle_unit != other._angle_unit:
+            return False
+        return all(_same(array, other._arrays[name]) for name, array in self._arrays.items())
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @property
+    def drive_angle(self) -> NDArray[Any]:
+        """The drive angles that were evaluated, in the unit of ``units["drive_angle"]``.
+
+        Raises:
+            ValueError: a result that was not evaluated but put together.
+        """
+        if self._labels is None:
+            raise ValueError("the result has no drive angles; only one that was evaluated has")
+        if isinstance(self._angle, Sweep):
+            in_degrees = self._angle_unit == "deg"
+            return self._angle.in_degrees() if in_degrees else np.asarray(self._angle)
+        angle: NDArray[Any] = self._angle
+        return angle
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Unit of each output and of the drive angle: ``"N m"``, ``"1"`` for ratios."""
+        angles = {name: OUTPUTS[name].unit for name in self._arrays if name in OUTPUTS}
+        units = {name: self._angle_unit if u == "rad" else u for name, u in angles.items()}
+        return MappingProxyType({**units, "drive_angle": self._angle_unit})
+
+    @property
+    def _angle_unit(self) -> str:
+        return "rad" if self._labels is None else self._labels[4]
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the output names, in the order asked for."""
@@ -79,7 +138,7 @@ class Result(Mapping[str, NDArray[Any]]):
         return made
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the samples as rows, indexed by driveline and drive angle in rad.
+        """Return the samples as rows, indexed by driveline and drive angle.
 
         A column is an output of one shaft or joint, and of one component: ``speed_ratio``,
         ``torque_1``, ``moment_0_x``. The units of all columns stand in ``attrs["units"]``.
@@ -92,7 +151,7 @@ class Result(Mapping[str, NDArray[Any]]):
         return made
 
     def to_arrow(self) -> pyarrow.Table:
-        """Return the samples as rows of a table, driveline and drive angle in rad first.
+        """Return the samples as rows of a table, driveline and drive angle first.
 
         Columns as of ``to_pandas``; every field has ``units`` and ``long_name`` as metadata.
 
@@ -124,6 +183,20 @@ class Result(Mapping[str, NDArray[Any]]):
         """Show names and shapes."""
         shapes = ", ".join(f"{name}: {array.shape}" for name, array in self._arrays.items())
         return f"Result({shapes})"
+
+    def _repr_html_(self) -> str:
+        """Show name, unit, shape and extent of every output as a table."""
+        units = {**dict.fromkeys(self._arrays, ""), **self.units}
+        return notebook.result(f"Result, angles in {self._angle_unit}", self._arrays, units)
+
+
+def _same(one: Any, other: Any) -> bool:  # noqa: ANN401 - arrays of any library
+    """Whether two arrays hold the same values."""
+    if one is other:
+        return True
+    if any(hasattr(array, "__dask_graph__") for array in (one, other)):
+        return False
+    return np.array_equal(one, other, equal_nan=True)
 
 
 def _labels() -> Any:  # noqa: ANN401 - a module

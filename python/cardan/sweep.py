@@ -16,7 +16,7 @@ from cardan.errors import ArgumentTypeError, ArgumentValueError
 class Sweep:
     """Drive angles at equal steps, for ``evaluate`` and plans in place of an array.
 
-    ``Sweep(start, stop, num)`` runs from ``start`` to ``stop`` in rad, both included, as
+    ``Sweep(start, stop, num)`` runs from ``start`` to ``stop``, both included, as
     ``numpy.linspace``; ``Sweep.revolutions`` over whole turns. It counts as an array of shape
     ``(num,)`` but is never stored, and its angles are exact: sample ``i`` is at ``start + i * (stop
     - start) / (num - 1)``, or at that part of a turn, and not at a double beside it. What repeats
@@ -31,13 +31,16 @@ class Sweep:
     _core: NativeSweep
     _given: tuple[float, ...]
 
-    def __init__(self, start: float, stop: float, num: SupportsIndex) -> None:
+    def __init__(
+        self, start: float, stop: float, num: SupportsIndex, *, degrees: bool = False
+    ) -> None:
         """Sweep from ``start`` to ``stop``, both included.
 
         Args:
-            start: first angle in rad.
-            stop: last angle in rad.
+            start: first angle in rad or degrees.
+            stop: last angle in rad or degrees.
             num: number of angles; one angle is ``start``.
+            degrees: whether the ends are in degrees; each is rounded to a double in rad.
 
         Raises:
             TypeError: a number of angles that is not an integer, ends that are not real numbers.
@@ -45,7 +48,10 @@ class Sweep:
         """
         count = _whole("num", num)
         ends = (_end("start", start), _end("stop", stop))
-        self._of(NativeSweep(ends, count, 0), count, (*ends, count))
+        given = (*ends, count, True) if degrees else (*ends, count)
+        if degrees:
+            ends = (math.radians(ends[0]), math.radians(ends[1]))
+        self._of(NativeSweep(ends, count, 0), count, given)
 
     @classmethod
     def revolutions(cls, turns: float, samples: SupportsIndex) -> Self:
@@ -90,6 +96,23 @@ class Sweep:
         """Shape of the array that it stands for."""
         return (self.num,)
 
+    @property
+    def unit(self) -> str:
+        """Unit in which it was made: ``"rad"``, ``"deg"`` or ``"turn"``."""
+        return {2: "turn", 3: "rad", 4: "deg"}[len(self._given)]
+
+    def in_degrees(self) -> FloatArray:
+        """Return the angles in degrees, as an array of the nearest doubles where they were so made.
+
+        Those of whole turns are exact where ``360 / samples`` is.
+        """
+        if self.unit == "rad":
+            return np.degrees(np.asarray(self))
+        if self.unit == "deg":
+            start, stop = self._given[:2]
+            return np.linspace(start, stop, self.num, dtype=np.float64)
+        return np.asarray(np.arange(self.num) * 360.0 / self._given[1], np.float64)
+
     def __len__(self) -> int:
         """Return the number of angles."""
         return self.num
@@ -104,7 +127,9 @@ class Sweep:
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as made."""
-        return (Sweep if len(self._given) == 3 else Sweep.revolutions, self._given)
+        if self.unit == "turn":
+            return (Sweep.revolutions, self._given)
+        return (_unpickled, self._given)
 
     def __eq__(self, other: object) -> bool:
         """Compare what the sweeps were made from."""
@@ -116,8 +141,14 @@ class Sweep:
 
     def __repr__(self) -> str:
         """Show how to make it."""
-        given = ", ".join(map(str, self._given))
-        return f"Sweep({given})" if len(self._given) == 3 else f"Sweep.revolutions({given})"
+        given = ", ".join(map(str, self._given[:3]))
+        if self.unit == "turn":
+            return f"Sweep.revolutions({given})"
+        return f"Sweep({given}, degrees=True)" if self.unit == "deg" else f"Sweep({given})"
+
+
+def _unpickled(start: float, stop: float, num: int, degrees: bool = False) -> Sweep:
+    return Sweep(start, stop, num, degrees=degrees)
 
 
 def _whole(name: str, value: SupportsIndex) -> int:

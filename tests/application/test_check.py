@@ -20,6 +20,16 @@ def test_a_compensated_shaft_passes_at_moderate_speed() -> None:
     assert len(found.findings) == 5
 
 
+def test_a_check_is_true_if_it_passes() -> None:
+    assert Driveline.from_bends([5, 5], degrees=True).check()
+    assert not Driveline.from_bends([5, 1], degrees=True).check()
+    batch = Driveline.from_bends([[5, 5], [5, 1]], degrees=True).check()
+    with pytest.raises(ValueError, match=r"each of 2 drivelines or speeds.*check\.passes\.all\(\)"):
+        bool(batch)
+    with pytest.raises(ValueError, match="each of 1 drivelines or speeds"):
+        bool(Driveline.from_bends([5, 5], degrees=True).check([100.0]))
+
+
 def test_without_a_speed_there_is_no_excitation() -> None:
     found = Driveline.from_bends([5, 5], degrees=True).check()
     assert [f.name for f in found.findings] == ["equivalent bend", "non-uniformity"]

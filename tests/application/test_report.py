@@ -139,7 +139,7 @@ def test_catalogue_rule_beside_the_exact_bend(signs: list[int], tmp_path: Path) 
 def test_without_a_load_moments_are_for_a_stated_torque(tmp_path: Path) -> None:
     """Also where the load is a speed alone, or inertias that nothing turns."""
     drive = "[driveline]\nbends_deg = [20]\n"
-    for load in ("", "[load]\nspeed_rpm = 10\n", "[load]\ninertias_kgm2 = [0, 1]\n"):
+    for load in ("", "[load]\nspeed_rpm = 10\n", "[load]\nspeed_rpm = 0\ninertias_kgm2 = [0, 1]\n"):
         said = Text(written(scene(drive + load), tmp_path)).text
         peak = NOMINAL_TORQUE * np.tan(np.radians(20.0))
         assert f"With {NOMINAL_TORQUE:g} N m put into the drive" in said

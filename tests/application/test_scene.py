@@ -176,7 +176,7 @@ MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
         # A speed alone transmits nothing.
         ("[load]\nspeed_rpm = 100", MOTION),
         ("[load]\ndrive_torque_Nm = 1", (*MOTION, "torque", "moment")),
-        ("[load]\ninertias_kgm2 = [0, 1]", (*MOTION, "torque", "moment")),
+        ("[load]\nspeed_rpm = 0\ninertias_kgm2 = [0, 1]", (*MOTION, "torque", "moment")),
         ('[output]\nquantities = ["angle", "speed_ratio"]', ("angle", "speed_ratio")),
         ('[output]\nquantities = ["jerk_ratio"]', ("jerk_ratio",)),
     ],
@@ -371,6 +371,12 @@ ERRORS: list[tuple[str, int | None, str]] = [
         section("load") + "inertias_kgm2 = [1]",
         4,
         "[load] inertias_kgm2 has length 1; it needs 2, one per shaft",
+    ),
+    (
+        section("load") + "inertias_kgm2 = [0, 1]",
+        4,
+        "[load] inertias_kgm2 has neither a speed nor an acceleration beside it; "
+        "inertias need one of them",
     ),
     (
         section("load") + "inertias_kgm2 = [0, -1]",

@@ -156,7 +156,8 @@ def test_a_point_of_a_study_counts_no_rows() -> None:
         (f"{TWO}[study]\nbends_deg = [1, 99]\n", "bends_deg", (0,), "driveline.bends_deg.0"),
         (f"{TWO}[study]\nbends_deg.1 = [1, 99]\n", "bends_deg", (1,), "driveline.bends_deg.1"),
         (
-            f"{TWO}[load]\ninertias_kgm2 = [1, 1, 1]\n[study]\ninertias_kgm2.2 = [1, -1]\n",
+            f"{TWO}[load]\nspeed_rpm = 1\ninertias_kgm2 = [1, 1, 1]\n"
+            "[study]\ninertias_kgm2.2 = [1, -1]\n",
             "inertias_kgm2",
             (2,),
             "load.inertias_kgm2.2",

@@ -287,6 +287,16 @@ def test_every_argument_is_called_by_its_name(name: str, make: Any) -> None:  # 
     [
         (lambda: Load(drive_torque=1, output_torque=1), ValueError, "are both given"),
         (lambda: Load(inertias=[0, -1]), ValueError, "inertias[1] is -1.0; an inertia must not"),
+        (
+            lambda: Load(inertias=[0, 1], drive_torque=1.0),
+            ValueError,
+            "inertias has neither a speed nor an acceleration beside it",
+        ),
+        (
+            lambda: Load(speed=1.0, speed_rpm=1.0),
+            ValueError,
+            "speed and speed_rpm are both given; give one of them",
+        ),
         (lambda: Load(inertias=1.0), ValueError, "it needs one per shaft"),
         (lambda: Load(speed=1j), TypeError, "speed has dtype complex128"),
     ],
@@ -300,12 +310,15 @@ def test_bad_loads(make: Any, error: type[Exception], message: str) -> None:  # 
 @pytest.mark.parametrize(
     ("load", "message"),
     [
-        (Load(inertias=[1, 2]), "inertias has shape (2,); 4 shafts need (..., 4)"),
+        (Load(speed=1.0, inertias=[1, 2]), "inertias has shape (2,); 4 shafts need (..., 4)"),
         (Load(drive_torque=np.zeros(7)), "drive_torque has shape (7,), which does not broadcast"),
         (Load(output_torque=np.zeros(7)), "output_torque has shape (7,), which does not broadcast"),
         (Load(acceleration=np.zeros(7)), "acceleration has shape (7,), which does not broadcast"),
         (Load(speed=np.zeros((2, 60))), "speed has shape (2, 60), which does not broadcast"),
-        (Load(inertias=np.ones((7, 4))), "inertias has shape (7,), which does not broadcast"),
+        (
+            Load(speed=1.0, inertias=np.ones((7, 4))),
+            "inertias has shape (7,), which does not broadcast",
+        ),
     ],
 )
 def test_loads_that_do_not_fit(load: Load, message: str) -> None:
@@ -315,10 +328,17 @@ def test_loads_that_do_not_fit(load: Load, message: str) -> None:
 
 
 def test_a_drive_at_rest_moves_no_inertia() -> None:
-    # Speed and acceleration are zero unless given.
-    at_rest = THREE.evaluate(GRID, "torque", load=Load(drive_torque=2.0, inertias=[1.0, 1, 1, 1]))
+    stopped = Load(drive_torque=2.0, speed=0.0, inertias=[1.0, 1, 1, 1])
+    at_rest = THREE.evaluate(GRID, "torque", load=stopped)
     without = THREE.evaluate(GRID, "torque", load=Load(drive_torque=2.0))
     assert np.array_equal(at_rest.torque, without.torque)
+
+
+def test_speed_per_minute() -> None:
+    speeds = np.array([0.0, 60.0, 1500.0])
+    load = Load(speed_rpm=speeds, inertias=[0.0, 1.0])
+    assert load.speed == pytest.approx(speeds / 60.0 * 2.0 * np.pi, rel=1e-15)
+    assert Load(acceleration=1.0, inertias=[0.0, 1.0]).speed == 0.0
 
 
 def test_a_load_keeps_its_own_arrays() -> None:

@@ -127,7 +127,7 @@ def test_zero_sizes() -> None:
     assert none.optimal_phases().shape == (0, 1)
     assert none.equivalent().k.shape == (0,)
     assert dict(LINE.evaluate(GRID, (), reduce="max")) == {}
-    with pytest.raises(ValueError, match="there is nothing to explain"):
+    with pytest.raises(ValueError, match="no driveline"):
         none.plan().explain()
 
 

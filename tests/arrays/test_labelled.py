@@ -291,3 +291,52 @@ def test_without_the_library(
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(ImportError, match=rf"this needs {module}: pip install 'cardan\[{extra}\]'"):
         getattr(result, method)()
+
+
+def test_a_series_keeps_its_index() -> None:
+    pandas = pytest.importorskip("pandas")
+    index = pandas.Index(np.arange(len(ANGLE)) / 8.0, name="time")
+    series = pandas.Series(ANGLE, index)
+    names = ("speed_ratio", "moment")
+    want = LINE.evaluate(ANGLE, names, load=LOAD)
+    got: Any = LINE.evaluate(series, names, load=LOAD)
+    assert got.index.equals(index)
+    assert got.index.name == "time"
+    assert np.array_equal(got.speed_ratio, want.speed_ratio)
+    assert np.array_equal(got.moment_1_z, want.moment[1, :, 2])
+    assert got.attrs["units"]["moment_1_z"] == "N m"
+    with pytest.raises(TypeError, match="out does not go with an angle that is a Series"):
+        LINE.evaluate(series, "angle", out={"angle": np.empty(len(ANGLE))})
+
+
+def test_a_series_beside_a_batch() -> None:
+    pandas = pytest.importorskip("pandas")
+    series = pandas.Series([0.0, 1.0, 2.0], ["a", "b", "c"])
+    lines = Driveline.from_bends([[0.1], [0.5]])
+    got: Any = lines[:, None].evaluate(series, "speed_ratio")
+    assert got.index.tolist() == [(i, name) for i in range(2) for name in "abc"]
+    assert np.array_equal(got.loc[(1, "b")], [lines[1].evaluate(1.0, "speed_ratio").speed_ratio])
+    largest: Any = lines[:, None].evaluate(series, "speed_ratio", reduce="max")
+    assert largest.index.tolist() == [0, 1]
+    assert len(Driveline.from_bends([0.3]).evaluate(series, "speed_ratio", reduce="max")) == 1
+    paired: Any = Driveline.from_bends([[0.1], [0.5], [0.9]]).evaluate(series, "speed_ratio")
+    assert paired.index.tolist() == ["a", "b", "c"]
+
+
+def test_labels_in_degrees() -> None:
+    pandas = pytest.importorskip("pandas")
+    turn = np.linspace(0.0, 360.0, 7)
+    want = LINE.evaluate(turn, "angle", degrees=True)
+    of_series: Any = LINE.evaluate(pandas.Series(turn), "angle", degrees=True)
+    assert np.array_equal(of_series.angle, want.angle)
+    assert of_series.attrs["units"] == {"angle": "deg"}
+    assert want.to_pandas().attrs["units"] == {"angle": "deg", "drive_angle": "deg"}
+    assert np.array_equal(want.to_pandas().index, turn)
+    angle = xarray.DataArray(turn, dims="time", attrs={"units": "degree"})
+    made: Any = LINE.evaluate(angle, "angle", degrees=True)
+    assert np.array_equal(made.angle, want.angle)
+    assert made.angle.units == made.drive_angle.units == "degree"
+    with pytest.raises(ValueError, match=r"make it rad .* or evaluate with degrees=True"):
+        LINE.evaluate(angle)
+    with pytest.raises(ValueError, match="has units 'rad'; make it deg and say so"):
+        LINE.evaluate(angle.assign_attrs(units="rad"), degrees=True)

@@ -246,3 +246,15 @@ def test_on_a_cluster_of_processes() -> None:
         )
         evaluated = client.run(lambda: "cardan.interop.lazy" in sys.modules)
         assert list(evaluated.values()) == [True, True]
+
+
+def test_degrees_of_later() -> None:
+    turn = np.linspace(0.0, 360.0, 40)
+    line = Driveline.from_bends([0.3, 0.4])
+    want = line.evaluate(turn, degrees=True)
+    later = line.evaluate(da.from_array(turn, chunks=16), degrees=True)
+    assert later.units["angle"] == "deg"
+    assert later != want
+    assert later.compute() == want
+    lazy = Driveline.from_bends(da.from_array(np.array([[0.3, 0.4]]), chunks=1))
+    assert lazy.evaluate(turn, degrees=True).compute() == want

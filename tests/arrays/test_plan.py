@@ -749,7 +749,7 @@ def test_compensated_chains_have_no_negative_bend() -> None:
 
 
 def test_a_batch_of_none_has_nothing_to_explain() -> None:
-    with pytest.raises(ValueError, match="there is nothing to explain"):
+    with pytest.raises(ValueError, match="no driveline"):
         Driveline.from_bends(np.zeros((0, 2))).plan("speed_ratio").explain()
 
 

@@ -143,6 +143,8 @@ def searched() -> tuple[list[float], list[float]]:
         ("0x1.921fb530d6e92p+0", "0x1.2b5e06180df34p+3"),
         ("0x1.8d7303b02e14fp+0", "-0x1.816c766b4c1ccp+1"),  # acceleration_ratio
         ("0x1.921f0e1c27b61p+0", "-0x1.2b648185811bdp+3"),
+        ("0x1.921fb215b5111p+0", "-0x1.921ff85d63aabp+1"),  # jerk_ratio
+        ("0x1.66e109be10589p-16", "-0x1.a71bbbbbe36a1p+19"),
         ("0x1.921fb52109c20p+0", "0x1.a300f1ee82950p+2"),  # torque
         ("0x1.921fb51bbbfdap+0", "-0x1.bcaa47021cee2p+1"),  # moment
     ]

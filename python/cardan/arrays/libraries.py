@@ -41,6 +41,7 @@ class Library:
 LIBRARIES: Mapping[str, Library] = MappingProxyType(
     {
         "xarray": Library("xarray", "DataArray", "cardan.interop.labelled", wraps="data"),
+        "pandas": Library("pandas", "Series", "cardan.interop.series", wraps="values"),
         "dask": Library("dask.array", "Array", "cardan.interop.lazy", deferred=True),
     }
 )

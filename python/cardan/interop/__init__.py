@@ -1,1 +1,1 @@
-"""Results in the arrays of other libraries: labels of xarray, later computation by dask."""
+"""Results in the arrays of other libraries: labels of xarray and pandas, lazy arrays of dask."""

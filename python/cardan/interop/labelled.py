@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
+from cardan.degrees import PlanInDegrees
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
@@ -28,32 +29,39 @@ _CELL_METHODS = {
     "peak": "maximum_absolute_value",
 }
 
-_RADIANS = ("rad", "radian", "radians", "1")
+_UNITS = {
+    "rad": ("rad", "radian", "radians", "1"),
+    "deg": ("degree", "deg", "degrees"),
+}
+
+_HINT = ", or evaluate with degrees=True"
 
 _DRIVE_ANGLE = {
-    "units": "rad",
     "long_name": "drive angle",
     "comment": "0 has the driving pin of joint 0 in the plane of shafts 0 and 1",
 }
 
 
 def evaluate(
-    plan: Plan, angle: xarray.DataArray, out: Mapping[str, NDArray[Any]] | None
+    plan: Plan | PlanInDegrees, angle: xarray.DataArray, out: Mapping[str, NDArray[Any]] | None
 ) -> xarray.Dataset:
     """Evaluate a plan at angles with labels, which the Dataset returned keeps.
 
     Raises:
         TypeError: arrays to fill, which have no labels.
-        ValueError: angles in another unit than rad; a name of theirs that is also an output's.
+        ValueError: angles in another unit than the plan's; a name of theirs that is also an
+            output's.
     """
     if out is not None:
         raise ArgumentTypeError(
             "out", "does not go with an angle that is a DataArray; give its values"
         )
-    units = angle.attrs.get("units", "rad")
-    if units not in _RADIANS:
+    wanted, hint = ("deg", "") if isinstance(plan, PlanInDegrees) else ("rad", _HINT)
+    units = angle.attrs.get("units", wanted)
+    if units not in _UNITS[wanted]:
+        hint = hint if units in _UNITS["deg"] else ""
         raise ArgumentValueError(
-            "angle", f"has units {units!r}; make it rad and say so in attrs['units']"
+            "angle", f"has units {units!r}; make it {wanted} and say so in attrs['units']{hint}"
         )
     return _dataset(plan(angle.data), angle)
 
@@ -69,7 +77,8 @@ def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
     taken = set() if given is None else {*map(str, given.dims), *map(str, given.coords)}
     coordinates: dict[str, Any] = {}
     if samples.angle is not None and "drive_angle" not in taken:
-        coordinates["drive_angle"] = (samples.angle_dims, samples.angle, _DRIVE_ANGLE)
+        named = {"units": _cf(result.units["drive_angle"]), **_DRIVE_ANGLE}
+        coordinates["drive_angle"] = (samples.angle_dims, samples.angle, named)
     variables = {}
     for name, array in result.items():
         output, items = OUTPUTS[name], samples.items[OUTPUTS[name].per]
@@ -80,7 +89,7 @@ def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
             axis = {"long_name": "component along an axis of the driveline"}
             coordinates["component"] = ("component", list("xyz"), axis)
         attributes = {
-            "units": output.unit,
+            "units": _cf(result.units[name]),
             "long_name": _long_name(name),
             "comment": output.meaning,
             **samples.cell_methods,
@@ -115,7 +124,7 @@ class _Samples(NamedTuple):
     def of(cls, result: Result, given: xarray.DataArray | None = None) -> _Samples:
         if result._labels is None:
             raise ValueError("the result has no labels; only one that was evaluated has")
-        shafts, joints, line_shape, reduce = result._labels
+        shafts, joints, line_shape, reduce, _ = result._labels
         angle = result._angle
         own = np.shape(angle) if given is None else given.shape
         shape = np.broadcast_shapes(line_shape, own)
@@ -141,10 +150,16 @@ class _Samples(NamedTuple):
             angle = None if runs and runs[-1] == len(shape) - 1 else angle
             dims, shape = dims[:-1], shape[:-1]
         if angle is not None:
-            whole = angle if hasattr(angle, "__dask_graph__") else np.asarray(angle)
+            shown = result.drive_angle
+            whole = shown if hasattr(shown, "__dask_graph__") else np.asarray(shown)
             angle = whole.reshape(tuple(own[k - before] for k in runs))
         items = {"shaft": shafts, "joint": joints}
         return cls(items, reduce, dims, shape, angle_dims, angle, methods)
+
+
+def _cf(unit: str) -> str:
+    """The unit as the CF conventions spell it."""
+    return "degree" if unit == "deg" else unit
 
 
 def _numbered(name: str, count: int) -> list[str]:
@@ -155,7 +170,9 @@ def _long_name(name: str) -> str:
     return name.replace("_", " ")
 
 
-class _Column(NamedTuple):
+class Column(NamedTuple):
+    """Values of all samples in a row, with a name."""
+
     name: str
     values: NDArray[Any]
     unit: str
@@ -165,7 +182,7 @@ class _Column(NamedTuple):
 def frame(result: Result) -> pandas.DataFrame:
     """Return what ``Result.to_pandas`` does."""
     library = import_optional("pandas", "xarray")
-    index, figures = _columns(result)
+    index, figures = columns_of(result)
     columns = {column.name: column.values for column in (*index, *figures)}
     made: pandas.DataFrame = library.DataFrame(columns)
     made.attrs["units"] = {column.name: column.unit for column in (*index, *figures)}
@@ -175,7 +192,7 @@ def frame(result: Result) -> pandas.DataFrame:
 def table(result: Result) -> pyarrow.Table:
     """Return what ``Result.to_arrow`` does."""
     pyarrow = import_optional("pyarrow", "table")
-    index, figures = _columns(result)
+    index, figures = columns_of(result)
     fields = [
         pyarrow.field(
             column.name,
@@ -188,24 +205,24 @@ def table(result: Result) -> pyarrow.Table:
     return pyarrow.table(arrays, schema=pyarrow.schema(fields))
 
 
-def _columns(result: Result) -> tuple[list[_Column], list[_Column]]:
-    """What tells the samples apart, and the outputs, as columns of one length."""
+def columns_of(result: Result) -> tuple[list[Column], list[Column]]:
+    """Return what tells the samples apart, and the outputs, as columns of one length."""
     result = result.compute()
     samples = _Samples.of(result)
     index = []
     for k, dim in enumerate(samples.dims):
         if dim.startswith("driveline"):
             number = _spread(np.arange(samples.shape[k]), (dim,), samples)
-            index.append(_Column(dim, number, "1", f"{_long_name(dim)}, counted from 0"))
+            index.append(Column(dim, number, "1", f"{_long_name(dim)}, counted from 0"))
     if samples.angle is not None:
         spread = _spread(samples.angle, samples.angle_dims, samples)
-        index.append(_Column("drive_angle", spread, "rad", "drive angle"))
+        index.append(Column("drive_angle", spread, result.units["drive_angle"], "drive angle"))
     figures = []
     for name, array in result.items():
         output = OUTPUTS[name]
         for part, values in _parts(output, np.asarray(array), samples):
             flat = values.reshape(-1)
-            figures.append(_Column(part, flat, output.unit, _long_name(part)))
+            figures.append(Column(part, flat, result.units[name], _long_name(part)))
     return index, figures
 
 

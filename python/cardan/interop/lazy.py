@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
 from cardan.arrays.planes import components_first, view
+from cardan.degrees import PlanInDegrees
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
 from cardan.errors import ArgumentTypeError, ArgumentValueError
@@ -71,6 +72,7 @@ class LazyDriveline:
         outputs: str | Iterable[str] = ("angle", "speed_ratio"),
         *,
         out: Mapping[str, NDArray[Any]] | None = None,
+        degrees: bool = False,
         **options: Any,  # noqa: ANN401 - as Driveline.evaluate has them
     ) -> Result:
         """Evaluate as ``Driveline.evaluate`` does; the arrays of the result are dask's.
@@ -79,7 +81,11 @@ class LazyDriveline:
             IndexError, TypeError, ValueError: as there, for what is known before computing.
         """
         plan = self._stand_in.plan(outputs, **options)
-        return _evaluated(plan, self._make, self._parts, self.shape, angle, out)
+        evaluated = functools.partial(_evaluated, plan, self._make, self._parts, self.shape)
+        if not degrees:
+            return evaluated(angle, out)
+        bare = angle.data if array_namespace_of(angle) == "xarray" else angle
+        return PlanInDegrees(evaluated)(bare, out)
 
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
         """Return the equivalent joints as ``Driveline.equivalent`` does, as dask arrays.
@@ -188,7 +194,7 @@ def _evaluated(
         shares = np.array(lengths) / sum(lengths)
         planes = _OF_PIECES[reduce](planes, shares).astype(plan.dtype)
     arrays = {name: view(planes, place) for name, place in plan.places.items()}
-    return Result(arrays, (*plan.labels[:2], line_shape, reduce), angle)
+    return Result(arrays, (*plan.labels[:2], line_shape, reduce, plan.labels[4]), angle)
 
 
 # One figure from those of the pieces of a row and their shares of it.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -12,6 +12,8 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.scene.format import FORMAT, FORMS, Form
+
+_MOTION = ("speed_rpm", "speed_rad_s", "acceleration_rad_s2")
 
 
 def form_of(values: Mapping[str, Any]) -> Form:
@@ -80,13 +82,20 @@ def check_load(values: Mapping[str, Any], joints: int) -> None:
         _check_count("inertias_kgm2", values["inertias_kgm2"], joints + 1, "one per shaft")
 
 
-def make_load(values: Mapping[str, Any]) -> Load:
+def make_load(values: Mapping[str, Any], varied: Container[str] = ()) -> Load:
     """Return the load that keys describe, of arrays if the values are.
 
+    Args:
+        values: values by key.
+        varied: the keys of a study. The speed or acceleration that only the study gives is 0 here.
+
     Raises:
-        ValueError: a negative inertia.
+        ValueError: a negative inertia, inertias without a speed or an acceleration.
     """
     keys = FORMAT["load"].keys
+    given = {keys[key].argument for key in values}
+    still = {key: 0.0 for key in _MOTION if key in varied and keys[key].argument not in given}
+    values = still | dict(values)
     with _named({keys[key].argument: (key,) for key in values}):
         return Load(
             **{

@@ -191,7 +191,7 @@ class Scene:
             load = None
             if loaded is not None:
                 check_load(loaded, line.n_joints)
-                load = make_load(loaded)
+                load = make_load(loaded, given.get("study", {}))
         with document.within("output"):
             quantities = _quantities(output, loaded)
             shafts = _items(output, "shafts", line.n_joints + 1)

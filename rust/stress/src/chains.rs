@@ -42,14 +42,14 @@ struct Line {
 
 /// A kind of chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shape {
+pub(crate) enum ChainShape {
     NearStraight,
     Compensated,
     Steep,
     Mixed,
 }
 
-impl Shape {
+impl ChainShape {
     pub(crate) const ALL: [Self; 4] =
         [Self::NearStraight, Self::Compensated, Self::Steep, Self::Mixed];
 
@@ -98,7 +98,7 @@ impl Shape {
 /// The worst errors of a kind of chain, tier by tier, in units and (single) parts of the largest.
 #[derive(Clone, Debug)]
 pub(crate) struct Chains {
-    pub(crate) shape: Shape,
+    pub(crate) shape: ChainShape,
     pub(crate) judged: u64,
     pub(crate) off: [[f64; 5]; 4],
     pub(crate) place: [[String; 5]; 4],
@@ -107,7 +107,7 @@ pub(crate) struct Chains {
 /// At least so many samples of each kind.
 pub(crate) fn run(seed: u64, samples: u64) -> Vec<Chains> {
     let mut random = Random::new(seed ^ 0xc4a1);
-    Shape::ALL
+    ChainShape::ALL
         .into_iter()
         .map(|shape| {
             let mut found =

@@ -4,7 +4,7 @@
 //! library computes; a chain is the map `w → A w + B w̄` with the lengths left in.
 
 use crate::angle::{HALF_PI, atan2, sin_cos, sin_cos_in};
-use crate::wide::{Complex, Wide};
+use crate::wide::{Wide, WideComplex};
 
 /// Sine and cosine of a drive angle, and the angle itself.
 #[derive(Clone, Copy, Debug)]
@@ -35,7 +35,7 @@ impl Turn {
 
 /// Motion of a shaft.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
+pub(crate) struct ExactMotion {
     pub(crate) angle: Wide,
     pub(crate) error: Wide,
     pub(crate) ratio: Wide,
@@ -45,7 +45,7 @@ pub(crate) struct Motion {
 
 /// One joint.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Joint {
+pub(crate) struct ExactJoint {
     pub(crate) sin: Wide,
     pub(crate) cos: Wide,
     pub(crate) tan: Wide,
@@ -56,7 +56,7 @@ pub(crate) struct Joint {
     complement: Wide,
 }
 
-impl Joint {
+impl ExactJoint {
     pub(crate) fn bent(bend: f64) -> Self {
         let (sin, cos) = sin_cos(&[bend]);
         let (half_sin, half_cos) = sin_cos(&[0.5 * bend]);
@@ -68,7 +68,7 @@ impl Joint {
 
     /// `angle error = arg(1 − k e^{−2iα})`, `speed ratio = (1 − k²)/(1 − 2k cos 2α + k²)`, and its
     /// derivatives by the rule of the quotient.
-    pub(crate) fn motion(&self, at: &Turn) -> Motion {
+    pub(crate) fn motion(&self, at: &Turn) -> ExactMotion {
         let s2 = at.s.square();
         let k_sin = (at.s * at.c).scaled(2.0) * self.k;
         let k_s2 = s2 * self.k;
@@ -78,7 +78,7 @@ impl Joint {
         let acceleration = -(k_sin.scaled(4.0) * ratio / across);
         let k_cos = (at.c.square() - s2) * self.k;
         let jerk = quotient_curvature(ratio, across, k_sin.scaled(4.0), k_cos.scaled(8.0));
-        Motion { angle: at.angle + error, error, ratio, acceleration, jerk }
+        ExactMotion { angle: at.angle + error, error, ratio, acceleration, jerk }
     }
 
     /// The larger of the two terms whose difference is the jerk ratio: those of
@@ -141,8 +141,8 @@ fn quotient_curvature(value: Wide, denominator: Wide, slope: Wide, curvature: Wi
 /// A chain of joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chain {
-    a: Complex,
-    b: Complex,
+    a: WideComplex,
+    b: WideComplex,
     /// `|A|² − |B|²`, the product of the cosines.
     determinant: Wide,
     /// `|B/A|`.
@@ -153,18 +153,18 @@ pub(crate) struct Chain {
 
 impl Chain {
     pub(crate) fn of(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
-        let mut a = Complex { re: Wide::ONE, im: Wide::ZERO };
-        let mut b = Complex { re: Wide::ZERO, im: Wide::ZERO };
+        let mut a = WideComplex { re: Wide::ONE, im: Wide::ZERO };
+        let mut b = WideComplex { re: Wide::ZERO, im: Wide::ZERO };
         let (mut determinant, mut total) = (Wide::ONE, 0.0);
         for (j, &bend) in bends.iter().enumerate() {
             if j > 0 {
                 // A quarter turn more than the phase less the twist.
                 let (s, c) = sin_cos(&[phases[j - 1], -twists[j - 1]]);
-                let turn = Complex { re: -s, im: c };
+                let turn = WideComplex { re: -s, im: c };
                 (a, b) = (a * turn, b * turn);
             }
             // (cos α, sin α) → (cos β cos α, sin α), half the sum and half the difference.
-            let joint = Joint::bent(bend);
+            let joint = ExactJoint::bent(bend);
             let (s, c) = sin_cos(&[0.5 * bend]);
             let (keep, turn_back) = (c.square(), s.square());
             (a, b) = (
@@ -190,8 +190,8 @@ impl Chain {
 
     /// Motion of the last shaft, and how fast each quantity changes with the drive angle (the
     /// angle's part is that of its error).
-    pub(crate) fn motion(&self, at: &Turn) -> (Motion, [f64; 5]) {
-        let w = Complex { re: at.c, im: at.s };
+    pub(crate) fn motion(&self, at: &Turn) -> (ExactMotion, [f64; 5]) {
+        let w = WideComplex { re: at.c, im: at.s };
         let (aw, bw) = (self.a * w, self.b * w.conj());
         let square = (aw + bw).norm_squared();
         let side = aw.conj() * bw;
@@ -207,7 +207,7 @@ impl Chain {
         let [slope, curvature, third] =
             [slope, curvature, side.im.scaled(-16.0)].map(|x| x.high / square.high);
         let snap = r * (6.0 * slope * curvature - third - 6.0 * slope.powi(3));
-        let motion = Motion { angle: at.angle + error, error, ratio, acceleration, jerk };
+        let motion = ExactMotion { angle: at.angle + error, error, ratio, acceleration, jerk };
         (motion, [(r - 1.0).abs(), (r - 1.0).abs(), a.abs(), steep.abs(), snap.abs()])
     }
 }

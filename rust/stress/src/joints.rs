@@ -5,7 +5,7 @@ use cardan::{
     Samples, Source, Sweep, level,
 };
 
-use crate::exact::{Joint, Turn};
+use crate::exact::{ExactJoint, Turn};
 use crate::judge::{Ledger, Quantity, Tier, Worst, rows_of};
 use crate::samples::{Kind, Random, Sample};
 use crate::wide::{Wide, two_sum};
@@ -24,7 +24,7 @@ pub(crate) struct Break {
 }
 
 /// The samples of a block and what is exact for them.
-struct Block {
+struct SampleBlock {
     kind: Kind,
     bends: Vec<f64>,
     samples: Vec<Sample>,
@@ -58,13 +58,13 @@ impl Exact {
     }
 }
 
-impl Block {
+impl SampleBlock {
     fn empty(kind: Kind, bends: Vec<f64>, sweep: Option<Sweep>) -> Self {
         let exact = Quantity::ALL.iter().map(|_| Exact::default()).collect();
         Self { kind, bends, samples: vec![], sweep, rows: vec![], exact }
     }
 
-    fn put(&mut self, joint: &Joint, at: &Turn, sample: Sample) {
+    fn put(&mut self, joint: &ExactJoint, at: &Turn, sample: Sample) {
         use Quantity as Q;
 
         let motion = joint.motion(at);
@@ -113,7 +113,7 @@ impl Block {
         let mut block = Self::empty(kind, bends, None);
         for i in 0..rows {
             let bend = block.bends[i];
-            let joint = Joint::bent(bend);
+            let joint = ExactJoint::bent(bend);
             for _ in 0..BLOCK / rows {
                 let angle = kind.angle(random, bend, worst);
                 let torque = random.power(-3.0, 3.0) * random.sign();
@@ -126,7 +126,7 @@ impl Block {
     /// One joint over a sweep, long enough for its groups.
     fn sweeping(random: &mut Random) -> Self {
         let bend = Kind::Sweep.bend(random, &[]);
-        let joint = Joint::bent(bend);
+        let joint = ExactJoint::bent(bend);
         let (sweep, turns): (_, Box<dyn Fn(usize) -> Turn>) = if random.below(2) == 0 {
             let per_turn = random.power(0.0, 5.0) as usize;
             let sweep = Sweep::of_turns(BLOCK, per_turn);
@@ -244,7 +244,7 @@ pub(crate) fn run(seed: u64, blocks: impl Iterator<Item = u64>, broken: Option<B
     for number in blocks {
         let kind = Kind::ALL[(number % Kind::ALL.len() as u64) as usize];
         let mut random = Random::new(seed.wrapping_mul(0x1_0000_0001) ^ number << 20);
-        let block = Block::new(kind, &mut random, &ledger.worst());
+        let block = SampleBlock::new(kind, &mut random, &ledger.worst());
         // The best instruction set, and now and then another.
         let level = if number % 23 == 22 { 1 + number as usize / 23 } else { 0 };
         let (_, level) = levels[level % levels.len()];
@@ -259,7 +259,7 @@ pub(crate) fn run(seed: u64, blocks: impl Iterator<Item = u64>, broken: Option<B
 }
 
 impl Job {
-    fn run(&self, block: &Block, tier: Tier, level: cardan::Level) -> Vec<Vec<f64>> {
+    fn run(&self, block: &SampleBlock, tier: Tier, level: cardan::Level) -> Vec<Vec<f64>> {
         let mut directions = vec![];
         for &bend in &block.bends {
             let line = Geometry::from_bends(&[bend], &[], &[]).expect("bends are in range");
@@ -327,7 +327,7 @@ impl Job {
 
     fn judge(
         &self,
-        block: &Block,
+        block: &SampleBlock,
         tier: Tier,
         mut planes: Vec<Vec<f64>>,
         broken: Option<Break>,

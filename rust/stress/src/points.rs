@@ -18,13 +18,13 @@ pub(crate) fn limits() -> [f64; 2] {
 
 /// A kind of points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shape {
+pub(crate) enum PointsShape {
     NearlyEqual,
     NearlyStraight,
     Anywhere,
 }
 
-impl Shape {
+impl PointsShape {
     const ALL: [Self; 3] = [Self::NearlyEqual, Self::NearlyStraight, Self::Anywhere];
 
     pub(crate) fn name(self) -> &'static str {
@@ -76,7 +76,7 @@ impl Shape {
 /// The worst errors of bends and twists of a kind of points.
 #[derive(Clone, Debug)]
 pub(crate) struct Points {
-    pub(crate) shape: Shape,
+    pub(crate) shape: PointsShape,
     pub(crate) judged: u64,
     pub(crate) off: [f64; 2],
     pub(crate) place: [String; 2],
@@ -85,7 +85,7 @@ pub(crate) struct Points {
 /// At least so many bends of each kind.
 pub(crate) fn run(seed: u64, count: u64) -> Vec<Points> {
     let mut random = Random::new(seed ^ 0x9017);
-    Shape::ALL
+    PointsShape::ALL
         .into_iter()
         .map(|shape| {
             let mut found = Points { shape, judged: 0, off: [0.0; 2], place: Default::default() };

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::angle::sin_cos;
 use crate::chains::{Chains, MOTION};
-use crate::exact::{Chain, Joint, Turn};
+use crate::exact::{Chain, ExactJoint, Turn};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
 use crate::points::{self, Points};
 use crate::samples::{Kind, Random};
@@ -256,7 +256,7 @@ pub(crate) fn oracle(count: u64) {
         let bend = kind.bend(&mut random, &[]);
         let angle = kind.angle(&mut random, bend, &[]);
         let at = Turn::by(&[angle]);
-        let (joint, (s, c)) = (Joint::bent(bend), sin_cos(&[bend]));
+        let (joint, (s, c)) = (ExactJoint::bent(bend), sin_cos(&[bend]));
         let motion = joint.motion(&at);
         println!("bend {} angle {}", hex(bend), hex(angle));
         for (name, x) in [

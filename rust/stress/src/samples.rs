@@ -48,7 +48,9 @@ impl Random {
     /// A neighbour of a double, at most so many steps away.
     pub(crate) fn beside(&mut self, x: f64, steps: usize) -> f64 {
         let step = self.below(2 * steps + 1) as i64 - steps as i64;
-        f64::from_bits(x.to_bits().wrapping_add_signed(step))
+        let near = f64::from_bits(x.to_bits().wrapping_add_signed(step));
+        // Beyond the largest double nothing is a number.
+        if near.is_finite() { near } else { x }
     }
 }
 

@@ -153,12 +153,12 @@ impl Div for Wide {
 
 /// A complex number of wide ones.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Complex {
+pub(crate) struct WideComplex {
     pub(crate) re: Wide,
     pub(crate) im: Wide,
 }
 
-impl Complex {
+impl WideComplex {
     pub(crate) fn conj(self) -> Self {
         Self { re: self.re, im: -self.im }
     }
@@ -172,7 +172,7 @@ impl Complex {
     }
 }
 
-impl Add for Complex {
+impl Add for WideComplex {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -180,7 +180,7 @@ impl Add for Complex {
     }
 }
 
-impl Sub for Complex {
+impl Sub for WideComplex {
     type Output = Self;
 
     fn sub(self, other: Self) -> Self {
@@ -188,7 +188,7 @@ impl Sub for Complex {
     }
 }
 
-impl Mul for Complex {
+impl Mul for WideComplex {
     type Output = Self;
 
     fn mul(self, other: Self) -> Self {
