@@ -16,7 +16,8 @@ pub struct General {
 }
 
 impl General {
-    /// The transmission to the output of the last of these joints.
+    /// The transmission to the output of the last of `n` joints, from `n` bends, `n − 1` twists and
+    /// `n − 1` phases in rad.
     pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
         let turns = phases.iter().zip(twists).map(|(phase, twist)| phase - twist + FRAC_PI_2);
         let turns = std::iter::once(0.0).chain(turns);

@@ -140,7 +140,7 @@ impl<T: Real> JointConstants<T> {
 }
 
 impl JointConstants<f64> {
-    /// The constants of a joint with doubles.
+    /// The constants of a joint in double precision.
     pub(crate) fn of_doubles(joint: &Joint) -> Self {
         let Joint { cos, cos2, sin2, versine, inverse_exsecant, .. } = *joint;
         Self { cos, cos2, sin2, versine, inverse_exsecant }
@@ -280,13 +280,15 @@ pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     (ratio, T::from_f64(-2.0) * joint.sin2 * (s * c * inverse) * ratio)
 }
 
-/// Jerk ratio, the derivative of the acceleration ratio by the drive angle,
-/// `2 cos β sin² β (s⁴ + 3 sin² β s² c² − cos² β c⁴) (s² + c²)/(c² cos² β + s²)³` (derived here from the
-/// speed ratio); it vanishes where both parts of the bracket are alike.
+/// Jerk ratio, the derivative of the acceleration ratio with respect to the drive angle (derived
+/// here from the speed ratio):
 ///
-/// The cube would triple the roundings of the denominator and of its inverse, and the difference
-/// keeps those of the squares. Fused multiply-adds find what these roundings are and take them off
-/// again; what remains is four times the rounding of the tangent `s/c`.
+/// `2 cos β sin² β (s⁴ + 3 sin² β s² c² − cos² β c⁴) (s² + c²)/(c² cos² β + s²)³`.
+///
+/// It vanishes where both parts of the bracket are equal. The cube triples the rounding errors of
+/// the denominator and of its reciprocal, and the difference retains those of the squares. Fused
+/// multiply-adds compute these errors, and the result is corrected for them. The remaining error is
+/// four times the rounding of the tangent `s/c`.
 #[inline(always)]
 pub(crate) fn jerk_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
     let (s2, c2) = (s.square(), c.square());

@@ -39,7 +39,8 @@ pub struct Ideal {
 }
 
 impl Ideal {
-    /// The transmission to the output of the last of these joints.
+    /// The transmission to the output of the last of `n` joints, from `n` bends, `n − 1` twists and
+    /// `n − 1` phases in rad.
     ///
     /// ```
     /// use cardan::Ideal;

@@ -27,9 +27,8 @@ use crate::sincos::array::DriveAngles;
 /// Samples per chunk. The buffers for so many samples stay in the first-level cache, or nearly.
 pub(crate) const CHUNK: usize = 1024;
 
-/// Samples per chunk with a load, which has more buffers. It also limits the groups of a sweep,
-/// which must not depend on the load.
-pub(crate) const SHORT_CHUNK: usize = CHUNK / 2;
+/// Samples per chunk with a load, which has more buffers.
+const SHORT_CHUNK: usize = CHUNK / 2;
 
 /// Samples per chunk of a long sweep that is computed by rotations without staging buffers.
 const LONG_CHUNK: usize = 16 * CHUNK;
@@ -156,7 +155,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             *cursor = self.shared.table.locate(&column.strides, row);
         }
         // Values that all samples of the row share are gathered once, not chunk by chunk.
-        for index in self.loads() {
+        for index in self.load_columns() {
             if let (origin, 0) = self.scratch.cursors[index] {
                 self.scratch.gathered[index].fill(self.shared.table.columns[index].data[origin]);
             }
@@ -185,7 +184,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     }
 
     /// The columns of the load that the plan needs: only inertias need speed and acceleration.
-    fn loads(&self) -> Range<usize> {
+    fn load_columns(&self) -> Range<usize> {
         match &self.shared.plan.load {
             None => 0..0,
             Some(load) if load.stations.iter().any(|station| station.absorbs) => {
@@ -206,7 +205,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             self.scratch.keep_errors(self.shared.plan, stop - start);
         }
         if let Target::Reduced(reduction, ..) = target
-            && let Some(selected) = self.extremes(part.row, start..stop, *reduction)
+            && let Some(selected) = self.extreme_samples(part.row, start..stop, *reduction)
         {
             for samples in selected.chunks(self.chunk_length) {
                 self.chunk(part, 0..samples.len(), Some(samples), row_in_block, target);
@@ -249,7 +248,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     }
 
     /// The samples that can have the smallest or largest value, if they are few.
-    fn extremes(
+    fn extreme_samples(
         &self,
         row: usize,
         samples: Range<usize>,
@@ -281,7 +280,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         row_in_block: usize,
         target: &mut Target<'_, '_, W>,
     ) {
-        let loads = self.loads();
+        let loads = self.load_columns();
         let Self { shared, scratch, .. } = self;
         let &Shared { plan, table, level, ref routes, ref tables, .. } = *shared;
         let rotations = tables.rotations.as_ref();

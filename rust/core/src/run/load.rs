@@ -16,7 +16,7 @@ use crate::sincos::array::SinCos;
 
 /// Torques and moments for one chunk, in order from the end where the torque is given.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_load<T: Number, W: Float>(
     plan: &Plan,
     load: &LoadStep,
@@ -36,7 +36,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
         End::Drive => None,
         End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
     };
-    map::spread(column(TORQUE), first, power.view_mut(size));
+    map::from_doubles(column(TORQUE), first, power.view_mut(size));
     for station in &load.stations {
         let absorb = |sign: f64, power: ViewMut<'_, T>| {
             if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
@@ -106,11 +106,11 @@ fn run_bending<T: Number, W: Float>(
 ) {
     if let Some(plane) = step.planes.get(Output::BendingDriving) {
         let out = &mut *planes[plane];
-        map::size::<T>(at, Pose::bending_driving, pins, torsion, out);
+        map::magnitude::<T>(at, Pose::bending_driving, pins, torsion, out);
     }
     if let Some(plane) = step.planes.get(Output::BendingDriven) {
         let out = &mut *planes[plane];
-        map::size::<T>(at, Pose::bending_driven, pins, torsion, out);
+        map::magnitude::<T>(at, Pose::bending_driven, pins, torsion, out);
     }
 }
 

@@ -193,7 +193,7 @@ pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>)
 
 /// A column of doubles, multiplied by another column if there is one.
 #[inline(always)]
-pub(crate) fn spread<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_, T>) {
+pub(crate) fn from_doubles<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_, T>) {
     match b {
         Some(b) => {
             let b = b.cut(a.len());
@@ -274,9 +274,9 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
 
 /// A scalar per sample, from the pose and the torsion.
 #[inline(always)]
-pub(crate) fn size<T: Real>(
+pub(crate) fn magnitude<T: Real>(
     at: impl Fn(usize) -> Pose<T>,
-    size_of: impl Fn(&Pose<T>, T, T, T) -> T,
+    formula: impl Fn(&Pose<T>, T, T, T) -> T,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
     out: impl Sink<T>,
@@ -286,7 +286,7 @@ pub(crate) fn size<T: Real>(
         pins,
         out,
         #[inline(always)]
-        |i, s, c| size_of(&at(i), torsion.get(i), s, c),
+        |i, s, c| formula(&at(i), torsion.get(i), s, c),
     );
 }
 

@@ -20,7 +20,7 @@ use crate::sincos::rotation::{RotatedSinCos, Rotations};
 
 /// Motion of every shaft of the plan and tilts of every joint, for one chunk.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "what one chunk reads and writes")]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_motion<T: Number, W: Float>(
     plan: &Plan,
     routes: &Routes,
@@ -139,7 +139,7 @@ fn run_drive_shaft<T: Number, W: Float>(
 /// Outputs of one shaft. Each is stored directly in its plane; values that the load or a later
 /// period needs as well pass through a buffer.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, reason = "what one shaft reads and writes")]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
 fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     step: &ShaftStep,
     range: AtanRange,

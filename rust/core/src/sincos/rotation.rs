@@ -1,5 +1,5 @@
 //! Sine and cosine of twice the angles of a long sweep, rotated by whole steps from the middle of a
-//! group of samples. No sample computes a sine.
+//! group of samples, so that no sine is computed per sample.
 
 use std::f64::consts::FRAC_PI_2;
 
