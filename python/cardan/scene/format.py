@@ -12,8 +12,8 @@ import cardan.scene.values as kinds
 from cardan.driveline import Driveline
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
-from cardan.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.axis_rules import Values
+from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.units import RPM
 
 

@@ -16,13 +16,13 @@ from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
-from cardan.reductions import CLOSED_FORMS, reduced
 from cardan.request import Reduction
 from cardan.scene.axes import Axis as Axis
 from cardan.scene.axes import per_row, put, values_at
 from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load
+from cardan.scene.reductions import CLOSED_FORMS, reduced
 from cardan.scene.values import VECTORS
 from cardan.sweep import Sweep
 

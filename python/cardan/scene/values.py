@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
-from cardan.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
+from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.rules import (
     FileName,
     ListOf,
