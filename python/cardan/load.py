@@ -79,7 +79,7 @@ class Load:
         if inertias is not None and speed is speed_rpm is acceleration is None:
             raise ArgumentValueError(
                 "inertias",
-                "has neither a speed nor an acceleration beside it; inertias need one of them",
+                "are given without a speed or an acceleration; inertias need one of them",
             )
         for name, value in values.items():
             kept = value.copy() if isinstance(value, np.ndarray) else value

@@ -375,7 +375,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("load") + "inertias_kgm2 = [0, 1]",
         4,
-        "[load] inertias_kgm2 has neither a speed nor an acceleration beside it; "
+        "[load] inertias_kgm2 are given without a speed or an acceleration; "
         "inertias need one of them",
     ),
     (

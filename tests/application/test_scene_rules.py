@@ -80,7 +80,8 @@ ACROSS_KEYS = (
     # Sizes.
     r" a sweep takes at most \d+ steps$",
     r" makes the study .* rows; it takes at most \d+: ",
-    # Sections that others need.
+    # Keys and sections that others need.
+    r"inertias_kgm2 are given without a speed or an acceleration; ",
     r"quantities\[\d+\] is '\w+'; it needs a section \[load\]$",
     r"table needs a section \[study\], reduce or closed_forms$",
     r"table is '.*'; that is the file of the curves$",

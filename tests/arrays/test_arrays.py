@@ -290,7 +290,7 @@ def test_every_argument_is_called_by_its_name(name: str, make: Any) -> None:  # 
         (
             lambda: Load(inertias=[0, 1], drive_torque=1.0),
             ValueError,
-            "inertias has neither a speed nor an acceleration beside it",
+            "inertias are given without a speed or an acceleration",
         ),
         (
             lambda: Load(speed=1.0, speed_rpm=1.0),
