@@ -186,7 +186,7 @@ class Plan:
         rows: tuple[int, ...],
         workers: int | None,
     ) -> Result:
-        """Evaluate into arrays that are there: as they are, if all are plain ones."""
+        """Evaluate into existing arrays, without a copy if their layout allows it."""
         # What is a dictionary is known at once, other mappings are looked up.
         if isinstance(out, (dict, Mapping)) and out.keys() == self.places.keys():
             alone, dtype, wanted = self._scalar_outputs, self.dtype, rows
