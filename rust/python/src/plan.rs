@@ -122,7 +122,7 @@ impl NativePlan {
             }
         }
         let items = shaft_items.len().saturating_add(joint_items.len());
-        check_memory(lines.get().joints().saturating_add(items).saturating_mul(1024))?;
+        check_memory(lines.get().joints().saturating_add(items).saturating_mul(2048))?;
         let outputs = outputs.iter().map(|name| quantity(&name.extract::<PyBackedStr>()?));
         let outputs = outputs.collect::<PyResult<Vec<_>>>()?;
         let request = Request {
