@@ -190,6 +190,12 @@ def size_of(path: Path) -> int:
     return 0
 
 
+def _heed_signals() -> None:
+    """Undo what a parent may have told its children to ignore, as ``nohup`` does."""
+    for heeded in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
+        signal.signal(heeded, signal.SIG_DFL)
+
+
 @contextlib.contextmanager
 def writing_a_table(folder: Path) -> Iterator[subprocess.Popen[str]]:
     """A process that is in the midst of a long table."""
