@@ -205,9 +205,9 @@ def native(given: Input) -> None:
             single,
             reduction,
         )
-        if given.ConsumeBool():
-            plan.explain(given.ConsumeBool(), given.ConsumeBool())
         sweep = _core.Sweep((0.0, 1.0), given.ConsumeIntInRange(1, 9), 0)
+        if given.ConsumeBool():
+            plan.explain(tuple(given.counts()), sweep if given.ConsumeBool() else None)
         shape = given.counts() if given.ConsumeBool() else [given.ConsumeIntInRange(0, 9)]
         word = np.float32 if single and reduction is None else np.float64
         plan.run(
