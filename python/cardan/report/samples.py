@@ -10,13 +10,14 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.rounding import first_peak
 from cardan.load import Load
 from cardan.outputs import Output
 from cardan.scene.angles import Angles
 from cardan.scene.scene import Scene, SceneResult
 
 NOMINAL_TORQUE = 100.0
-"""Drive torque in N m that stands in where a scene gives neither torques nor inertias in motion."""
+"""Drive torque in N m that is assumed where a scene gives no torque and no inertia in motion."""
 
 _PER_TURN = 720
 
@@ -24,7 +25,7 @@ _PER_TURN = 720
 _MOST = 2000
 
 _MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
-_LOADED = ("torque", "support_moment", "moment")
+_LOADED = ("torque", "support_moment", "bending_driving", "bending_driven")
 
 _MOST_CURVES = 6
 
@@ -61,19 +62,21 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class Peak:
-    """Where a shaft's support moment is largest.
+    """Where a quantity of a shaft or joint is largest.
 
     Attributes:
-        item: the shaft.
-        size: of the moment in N m.
+        output: the quantity.
+        item: the shaft or joint.
+        size: magnitude, in the unit of the output.
         at_deg: drive angle in degrees of the first such sample; ``None`` where all are alike.
-        vector: the moment there, ``(3,)``.
+        vector: the components there, ``(3,)``; ``None`` of a scalar.
     """
 
+    output: Output
     item: int
     size: float
     at_deg: float | None
-    vector: FloatArray
+    vector: FloatArray | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +85,7 @@ class Samples:
 
     Attributes:
         result: motion of all shafts, torques and moments at every sample.
-        nominal: whether ``NOMINAL_TORQUE`` stands in for the load.
+        nominal: whether ``NOMINAL_TORQUE`` is assumed for the load.
         shown: which of the samples the curves and the drawing show.
     """
 
@@ -105,21 +108,34 @@ class Samples:
         """Largest torque in any shaft in N m."""
         return float(np.max(np.abs(self.result.values["torque"])))
 
-    def support_peaks(self) -> Iterator[Peak]:
-        """Yield the peak of every shaft's support moment over all samples."""
-        noise = _ROUNDING * self.largest_torque
-        for shaft, moments in enumerate(self.result.values["support_moment"]):
-            sizes = np.linalg.norm(moments, axis=-1)
-            size = float(np.max(sizes))
-            # The first of equal peaks, however they are rounded.
-            place = int(np.argmax(sizes >= (1.0 - 1e-9) * size))
+    @property
+    def assumed(self) -> str:
+        """What loads are for, where the scene gives none: an ending of their headings."""
+        return (
+            f", for an assumed drive torque of {NOMINAL_TORQUE:g}\u00a0N\u00a0m"
+            if self.nominal
+            else ""
+        )
+
+    def peaks(self) -> Iterator[Peak]:
+        """Yield the largest magnitude of every quantity of every shaft and joint."""
+        for output, item, values in self.result.curves():
+            sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
+            noise = _ROUNDING * (self.largest_torque if output.needs_load else 1.0)
+            place, all_alike = first_peak(sizes)
+            size = float(sizes[place])
+            vector = None
+            if output.vector:
+                vector = np.where(np.abs(values[place]) > noise, values[place], 0.0)
             if size <= noise:
-                yield Peak(shaft, 0.0, None, np.zeros(3))
+                yield Peak(output, item, 0.0, None, vector)
             else:
-                same = np.ptp(sizes) <= 1e-9 * size
-                at = None if same else float(self.result.scene.drive_angle_deg[place])
-                vector = np.where(np.abs(moments[place]) > noise, moments[place], 0.0)
-                yield Peak(shaft, size, at, vector)
+                at = None if all_alike else float(self.result.scene.drive_angle_deg[place])
+                yield Peak(output, item, size, at, vector)
+
+    def support_peaks(self) -> list[Peak]:
+        """Return the peak of every shaft's support moment."""
+        return [peak for peak in self.peaks() if peak.output.name == "support_moment"]
 
     def panels(self) -> list[Panel]:
         """Return the charts, a quantity each, of the samples shown."""
@@ -135,13 +151,15 @@ class Samples:
             heading, unit, factor = output.label, output.unit, 1.0
             scale = self.largest_torque if output.needs_load else 1.0
             if output.vector:
-                heading += ", size"
+                heading += ", magnitude"
             if unit == "rad":
                 unit, factor = "deg", math.degrees(1.0)
             if output.name == "acceleration_ratio" and scene.speed:
                 heading, unit, factor = "acceleration", "rad/s²", scene.speed**2
-                heading += " at steady drive" if scene.accelerates else ""
+                heading += " at constant drive speed" if scene.accelerates else ""
                 scale = factor
+            if output.needs_load:
+                heading += self.assumed
             # The last shaft is what a driveline is there for.
             always = scene.line.n_joints if output.per == "shaft" else None
             by_size = sorted(curves, key=lambda item: (item == always, np.ptp(curves[item])))

@@ -1,0 +1,81 @@
+"""Names of a scene's keys and of a study's figures in words, with their units."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from cardan.outputs import OUTPUTS
+from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
+from cardan.scene.study import Column
+from cardan.scene.units import ENDINGS, split
+
+# What an entry of a list is, of what, and the number of the first one.
+_ENTRIES: Mapping[str, tuple[str, str, int]] = MappingProxyType(
+    {
+        "bends": ("bend", "joint", 0),
+        "twists": ("twist", "shaft", 1),
+        "phases": ("phase", "shaft", 1),
+        "points": ("", "point", 0),
+        "directions": ("direction", "shaft", 0),
+        "slopes_vertical": ("slope in side view", "shaft", 0),
+        "slopes_horizontal": ("slope in top view", "shaft", 0),
+        "projected_bends_vertical": ("bend in side view", "joint", 0),
+        "projected_bends_horizontal": ("bend in top view", "joint", 0),
+        "inertias": ("inertia", "shaft", 0),
+    }
+)
+
+_REDUCED = MappingProxyType({"peak": "largest", "min": "minimum", "max": "maximum"})
+
+
+def key_name(key: str) -> str:
+    """Return what a scene's key is.
+
+    >>> key_name("phases_deg.0")
+    'phase, shaft 1 [deg]'
+    >>> key_name("points_mm.2-3.y")
+    'points 2 to 3, y [mm]'
+    """
+    name, *places = key.split(".")
+    quantity, ending = split(name)
+    entry, of, first = _ENTRIES.get(quantity, (quantity, "", 0))
+    words = [entry if places else quantity.replace("_", " ")]
+    for place in places:
+        ends = place.split("-")
+        numbered = all(end.isdecimal() for end in ends)
+        numbers = " to ".join(str(first + int(end)) for end in ends) if numbered else place
+        several = "s" if len(ends) > 1 else ""
+        words.append(f"{of}{several} {numbers}" if numbered else place)
+    return ", ".join(filter(None, words)) + _bracketed(ENDINGS[ending].symbol if ending else "")
+
+
+def column_name(column: Column) -> str:
+    """Return what a figure of a study is, angles in degrees.
+
+    >>> column_name(Column("moment_0_x_mean", "N m"))
+    'mean moment, joint 0, x [N m]'
+    """
+    unit = {"rad": "deg", "1": ""}.get(column.unit, column.unit)
+    return _figure(column.name) + _bracketed(unit)
+
+
+def _figure(name: str) -> str:
+    closed = re.fullmatch(rf"({'|'.join(CLOSED_FORMS)})(?:_(\d+))?", name)
+    if closed:
+        words = closed[1].replace("min_", "smallest ").replace("max_", "largest ")
+        words = words.replace("non_uniformity", "non-uniformity U").replace("_", " ")
+        return words + (f", shaft {closed[2]}" if closed[2] else "")
+    pattern = rf"({'|'.join(OUTPUTS)})(?:_(\d+))?(?:_([xyz]))?_({'|'.join(REDUCTIONS)})"
+    found = re.fullmatch(pattern, name)
+    if not found:
+        return name.replace("_", " ")
+    output = OUTPUTS[found[1]]
+    words = f"{_REDUCED.get(found[4], found[4])} {output.label}"
+    words += f", {output.per} {found[2]}" if found[2] else ""
+    return words + (f", {found[3]}" if found[3] else "")
+
+
+def _bracketed(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
