@@ -118,7 +118,7 @@ Write a commented scene that runs as it stands; an existing file stays as it is.
 
 \b
 KIND is one of
-{chr(10).join(f"  {kind:10}{starter.meaning}" for kind, starter in STARTERS.items())}
+{chr(10).join(f"  {kind:13}{starter.meaning}" for kind, starter in STARTERS.items())}
 
 \b
 Examples:
