@@ -15,7 +15,6 @@ from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.units import RPM
-from cardan.workshop import VIEW
 
 
 @dataclass(frozen=True)
@@ -108,13 +107,13 @@ FORMS = (
 """The ways to describe a driveline, of which a scene uses exactly one."""
 
 _DRIVELINE = Section(
-    "joints and shafts, described in exactly one way; needed",
+    "joints and shafts, required; give exactly one description",
     {
         "bends_deg": Key(kinds.BENDS, "bend of each joint, in [0, 90)", "bends"),
         "twists_deg": Key(
             kinds.NUMBERS,
-            "with bends_deg: turn from bend plane to bend plane about each shaft between two "
-            f"joints, clockwise {VIEW}; default 0",
+            "with bends_deg: angle from one bend plane to the next about each intermediate "
+            "shaft, clockwise looking from the drive towards the output; default 0",
             "twists",
         ),
         "points_m": Key(
@@ -122,15 +121,17 @@ _DRIVELINE = Section(
         ),
         "points_mm": Key(kinds.VECTORS, "the same in mm", "points"),
         "directions": Key(
-            kinds.VECTORS, "along each shaft, any length, in right-handed axes", "directions"
+            kinds.VECTORS,
+            "a vector of any length along each shaft, in right-handed axes",
+            "directions",
         ),
         "slopes_vertical_deg": Key(
             kinds.SLOPES, "slope of each shaft in side view, positive upwards", "vertical"
         ),
         "slopes_horizontal_deg": Key(
             kinds.SLOPES,
-            f"slope of each shaft in top view, positive to the right {VIEW}: towards the "
-            "vehicle's left if its drive is in front",
+            "slope of each shaft in top view, positive to the right, looking from the drive "
+            "towards the output: towards the vehicle's left if its drive is in front",
             "horizontal",
         ),
         "projected_bends_vertical_deg": Key(
@@ -146,8 +147,8 @@ _DRIVELINE = Section(
         ),
         "phases_deg": Key(
             kinds.NUMBERS,
-            "turn of the output-side yoke against the input-side one on each shaft between "
-            f"two joints, clockwise {VIEW}; default 0",
+            "angle from the input-side to the output-side yoke of each intermediate shaft, "
+            "clockwise looking from the drive towards the output; default 0",
             "phases",
         ),
         TEETH: Key(
