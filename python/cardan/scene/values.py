@@ -13,6 +13,7 @@ from cardan.scene.rules import (
     ListOf,
     Number,
     OneOf,
+    OneOrEach,
     OneOrMore,
     Rule,
     Text,
@@ -52,6 +53,7 @@ VECTORS = Kind("vectors", ListOf(_VECTOR, "vectors [x, y, z]"))
 QUANTITIES = Kind("names", ListOf(OneOf(tuple(OUTPUTS)), "names", distinct=True))
 CLOSED = Kind("names", ListOf(OneOf(tuple(CLOSED_FORMS)), "names", distinct=True))
 REDUCED = Kind("name or names", OneOrMore(OneOf(REDUCTIONS), "names"))
+TEETH = Kind("whole number(s)", OneOrEach(Whole(1, most=1000), "whole numbers"))
 INDICES = Kind("whole numbers", ListOf(Whole(0), "whole numbers", distinct=True))
 TOLERANCE = Kind("number", Number(0, 1, below=True))
 DTYPE = Kind("name", OneOf(("float64", "float32")))
