@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.figures.extremes import study_data
+from cardan.figures.extremes import extremes
 from cardan.figures.rounding import alike
 from cardan.report.charts import chart, number
 from cardan.report.samples import Curve, Panel
@@ -21,21 +22,21 @@ _MOST_CHARTS, _MOST_CURVES, _MOST_POINTS = 12, 5, 1000
 
 def study(result: StudyResult) -> dict[str, Any]:
     """Return tables and charts of a study as plain data for the page."""
-    data = study_data(result)
     keys = [f"at {axis.key}" for axis in result.axes]
     rows = []
-    for name, found in data["figures"].items():
-        cells = [name]
-        low, high = found["least"], found["largest"]
+    for found in extremes(result):
+        cells = [found.name]
+        low, high = found.least.value, found.largest.value
         ends, same = ("not finite", "not finite"), False
-        if low is not None and high is not None:
+        if math.isfinite(low) and math.isfinite(high):
             same = alike(low, high)
             ends = (figure_text(low), figure_text(high)) if same else range_ends(low, high)
-        for which, end in zip(("least", "largest"), ends, strict=True):
-            cells.append(end)
-            at = found.get(f"{which}_at", {})
-            placed = at and not same
-            cells += [f"{at[axis.key]:.6g}" if placed else "" for axis in result.axes]
+        for text, end in zip(ends, (found.least, found.largest), strict=True):
+            cells.append(text)
+            places = {} if same else end.at
+            cells += [
+                f"{places[axis.key]:.6g}" if axis.key in places else "" for axis in result.axes
+            ]
         rows.append(cells)
     tables = [Table("Extremes", ("Figure", "Least", *keys, "Largest", *keys), rows)]
     if result.axes:

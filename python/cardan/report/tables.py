@@ -14,7 +14,7 @@ from cardan.figures.summary import summary
 from cardan.report.samples import NOMINAL_TORQUE, Samples
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.units import RPM
-from cardan.words.summary import figure_text, row_text
+from cardan.words.summary import figure_text, summary_lines
 from cardan.workshop import turn
 
 
@@ -85,7 +85,8 @@ def inputs(scene: Scene) -> dict[str, Table]:
 
 def results(result: SceneResult, samples: Samples) -> list[Table]:
     """Return the scene's own table, the loads shaft by shaft and the harmonics."""
-    rows = [(row.label[0].upper() + row.label[1:], row_text(row)) for row in summary(result)]
+    lines = summary_lines(summary(result))
+    rows = [(label[0].upper() + label[1:], text) for label, text in lines]
     found = [Table("Summary, as cardan run prints it", ("What", "Value"), rows)]
     torques = samples.result.values["torque"]
     loads = []
