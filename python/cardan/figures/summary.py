@@ -13,7 +13,7 @@ from cardan.arrays import FloatArray
 from cardan.equivalent import EquivalentJoint
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import CANCELLED, first_peak, is_cancelled
-from cardan.figures.turn_extremes import peak
+from cardan.figures.turn_extremes import magnitudes, peak
 from cardan.outputs import OUTPUTS, Output
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.units import RPM, ending_of, in_degrees
@@ -154,12 +154,16 @@ def _recorded(result: SceneResult) -> Iterator[Row]:
                 value = float(find(shown))
                 yield Row(output.name, "shaft", item, statistic, value, unit, "samples")
         elif output.needs_load:
-            sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
+            sizes = magnitudes(output, values)
             place, everywhere = first_peak(sizes)
             value, at = float(np.nanmax(sizes)), None if everywhere else float(degrees[place])
             if value <= noise:
                 value, at = 0.0, None
             yield Row(output.name, output.per, item, "peak", value, output.unit, "samples", at)
+
+
+# Statistic, speed ratio, driving angle of the equivalent joint.
+_End = tuple[Statistic, float, float]
 
 
 def _motion(scene: Scene) -> Iterator[Row]:
@@ -188,7 +192,7 @@ def _shaft_motion(scene: Scene, shaft: int) -> Iterator[Row]:
 
     # Driving angles of the equivalent joint; the error is largest where tan**2 = cos(bend).
     lead, steep = math.atan(math.sqrt(slowest)), _steepest(joint)
-    ends = (("min", slowest, math.pi / 2), ("max", fastest, 0.0))
+    ends: list[_End] = [("min", slowest, math.pi / 2), ("max", fastest, 0.0)]
     yield row("angle_error", "peak", error, "deg", (lead, -lead))
     for statistic, ratio, place in ends:
         yield row("speed_ratio", statistic, ratio, "", (place,))

@@ -12,13 +12,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.load import Load
-from cardan.outputs import OUTPUTS
+from cardan.outputs import OUTPUTS, Output
 
 # Steps of half a turn. The quantities have at most some four periods in it, so a peak and the
 # sample next to it differ by less than a hundredth, and no peak below _NEAR is the largest.
@@ -64,14 +65,24 @@ def peak(line: Driveline, name: str, item: int, load: Load | None = None) -> Pea
         load: a constant load, if the output needs one.
     """
     output = OUTPUTS[name]
-    which = {f"{output.per}s": item}
+    which: dict[str, Any] = {f"{output.per}s": item}
 
     def sizes(angles: FloatArray) -> FloatArray:
-        values = line.evaluate(angles, name, load=load, **which)[name]
-        return np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
+        return magnitudes(output, line.evaluate(angles, name, load=load, **which)[name])
 
     angles = _half_turn(line)
     return _largest(sizes, angles, sizes(angles))
+
+
+def magnitudes(output: Output, values: FloatArray) -> FloatArray:
+    """Return the magnitudes of an output's values; of vectors, which are rows, the lengths."""
+    if not output.vector:
+        return np.abs(values)
+    x, y, z = np.moveaxis(values, -1, 0)
+    # Unlike the root of a sum of squares this is infinite only where the length is.
+    with np.errstate(over="ignore"):
+        found: FloatArray = np.hypot(np.hypot(x, y), z)
+    return found
 
 
 def _half_turn(line: Driveline) -> FloatArray:

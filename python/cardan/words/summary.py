@@ -61,7 +61,8 @@ def over_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
             f"; the scene sweeps {swept}" if _is_short(drive_angles) else ""
         )
     known = drive_angles["samples"] - drive_angles["missing_samples"]
-    return f"In these {known} samples, drive angles {angles_text(drive_angles, radians=radians)}"
+    text = f"In these {known} samples, {angles_text(drive_angles, radians=radians)}"
+    return textwrap.fill(text, 79, subsequent_indent="  ")
 
 
 def angles_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
@@ -75,7 +76,7 @@ def angles_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> st
 
 def _is_short(drive_angles: Mapping[str, Any]) -> bool:
     """Whether a sweep may pass by an extreme."""
-    return drive_angles["source"] == "sweep" and drive_angles["turns"] < 0.5
+    return bool(drive_angles["source"] == "sweep" and drive_angles["turns"] < 0.5)
 
 
 def notes_text(
@@ -116,7 +117,7 @@ def summary_lines(rows: Iterable[Row], *, radians: bool = False) -> list[tuple[s
     lines = []
     for (quantity, statistic), group in groupby(rows, key=_about):
         found = list(group)
-        items = sorted({row.item for row in found})
+        items = list(dict.fromkeys(row.item for row in found))
         several = len(items) > 1
         # A place belongs to each of the loads, which lie apart; a range to each recorded one.
         apart = quantity in OUTPUTS and OUTPUTS[quantity].needs_load
@@ -209,7 +210,7 @@ def range_ends(low: float, high: float) -> tuple[str, str]:
 def figure_text(value: float) -> str:
     """Four significant digits, without an exponent where that is readable."""
     if value == 0.0 or not math.isfinite(value):
-        return f"{value:g}"
+        return f"{value + 0.0:g}"
     exponent = math.floor(math.log10(abs(value)))
     if not -5 < exponent < 7:
         return f"{value:.3e}"
