@@ -114,8 +114,8 @@ def test_scene_without_files(tmp_path: Path) -> None:
     path.write_text("[driveline]\nbends_deg = [8.5]\n")
     result = run("run", path, "--into", tmp_path)
     assert result.exit_code == 0
-    assert result.output.startswith("bend ")
-    assert result.output.endswith("shafts 0, 1.\n")
+    assert result.output.startswith("Driveline\n  bend, joint 0 ")
+    assert result.output.endswith("shafts 0 and 1. Each extreme recurs every 180°.\n")
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -211,19 +211,23 @@ def test_json_in_both_units(into: Path) -> None:
     foeppl = next(path for path in EXAMPLES if path.stem == "foeppl")
     degrees = json.loads(run("run", foeppl, "--into", into, "--json").output)
     radians = json.loads(run("run", foeppl, "--into", into, "--json", "--radians").output)
-    by_label = [{row["label"]: row for row in data["summary"]} for data in (degrees, radians)]
-    assert by_label[0]["bend"] == {"label": "bend", "values": [8.5], "unit": "deg"}
-    for label, in_degrees in by_label[0].items():
-        in_radians = by_label[1][label]
-        if in_degrees["unit"] == "deg":
-            assert in_radians["unit"] == "rad"
-            assert in_radians["values"] == pytest.approx(
-                list(map(math.radians, in_degrees["values"]))
-            )
-        else:
-            assert in_radians["values"] == in_degrees["values"]
-        if "at_deg" in in_degrees:
-            assert in_radians["at_rad"] == pytest.approx(math.radians(in_degrees["at_deg"]))
+    assert degrees["rows"][0] == {
+        "quantity": "bend",
+        "joint": 0,
+        "statistic": "value",
+        "of": "driveline",
+        "value_deg": 8.5,
+    }
+    for in_degrees, in_radians in zip(degrees["rows"], radians["rows"], strict=True):
+        turned = {
+            key.replace("_deg", "_rad"): math.radians(value) if key.endswith("_deg") else value
+            for key, value in in_degrees.items()
+        }
+        assert in_radians.keys() == turned.keys()
+        for key, value in turned.items():
+            assert in_radians[key] == (pytest.approx(value) if key.endswith("_rad") else value)
+    assert degrees["drive_angles"]["last_deg"] == 360
+    assert radians["drive_angles"]["last_rad"] == pytest.approx(math.tau)
     head = (into / "foeppl.csv").read_text().splitlines()[0].split(",")
     assert head[:2] == ["drive_angle_rad", "angle_error_rad"]
 
@@ -232,28 +236,63 @@ def test_study_as_json(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text("[driveline]\nbends_deg = [8]\n[study]\nbends_deg = [30, 10, 20]\n")
     study = json.loads(run("run", path, "--json").output)["study"]
-    assert (study["rows"], study["axes"]) == (3, {"bends_deg": 3})
-    bend = study["figures"]["equivalent_bend_deg"]
-    assert bend["least"] == pytest.approx(10)
-    assert bend["largest"] == pytest.approx(30)
-    assert (bend["least_at"], bend["largest_at"]) == ({"bends_deg": 10}, {"bends_deg": 30})
+    assert study["drivelines"] == 3
+    assert study["axes"] == [{"key": "bends_deg", "values": 3, "min": 10, "max": 30}]
+    bend = study["figures"][0]
+    for which, degrees in (("least", 10), ("largest", 30)):
+        at = [{"key": "bends_deg", "value": degrees}]
+        assert bend.pop(which) == {"value_deg": pytest.approx(degrees), "at": at}
+    assert bend == {
+        "column": "equivalent_bend_deg",
+        "quantity": "equivalent_bend",
+        "shaft": 1,
+        "statistic": "value",
+        "of": "turn",
+    }
 
 
 def test_run_prints_a_study(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text(
-        "[driveline]\nbends_deg = [8]\n[load]\nspeed_rpm = 1\n"
+        "[driveline]\nbends_deg = [8]\n[load]\nspeed_rpm = 1\noutput_torque_Nm = 10\n"
         "[study]\nbends_deg = [30, 10, 20]\nspeed_rpm = [5, 6]\n"
-        "[output]\nclosed_forms = ['equivalent_bend']\n"
+        "[output]\nclosed_forms = ['equivalent_bend']\nquantities = ['torque', 'bending_driven']\n"
+        "[sweep]\nsamples_per_turn = 36\n"
     )
-    text = run("run", path).output.split("\n\n")
-    assert text[2].splitlines() == [
-        "study                3 x 2 = 6 drivelines",
-        "bends_deg            10 to 30",
-        "speed_rpm            5 to 6",
-        "equivalent_bend_deg  10.0 (10, 5) to 30.0 (30, 5)",
+    result = run("run", path)
+    assert result.stderr == ""
+    text = result.output.split("\n\n")
+    assert text[3].splitlines() == [
+        "Study of 6 drivelines, 3 x 2",
+        "  bends_deg  10 to 30",
+        "  speed_rpm  5 to 6",
     ]
-    assert text[3] == "In brackets: bends_deg, speed_rpm.\n"
+    # What does not depend on the speed is not placed at one.
+    assert text[4].splitlines() == [
+        "equivalent_bend_deg",
+        "  least    10.0 at bends_deg = 10",
+        "  largest  30.0 at bends_deg = 30",
+        "torque_peak_Nm            10.00",
+        "bending_driven_0_peak_Nm",
+        "  least    1.76 at bends_deg = 10",
+        "  largest  5.77 at bends_deg = 30",
+    ]
+    assert text[5].splitlines() == [
+        "Best driveline",
+        "  by equivalent_bend_deg, bending_driven_0_peak_Nm:",
+        "    bends_deg = 10",
+    ]
+    assert text[6].splitlines() == [
+        "Figures that end in peak are of samples, drive angles 0.00° to 360.00°, 1 turn",
+        "of 36 samples.",
+    ]
+    # Fewer are too few.
+    path.write_text(path.read_text().replace("36", "35"))
+    warning = "cardan: only 35 samples per turn; the largest values may lie between the samples\n"
+    assert run("run", path).stderr == warning
+    # Closed forms need none.
+    path.write_text("[driveline]\nbends_deg = [8]\n[sweep]\nsamples_per_turn = 4\n")
+    assert run("run", path).stderr == ""
 
 
 TRUCK = next(path for path in EXAMPLES if path.stem == "truck")
@@ -590,7 +629,9 @@ def test_missing_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     lines = Path("c.csv").read_text().splitlines()
     assert [i for i, line in enumerate(lines[1:]) if set(line.split(",")) == {"nan"}] == [0, 5, 36]
     assert [line for line in lines if "nan" not in line] == whole
-    assert json.loads(run("run", "gaps.toml", "--json").output)["missing_samples"] == 3
+    angles = json.loads(run("run", "gaps.toml", "--json").stdout)["drive_angles"]
+    assert (angles["samples"], angles["missing_samples"]) == (37, 3)
+    assert (angles["first_deg"], angles["last_deg"]) == (10.0, 350.0)
     assert "0 of 34" in run("check", "gaps.toml").output
     assert run("report", "gaps.toml").exit_code == 0
     page = Path("gaps.html").read_text()

@@ -134,8 +134,11 @@ Examples:
 SCHEMA = """\
 Print the JSON Schema of scenes, by which editors complete and check them.
 
+With "--answers": the schema of what "--json" prints.
+
 \b
 Examples:
   cardan schema
   cardan schema --output scene.schema.json
+  cardan schema --answers
 """
