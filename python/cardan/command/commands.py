@@ -34,7 +34,7 @@ from cardan.command.terminal import (
 )
 from cardan.errors import ArgumentValueError
 from cardan.figures.extremes import study_data
-from cardan.figures.limits import check_scene
+from cardan.figures.limits import check_data, check_scene
 from cardan.figures.summary import summary, summary_data
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
@@ -43,6 +43,7 @@ from cardan.report import write_report
 from cardan.scene import starters
 from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
+from cardan.words.limits import check_text
 from cardan.words.summary import study_text, summary_text
 from cardan.words.yokes import yoke_text
 
@@ -238,24 +239,8 @@ def commands() -> click.Group:
         loaded = Scene.load(scene)
         with progress_bar() as progress:
             found = check_scene(loaded, progress)
-        passes = bool(np.all(found.passes))
-        if as_json:
-            findings = [
-                {
-                    "name": finding.name,
-                    "worst": float(np.max(finding.value)),
-                    **({"worst_at": finding.worst_at} if finding.worst_at else {}),
-                    "limit": finding.limit,
-                    "maximum": finding.maximum,
-                    "unit": finding.unit,
-                    "passes": bool(np.all(finding.passes)),
-                }
-                for finding in found.findings
-            ]
-            say(as_json_text({"title": loaded.title, "passes": passes, "findings": findings}))
-        else:
-            say(str(found))
-        return 0 if passes else 1
+        say(as_json_text(check_data(loaded, found)) if as_json else check_text(found))
+        return 0 if np.all(found.passes) else 1
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")
     @scene_argument

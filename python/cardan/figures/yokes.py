@@ -27,7 +27,7 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
     # A yoke turned by 180 deg is the same yoke: the figure of the scene is that of the bench.
     phases = np.where(settings.sense == "counter-clockwise", -settings.angle, settings.angle)
     set_so = line.with_phases(best)
-    check = set_so.check(scene.speed or None)
+    check = set_so.check(scene.speed or None, scene.limits)
     return {
         "title": scene.title,
         "view": VIEW,

@@ -31,14 +31,15 @@ def _smooth(scene: Scene) -> dict[str, Any]:
     kept, unvaried = np.count_nonzero(found.passes), []
     if scene.study and scene.study.axes:
         verdict = f"{kept} of the study's {math.prod(scene.study.shape)} drivelines keep all limits"
-        unvaried = _findings(line.check(scene.speed or None))
+        unvaried = _findings(line.check(scene.speed or None, scene.limits))
     elif line.shape:
         verdict = f"{kept} of {math.prod(line.shape)} recorded samples keep all limits"
     elif kept:
         verdict = "It keeps all limits"
     else:
         wrong = sum(not finding.passes for finding in found.findings)
-        verdict = f"It is above {wrong} of {len(found.findings)} limits"
+        judged = sum(finding.limit is not None for finding in found.findings)
+        verdict = f"It is above {wrong} of {judged} limits"
     return {
         "good": bool(np.all(found.passes)),
         "verdict": verdict,
