@@ -35,7 +35,7 @@ from cardan.command.terminal import (
 )
 from cardan.errors import ArgumentValueError
 from cardan.figures.extremes import StudyTable
-from cardan.figures.limits import check_scene
+from cardan.figures.limits import check_data, check_scene
 from cardan.figures.run import run_data
 from cardan.figures.schema import answers_schema
 from cardan.figures.summary import drive_angles, summary
@@ -47,6 +47,7 @@ from cardan.scene import starters
 from cardan.scene.cluster import StudyFolder
 from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
+from cardan.words.limits import check_text
 from cardan.words.study import study_text
 from cardan.words.summary import few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
@@ -251,24 +252,8 @@ def commands() -> click.Group:
         loaded = Scene.load(scene)
         with progress_bar() as progress:
             found = check_scene(loaded, progress)
-        passes = bool(np.all(found.passes))
-        if as_json:
-            findings = [
-                {
-                    "name": finding.name,
-                    "worst": float(np.max(finding.value)),
-                    **({"worst_at": finding.worst_at} if finding.worst_at else {}),
-                    "limit": finding.limit,
-                    "maximum": finding.maximum,
-                    "unit": finding.unit,
-                    "passes": bool(np.all(finding.passes)),
-                }
-                for finding in found.findings
-            ]
-            say(as_json_text({"title": loaded.title, "passes": passes, "findings": findings}))
-        else:
-            say(str(found))
-        return 0 if passes else 1
+        say(as_json_text(check_data(loaded, found)) if as_json else check_text(found))
+        return 0 if np.all(found.passes) else 1
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")
     @scene_argument

@@ -91,7 +91,7 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
         ]
     # On splines, what can be set.
     set_best = line.with_phases(settings.get("on_teeth", best))
-    check = set_best.check(scene.speed or None)
+    check = set_best.check(scene.speed or None, scene.limits)
     return answer(
         "phase",
         scene.title,

@@ -40,7 +40,7 @@ def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
     if scene.study and scene.study.axes:
         total = math.prod(scene.study.shape)
         verdict = f"{within} of the study's {total} drivelines are within all limits"
-        unvaried = findings(line.check(scene.speed or None))
+        unvaried = findings(line.check(scene.speed or None, scene.limits))
     elif line.shape:
         verdict = f"{within} of {math.prod(line.shape)} recorded samples are within all limits"
     elif within:

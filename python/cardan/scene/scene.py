@@ -17,6 +17,7 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.files.recording import read_chunks
+from cardan.limits import Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
@@ -45,6 +46,7 @@ class Scene:
         title: heading, or "".
         line: the driveline; where its bends were recorded a batch, ``(samples,)``.
         load_case: its load, if any.
+        limits: what a check compares it with.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
         angle: the same to evaluate at: a sweep, or recorded angles in rad.
         quantities: outputs to evaluate.
@@ -63,6 +65,7 @@ class Scene:
     title: str
     line: Driveline
     load_case: Load | None
+    limits: Limits
     drive_angle_deg: FloatArray
     angle: FloatArray | Sweep
     quantities: tuple[str, ...]
@@ -240,6 +243,7 @@ class Scene:
             title=given[""].get("title", ""),
             line=line,
             load_case=load,
+            limits=Limits(**given.get("limits", {})),
             drive_angle_deg=angle.degrees,
             angle=angle.drive,
             quantities=quantities,
