@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
 from cardan.outputs import OUTPUTS
-from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.study import Column
 from cardan.scene.units import ENDINGS, split
 
@@ -54,27 +52,18 @@ def key_name(key: str) -> str:
 def column_name(column: Column) -> str:
     """Return what a figure of a study is, angles in degrees.
 
-    >>> column_name(Column("moment_0_x_mean", "N m"))
+    >>> column_name(Column("moment_0_x_mean", "N m", "moment", "joint", 0, "mean", "x"))
     'mean moment, joint 0, x [N m]'
     """
-    unit = {"rad": "deg", "1": ""}.get(column.unit, column.unit)
-    return _figure(column.name) + _bracketed(unit)
-
-
-def _figure(name: str) -> str:
-    closed = re.fullmatch(rf"({'|'.join(CLOSED_FORMS)})(?:_(\d+))?", name)
-    if closed:
-        words = closed[1].replace("min_", "smallest ").replace("max_", "largest ")
+    if column.statistic == "value":
+        words = column.quantity.replace("min_", "smallest ").replace("max_", "largest ")
         words = words.replace("non_uniformity", "non-uniformity U").replace("_", " ")
-        return words + (f", shaft {closed[2]}" if closed[2] else "")
-    pattern = rf"({'|'.join(OUTPUTS)})(?:_(\d+))?(?:_([xyz]))?_({'|'.join(REDUCTIONS)})"
-    found = re.fullmatch(pattern, name)
-    if not found:
-        return name.replace("_", " ")
-    output = OUTPUTS[found[1]]
-    words = f"{_REDUCED.get(found[4], found[4])} {output.label}"
-    words += f", {output.per} {found[2]}" if found[2] else ""
-    return words + (f", {found[3]}" if found[3] else "")
+    else:
+        statistic = _REDUCED.get(column.statistic, column.statistic)
+        words = f"{statistic} {OUTPUTS[column.quantity].label}"
+    words += f", {column.per} {column.item}"
+    words += f", {column.component}" if column.component else ""
+    return words + _bracketed({"rad": "deg", "1": ""}.get(column.unit, column.unit))
 
 
 def _bracketed(unit: str) -> str:

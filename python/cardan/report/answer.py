@@ -2,65 +2,68 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from cardan.check import Check
-from cardan.figures.yokes import yoke_settings
+from cardan.finding import counted
+from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.samples import Samples
 from cardan.report.tables import motion
 from cardan.scene.scene import Scene
+from cardan.words.advice import advice_text, arrangement_text
 from cardan.words.summary import figure_text, range_ends
-from cardan.words.yokes import phases_text, yoke_lines
+from cardan.words.yokes import phases_text, tooth_lines, yoke_lines
+from cardan.workshop import SAME_YOKE
 
 # Shafts that one reads in a list.
 _MOST = 8
 
+_SMOOTH = {
+    "within": "Yes",
+    "tolerable": "Tolerably",
+    "beyond": "No",
+    "unknown": "Unknown",
+    "not judged": "Unknown",
+}
 
-def answer(scene: Scene, samples: Samples, found: Check) -> dict[str, Any]:
+_SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the nearest teeth"}
+
+
+def answer(
+    scene: Scene, samples: Samples, found: Check, yokes: dict[str, Any] | None
+) -> dict[str, Any]:
     """Return the three answers as plain data for ``answer.html``.
 
     Args:
         scene: the scene.
         samples: the same evaluated for the page.
         found: its check, as ``check_scene`` makes it.
+        yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
     """
     return {
         "smooth": _smooth(scene, found),
         "bearings": _bearings(samples),
-        "yokes": _yokes(scene),
+        "yokes": _yokes(yokes) if yokes else None,
     }
 
 
 def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
-    line = scene.line
-    within, unvaried = np.count_nonzero(found.passes), []
+    line, verdict, unvaried = scene.line, verdict_of(found), []
+    words = f"{_SMOOTH[verdict]}. {found.heading}"
     if scene.study and scene.study.axes:
-        total = math.prod(scene.study.shape)
-        verdict = f"{within} of the study's {total} drivelines are within all limits"
-        unvaried = findings(line.check(scene.speed or None, scene.limits))
+        words = f"Drivelines of the study: {counted(found.ranks)}."
+        unvaried = groups(line.check(scene.speed or None, scene.limits))
     elif line.shape:
-        verdict = f"{within} of {math.prod(line.shape)} recorded samples are within all limits"
-    elif within:
-        verdict = "It is within all limits"
-    else:
-        wrong = sum(not finding.passes for finding in found.findings)
-        verdict = f"It exceeds {wrong} of {len(found.findings)} limits"
+        words = f"Recorded samples: {counted(found.ranks)}."
     return {
-        "good": bool(np.all(found.passes)),
-        "verdict": verdict,
-        "findings": findings(found),
+        "class": shown(verdict),
+        "verdict": words,
+        "groups": groups(found),
         "unvaried": unvaried,
         "motion": "" if line.shape else _motion(scene),
-        "speed": scene.speed,
     }
-
-
-def findings(found: Check) -> list[tuple[bool, str]]:
-    """Return each finding of a check in words, and whether it is good."""
-    return [(bool(np.all(finding.passes)), str(finding)) for finding in found.findings]
 
 
 def _motion(scene: Scene) -> str:
@@ -100,16 +103,17 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
     }
 
 
-def _yokes(scene: Scene) -> dict[str, Any] | None:
-    """The best settings; ``None`` for a single joint and for recorded bends."""
-    if scene.line.n_joints == 1 or scene.line.shape:
-        return None
-    data = yoke_settings(scene)
+def _yokes(data: dict[str, Any]) -> dict[str, Any]:
+    bends = data["equivalent_bend_deg"]
     return {
         "view": data["view"],
+        "same": SAME_YOKE,
+        "arrangement": arrangement_text(data),
         "lines": yoke_lines(data),
-        "present": f"{data['equivalent_bend_deg']['present']:.4g}",
-        "best": f"{data['equivalent_bend_deg']['best']:.4g}",
+        # The first line is the heading of the others.
+        "teeth": [line.removeprefix("- ") for line in tooth_lines(data)],
+        "bends": [(_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items()],
+        "advice": advice_text(data),
         "above_limits": data["above_limits"],
         "phases": phases_text(data),
     }

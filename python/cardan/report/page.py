@@ -15,11 +15,13 @@ import numpy as np
 from cardan import __version__
 from cardan.arrays import FloatArray
 from cardan.figures.limits import check_scene
+from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
 from cardan.report.answer import answer
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
+from cardan.report.limits import limits_table
 from cardan.report.samples import Panel, Samples, evaluated
 from cardan.report.study import study
 from cardan.scene.scene import Scene
@@ -33,10 +35,13 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
     template = environment().get_template("page.html")
     result = scene.run(progress)
     samples, found = evaluated(scene), check_scene(scene)
+    # Of one joint there is nothing to set, and for recorded bends no setting.
+    fixed = scene.line.n_joints > 1 and not scene.line.shape
+    yokes = yoke_settings(scene) if fixed else None
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     return template.render(
-        answer(scene, samples, found),
+        answer(scene, samples, found, yokes),
         version=__version__,
         style=_part("page.css"),
         script=_part("page.js"),
@@ -48,13 +53,13 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
         date=_today(),
         every=samples.every,
         inputs=tables.inputs(scene),
-        results=tables.results(samples),
+        results=[limits_table(found), *tables.results(samples)],
         study=study(result.study, found) if result.study else None,
         charts=[
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
-        catalogue=tables.catalogue(scene),
+        catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )
 

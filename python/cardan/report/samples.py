@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.figures.rounding import first_peak
+from cardan.figures.turn_extremes import magnitudes, peak
 from cardan.load import Load
 from cardan.outputs import Output
 from cardan.scene.angles import Angles
@@ -68,7 +70,7 @@ class Peak:
         output: the quantity.
         item: the shaft or joint.
         size: magnitude, in the unit of the output.
-        at_deg: drive angle in degrees of the first such sample; ``None`` where all are alike.
+        at_deg: first such drive angle in degrees; ``None`` where all are alike.
         vector: the components there, ``(3,)``; ``None`` of a scalar.
     """
 
@@ -118,20 +120,37 @@ class Samples:
         )
 
     def peaks(self) -> Iterator[Peak]:
-        """Yield the largest magnitude of every quantity of every shaft and joint."""
+        """Yield the largest magnitude of every quantity of every shaft and joint.
+
+        It is that of a whole turn, found between the samples; of a recording that of all samples.
+        """
         for output, item, values in self.result.curves():
-            sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
+            # An angle grows without end.
+            if output.name == "angle":
+                continue
             noise = _ROUNDING * (self.largest_torque if output.needs_load else 1.0)
-            place, all_alike = first_peak(sizes)
-            size = float(sizes[place])
-            vector = None
-            if output.vector:
-                vector = np.where(np.abs(values[place]) > noise, values[place], 0.0)
+            size, angle, there = self._peak(output, item, values)
+            vector = np.where(np.abs(there) > noise, there, 0.0) if output.vector else None
             if size <= noise:
-                yield Peak(output, item, 0.0, None, vector)
-            else:
-                at = None if all_alike else float(self.result.scene.drive_angle_deg[place])
-                yield Peak(output, item, size, at, vector)
+                size, angle = 0.0, None
+            yield Peak(output, item, size, angle, vector)
+
+    def _peak(
+        self, output: Output, item: int, values: FloatArray
+    ) -> tuple[float, float | None, FloatArray]:
+        """Size, drive angle in degrees if it has one, and value there."""
+        scene = self.result.scene
+        if scene.recording is not None:
+            sizes = magnitudes(output, values)
+            place, everywhere = first_peak(sizes)
+            at = None if everywhere else float(scene.drive_angle_deg[place])
+            return float(sizes[place]), at, values[place]
+        load = scene.load_case if output.needs_load else None
+        found = peak(scene.line, output.name, item, load)
+        which: dict[str, Any] = {f"{output.per}s": item}
+        first = found.places[0] if found.places else 0.0
+        there = scene.line.evaluate(first, output.name, load=load, **which)[output.name]
+        return found.value, math.degrees(first) if found.places else None, there
 
     def support_peaks(self) -> list[Peak]:
         """Return the peak of every shaft's support moment."""

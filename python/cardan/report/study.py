@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -10,11 +11,11 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.check import Check
-from cardan.figures.extremes import study_data
+from cardan.figures.extremes import End, extremes
 from cardan.figures.names import column_name, key_name
 from cardan.figures.rounding import ROUNDING, alike
-from cardan.report.answer import findings
-from cardan.report.charts import chart, number, some
+from cardan.report.charts import chart, some
+from cardan.report.limits import at_keys, groups
 from cardan.report.maps import heat_map
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
@@ -22,6 +23,9 @@ from cardan.scene.axes import Axis
 from cardan.scene.study import StudyResult
 from cardan.scene.units import in_degrees
 from cardan.words.summary import figure_text, range_ends
+
+# Shares of a limit that differ by less are equal.
+_EQUAL = 1e-6
 
 # Figures that are drawn, curves that one chart can tell apart, points of a curve.
 _MOST_DRAWN, _MOST_CURVES, _MOST_POINTS = 12, 6, 1000
@@ -45,58 +49,74 @@ def study(result: StudyResult, found: Check) -> dict[str, Any]:
     tables.insert(0, Table(caption, ("Input", "Values", "Range"), varied))
     row, ties = _best(found)
     place = np.unravel_index(row, result.shape)
-    best = {
-        "at": "; ".join(_at(result.axes, place)),
-        "findings": findings(_only(found, row)),
-        "ties": ties,
-    }
+    best = {"at": _at(result.axes, place), "groups": groups(_only(found, row)), "ties": ties}
     drawn = _drawn(result, place)
     return {"tables": tables, "best": best, **drawn}
 
 
 def _extremes(result: StudyResult) -> Table:
     rows = []
-    data = study_data(result)["figures"].values()
-    for column, found in zip(result.columns, data, strict=True):
-        name, low, high = column_name(column), found["least"], found["largest"]
-        if low is None or high is None:
+    for found in extremes(result):
+        name, low, high = column_name(found.column), found.least.value, found.largest.value
+        if not (math.isfinite(low) and math.isfinite(high)):
             rows.append([name, "", "not finite", *("" for _ in result.axes)])
-        elif alike(low, high):
+        elif alike(low, high) or not found.least.at:
             rows.append([name, "", figure_text(low), *("any" for _ in result.axes)])
         else:
-            for which, end in zip(("least", "largest"), range_ends(low, high), strict=True):
-                at = found[f"{which}_at"].values()
-                rows.append([name, which, end, *(f"{value:.6g}" for value in at)])
+            ends = zip(("least", "largest"), range_ends(low, high), strict=True)
+            for (which, text), end in zip(ends, (found.least, found.largest), strict=True):
+                rows.append([name, which, text, *_places(result, end)])
     keys = [f"at {key_name(axis.key)}" for axis in result.axes]
     return Table("Extremes", ("Figure", "", "Value", *keys), rows)
 
 
+def _places(result: StudyResult, end: End) -> list[str]:
+    """The value of each key there; "any" of one on which the figure does not depend."""
+    return [f"{end.at[axis.key]:.6g}" if axis.key in end.at else "any" for axis in result.axes]
+
+
 def _best(found: Check) -> tuple[int, int]:
-    """The row whose largest share of a limit is least, and how many rows are as good."""
-    shares = [np.ravel(finding.value) / finding.limit for finding in found.findings]
+    """The row whose largest share of a limit is least, and how many rows are as good.
+
+    Of these it is the one with the least excitation that is not judged, where there is any.
+    """
+    values = {finding.figure: np.ravel(finding.value) for finding in found.findings}
+    shares = [
+        values[finding.figure] / finding.limit.limit
+        for finding in found.findings
+        if finding.limit and not finding.needs_speed
+    ]
     worst = np.max(shares, axis=0)
     worst = np.where(np.isnan(worst), np.inf, worst)
-    row = int(np.argmin(worst))
-    return row, int(np.count_nonzero(worst <= (1.0 + ROUNDING) * worst[row] + ROUNDING))
+    # Bends that cancel leave the root of what is rounding.
+    rows = np.flatnonzero(worst <= np.min(worst) + _EQUAL)
+    others = [values[finding.figure][rows] for finding in found.findings if not finding.limit]
+    excitation = np.sum(others, axis=0) if others else np.zeros(len(rows))
+    least = excitation <= np.min(excitation) * (1.0 + ROUNDING) + ROUNDING
+    return int(rows[np.argmax(least)]), int(np.count_nonzero(least))
 
 
 def _only(found: Check, row: int) -> Check:
     """The check of one driveline of the study."""
-    return Check(
-        tuple(
-            replace(finding, value=np.ravel(finding.value)[row], worst_at={})
-            for finding in found.findings
+
+    def one(values: FloatArray | None) -> FloatArray | None:
+        return None if values is None else np.ravel(values)[row]
+
+    findings = [
+        replace(
+            finding,
+            value=np.ravel(finding.value)[row],
+            at_unit_speed=one(finding.at_unit_speed),
+            worst_at={},
         )
-    )
+        for finding in found.findings
+    ]
+    return replace(found, findings=tuple(findings))
 
 
-def _at(axes: Iterable[Axis], place: Sequence[Any]) -> list[str]:
-    """Each key with its value, as ``bend, joint 0: 5 deg``."""
-    said = []
-    for axis, i in zip(axes, place, strict=True):
-        name, _, unit = key_name(axis.key).partition(" [")
-        said.append(f"{name}: {number(axis.values[i])} {unit.removesuffix(']')}".rstrip())
-    return said
+def _at(axes: Sequence[Axis], place: Sequence[Any]) -> str:
+    """Keys with their values at a place, in words."""
+    return at_keys({axis.key: axis.values[i] for axis, i in zip(axes, place, strict=True)})
 
 
 def _drawn(result: StudyResult, best: Sequence[Any]) -> dict[str, Any]:
@@ -116,7 +136,7 @@ def _drawn(result: StudyResult, best: Sequence[Any]) -> dict[str, Any]:
     notes = drawn["notes"]
     if held:
         at = _at([result.axes[i] for i in held], [best[i] for i in held])
-        notes.append(f"Drawn for the best driveline's {'; '.join(at)}.")
+        notes.append(f"Drawn for the best driveline's {at}.")
     axes = [result.axes[i] for i in keys]
     # A list in a scene need not rise.
     ascending = [np.argsort(axis.values, kind="stable") for axis in axes]
@@ -154,7 +174,7 @@ def _chart(
     points = some(len(grids[0]), _MOST_POINTS)
     labels = [key_name(axes[0].key)]
     if len(grids) == 2:
-        labels = [_at([axes[1]], [i])[0] for i in np.argsort(axes[1].values, kind="stable")]
+        labels = [_at([axes[1]], [i]) for i in np.argsort(axes[1].values, kind="stable")]
     curves = tuple(
         Curve(label, values[points, i] if len(grids) == 2 else values[points])
         for i, label in enumerate(labels)

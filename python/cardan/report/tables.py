@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
-from cardan.figures.rounding import equivalent_bend_deg, is_cancelled
+from cardan.figures.catalogue import fork_signs
+from cardan.figures.rounding import is_cancelled
 from cardan.report.samples import Peak, Samples
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
@@ -20,8 +21,13 @@ from cardan.workshop import VIEW, turn
 # Shafts or joints that fit side by side on paper; more go below each other.
 _MOST_COLUMNS = 7
 
-# The table of the motion and the range of the torque say it, and an angle grows without end.
-_ELSEWHERE = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "torque")
+# The table of the motion says these.
+_ELSEWHERE = ("angle_error", "speed_ratio", "acceleration_ratio")
+
+# A low end of a range that is rounding beside the high one: bends go with the root of motions.
+_NEGLIGIBLE = 1e-6
+
+_SETTINGS = {"present": "as in the scene", "best": "best setting", "on_teeth": "on the teeth"}
 
 # A turn that would read 0.00 deg.
 _SHOWN_DEG = 0.005
@@ -32,11 +38,19 @@ _Columns = dict[str, list[tuple[str, str]]]
 
 
 class Table(NamedTuple):
-    """What the macro ``table`` takes; the first cell of a row is its heading."""
+    """What the macro ``table`` takes; the first cell of a row is its heading.
+
+    Attributes:
+        caption: what it is about.
+        head: heading of each column.
+        rows: the cells.
+        prose: whether the last column has sentences, which break.
+    """
 
     caption: str
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
+    prose: bool = False
 
 
 def inputs(scene: Scene) -> dict[str, Table]:
@@ -146,15 +160,12 @@ def _largest(samples: Samples, per: str) -> Table:
     """What the samples of each shaft or joint reach; the motion of shafts has its own table."""
     scene = samples.result.scene
     columns: _Columns = {}
-    if per == "shaft":
-        torques = enumerate(samples.result.values["torque"])
-        columns = {f"shaft {i}": [("Torque [N m]", _span(torque))] for i, torque in torques}
     for peak in samples.peaks():
         if peak.output.per == per and peak.output.name not in _ELSEWHERE:
             columns.setdefault(f"{per} {peak.item}", []).extend(_cells(peak))
     count = len(scene.drive_angle_deg)
-    of = f"{count} recorded samples" if scene.recording else "a turn in steps of 0.5 deg"
-    return _table(f"Loads of the {per}s, largest of {of}{samples.assumed}", columns)
+    over = f"of {count} recorded samples" if scene.recording else "over a whole turn"
+    return _table(f"Loads of the {per}s, largest {over}{samples.assumed}", columns)
 
 
 def _cells(peak: Peak) -> list[tuple[str, str]]:
@@ -180,48 +191,38 @@ def _table(caption: str, columns: _Columns) -> Table:
     )
 
 
-def catalogue(scene: Scene) -> Table | None:
+def catalogue(scene: Scene, yokes: dict[str, Any] | None) -> Table | None:
     """Return the exact equivalent bend beside what the catalogues' root rule makes of it.
 
-    For one joint both are its bend, and there is no table.
+    For one joint both are its bend, and there is no table. ``yokes`` is what ``yoke_settings``
+    finds, if the scene has any.
     """
     line = scene.line
     if line.n_joints == 1:
         return None
-    settings = {"as in the scene": line}
-    if not line.shape:
-        settings["best setting"] = line.with_phases(line.optimal_phases())
     rows = []
-    for name, setting in settings.items():
-        exact = np.asarray(setting.equivalent().bend)
-        if not line.shape:
-            exact = np.radians(equivalent_bend_deg(setting))
-        signs, astray = _signs(setting)
-        rule = setting.catalogue_bend(signs)
-        figures = (exact, rule, rule - exact, np.max(astray))
-        rows.append((name, *(_fixed(figure) for figure in figures)))
+    if yokes:
+        for key, rule in yokes["catalogue"].items():
+            words = " ".join("+" if sign > 0 else "\N{MINUS SIGN}" for sign in rule["fork_signs"])
+            exact, by_rule = yokes["equivalent_bend_deg"][key], rule["equivalent_bend_deg"]
+            figures = (exact, by_rule, by_rule - exact, rule["off_deg"])
+            rows.append((_SETTINGS[key], *map(_fixed, figures), words))
+    else:
+        signs, off = fork_signs(line)
+        exact, by_rule = (
+            np.degrees(bend) for bend in (line.equivalent().bend, line.catalogue_bend(signs))
+        )
+        figures = (exact, by_rule, by_rule - exact, np.degrees(np.max(off)))
+        rows.append((_SETTINGS["present"], *map(_fixed, figures), ""))
     heads = (
         "Yokes",
         "Exact [deg]",
         "Catalogue rule [deg]",
         "Rule minus exact [deg]",
         "Yokes differ from the rule's by up to [deg]",
+        "Signs of the rule, joint by joint",
     )
     return Table("Equivalent bend", heads, rows)
-
-
-def _signs(line: Driveline) -> tuple[FloatArray, FloatArray]:
-    """Signs of the catalogue rule, (..., n), and how far yokes are from what they say, in rad.
-
-    Parallel yokes change the sign and crossed ones keep it, once the turn of the bend planes is
-    taken off.
-    """
-    turned = line.phases - line.twists
-    crossed = np.cos(2.0 * turned) < 0.0
-    signs = np.cumprod(np.where(crossed, 1.0, -1.0), axis=-1)
-    first = np.ones((*line.shape, 1))
-    off = turned - np.where(crossed, np.pi / 2.0, 0.0)
-    return np.concatenate([first, signs], axis=-1), np.abs(off - np.pi * np.round(off / np.pi))
 
 
 def _setting(phase: float) -> str:
@@ -237,7 +238,7 @@ def _figure(value: float | FloatArray) -> str:
 
 def _fixed(angles: FloatArray | float) -> str:
     """An angle in degrees, or the least and the largest of several; what is rounding reads 0."""
-    low, high = (f"{np.degrees(end) + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
+    low, high = (f"{end + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
     low, high = (end.removeprefix("-") if float(end) == 0.0 else end for end in (low, high))
     return low if low == high else f"{low} to {high}"
 
@@ -245,6 +246,8 @@ def _fixed(angles: FloatArray | float) -> str:
 def _span(values: FloatArray | float) -> str:
     """A figure, or the least and the largest of several."""
     low, high = float(np.min(values)), float(np.max(values))
+    if abs(low) < _NEGLIGIBLE * abs(high):
+        low = 0.0
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         return _figure(high)
     return f"{_figure(low)} to {_figure(high)}"
