@@ -31,7 +31,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 
-from cardan import Driveline, Load, __version__
+from cardan import Driveline, Limits, Load, __version__
 from cardan.arrays import FloatArray
 from cardan.command import commands
 from cardan.figures import names
@@ -278,6 +278,51 @@ def test_answers_are_the_librarys(tmp_path: Path) -> None:
     )
     assert first != last
     assert f"the last shaft leads and lags the drive by up to {last}°" in said
+
+
+def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
+    """A figure that is within, one that is tolerable, one without a limit."""
+    text = Z_SHAFT.replace("bends_deg = [12, 9]", "bends_deg = [12, 11.9]").replace(
+        "phases_deg = [20]", "phases_deg = [-10]"
+    )
+    text += '[limits]\npreset = "industrial"\ntorsional_excitation_rad_s2 = [10, 400]\n'
+    line = Driveline.from_bends([12, 11.9], [170], [-10], degrees=True)
+    limits = Limits("industrial", torsional_excitation_rad_s2=(10, 400))
+    found = line.check(50.0 * np.pi, limits)
+    page = written(scene(text), tmp_path)
+    assert '<p class="verdict fair">Tolerably. The driveline is tolerable' in page
+    assert "<strong>Catalogue: within</strong>" in page
+    assert "<strong>Practice (industrial): tolerable</strong>" in page
+    rows = {row[0]: row[1:] for row in tables(page)["Limits"]}
+    for finding in found.findings:
+        value, verdict, limit, maximum, within, tolerable, source = rows[
+            f"{finding.name} [{finding.unit}]"
+        ]
+        assert value == figure_text(finding.worst)
+        assert verdict == str(finding.verdict)
+        if finding.limit:
+            assert [limit, maximum] == [f"{finding.limit.limit:g}", f"{finding.limit.maximum:g}"]
+            assert source == finding.limit.source
+        speeds = [
+            float(speed) * 30.0 / np.pi for speed in (finding.within_up_to, finding.tolerable_up_to)
+        ]
+        shown = ["" if np.isnan(speed) else str(int(speed)) for speed in speeds]
+        assert [within, tolerable] == shown
+    verdicts = [str(finding.verdict) for finding in found.findings]
+    assert {"within", "tolerable", "not judged"} == set(verdicts)
+
+
+def test_yokes_on_splines(tmp_path: Path) -> None:
+    """What the teeth cost, and the phases that they allow."""
+    text = Z_SHAFT.replace("phases_deg = [20]", "phases_deg = [20]\nteeth = 16")
+    said = Text(written(scene(text), tmp_path)).text
+    # From 20 deg in steps of 22.5 deg; the best would be -10 deg.
+    line = Driveline.from_bends([12, 9], [170], [-2.5], degrees=True)
+    left = np.degrees(line.equivalent().bend)
+    assert "shaft 1 (16 teeth): 2.50° counter-clockwise" in said
+    assert "turn it 1 tooth counter-clockwise (22.50°)" in said
+    assert f"on the nearest teeth {left:.3f}°." in said
+    assert "To use it in the scene: phases_deg = [-2.5]" in said
 
 
 @pytest.mark.parametrize("signs", [[1, 1, -1], [1, -1, -1], [1, 1, 1]])
@@ -992,7 +1037,8 @@ def test_contrast(scheme: str, browser: webdriver.Chrome, folder: Path) -> None:
     assert (luminance(page) < 0.2) == (scheme == "dark")
     texts = js(
         browser,
-        """const names = ["body", "header p", ".good", ".bad", "thead th", "nav a", "code"];
+        """document.querySelector(".good").insertAdjacentHTML("afterend", "<p class=fair>!</p>");
+        const names = ["body", "header p", ".good", ".fair", ".bad", "thead th", "nav a", "code"];
         return names.map((name) => getComputedStyle(document.querySelector(name)).color)""",
     )
     strokes = js(

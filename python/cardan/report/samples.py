@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -119,14 +120,19 @@ class Samples:
             else ""
         )
 
-    def peaks(self) -> Iterator[Peak]:
-        """Yield the largest magnitude of every quantity of every shaft and joint.
+    @cached_property
+    def peaks(self) -> list[Peak]:
+        """The largest magnitudes of the loads and other quantities of every shaft and joint.
 
-        It is that of a whole turn, found between the samples; of a recording that of all samples.
+        They are those of a whole turn, found between the samples; of a recording those of all
+        samples. Of the motion there are closed forms.
         """
+        return list(self._peaks())
+
+    def _peaks(self) -> Iterator[Peak]:
         for output, item, values in self.result.curves():
             # An angle grows without end.
-            if output.name == "angle":
+            if output.name in (*_MOTION, "angle"):
                 continue
             noise = _ROUNDING * (self.largest_torque if output.needs_load else 1.0)
             size, angle, there = self._peak(output, item, values)
@@ -154,7 +160,7 @@ class Samples:
 
     def support_peaks(self) -> list[Peak]:
         """Return the peak of every shaft's support moment."""
-        return [peak for peak in self.peaks() if peak.output.name == "support_moment"]
+        return [peak for peak in self.peaks if peak.output.name == "support_moment"]
 
     def panels(self) -> list[Panel]:
         """Return the charts, a quantity each, of the samples shown."""

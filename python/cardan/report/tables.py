@@ -21,8 +21,6 @@ from cardan.workshop import VIEW, turn
 # Shafts or joints that fit side by side on paper; more go below each other.
 _MOST_COLUMNS = 7
 
-# The table of the motion says these.
-_ELSEWHERE = ("angle_error", "speed_ratio", "acceleration_ratio")
 
 # A low end of a range that is rounding beside the high one: bends go with the root of motions.
 _NEGLIGIBLE = 1e-6
@@ -160,8 +158,8 @@ def _largest(samples: Samples, per: str) -> Table:
     """What the samples of each shaft or joint reach; the motion of shafts has its own table."""
     scene = samples.result.scene
     columns: _Columns = {}
-    for peak in samples.peaks():
-        if peak.output.per == per and peak.output.name not in _ELSEWHERE:
+    for peak in samples.peaks:
+        if peak.output.per == per:
             columns.setdefault(f"{per} {peak.item}", []).extend(_cells(peak))
     count = len(scene.drive_angle_deg)
     over = f"of {count} recorded samples" if scene.recording else "over a whole turn"
