@@ -70,7 +70,7 @@ def test_a_turn_is_said_in_both_senses(angle: float) -> None:
 
 def test_clockwise_is_seen_from_the_drive() -> None:
     """Whoever looks along +x, with y up, has +z at the right: clockwise goes from y to z."""
-    line = Driveline.from_directions([[1, 0, 0], [1, 0.2, 0], [1, 0.2, 0.2]])
+    line = Driveline.from_directions(np.array([[1, 0, 0], [1, 0.2, 0], [1, 0.2, 0.2]]))
     along = line.directions[1]
     first, second = line.normals
     twist = float(line.twists[0])
