@@ -22,6 +22,7 @@ from cardan.figures.catalogue import fork_signs
 from cardan.scene import Scene
 from cardan.scene.starters import STARTERS
 from cardan.teeth import tooth_turns
+from cardan.words.advice import remedies
 
 ROOT = Path(__file__).parents[2]
 VIEW = "looking from the drive towards the output"
@@ -275,6 +276,27 @@ def test_nothing_to_turn(tmp_path: Path) -> None:
     words = " ".join(phase(scene(tmp_path, "bends_deg = [0, 7]")).split())
     assert "One bend alone cannot cancel" in words
     assert "make joint 1 at most 3.00°, or joint 0 6.33° to 7.61°, then" in words
+
+
+def test_remedies_for_a_check() -> None:
+    """They say by themselves which yoke to turn; also of one joint, which has none."""
+
+    def words(*bends: float, phases: list[float]) -> list[str]:
+        return remedies(advice(Driveline.from_bends(bends, 0, phases, degrees=True)))
+
+    assert words(2, phases=[]) == []
+    assert words(15, 15, phases=[1]) == []
+    assert words(15, 15, phases=[5]) == [
+        f"Turn the output-side yoke of shaft 1 by 5.00° counter-clockwise, {VIEW}; that leaves "
+        "0.000°."
+    ]
+    assert ", of shaft 2 by " in words(9, 8, 7, phases=[60, 50])[0]
+    assert words(15, phases=[]) == [
+        "One joint alone cannot make up for its bend.",
+        "To come within the limit of 3°, make joint 0 at most 3.00°, or add a second one bent as "
+        "much.",
+    ]
+    assert len(words(14, 9, phases=[0])) == 2
 
 
 # --- the catalogues' rule ---------------------------------------------------------------------
