@@ -130,9 +130,9 @@ def test_every_scene_that_uses_axes_says_them() -> None:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_json_fits_its_schema(path: Path) -> None:
-    jsonschema.Draft202012Validator.check_schema(yokes.YOKES_SCHEMA)
+    jsonschema.Draft202012Validator.check_schema(yokes.PHASE_SCHEMA)
     data = json.loads(phase(path, "--json"))
-    jsonschema.Draft202012Validator(yokes.YOKES_SCHEMA).validate(data)
+    jsonschema.Draft202012Validator(yokes.PHASE_SCHEMA).validate(data)
     assert list(data)[:3] == ["answer", "version", "title"]
     assert (data["answer"], data["version"], data["view"]) == ("phase", 1, VIEW)
     line = Scene.load(path).line
@@ -368,7 +368,7 @@ def test_no_other_teeth_are_better(
     )
     line = Scene.load(path).line
     data = json.loads(phase(path, "--json"))
-    jsonschema.Draft202012Validator(yokes.YOKES_SCHEMA).validate(data)
+    jsonschema.Draft202012Validator(yokes.PHASE_SCHEMA).validate(data)
     least = brute_force(line, teeth)
     assert data["equivalent_bend_deg"]["on_teeth"] == pytest.approx(least, abs=1e-6)
     # The turns of the answer lead there, and each is a whole number of teeth.
