@@ -51,6 +51,21 @@ class EquivalentJoint:
     max_speed_ratio: NDArray[np.float64]
     max_acceleration_ratio: NDArray[np.float64]
 
+    @property
+    def bend_deg(self) -> NDArray[np.float64]:
+        """``bend`` in degrees."""
+        return np.degrees(self.bend)
+
+    @property
+    def angle_offset_deg(self) -> NDArray[np.float64]:
+        """``angle_offset`` in degrees."""
+        return np.degrees(self.angle_offset)
+
+    @property
+    def max_angle_error_deg(self) -> NDArray[np.float64]:
+        """``max_angle_error`` in degrees."""
+        return np.degrees(self.max_angle_error)
+
 
 @dataclass(frozen=True, eq=False)
 class Harmonics:
@@ -71,6 +86,11 @@ class Harmonics:
     orders: NDArray[np.int64]
     angle_error: NDArray[np.float64]
     speed_ratio: NDArray[np.float64]
+
+    @property
+    def angle_error_deg(self) -> NDArray[np.float64]:
+        """``angle_error`` in degrees."""
+        return np.degrees(self.angle_error)
 
 
 class Motion(NamedTuple):
