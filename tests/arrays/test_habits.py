@@ -264,6 +264,9 @@ def test_closed_forms_in_degrees() -> None:
     assert np.array_equal(joint.bend_deg, np.degrees(joint.bend))
     assert np.array_equal(joint.angle_offset_deg, np.degrees(joint.angle_offset))
     assert np.array_equal(joint.max_angle_error_deg, np.degrees(joint.max_angle_error))
+    assert np.array_equal(
+        joint.max_angle_error_at_deg, np.degrees(joint.max_angle_error_at), equal_nan=True
+    )
     series = BATCH.harmonics()
     assert [*series.orders] == [2, 4, 6, 8]
     assert np.array_equal(series.angle_error_deg, np.degrees(series.angle_error))
