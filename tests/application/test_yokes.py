@@ -22,6 +22,7 @@ from cardan.figures.catalogue import fork_signs
 from cardan.scene import Scene
 from cardan.scene.starters import STARTERS
 from cardan.teeth import tooth_turns
+from cardan.words.advice import remedies
 
 ROOT = Path(__file__).parents[2]
 VIEW = "looking from the drive towards the output"
@@ -70,7 +71,7 @@ def test_a_turn_is_said_in_both_senses(angle: float) -> None:
 
 def test_clockwise_is_seen_from_the_drive() -> None:
     """Whoever looks along +x, with y up, has +z at the right: clockwise goes from y to z."""
-    line = Driveline.from_directions([[1, 0, 0], [1, 0.2, 0], [1, 0.2, 0.2]])
+    line = Driveline.from_directions(np.array([[1, 0, 0], [1, 0.2, 0], [1, 0.2, 0.2]]))
     along = line.directions[1]
     first, second = line.normals
     twist = float(line.twists[0])
@@ -129,9 +130,9 @@ def test_every_scene_that_uses_axes_says_them() -> None:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_json_fits_its_schema(path: Path) -> None:
-    jsonschema.Draft202012Validator.check_schema(yokes.YOKES_SCHEMA)
+    jsonschema.Draft202012Validator.check_schema(yokes.PHASE_SCHEMA)
     data = json.loads(phase(path, "--json"))
-    jsonschema.Draft202012Validator(yokes.YOKES_SCHEMA).validate(data)
+    jsonschema.Draft202012Validator(yokes.PHASE_SCHEMA).validate(data)
     assert list(data)[:3] == ["answer", "version", "title"]
     assert (data["answer"], data["version"], data["view"]) == ("phase", 1, VIEW)
     line = Scene.load(path).line
@@ -277,6 +278,27 @@ def test_nothing_to_turn(tmp_path: Path) -> None:
     assert "make joint 1 at most 3.00°, or joint 0 6.33° to 7.61°, then" in words
 
 
+def test_remedies_for_a_check() -> None:
+    """They say by themselves which yoke to turn; also of one joint, which has none."""
+
+    def words(*bends: float, phases: list[float]) -> list[str]:
+        return remedies(advice(Driveline.from_bends(bends, 0, phases, degrees=True)))
+
+    assert words(2, phases=[]) == []
+    assert words(15, 15, phases=[1]) == []
+    assert words(15, 15, phases=[5]) == [
+        f"Turn the output-side yoke of shaft 1 by 5.00° counter-clockwise, {VIEW}; that leaves "
+        "0.000°."
+    ]
+    assert ", of shaft 2 by " in words(9, 8, 7, phases=[60, 50])[0]
+    assert words(15, phases=[]) == [
+        "One joint alone cannot make up for its bend.",
+        "To come within the limit of 3°, make joint 0 at most 3.00°, or add a second one bent as "
+        "much.",
+    ]
+    assert len(words(14, 9, phases=[0])) == 2
+
+
 # --- the catalogues' rule ---------------------------------------------------------------------
 
 
@@ -346,7 +368,7 @@ def test_no_other_teeth_are_better(
     )
     line = Scene.load(path).line
     data = json.loads(phase(path, "--json"))
-    jsonschema.Draft202012Validator(yokes.YOKES_SCHEMA).validate(data)
+    jsonschema.Draft202012Validator(yokes.PHASE_SCHEMA).validate(data)
     least = brute_force(line, teeth)
     assert data["equivalent_bend_deg"]["on_teeth"] == pytest.approx(least, abs=1e-6)
     # The turns of the answer lead there, and each is a whole number of teeth.

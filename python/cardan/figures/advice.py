@@ -87,7 +87,8 @@ def advice(
         best: its best phases, if they are known.
     """
     best = line.optimal_phases() if best is None else best
-    limit_deg = float(np.degrees(limit))
+    # To and from radians, 3 would become 3.0000000000000004.
+    limit_deg = round(float(np.degrees(limit)), 12)
     bends = {
         "present": equivalent_bend_deg(line),
         "best": equivalent_bend_deg(line.with_phases(best)),

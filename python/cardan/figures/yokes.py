@@ -54,7 +54,7 @@ _KEYS: dict[str, Any] = {
     },
 }
 
-YOKES_SCHEMA = {
+PHASE_SCHEMA = {
     "title": "Answer of cardan phase",
     "type": "object",
     "properties": _KEYS,

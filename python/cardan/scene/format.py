@@ -66,6 +66,7 @@ class Form:
         optional: may go with them.
         ends: how many entries the needed keys have beyond one per joint.
         joints: how many joints it describes, if only so many.
+        views: whether the needed keys are views, of which one suffices: in the other all is level.
     """
 
     make: Callable[..., Driveline]
@@ -73,6 +74,7 @@ class Form:
     optional: tuple[str, ...]
     ends: int
     joints: int | None = None
+    views: bool = False
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -81,7 +83,10 @@ class Form:
         most = {} if self.joints is None else {"maxItems": fewest}
         lengths = {key: {"minItems": fewest} | most for key in self.keys}
         allowed = _only(*self.keys, *self.optional, TEETH)
-        return {"required": list(self.keys), "properties": lengths, **allowed}
+        needed: dict[str, Any] = {"required": list(self.keys)}
+        if self.views:
+            needed = {"anyOf": [{"required": [key]} for key in self.keys]}
+        return {**needed, "properties": lengths, **allowed}
 
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
@@ -102,8 +107,8 @@ FORMS = (
     Form(Driveline.from_points, ("points_m",), (_PHASES,), 2),
     Form(Driveline.from_points, ("points_mm",), (_PHASES,), 2),
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
-    Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1),
-    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2),
+    Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
+    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),
 )
 """The ways to describe a driveline, of which a scene uses exactly one."""
 

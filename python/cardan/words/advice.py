@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from cardan.workshop import VIEW, both_senses
+
 _NAMES = {
     "straight": "All joints are straight.",
     "single bend": "Only one joint is bent.",
@@ -35,7 +37,7 @@ def advice_text(data: dict[str, Any]) -> str:
         if shaft["turn_deg"] >= SHOWN
     ]
     if data["cause"] == "bends":
-        return f"{_too_different(data)}: the best setting leaves {best}. {_changes(data, limit)}"
+        return " ".join(remedies(data))
     if data["cause"] == "none" and not turned:
         return f"The yokes have their best setting; nothing to turn. {present} is within {limit}."
     if data["cause"] == "none":
@@ -44,7 +46,7 @@ def advice_text(data: dict[str, Any]) -> str:
             f"{settable:.3f}°."
         )
     cause = f"The phases are the cause: {present} is beyond {limit}."
-    if settable > data["limit_deg"]:
+    if "on_teeth" in bends and settable > data["limit_deg"]:
         return f"{cause} The exact setting leaves {best}, but no teeth bring it within the limit."
     which = " and ".join(filter(None, (", ".join(turned[:-1]), turned[-1])))
     return (
@@ -53,8 +55,34 @@ def advice_text(data: dict[str, Any]) -> str:
     )
 
 
+def remedies(data: dict[str, Any]) -> list[str]:
+    """Say what would bring a driveline within its limit, a sentence each; nothing if it is."""
+    if data["cause"] == "none":
+        return []
+    best = f"{data['equivalent_bend_deg']['best']:.3f}°"
+    if data["cause"] == "phases":
+        turns = ", of ".join(
+            f"shaft {shaft['shaft']} by {turn_text(shaft)}"
+            for shaft in data["shafts"]
+            if shaft["turn_deg"] >= SHOWN
+        )
+        return [f"Turn the output-side yoke of {turns}, {VIEW}; that leaves {best}."]
+    left = f": the best setting leaves {best}" if data["shafts"] else ""
+    return [f"{_too_different(data)}{left}.", _changes(data)]
+
+
+def turn_text(shaft: dict[str, Any]) -> str:
+    """Say how to turn a yoke; the other way round too where that is not much longer."""
+    degrees, sense = shaft["turn_deg"], shaft["turn_sense"]
+    if degrees <= 45.0:
+        return f"{degrees:.2f}° {sense}"
+    return both_senses(degrees, sense).replace(" = ", " or ")
+
+
 def _too_different(data: dict[str, Any]) -> str:
     bent = _bent(data)
+    if not data["shafts"]:
+        return "One joint alone cannot make up for its bend"
     if len(bent) == 1:
         return "One bend alone cannot cancel; no phase can fix that"
     if len(bent) == 2:
@@ -67,7 +95,7 @@ def _too_different(data: dict[str, Any]) -> str:
     )
 
 
-def _changes(data: dict[str, Any], limit: str) -> str:
+def _changes(data: dict[str, Any]) -> str:
     """Say which bends would do: either of two, of more the largest; for one alone a second one.
 
     Figures are rounded into the range, so that they do what they promise.
@@ -78,8 +106,8 @@ def _changes(data: dict[str, Any], limit: str) -> str:
     changes = ", or ".join(
         f"joint {found['joint']} {_range(found['from_deg'], found['to_deg'])}" for found in changed
     )
-    anew = ", then set the yokes anew" if data["shafts"] else ""
-    return f"To come within {limit}, make {changes}{anew}."
+    then = ", then set the yokes anew" if data["shafts"] else ", or add a second one bent as much"
+    return f"To come within the limit of {data['limit_deg']:.4g}°, make {changes}{then}."
 
 
 def _bent(data: dict[str, Any]) -> list[dict[str, Any]]:

@@ -6,7 +6,7 @@ import textwrap
 from collections.abc import Iterable
 from typing import Any
 
-from cardan.words.advice import SHOWN, advice_text, arrangement_text
+from cardan.words.advice import SHOWN, advice_text, arrangement_text, turn_text
 from cardan.workshop import ARROW, SAME_YOKE, VIEW, both_senses
 
 _WIDTH = 79
@@ -43,7 +43,9 @@ def phases_text(data: dict[str, Any]) -> str:
 def yoke_lines(data: dict[str, Any]) -> list[str]:
     """Say the setting of each shaft, one line per shaft."""
     return [
-        f"shaft {shaft['shaft']}: {_setting(shaft)}; " + _turned(shaft) for shaft in data["shafts"]
+        f"shaft {shaft['shaft']}: {_setting(shaft)}; "
+        + ("nothing to turn" if shaft["turn_deg"] < SHOWN else f"turn it {turn_text(shaft)}")
+        for shaft in data["shafts"]
     ]
 
 
@@ -89,15 +91,6 @@ def _setting(shaft: dict[str, Any]) -> str:
     if shaft["setting_deg"] < SHOWN:
         return "in one plane"
     return both_senses(shaft["setting_deg"], shaft["sense"])
-
-
-def _turned(shaft: dict[str, Any]) -> str:
-    degrees, sense = shaft["turn_deg"], shaft["turn_sense"]
-    if degrees < SHOWN:
-        return "nothing to turn"
-    # The other way round is worth saying where it is not much longer.
-    words = both_senses(degrees, sense) if degrees > 45.0 else f"{degrees:.2f}° {sense}"
-    return f"turn it {words.replace(' = ', ' or ')}"
 
 
 def _wrapped(line: str) -> str:
