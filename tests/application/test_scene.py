@@ -227,7 +227,8 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nspeed_column_rpm = 'n'\n",
         4,
-        r"unknown key 'speed_column_rpm'; known are file, angle_column_deg,",
+        "[angles] unknown key 'speed_column_rpm'; known are file, angle_column_deg, "
+        "angle_column_rad, bend_columns_deg, bend_columns_rad",
     ),
     ("[drivline]\n", 1, "unknown section 'drivline'; did you mean 'driveline'?"),
     ("driveline = 3", 1, "driveline is 3; it must be a section [driveline]"),
