@@ -224,6 +224,12 @@ ERRORS: list[tuple[str, int | None, str]] = [
     ("a = " + "[" * 100_000, None, "not TOML: nested too deeply"),
     ("title = 3\n" + JOINT, 1, "title is 3; it must be text in quotes"),
     ("titel = 'a'\n" + JOINT, 1, "unknown key 'titel'; did you mean 'title'?"),
+    (
+        "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nspeed_column_rpm = 'n'\n",
+        4,
+        "[angles] unknown key 'speed_column_rpm'; known are file, angle_column_deg, "
+        "angle_column_rad, bend_columns_deg, bend_columns_rad",
+    ),
     ("[drivline]\n", 1, "unknown section 'drivline'; did you mean 'driveline'?"),
     ("driveline = 3", 1, "driveline is 3; it must be a section [driveline]"),
     ("bends_deg = [1]", 1, "unknown key 'bends_deg'; it belongs in [driveline]"),
