@@ -34,6 +34,8 @@ def _smooth(scene: Scene) -> dict[str, Any]:
         unvaried = _findings(line.check(scene.speed or None, scene.limits))
     elif line.shape:
         verdict = f"{kept} of {math.prod(line.shape)} recorded samples keep all limits"
+    elif str(found.verdict) == "tolerable":
+        verdict = "It is above a limit, but below every maximum"
     elif kept:
         verdict = "It keeps all limits"
     else:
