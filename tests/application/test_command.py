@@ -23,11 +23,12 @@ from click.testing import CliRunner, Result
 import cardan
 from cardan.command import commands
 from cardan.command.files import wrote
-from cardan.figures.limits import SCHEMA
+from cardan.figures.limits import SCHEMA, check_data, check_scene
 from cardan.files.columns import write_columns
 from cardan.scene import Scene
 from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
+from cardan.words.limits import check_text
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
@@ -300,6 +301,29 @@ def test_exit_status_of_the_verdicts(tmp_path: Path, limit: str, code: int, verd
     assert run("check", path).exit_code == code
     if verdict:
         assert json.loads(run("check", path, "--json").output)["verdict"] == verdict
+
+
+def test_catalogue_and_practice_are_judged_apart(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    text = "[driveline]\nbends_deg = [3.2]\n[load]\nspeed_rpm = 100\n"
+    path.write_text(f"{text}[limits]\npreset = 'truck'")
+    data = json.loads(run("check", path, "--json").output)
+    assert (data["catalogue"]["verdict"], data["practice"]["verdict"]) == ("beyond", "within")
+    path.write_text(text)
+    data = json.loads(run("check", path, "--json").output)
+    assert (data["catalogue"]["verdict"], data["practice"]["verdict"]) == ("beyond", "not judged")
+    assert data["practice"]["torsional_excitation"]["value_rad_s2"] > 0
+    assert data["practice"]["torsional_excitation"]["limit_rad_s2"] is None
+
+
+def test_advice_follows_the_verdict() -> None:
+    scene = Scene.load(TRUCK)
+    found = check_scene(scene)
+    assert check_text(found) == str(found)
+    assert check_text(found, ["make joint 1 14°"]) == (
+        f"{found}\n\nWhat would help:\n- make joint 1 14°"
+    )
+    assert check_data(scene, found, ["make joint 1 14°"])["advice"] == ["make joint 1 14°"]
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
