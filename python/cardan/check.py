@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -12,7 +13,7 @@ from cardan import notebook
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.equivalent import EquivalentJoint
 from cardan.finding import VERDICTS, Finding, counted
-from cardan.limits import Limits, limits_of
+from cardan.limits import CATALOGUE, Limits, limits_of
 
 _HEADINGS = {
     "within": "The driveline is within the limits.",
@@ -100,27 +101,33 @@ class Check:
             if finding.limit:
                 sources.setdefault(finding.limit.source, []).append(finding.name)
         lines += ["", "Sources of the limits:"]
-        lines += [f"- {'; '.join(names)}: {source}" for source, names in sources.items()]
+        for source, names in sources.items():
+            text = f"- {'; '.join(names)}: {source}"
+            lines += textwrap.wrap(text, 100, subsequent_indent="  ", break_on_hyphens=False)
         return "\n".join(lines)
 
     def _lines(self) -> list[str]:
-        group = self.findings[0].group
-        preset = self.limits.preset if group == "practice" else None
+        group, whose = self.findings[0].group, self.limits.preset
+        if group == "catalogue":
+            own = self.limits.figures["equivalent_bend_deg"] != CATALOGUE
+            whose = "own limit" if own else None
         verdict = VERDICTS[int(np.max(self.ranks, initial=0))]
         names, values = (
             [getattr(f, part) for f in self.findings] for part in ("name", "value_text")
         )
-        lines = [f"{group.capitalize()}{f' ({preset})' if preset else ''}: {verdict}"]
+        lines = [f"{group.capitalize()}{f' ({whose})' if whose else ''}: {verdict}"]
         width, room = (max(map(len, texts)) for texts in (names, values))
         for finding, name, value in zip(self.findings, names, values, strict=True):
-            lines.append(f"- {name:{width}}  {value:{room}}  {finding.words}")
-            lines += [f"  largest at {finding.place}"] * bool(finding.place)
+            verdict_words, *more = finding.words
+            lines.append(f"- {name:{width}}  {value:{room}}  {verdict_words}")
+            more += [f"largest at {finding.place}"] * bool(finding.place)
+            lines += [f"{'':{width + room + 6}}{words}" for words in more]
         return lines
 
     def _repr_html_(self) -> str:
         """Show the verdict and a row for each finding."""
         rows = [
-            (f.group, f.name, f.value_text, f.words, f.limit.source if f.limit else "")
+            (f.group, f.name, f.value_text, "; ".join(f.words), f.limit.source if f.limit else "")
             for f in self.findings
         ]
         heads = ("limits of", "figure", "value", "verdict", "source of the limit")

@@ -130,15 +130,15 @@ class Finding:
         return ", ".join(f"{key} = {value:.6g}" for key, value in found.items())
 
     @property
-    def words(self) -> str:
-        """What follows "is": verdict, margin, the speeds of the limits, the numbers of a batch."""
+    def words(self) -> tuple[str, ...]:
+        """What follows "is": verdict and margin, the speeds of the limits, numbers of a batch."""
         parts = [*self._verdict_words(), *self._speed_words()]
         if self.figure == "equivalent_bend" and self.limit and not math.isnan(self.worst):
             own, most = non_uniformity(self.worst), non_uniformity(self.limit.limit)
             parts.append(f"non-uniformity {own:.4g}, limit {most:.4g}")
         if np.ndim(self.value) and self.limit and not self.needs_speed:
             parts.append(counted(self.ranks))
-        return "; ".join(parts)
+        return tuple(parts)
 
     def _verdict_words(self) -> list[str]:
         if self.limit is None:
@@ -183,7 +183,7 @@ class Finding:
         """Say it in words."""
         place = f" (at {self.place})" if self.place else ""
         source = f" ({self.limit.source})" if self.limit else ""
-        return f"{self.name} {self.value_text}{place} is {self.words}{source}"
+        return f"{self.name} {self.value_text}{place} is {'; '.join(self.words)}{source}"
 
 
 def counted(ranks: NDArray[np.int_]) -> str:

@@ -49,13 +49,14 @@ FIGURES: Mapping[str, float] = MappingProxyType(
 
 OWN = "own figure"
 
-_CATALOGUE = Limit(
+CATALOGUE = Limit(
     3.0,
     3.0,
-    "driveshaft catalogues, double joint, section 6.4; Elbe, calculation data, section 3: "
-    "non-uniformity 0.0027",
+    "driveshaft catalogues, section 6.4; Elbe, calculation data, section 3",
 )
-_US_MAKERS = "practice of driveshaft makers in the United States, no publication at hand"
+"""The limit of the equivalent bend where nothing else is said."""
+
+_US_MAKERS = "practice of driveshaft makers in the United States, no publication known"
 
 PRESETS: Mapping[str, Mapping[str, Limit]] = MappingProxyType(
     {
@@ -64,8 +65,8 @@ PRESETS: Mapping[str, Mapping[str, Limit]] = MappingProxyType(
                 "torsional_excitation_rad_s2": Limit(
                     TORSIONAL_LIMIT,
                     TORSIONAL_MAXIMUM,
-                    "limit: Dana, Spicer Drive Axles Application Guidelines AXAG-0200 (2009), "
-                    f"pages 16, 19 and 44; maximum: {_US_MAKERS}",
+                    "Dana, Spicer Drive Axles Application Guidelines AXAG-0200 (2009), pages 16, "
+                    f"19 and 44; for the maximum {_US_MAKERS}",
                 ),
                 "inertia_excitation_rad_s2": Limit(INERTIA_LIMIT, INERTIA_MAXIMUM, _US_MAKERS),
             }
@@ -84,7 +85,7 @@ PRESETS: Mapping[str, Mapping[str, Limit]] = MappingProxyType(
 )
 """Limits beyond the catalogue's, by kind of machine; only those for which a source is known."""
 
-MAX_EQUIVALENT_BEND = math.radians(_CATALOGUE.limit)
+MAX_EQUIVALENT_BEND = math.radians(CATALOGUE.limit)
 """Largest equivalent bend that the catalogues permit (003, section 6.4), in rad."""
 
 
@@ -142,7 +143,7 @@ class Limits:
             "torsional_excitation_rad_s2": torsional_excitation_rad_s2,
             "inertia_excitation_rad_s2": inertia_excitation_rad_s2,
         }
-        figures = {"equivalent_bend_deg": _CATALOGUE, **PRESETS.get(preset or "", {})}
+        figures = {"equivalent_bend_deg": CATALOGUE, **PRESETS.get(preset or "", {})}
         figures |= {
             key: _own(key, given, source) for key, given in own.items() if given is not None
         }

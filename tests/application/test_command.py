@@ -15,6 +15,7 @@ import textwrap
 import time
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -22,10 +23,12 @@ from click.testing import CliRunner, Result
 import cardan
 from cardan.command import commands
 from cardan.command.files import wrote
+from cardan.figures.limits import SCHEMA, check_data, check_scene
 from cardan.files.columns import write_columns
 from cardan.scene import Scene
 from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
+from cardan.words.limits import check_text
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
@@ -302,52 +305,137 @@ def test_check_says_pass_or_fail(tmp_path: Path) -> None:
     """The four joints of the workshop books, whose figures test_check.py knows."""
     failed = run("check", TRUCK)
     assert failed.exit_code == 1
-    assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60)}\n"
+    assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60, 'truck')}\n"
     data = json.loads(run("check", TRUCK, "--json").output)
-    assert data["passes"] is False
-    by_name = {finding["name"]: finding for finding in data["findings"]}
-    torsional = by_name["torsional excitation of the last shaft"]
-    assert torsional["worst"] == pytest.approx(752.5, abs=0.1)
-    assert (torsional["limit"], torsional["maximum"]) == (300, 500)
-    assert [finding["passes"] for finding in data["findings"]] == [False] * 4 + [True]
+    assert (data["answer"], data["version"]) == ("check", 1)
+    assert (data["passes"], data["verdict"], data["preset"]) == (False, "beyond", "truck")
+    torsional = data["practice"]["torsional_excitation"]
+    assert torsional["value_rad_s2"] == pytest.approx(752.5, abs=0.1)
+    assert (torsional["limit_rad_s2"], torsional["maximum_rad_s2"]) == (300, 500)
+    assert torsional["within_up_to_rpm"] == pytest.approx(2500 * math.sqrt(300 / 752.5), abs=0.1)
+    assert torsional["margin_rad_s2"] == pytest.approx(300 - 752.5, abs=0.1)
+    assert data["practice"]["inertia_excitation_coasting"]["verdict"] == "within"
+    bend = data["catalogue"]["equivalent_bend"]
+    assert "section 6.4" in bend["source"]
+    assert bend["non_uniformity"] == pytest.approx(0.01098, abs=1e-5)
+    assert data["practice"]["bend_difference"] is None
 
     path = tmp_path / "a.toml"
     path.write_text("[driveline]\nbends_deg = [2]\n")
     passed = run("check", path)
     assert passed.exit_code == 0
-    assert passed.output.startswith("The driveline passes.")
+    assert passed.output.startswith("The driveline is within the limits.")
     assert json.loads(run("check", path, "--json").output)["passes"] is True
     path.write_text("[driveline]\nbends_deg = [92]\n")
     assert run("check", path).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("limit", "code", "verdict"),
+    [("3.5", 0, "within"), ("[3, 3.5]", 0, "tolerable"), ("3", 1, "beyond"), ("[3, 2]", 2, "")],
+)
+def test_exit_status_of_the_verdicts(tmp_path: Path, limit: str, code: int, verdict: str) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(f"[driveline]\nbends_deg = [3.2]\n[limits]\nequivalent_bend_deg = {limit}\n")
+    assert run("check", path).exit_code == code
+    if verdict:
+        assert json.loads(run("check", path, "--json").output)["verdict"] == verdict
+
+
+def test_catalogue_and_practice_are_judged_apart(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    text = "[driveline]\nbends_deg = [3.2]\n[load]\nspeed_rpm = 100\n"
+    path.write_text(f"{text}[limits]\npreset = 'truck'")
+    data = json.loads(run("check", path, "--json").output)
+    assert (data["catalogue"]["verdict"], data["practice"]["verdict"]) == ("beyond", "within")
+    path.write_text(text)
+    data = json.loads(run("check", path, "--json").output)
+    assert (data["catalogue"]["verdict"], data["practice"]["verdict"]) == ("beyond", "not judged")
+    assert data["practice"]["torsional_excitation"]["value_rad_s2"] > 0
+    assert data["practice"]["torsional_excitation"]["limit_rad_s2"] is None
+
+
+def test_advice_follows_the_verdict() -> None:
+    scene = Scene.load(TRUCK)
+    found = check_scene(scene)
+    assert check_text(found) == str(found)
+    assert check_text(found, ["make joint 1 14°"]) == (
+        f"{found}\n\nWhat would help:\n- make joint 1 14°"
+    )
+    assert check_data(scene, found, ["make joint 1 14°"])["advice"] == ["make joint 1 14°"]
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_answer_of_check_fits_its_schema(path: Path) -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    data = json.loads(run("check", path, "--json").output)
+    jsonschema.Draft202012Validator(SCHEMA).validate(data)
+    assert data["drivelines"][data["verdict"].replace(" ", "_")] > 0
+    # Another number of joints makes no other keys.
+    assert data["practice"].keys() == SCHEMA["properties"]["practice"]["properties"].keys()
 
 
 def test_check_of_a_study_is_of_every_driveline(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "a.toml"
-    text = "[driveline]\nbends_deg = [2]\n[load]\nspeed_rpm = 100\n[study]\n"
+    text = "[driveline]\nbends_deg = [2]\n[load]\nspeed_rpm = 100\n"
+    text += "[limits]\npreset = 'truck'\n[study]\n"
     path.write_text(f"{text}bends_deg = [1, 2, 2.9, 3.1]\nspeed_rpm = [100, 6000]")
     for block in (1 << 21, 3):
         monkeypatch.setattr("cardan.scene.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
-        assert (
-            "up to 3.1 deg (at bends_deg = 3.1) is above the limit of 3 deg; 6 of 8 keep the"
-            in (result.output)
+        assert result.output.startswith("4 of 8 within, 1 tolerable, 3 beyond.\n")
+        said = [line.strip() for line in result.output.splitlines()]
+        bend = next(i for i, line in enumerate(said) if line.startswith("- equivalent bend"))
+        assert said[bend].endswith("up to 3.1°  beyond the 3° limit by 0.1°")
+        assert said[bend + 2 : bend + 4] == [
+            "6 of 8 within, 2 beyond",
+            "largest at bends_deg = 3.1",
+        ]
+        shaken = next(i for i, line in enumerate(said) if line.startswith("- torsional"))
+        assert said[shaken].endswith(
+            "up to 1156 rad/s²  beyond the 500 rad/s² maximum by 656.2 rad/s²"
         )
-        assert "shaft up to 1156 rad/s² (at bends_deg = 3.1, speed_rpm = 6000) is" in result.output
-    bend, *_, torsional = json.loads(run("check", path, "--json").output)["findings"]
-    assert bend["worst_at"] == {"bends_deg": 3.1}
+        assert said[shaken + 1 : shaken + 4] == [
+            "within up to 3056 rpm, tolerable up to 3945 rpm",
+            "5 of 8 within, 1 tolerable, 2 beyond",
+            "largest at bends_deg = 3.1, speed_rpm = 6000",
+        ]
+    data = json.loads(run("check", path, "--json").output)
+    assert data["catalogue"]["equivalent_bend"]["worst_at"] == {"bends_deg": 3.1}
+    torsional = data["practice"]["torsional_excitation"]
     assert torsional["worst_at"] == {"bends_deg": 3.1, "speed_rpm": 6000}
+    assert torsional["drivelines"] == {
+        "not_judged": 0,
+        "within": 5,
+        "tolerable": 1,
+        "unknown": 0,
+        "beyond": 2,
+    }
     # The worst in the middle of an axis, and figures that no key varies.
     path.write_text(f"{text}bends_deg = [1, 3.1, 2]")
-    assert "up to 3.1 deg (at bends_deg = 3.1) is" in run("check", path).output
+    assert "largest at bends_deg = 3.1\n" in run("check", path).output
     path.write_text(f"{text}speed_rpm = [100, 6000, 200]")
     found = run("check", path).output
-    assert "equivalent bend up to 2 deg keeps" in found
-    assert "(at speed_rpm = 6000) is above" in found
+    assert "equivalent bend  up to 2°  within" in found
+    assert "largest at speed_rpm = 6000\n" in found
     path.write_text(f"{text}bends_deg = [1, 2, 2.9]")
     assert run("check", path).exit_code == 0
+
+
+def test_check_of_a_study_from_standstill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Blocks of drivelines at rest have the same figures as the others."""
+    monkeypatch.setattr("cardan.scene.study._BLOCK", 1)
+    path = tmp_path / "a.toml"
+    text = "[driveline]\nbends_deg = [2]\n[limits]\npreset = 'truck'\n[load]\n"
+    path.write_text(f"{text}[study]\nspeed_rpm = [0, 6000]")
+    assert "tolerable" in run("check", path).output.splitlines()[0]
+    path.write_text(f"{text}speed_rpm = 0\n[study]\nbends_deg = [1, 2]")
+    found = run("check", path).output
+    assert "torsional excitation, last shaft  unknown  not judged, no speed given\n" in found
+    assert " within up to " in found
 
 
 def test_phase_in_workshop_words() -> None:
@@ -373,11 +461,7 @@ def test_phase_in_workshop_words() -> None:
 
         The yokes have their best setting; nothing to turn. 0.951° is within the limit
         of 3°.
-        With the best setting the driveline does not pass the check:
-        - inertia excitation of the shafts between, driving 3654 rad/s² is above the
-          limit of 1000 rad/s² and the maximum of 2000 rad/s²
-        - inertia excitation of the shafts between, coasting 3642 rad/s² is above the
-          limit of 1000 rad/s² and the maximum of 2000 rad/s²
+        With the best setting the driveline passes the check.
 
         In the scene: phases_deg = [-70.8728]
         """)

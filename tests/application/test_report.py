@@ -252,7 +252,7 @@ def test_answers_are_the_librarys(tmp_path: Path) -> None:
     assert f"No. {found.heading}" in said
     assert found.heading == "The driveline is beyond the limits."
     for finding in found.findings:
-        assert f"{finding.name} {finding.value_text}: {finding.words}" in said
+        assert f"{finding.name} {finding.value_text}: {'; '.join(finding.words)}" in said
 
     turn = np.radians(np.arange(0.0, 360.25, 0.5))
     moments = LINE.evaluate(turn, "support_moment", shafts=slice(None), load=LOAD).support_moment

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Sweep
+from cardan import Driveline, Limits, Sweep
 from cardan.figures.summary import Row, drive_angles, summary
 from cardan.scene import Scene
 from cardan.scene.format import FORMAT, FORMS, TEETH, describe
@@ -189,6 +189,25 @@ def test_quantities(text: str, quantities: tuple[str, ...]) -> None:
     assert tuple(result.values) == quantities
 
 
+def test_limits() -> None:
+    assert Scene.parse(JOINT).limits == Limits()
+    assert Scene.parse(section("limits") + "preset = 'truck'").limits == Limits("truck")
+    own = Scene.parse(
+        section("limits")
+        + "preset = 'industrial'\nequivalent_bend_deg = 4\nbend_difference_deg = [2, 6]\n"
+        "torsional_excitation_rad_s2 = 250\ninertia_excitation_rad_s2 = [800, 900]\n"
+        "source = 'works standard 12'"
+    )
+    assert own.limits == Limits(
+        "industrial",
+        equivalent_bend_deg=4,
+        bend_difference_deg=(2, 6),
+        torsional_excitation_rad_s2=250,
+        inertia_excitation_rad_s2=(800, 900),
+        source="works standard 12",
+    )
+
+
 def test_title_and_files() -> None:
     scene = Scene.parse(f'title = "A"\n{JOINT}[output]\ncurves = "a.npz"\npicture = "a.pdf"')
     assert (scene.title, scene.curves_file, scene.picture_file) == ("A", "a.npz", "a.pdf")
@@ -236,7 +255,8 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         '"a\\nb" = 1',
         None,
-        r"unknown key 'a\nb'; known are title, driveline, load, sweep, angles, study, output",
+        r"unknown key 'a\nb'; known are title, driveline, load, sweep, angles, limits, study, "
+        "output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",
@@ -418,6 +438,52 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "[driveline] bends_deg[0] is 1e+41; it must lie within ±1e+40",
     ),
     (section("sweep") + "turns = 0", 4, "[sweep] turns is 0; it must be positive"),
+    (section("limits"), 3, "[limits] it is empty; it needs a key at least"),
+    (
+        section("limits") + "preset = 'steering'",
+        4,
+        "[limits] preset is 'steering'; limits with a known source exist for 'truck' and "
+        "'industrial'; for other machines give your own figures: equivalent_bend_deg, "
+        "bend_difference_deg, torsional_excitation_rad_s2, inertia_excitation_rad_s2",
+    ),
+    (
+        section("limits") + "equivalent_bend_deg = 90",
+        4,
+        "[limits] equivalent_bend_deg is 90 deg; it must lie between 0 and 90 deg",
+    ),
+    (
+        section("limits") + "torsional_excitation_rad_s2 = [500, 300]",
+        4,
+        "[limits] torsional_excitation_rad_s2 is [500, 300]; it must have a maximum that is not "
+        "below the limit",
+    ),
+    (
+        section("limits") + "inertia_excitation_rad_s2 = [1, 2, 3]",
+        4,
+        "[limits] inertia_excitation_rad_s2 is [1, 2, 3]; it must be a list of two numbers, limit "
+        "and maximum",
+    ),
+    (
+        section("limits") + "torsional_excitation_rad_s2 = [0, 1]",
+        4,
+        "[limits] torsional_excitation_rad_s2[0] is 0; it must be positive",
+    ),
+    (
+        section("limits") + 'source = "\\u001b[2J"',
+        4,
+        "[limits] source is '\\x1b[2J'; it must have printable characters only",
+    ),
+    (
+        section("limits") + "equivalent_bend = 4",
+        4,
+        "[limits] unknown key 'equivalent_bend'; the unit stands in the name: "
+        "equivalent_bend_deg holds degrees",
+    ),
+    (
+        section("study") + "equivalent_bend_deg = [3, 4]",
+        4,
+        "[study] unknown key 'equivalent_bend_deg'; it belongs in [limits]",
+    ),
     (
         section("sweep") + "samples_per_turn = 1.5",
         4,

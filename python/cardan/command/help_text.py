@@ -19,8 +19,8 @@ that runs as it stands:
 
 "cardan run --help" lists all keys of a scene, "cardan COMMAND --help" shows more examples.
 
-Exit status: 0 done, 1 "check" found a limit exceeded, 2 something is wrong with what was given (one
-line says what), 130 interrupted.
+Exit status: 0 done, 1 "check" found the driveline beyond a limit, 2 something is wrong with what
+was given (one line says what), 130 interrupted.
 """
 
 # The mark keeps click from filling a paragraph.

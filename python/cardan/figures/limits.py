@@ -167,7 +167,7 @@ def _entry_schema(unit: str, more: Sequence[str]) -> dict[str, Any]:
 
 _SPEEDS = ("within_up_to_rpm", "tolerable_up_to_rpm")
 
-SCHEMA = {
+SCHEMA: dict[str, Any] = {
     "title": "Answer of cardan check",
     **_object(
         {

@@ -56,7 +56,7 @@ def groups(found: Check) -> list[dict[str, Any]]:
 
 def _line(finding: Finding) -> dict[str, str]:
     css, sign = _SHOWN[verdict_of(finding)]
-    words = f"{finding.name} {finding.value_text}: {finding.words}"
+    words = f"{finding.name} {finding.value_text}: {'; '.join(finding.words)}"
     if finding.place:
         words += f"; largest at {at_keys(finding.worst_at)}"
     return {"class": css, "sign": sign, "words": words}
