@@ -312,6 +312,16 @@ def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
     assert {"within", "tolerable", "not judged"} == set(verdicts)
 
 
+def test_remedies_for_a_single_joint(tmp_path: Path) -> None:
+    for bend, said in ((8.5, True), (2.5, False)):
+        text = f"[driveline]\nbends_deg = [{bend}]\n"
+        page = Text(written(scene(text), tmp_path)).text
+        assert ("make joint 0 at most 3.00°, or add a second one" in page) == said
+        text += "[limits]\nequivalent_bend_deg = 2\n"
+        page = Text(written(scene(text), tmp_path)).text
+        assert "make joint 0 at most 2.00°, or add a second one" in page
+
+
 def test_yokes_on_splines(tmp_path: Path) -> None:
     """What the teeth cost, and the phases that they allow."""
     text = Z_SHAFT.replace("phases_deg = [20]", "phases_deg = [20]\nteeth = 16")

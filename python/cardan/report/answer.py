@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 
 from cardan.check import Check
+from cardan.figures.advice import advice
 from cardan.finding import counted
 from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.samples import Samples
 from cardan.report.tables import motion
 from cardan.scene.scene import Scene
-from cardan.words.advice import advice_text, arrangement_text
+from cardan.words.advice import advice_text, arrangement_text, remedies
 from cardan.words.summary import figure_text, range_ends
 from cardan.words.yokes import phases_text, tooth_lines, yoke_lines
 from cardan.workshop import SAME_YOKE
@@ -46,6 +47,7 @@ def answer(
         "smooth": _smooth(scene, found),
         "bearings": _bearings(samples),
         "yokes": _yokes(yokes) if yokes else None,
+        "remedies": _of_one_joint(scene),
     }
 
 
@@ -101,6 +103,14 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
         "listed": [(peak.item, figure_text(peak.size)) for peak in listed],
         "others": len(peaks) - len(listed),
     }
+
+
+def _of_one_joint(scene: Scene) -> list[str]:
+    """What would bring a single joint within its limit; of more joints the yokes say it."""
+    if scene.line.n_joints > 1 or scene.line.shape:
+        return []
+    limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
+    return remedies(advice(scene.line, float(limit)))
 
 
 def _yokes(data: dict[str, Any]) -> dict[str, Any]:
