@@ -22,6 +22,7 @@ from cardan.equivalent import (
 )
 from cardan.load import Load
 from cardan.plan import Plan
+from cardan.reduced import PlanOfReductions
 from cardan.request import Items, Reduction
 from cardan.result import Result
 from cardan.sweep import Sweep
@@ -40,7 +41,8 @@ class Driveline(Batch):
     x u_{j+1})``. The twist of an intermediate shaft is the angle about it from one normal to the
     next, its phase the angle from its input-side to its output-side pin; phase 0 means both yokes
     in one plane. The drive angle counts from the driving pin of joint 0 lying in the plane of
-    shafts 0 and 1. All rotations are right-handed about ``u_i``.
+    shafts 0 and 1. All rotations are right-handed about ``u_i``:
+    clockwise, looking from the drive towards the output.
     """
 
     __slots__ = ()
@@ -87,7 +89,8 @@ class Driveline(Batch):
         that of the next bent one.
 
         Args:
-            directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow.
+            directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow, in any
+                right-handed axes.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether the phases are in degrees.
 
@@ -107,7 +110,8 @@ class Driveline(Batch):
 
         Args:
             points: ``(..., n + 2, 3)``: the driving end, the joint centres, the driven end, in any
-                unit of length.
+                unit of length and any right-handed axes. In left-handed ones the driveline would be
+                mirrored, and all yoke settings would have the opposite sense.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether the phases are in degrees.
 
@@ -130,12 +134,13 @@ class Driveline(Batch):
     ) -> Self:
         """Make drivelines from the slope of each shaft in side view and in top view.
 
-        A shaft points along ``(1, tan vertical, tan horizontal)``: x is the travel, y up, z to the
-        right seen along the travel (catalogue, double joint, 6.3, exactly).
+        A shaft points along ``(1, tan vertical, tan horizontal)`` in right-handed axes: x from the
+        drive to the output, y up, z to the right, looking from the drive towards the output
+        (catalogue, double joint, 6.3, exactly). If x points rearwards, z is the vehicle's left.
 
         Args:
-            vertical: slope of each shaft in side view, ``(..., n + 1)``.
-            horizontal: slope of each shaft in top view, ``(..., n + 1)``.
+            vertical: slope of each shaft in side view, ``(..., n + 1)``, positive upwards.
+            horizontal: slope of each shaft in top view, ``(..., n + 1)``, positive towards +z.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether all three are in degrees.
 
@@ -159,16 +164,18 @@ class Driveline(Batch):
         """Make shafts with two joints from their bends as projected in side view and top view.
 
         This is the catalogues' form (double joint, 6.3, Bilder 17 to 19). The bends of a drawing
-        add up along the shaft, so it matters which shaft the drawing lays along the travel: by the
-        catalogue's figure the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
+        add up along the shaft, so it matters from which shaft the drawing measures them: by the
+        catalogue's figure from the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
         tan(horizontal)**2`` holds exactly.
 
         Args:
             vertical: bend of both joints in side view, ``(..., 2)``, positive upwards.
-            horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right.
+            horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right,
+                looking from the drive towards the output: towards +z as in ``from_slopes``.
             phases: phase of the common shaft, ``(..., 1)`` or one for all.
             degrees: whether all three are in degrees.
-            reference: the shaft along the travel: ``"common"``, ``"input"`` or ``"output"``.
+            reference: the shaft from which they are measured: ``"common"``, ``"input"`` or
+                ``"output"``.
 
         Raises:
             TypeError: values that are not real numbers.
@@ -210,14 +217,15 @@ class Driveline(Batch):
         """
         return equivalent(self._geometry, shaft)
 
-    def harmonics(self, orders: ArrayLike, shaft: int = -1) -> Harmonics:
+    def harmonics(self, orders: ArrayLike = (2, 4, 6, 8), shaft: int = -1) -> Harmonics:
         """Return the amplitudes of a shaft's motion at orders of the drive's rotation.
 
         At order ``2 n`` they are ``k**n / n`` of the angle error and ``2 k**n`` of the speed ratio,
         with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4).
 
         Args:
-            orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0.
+            orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0. By default the
+                first four even orders.
             shaft: index of the shaft, by default the last.
 
         Returns:
@@ -327,7 +335,7 @@ class Driveline(Batch):
         shafts: Items = None,
         joints: Items = None,
         load: Load | None = None,
-        reduce: Reduction | None = None,
+        reduce: Reduction | list[Reduction] | tuple[Reduction, ...] | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
@@ -354,7 +362,9 @@ class Driveline(Batch):
             reduce: ``"min"``, ``"max"``, ``"mean"``, ``"rms"`` or ``"peak"`` over the last axis of
                 the samples, which is dropped; no sample is stored. The peak is the largest
                 magnitude, of a vector its largest length without an axis of components; the others
-                take vectors by component. NaN among the samples gives NaN.
+                take vectors by component. NaN among the samples gives NaN. A list of them gives
+                each array an axis with one entry per reduction, behind the axis of shafts or
+                joints.
             out: arrays to fill, by output name, of the right shape and dtype; they are the arrays
                 of the result then. One may be the array of angles itself. Filling arrays that are
                 there saves the system's work of providing new memory, which for some 10⁵ angles is
@@ -385,7 +395,16 @@ class Driveline(Batch):
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        plan = Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
+
+        def plan_of(reduction: Reduction | None) -> Plan:
+            options = (load, reduction, dtype, tolerance, workers)
+            return Plan(self, outputs, shafts, joints, *options)
+
+        plan: Plan | PlanOfReductions
+        if isinstance(reduce, list | tuple):
+            plan = PlanOfReductions(reduce, plan_of)
+        else:
+            plan = plan_of(reduce)
         return PlanInDegrees(plan)(angle, out) if degrees else plan(angle, out)
 
     def plan(

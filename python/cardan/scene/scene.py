@@ -24,8 +24,8 @@ from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.document import Document
 from cardan.scene.errors import SceneError
-from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, Form, describe
-from cardan.scene.parts import check_load, form_of, make_driveline, make_load
+from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
+from cardan.scene.parts import check_load, form_of, make_driveline, make_load, teeth_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -50,6 +50,7 @@ class Scene:
         quantities: outputs to evaluate.
         shafts: of which shafts, where the scene says so; ``None`` for the last one alone.
         joints: of which joints, where the scene says so; ``None`` for all.
+        teeth: of the spline of each shaft between two joints; empty where the scene says none.
         options: further arguments of ``Driveline.evaluate``.
         study: what to vary and the figures wanted, if any.
         recording: file that the drive angles come from, if any.
@@ -67,6 +68,7 @@ class Scene:
     quantities: tuple[str, ...]
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...] | None
+    teeth: tuple[int, ...]
     options: Mapping[str, Any]
     study: Study | None
     recording: Path | None
@@ -185,8 +187,10 @@ class Scene:
         with document.within("sweep"):
             angle = angle or Angles.swept(given.get("sweep", {}))
         with document.within("driveline"):
-            form, driveline = _filled(driveline, angle)
+            described = {key: value for key, value in driveline.items() if key != TEETH}
+            form, driveline = _filled(described, angle)
             line = make_driveline(form, driveline)
+            teeth = teeth_of(given.get("driveline", {}), line.n_joints)
         with document.within("load"):
             load = None
             if loaded is not None:
@@ -241,6 +245,7 @@ class Scene:
             quantities=quantities,
             shafts=shafts,
             joints=joints,
+            teeth=teeth,
             options=options,
             study=study,
             recording=folder / recorded["file"] if recorded else None,
@@ -367,6 +372,11 @@ def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, A
             if key not in FORMS[0].optional:
                 raise ArgumentValueError(key, "does not go with recorded bends")
         filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
+    for form in FORMS:
+        given = [key for key in form.keys if key in filled]
+        if form.views and given:
+            level = [0.0] * len(filled[given[0]])
+            filled = {**dict.fromkeys(form.keys, level), **filled}
     form = form_of(filled)
     joints = len(filled[form.keys[0]]) - form.ends
     for key in form.optional:
