@@ -13,7 +13,7 @@ from click.testing import CliRunner
 
 from cardan.command import commands
 from cardan.figures.schema import answers_schema
-from cardan.scene import starters
+from cardan.scene import Scene, starters
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
@@ -75,11 +75,19 @@ KEYS = {
         *("drivelines", "axes", "figures", "column", "least", "largest", "at"),
         *("key", "values", "min", "max"),
         *("file", "rows", "parts", "found"),
-    }
+    },
+    "phase": {
+        *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),
+        *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),
+        *("shafts", "shaft", "phase_deg", "sense", "setting_deg", "setting_other_sense_deg"),
+        *("turn_deg", "turn_sense", "turn_other_sense_deg", "teeth", "turn_teeth"),
+        *("bend_ranges", "joint", "bend_deg", "from_deg", "to_deg", "off_deg"),
+    },
 }
 
 
 def test_keys_stay() -> None:
+    assert SCHEMA["$defs"].keys() == KEYS.keys()
     for kind, names in KEYS.items():
         assert set(keys(SCHEMA["$defs"][kind])) == names
 
@@ -92,6 +100,13 @@ def test_examples_answer_by_the_schema(path: Path, options: list[str], tmp_path:
     assert (data["answer"], data["version"]) == ("run", 1)
     unit = "rad" if options else "deg"
     assert not {key for key in _keys_of(data) if key.endswith({"rad": "_deg", "deg": "_rad"}[unit])}
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_settings_of_the_examples_answer_by_the_schema(path: Path) -> None:
+    line = Scene.load(path).line
+    if line.n_joints > 1 and not line.shape:
+        VALIDATOR.validate(answer("phase", path))
 
 
 def _keys_of(data: Any) -> Iterator[str]:  # noqa: ANN401 - JSON

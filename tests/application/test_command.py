@@ -93,18 +93,23 @@ def test_installed_script(into: Path) -> None:
     assert done.stdout == textwrap.dedent("""\
         Föppl's rig (Thoma 1920)
 
-        bend                        8.500 deg
-        equivalent bend             8.500 deg
-        largest angle error         0.3164 deg at 44.84 deg
-        non-uniformity U            0.02209
-        speed ratio                 0.9890 to 1.0111
-        speed, shaft 1              2967.0 to 3033.3 rpm
-        largest acceleration ratio  0.02209
-        largest acceleration        2180 rad/s²
-        largest torque, shaft 1     43.61 N m at 44.50 deg
-        largest moment, joint 0     43.85 N m at 44.00 deg
+        Driveline
+          bend, joint 0                        8.500°
+          equivalent bend, shaft 1             8.500°
+          non-uniformity U, shaft 1            0.02209
 
-        After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.
+        Over a whole turn
+          largest angle error, shaft 1         0.3164° at 44.84°
+          speed ratio, shaft 1                 0.9890 to 1.0111
+          speed, shaft 1                       2967.0 to 3033.3 rpm
+          largest acceleration ratio, shaft 1  0.02209 at 44.37°
+          largest acceleration, shaft 1        2180 rad/s² at 44.37°
+          largest torque, shaft 1              43.61 N m at 44.37°
+          largest moment, joint 0              43.86 N m at 44.21°
+
+        Angles after 'at' are drive angles; at 0° the driving pin of joint 0 lies in
+        the plane of shafts 0 and 1. Each extreme recurs every 180°.
+        Accelerations are those at constant drive speed.
 
         wrote foeppl.csv (721 rows)
         wrote foeppl.svg

@@ -38,7 +38,7 @@ from cardan.figures.extremes import StudyTable
 from cardan.figures.limits import check_data, check_scene
 from cardan.figures.run import run_data
 from cardan.figures.schema import answers_schema
-from cardan.figures.summary import drive_angles, summary
+from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
@@ -49,7 +49,7 @@ from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
 from cardan.words.limits import check_text
 from cardan.words.study import study_text
-from cardan.words.summary import few_samples_text, summary_text
+from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
 
 if TYPE_CHECKING:
@@ -199,15 +199,19 @@ def commands() -> click.Group:
         begun = time.perf_counter()
         try:
             with progress_bar("rows") as progress:
-                path, rows, missing = stream_curves(scene, into, radians=radians, progress=progress)
+                done = stream_curves(scene, into, radians=radians, progress=progress)
         except MemoryError:
             # It takes the angles by chunks already.
             hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
             raise click.ClickException(hint) from None
-        rate = rows / (time.perf_counter() - begun) / 1e6
-        say(f"wrote {path} ({rows} rows, {rate:.3g} million a second)")
-        if missing:
-            say(missing_samples(missing, rows, "the recording"))
+        rate = done.rows / (time.perf_counter() - begun) / 1e6
+        say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
+        angles = recorded_angles(done.rows, done.missing, done.ends_deg, done.turns, radians)
+        say(f"drive angles {angles_text(angles, radians=radians)}")
+        if warning := few_samples_text(angles["samples_per_turn"]):
+            say(f"cardan: {warning}", on_error=True)
+        if done.missing:
+            say(missing_samples(done.missing, done.rows, "the recording"))
 
     @cardan.command(help=help_text.EXPLAIN, short_help="Say how a scene is evaluated.")
     @scene_argument

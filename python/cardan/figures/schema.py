@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from cardan.figures.run import RUN_SCHEMA
+from cardan.figures.yokes import PHASE_SCHEMA
 
-_ANSWERS: Mapping[str, Any] = {"run": RUN_SCHEMA}
+_ANSWERS: Mapping[str, Any] = {"run": RUN_SCHEMA, "phase": PHASE_SCHEMA}
 
 
 def answers_schema() -> dict[str, Any]:

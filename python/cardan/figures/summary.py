@@ -71,20 +71,26 @@ def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
 
     ``turns`` is the way that the drive goes, forward and back.
     """
-    known = scene.without_missing()
-    degrees = known.drive_angle_deg
-    unit, ends = "deg", degrees[[0, -1]]
-    if radians:
-        unit, ends = "rad", known.drive_angle[[0, -1]]
+    degrees = scene.without_missing().drive_angle_deg
     turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
+    ends = (float(degrees[0]), float(degrees[-1]))
+    found = recorded_angles(len(scene.drive_angle_deg), scene.missing, ends, turns, radians)
+    return found if scene.recording else {**found, "source": "sweep"}
+
+
+def recorded_angles(
+    samples: int, missing: int, ends_deg: tuple[float, float], turns: float, radians: bool
+) -> dict[str, Any]:
+    """Return recorded drive angles as plain data, from what is known of them."""
+    unit, turned = ("rad", math.radians) if radians else ("deg", float)
     return {
-        "source": "sweep" if scene.recording is None else "recording",
-        "samples": len(scene.drive_angle_deg),
-        "missing_samples": scene.missing,
-        f"first_{unit}": float(ends[0]),
-        f"last_{unit}": float(ends[1]),
+        "source": "recording",
+        "samples": samples,
+        "missing_samples": missing,
+        f"first_{unit}": turned(ends_deg[0]),
+        f"last_{unit}": turned(ends_deg[1]),
         "turns": turns,
-        "samples_per_turn": (len(degrees) - 1) / turns if turns else None,
+        "samples_per_turn": (samples - missing - 1) / turns if turns else None,
     }
 
 
