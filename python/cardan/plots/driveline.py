@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _HEIGHT = 52.0  # mm
 _ASIDE, _ABOVE, _BELOW = 26.0, 36.0, 38.0  # points around the drawing, for its labels
-_ARM = 2.4  # points that the arm of a yoke is wide at most
+_ARM = 2.8  # points that the arm of a yoke is wide at most
 _SIDES = ("driving yoke", "driven yoke")
 # In grey one is dark and the other light.
 _YOKES: tuple[Mapping[str, Any], ...] = (
@@ -223,10 +223,16 @@ class _Sketch:
         legend_above(self.axes, loc="upper right", bbox_to_anchor=(0.98, 0.98), ncols=2)
         labels.boxes.append((self.box[0] - 135.0, self.box[1] - 15.0, *self.box))
         bends = np.degrees(self.line.bends)
-        for joint in sorted(range(self.line.n_joints), key=lambda j: (-bends[j], j)):
-            at = self._points(self.places[joint + 1])
-            labels.beside(at, f"joint {joint}\n{bends[joint]:.3g}°", away, above=True)
-        for shaft, phase in enumerate(np.degrees(self.line.phases), 1):
+        named = [
+            labels.beside(
+                self._points(self.places[joint + 1]),
+                f"joint {joint}\n{bends[joint]:.3g}°",
+                away,
+                above=True,
+            )
+            for joint in sorted(range(self.line.n_joints), key=lambda j: (-bends[j], j))
+        ]
+        for shaft, phase in enumerate(np.degrees(self.line.phases) if all(named) else (), 1):
             at = self._points((self.places[shaft] + self.places[shaft + 1]) / 2.0)
             turned = 180.0 - (180.0 - float(phase)) % 360.0
             text = f"shaft {shaft}\nphase {number(float(f'{turned:.4g}') + 0.0)}°"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.plots.style import text_width
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -75,14 +76,9 @@ class Labels:
 
     def _measure(self, text: str) -> tuple[float, float]:
         from matplotlib import rcParams
-        from matplotlib.font_manager import FontProperties
-        from matplotlib.textpath import TextPath
 
-        font = FontProperties(size=rcParams["font.size"])
-        lines = text.split("\n")
-        width = max(TextPath((0.0, 0.0), line, prop=font).get_extents().x1 for line in lines)
-        # Glyphs are rounded to pixels where a picture has some.
-        return 1.06 * float(width), _LINE * float(font.get_size_in_points()) * len(lines)
+        size, lines = float(rcParams["font.size"]), text.split("\n")
+        return max(text_width(line, size) for line in lines), _LINE * size * len(lines)
 
     @staticmethod
     def _box(x: float, y: float, width: float, height: float) -> Box:

@@ -149,6 +149,15 @@ def number(value: float) -> str:
     return f"{value:.10g}".replace("-", "\N{MINUS SIGN}")
 
 
+def text_width(text: str, size: float) -> float:
+    """Return how wide a line of text is, in points, with room for glyphs rounded to pixels."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    path = TextPath((0.0, 0.0), text, prop=FontProperties(size=size), usetex=False)
+    return 1.06 * float(path.get_extents().x1) if len(path.vertices) else 0.0
+
+
 def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axes.legend takes
     """Put the legend over the right end of the axes, where no curve is."""
     axes.legend(

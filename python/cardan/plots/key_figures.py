@@ -1,0 +1,61 @@
+"""The key figures of a scene as text beside its pictures."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+from cardan.figures.summary import Row
+from cardan.plots.style import number
+
+_MANY = 4
+
+
+def key_figures(rows: Sequence[Row], most: int) -> list[tuple[str, str]]:
+    """Return label and value of each row, at most so many.
+
+    Where that is too many, of rows that differ in their shaft or joint alone only the one with the
+    largest value stays; what is still too much is left out from the end, and a last line says so.
+    """
+    if len(rows) > most:
+        rows = list(_largest(rows))
+    lines = [(row.label, _value(row)) for row in rows]
+    if len(lines) > most:
+        lines = [*lines[: most - 1], (f"and {len(lines) - most + 1} more", "")]
+    return lines
+
+
+def _largest(rows: Sequence[Row]) -> Iterable[Row]:
+    groups: dict[str, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(re.sub(r", (shaft|joint) \d+\b", "", row.label), []).append(row)
+    for group in groups.values():
+        yield max(group, key=lambda row: max(map(abs, row.values), default=0.0))
+
+
+def _value(row: Row) -> str:
+    values = row.values
+    if row.is_range:
+        text = " to ".join(_ends(values[0], values[-1]))
+    elif len(values) > _MANY:
+        text = f"{' to '.join(_ends(min(values), max(values)))} ({len(values)} values)"
+    else:
+        text = ", ".join(map(_short, values))
+    unit = row.unit.replace("deg", "°")
+    text += unit if unit == "°" else unit and f" {unit}"
+    return text if row.at_deg is None else f"{text} at {_short(row.at_deg)}°"
+
+
+def _ends(low: float, high: float) -> tuple[str, str]:
+    """Both ends of a range, with decimals enough for three digits of the difference."""
+    if not 0.0 < high - low < math.inf:
+        return _short(low), _short(high)
+    decimals = 2 - math.floor(math.log10(high - low))
+    if decimals > 9:
+        return _short(low), _short(high)
+    return number(round(low, decimals)), number(round(high, decimals))
+
+
+def _short(value: float) -> str:
+    return number(float(f"{value:.4g}") + 0.0)
