@@ -29,7 +29,7 @@ _YOKES: tuple[Mapping[str, Any], ...] = (
     {"color": "#0072B2", "solid_capstyle": "butt"},
     {"color": "#F7C59F", "solid_capstyle": "butt"},
 )
-_BEND = {"facecolor": "#D55E00", "alpha": 0.22, "linewidth": 0.0}
+_BEND: Mapping[str, Any] = {"facecolor": "#D55E00", "alpha": 0.22, "linewidth": 0.0}
 _CONTINUED: Mapping[str, Any] = {"color": "0.35", "linestyle": (0, (4, 2)), "linewidth": 0.6}
 
 
@@ -157,7 +157,10 @@ class _Sketch:
     def _shafts(self) -> None:
         from matplotlib.patches import Polygon
 
-        thin = {"edgecolor": "0.25", "linewidth": min(0.6, 0.1 * self.size * self.scale)}
+        thin: dict[str, Any] = {
+            "edgecolor": "0.25",
+            "linewidth": min(0.6, 0.1 * self.size * self.scale),
+        }
         ends = np.stack([self.places[:-1], self.places[1:]], axis=1)
         # A shaft ends where its yokes begin.
         base = DEPTH * self.size * self.line.directions
@@ -167,7 +170,7 @@ class _Sketch:
             outline, rim = tube(start, end, self.size, self.view)
             for area, grey in ((outline, "0.82"), (rim, "0.93")):
                 shape = Polygon(self.view.flat(area), facecolor=grey, zorder=2.0, **thin)
-                self.axes.add_patch(shape)
+                self.axes.add_artist(shape)
             along = np.linspace(0.0, 1.0, 80)[:, np.newaxis]
             rise = 0.34 * self.size * self.view.axes[1]
             for side in (-1.0, 0.0, 1.0):
@@ -181,7 +184,7 @@ class _Sketch:
             before, after = self.line.directions[joint : joint + 2]
             reach = min(5.0 * self.size, 0.6 * float(lengths[joint + 1]))
             area = wedge(centre, before, after, reach)
-            self.axes.add_patch(Polygon(self.view.flat(area), zorder=1.5, **_BEND))
+            self.axes.add_artist(Polygon(self.view.flat(area), zorder=1.5, **_BEND))
             self.axes.plot(*self.view.flat(area[:2]).T, zorder=2.5, **_CONTINUED)
             self.axes.plot(*self.view.flat(area[1:]).T, zorder=2.5, **THIN)
             self._take(centre + np.linspace(0.0, 1.0, 30)[:, np.newaxis] * (area[1] - centre))
@@ -208,7 +211,9 @@ class _Sketch:
                 eye = {"marker": "o", "markersize": 1.9 * width, "markeredgewidth": 0.5 * width}
                 eye |= {"color": "0.1", "markerfacecolor": _YOKES[side]["color"]}
                 for tip in centre + self.size * np.stack([pin, -pin]):
-                    pieces += [(np.stack([centre, tip]), cross), (tip[np.newaxis], eye)]
+                    pieces.append((np.stack([centre, tip]), cross))
+                    if width > 1.0:
+                        pieces.append((tip[np.newaxis], eye))
                 self._take(arms)
         # Far pieces first.
         pieces.sort(key=lambda piece: self.view.depth(piece[0]))
@@ -216,7 +221,9 @@ class _Sketch:
             self.axes.plot(*self.view.flat(points).T, zorder=3.0 + rank / len(pieces), **style)
 
     def _names(self) -> None:
-        labels = Labels(self.axes, self.box, np.concatenate(self.drawn))
+        # A grid of two points is fine enough for labels, and much less to search.
+        drawn = 2.0 * np.unique(np.round(np.concatenate(self.drawn) / 2.0), axis=0)
+        labels = Labels(self.axes, self.box, drawn)
         away = self.size * self.scale
         self._ends(labels)
         self._directions(labels)

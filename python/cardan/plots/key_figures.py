@@ -35,26 +35,24 @@ def _largest(rows: Sequence[Row]) -> Iterable[Row]:
 
 
 def _value(row: Row) -> str:
-    values = row.values
+    values, count = row.values, ""
     if row.is_range:
-        text = " to ".join(_ends(values[0], values[-1]))
+        text = _range(values[0], values[-1])
     elif len(values) > _MANY:
-        text = f"{' to '.join(_ends(min(values), max(values)))} ({len(values)} values)"
+        text, count = _range(min(values), max(values)), f" ({len(values)} values)"
     else:
         text = ", ".join(map(_short, values))
-    unit = row.unit.replace("deg", "°")
-    text += unit if unit == "°" else unit and f" {unit}"
+    text += "°" if row.unit == "deg" else row.unit and f" {row.unit}"
+    text += count
     return text if row.at_deg is None else f"{text} at {_short(row.at_deg)}°"
 
 
-def _ends(low: float, high: float) -> tuple[str, str]:
-    """Both ends of a range, with decimals enough for three digits of the difference."""
-    if not 0.0 < high - low < math.inf:
-        return _short(low), _short(high)
-    decimals = 2 - math.floor(math.log10(high - low))
+def _range(low: float, high: float) -> str:
+    """A range, with decimals enough for three digits of the difference."""
+    decimals = 2 - math.floor(math.log10(high - low)) if 0.0 < high - low < math.inf else 99
     if decimals > 9:
-        return _short(low), _short(high)
-    return number(round(low, decimals)), number(round(high, decimals))
+        return _short(low)
+    return f"{number(round(low, decimals))} to {number(round(high, decimals))}"
 
 
 def _short(value: float) -> str:

@@ -58,7 +58,7 @@ class Labels:
             x, begin = float(anchor[0]) + aside, float(anchor[1]) + side * away
             edge = begin + side * step
             y = edge + side * height / 2.0
-            line = np.linspace((float(anchor[0]), begin), (x, edge), 12)
+            line = np.asarray(np.linspace((float(anchor[0]), begin), (x, edge), 12), np.float64)
             if self._is_free(self._box(x, y, width, height)) and not self._is_written(line):
                 self._write(x, y, text, "center")
                 self.boxes.append(self._box(x, y, width, height))

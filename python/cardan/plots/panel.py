@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -64,15 +64,22 @@ def draw_bands(
         curves: label and values of each, ``(samples,)``.
         scale: what values that are all 0 would be measured in.
     """
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import StepPatch
+
     edges, drawn = turns.edges, []
     for place, (label, curve) in enumerate(curves):
         least, largest, mean = turns.extremes(curve)
         style = line_style(place)
-        axes.stairs(
-            largest, edges, baseline=least, fill=True, color=style["color"], alpha=0.22, linewidth=0
-        )
-        for edge in (least, largest):
-            axes.stairs(edge, edges, baseline=None, color=style["color"], linewidth=0.4)
+        colour = to_rgb(style["color"])
+        look: dict[str, Any] = {
+            "baseline": least,
+            "facecolor": (*colour, 0.22),
+            "edgecolor": colour,
+            "linewidth": 0.4,
+            "fill": True,
+        }
+        axes.add_artist(StepPatch(largest, edges, **look))
         axes.plot((edges[:-1] + edges[1:]) / 2.0, mean, label=label, **style)
         drawn += [least, largest]
     value_ticks(axes.xaxis)

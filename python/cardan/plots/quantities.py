@@ -46,8 +46,15 @@ class Quantity:
     left_out: int = 0
     vector: bool = False
 
-    def draw(self, axes: Axes, angle_deg: FloatArray, turns: Turns | None) -> None:
-        """Draw the panel with its heading and, of several curves, its legend."""
+    def draw(self, axes: Axes, angle_deg: FloatArray, turns: Turns | None, aside: float) -> None:
+        """Draw the panel with its heading and, of several curves, its legend.
+
+        Args:
+            axes: where.
+            angle_deg: drive angles, ``(samples,)``.
+            turns: the turns of the samples, if these are too many for curves.
+            aside: how far to the left of the axes heading and legend begin, in points.
+        """
         names = [f"{self.per} {self.items[0]}", *map(str, self.items[1:])]
         labels = names if len(self.items) > 1 else [""]
         curves = list(zip(labels, self.curves, strict=True))
@@ -55,10 +62,13 @@ class Quantity:
             panel.draw(axes, angle_deg, curves, self.unit_size)
         else:
             panel.draw_bands(axes, turns, curves, self.unit_size)
-        axes.set_title(self.heading, loc="left", pad=13.0 if len(self.items) > 1 else 4.0)
-        if len(self.items) > 1:
-            place = {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0), "borderaxespad": 0.5}
-            legend_above(axes, ncols=MOST, **place)
+        # Over the ticks too, where long headings and six names need the width.
+        left = -aside / axes.bbox.width * axes.figure.dpi / 72.0
+        many = len(self.items) > 1
+        axes.set_title(self.heading, loc="left", x=left, pad=14.5 if many else 5.5)
+        if many:
+            place = {"loc": "lower left", "bbox_to_anchor": (left, 1.0), "borderaxespad": 0.7}
+            legend_above(axes, ncols=MOST, **{**place, "handlelength": 1.6, "columnspacing": 0.5})
 
 
 def quantities(result: SceneResult) -> list[Quantity]:

@@ -26,10 +26,11 @@ if TYPE_CHECKING:
 # Millimetres: A4 across, its margin, the sketch and the table beside it, the panels below.
 _PAGE, _MARGIN = (297.0, 210.0), 12.0
 _SKETCH, _SKETCH_HEIGHTS = 176.0, (60.0, 80.0)
-_FOOT, _GAP, _BESIDE, _OVER = 15.0, 4.0, 14.0, 10.0
+_GAP, _BESIDE, _OVER, _UNDER = 4.0, 14.0, 10.0, 5.0
 _TITLE_LINE, _LINE = 5.2, 3.4
 # Lines of the key figures that long values may take.
 _SPARE = 3
+_LOW = 8.0
 _IN_ONE_ROW = 3
 
 
@@ -56,8 +57,8 @@ def plot_scene(result: SceneResult) -> Figure:
         height = _SKETCH_HEIGHTS[len(drawn) <= _IN_ONE_ROW]
         _sketch(figure, result.scene, top, height)
         _key_figures(figure, result, top, height)
-        _panels(figure, result.scene, drawn, turns, top - height - _GAP)
-        _notes(figure, result.scene, drawn, turns)
+        foot = _notes(figure, result.scene, drawn, turns)
+        _panels(figure, result.scene, drawn, turns, top - height - _GAP, foot)
     return figure
 
 
@@ -142,14 +143,19 @@ def _key_figures(figure: Figure, result: SceneResult, top: float, height: float)
 
 
 def _panels(
-    figure: Figure, scene: Scene, drawn: Sequence[Quantity], turns: Turns | None, top: float
+    figure: Figure,
+    scene: Scene,
+    drawn: Sequence[Quantity],
+    turns: Turns | None,
+    top: float,
+    foot: float,
 ) -> None:
-    """Fill the page below a height with panels, row by row."""
+    """Fill the page between two heights with panels, row by row."""
     count = len(drawn)
     rows = 1 if count <= _IN_ONE_ROW else 2 if count <= 8 else -(-count // 4)
     columns = -(-count // rows)
     width = (_PAGE[0] - 2.0 * _MARGIN) / columns
-    height = (top - _FOOT) / rows
+    height = (top - foot) / rows
     by_scale: dict[str, list[Axes]] = {}
     for i, quantity in enumerate(drawn):
         row, column = divmod(i, columns)
@@ -157,12 +163,12 @@ def _panels(
         axes = _axes(
             figure,
             _MARGIN + column * width + _BESIDE,
-            low + 5.0,
+            low + _UNDER,
             width - _BESIDE - _GAP,
-            height - _OVER - 5.0,
+            height - _OVER - _UNDER,
             quantity.heading,
         )
-        quantity.draw(axes, scene.drive_angle_deg, turns)
+        quantity.draw(axes, scene.drive_angle_deg, turns, 0.8 * _BESIDE / 25.4 * 72.0)
         by_scale.setdefault(quantity.scale, []).append(axes)
         # The lowest panel of each column names what is along it.
         if i + columns >= count:
@@ -173,7 +179,8 @@ def _panels(
             axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
 
 
-def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], turns: Turns | None) -> None:
+def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], turns: Turns | None) -> float:
+    """Write what the panels cannot say; return the height above it."""
     said = []
     if scene.line.shape:
         said.append("The driveline is drawn with the bends of the first sample.")
@@ -189,8 +196,11 @@ def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], turns: Turns
         said.append(
             f"{_axes_named(scene)}; moments across the driveline have a scale of their own."
         )
-    for i, line in enumerate(reversed(textwrap.wrap(" ".join(said), 190))):
-        _text(figure, _MARGIN, 6.5 + 3.2 * i, line, fontsize="medium")
+    lines = textwrap.wrap(" ".join(said), 200)
+    for i, line in enumerate(reversed(lines)):
+        _text(figure, _MARGIN, _LOW + _LINE * i, line)
+    # Between the panels and the notes are the name of what is along them, and some room.
+    return _LOW + _LINE * len(lines) + 5.0
 
 
 def _axes_named(scene: Scene) -> str:

@@ -45,7 +45,8 @@ class View:
 
     def flat(self, points: FloatArray) -> FloatArray:
         """Return where points are drawn, ``(..., 2)``."""
-        return points @ self.axes[:2].T
+        flat: FloatArray = points @ self.axes[:2].T
+        return flat
 
     def depth(self, points: FloatArray) -> float:
         """Return how near to the viewer points are in the mean."""
@@ -66,7 +67,8 @@ def yoke(centre: FloatArray, pin: FloatArray, towards: FloatArray, size: float) 
     cosine, sine = np.cos(turn), np.abs(np.sin(turn))
     sine[[0, -1]] = 0.0
     arms = np.copysign(np.sqrt(np.abs(cosine)), cosine) * pin
-    return centre + size * (arms + DEPTH * np.sqrt(sine) * towards)
+    line: FloatArray = centre + size * (arms + DEPTH * np.sqrt(sine) * towards)
+    return line
 
 
 def tube(start: FloatArray, end: FloatArray, size: float, view: View) -> tuple[FloatArray, ...]:

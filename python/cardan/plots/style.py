@@ -10,6 +10,8 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from cardan.errors import ArgumentValueError
 from cardan.files.pictures import SUFFIXES
 from cardan.files.whole_file import whole_file
@@ -155,7 +157,7 @@ def text_width(text: str, size: float) -> float:
     from matplotlib.textpath import TextPath
 
     path = TextPath((0.0, 0.0), text, prop=FontProperties(size=size), usetex=False)
-    return 1.06 * float(path.get_extents().x1) if len(path.vertices) else 0.0
+    return 1.06 * float(np.max(path.vertices[:, 0], initial=0.0))
 
 
 def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axes.legend takes

@@ -42,7 +42,7 @@ class Turns:
         bands = math.floor((high - low) / together + 0.5)
         turn = np.full(angle_deg.shape, -1)
         turn[known] = np.clip(np.floor((place[known] - low + 1e-9) / together), 0, bands - 1)
-        edges = low + together * np.arange(bands + 1.0)
+        edges = np.asarray(low + together * np.arange(bands + 1.0), np.float64)
         edges[-1] = high
         return cls(edges, turn)
 
@@ -58,7 +58,8 @@ class Turns:
         sums = np.bincount(turn, weights=given, minlength=count)
         empty = held == 0
         least[empty] = largest[empty] = np.nan
-        return least, largest, np.divide(sums, held, out=np.full(count, np.nan), where=~empty)
+        sums[empty] = np.nan
+        return least, largest, sums / np.maximum(held, 1)
 
 
 def _continued(angle_deg: FloatArray) -> FloatArray:
