@@ -190,7 +190,7 @@ class _Sketch:
             self._take(centre + np.linspace(0.0, 1.0, 30)[:, np.newaxis] * (area[1] - centre))
 
     def _joints(self, angle: float) -> None:
-        width = min(_ARM, 0.34 * self.size * self.scale)
+        width = min(_ARM, 0.27 * self.size * self.scale)
         for side, name in enumerate(_SIDES):
             # For the legend, which needs no yoke of a driveline that is too small to be seen.
             self.axes.plot([], [], linewidth=_ARM - side, label=name, **_YOKES[side], **_rim(_ARM))
@@ -224,7 +224,7 @@ class _Sketch:
         # A grid of two points is fine enough for labels, and much less to search.
         drawn = 2.0 * np.unique(np.round(np.concatenate(self.drawn) / 2.0), axis=0)
         labels = Labels(self.axes, self.box, drawn)
-        away = self.size * self.scale
+        away = self.size * self.scale + 3.0
         self._ends(labels)
         self._directions(labels)
         legend_above(self.axes, loc="upper right", bbox_to_anchor=(0.98, 0.98), ncols=2)
@@ -243,7 +243,7 @@ class _Sketch:
             at = self._points((self.places[shaft] + self.places[shaft + 1]) / 2.0)
             turned = 180.0 - (180.0 - float(phase)) % 360.0
             text = f"shaft {shaft}\nphase {number(float(f'{turned:.4g}') + 0.0)}°"
-            labels.beside(at, text, 0.34 * away + 2.0, above=False)
+            labels.beside(at, text, 0.34 * away + 1.0, above=False)
 
     def _ends(self, labels: Labels) -> None:
         """Name the ends of the driveline, with arrows along the power flow."""
@@ -304,7 +304,7 @@ def _yoke_size(lengths: FloatArray) -> float:
     """Half the span of a yoke that leaves some of every shaft to be seen."""
     between = float(np.min(lengths[1:-1], initial=np.inf))
     ends = float(min(lengths[0], lengths[-1]))
-    return min(0.06 * float(np.sum(lengths)), 0.33 * between, 0.5 * ends)
+    return min(0.07 * float(np.sum(lengths)), 0.33 * between, 0.5 * ends)
 
 
 def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:

@@ -52,7 +52,8 @@ def _range(low: float, high: float) -> str:
     decimals = 2 - math.floor(math.log10(high - low)) if 0.0 < high - low < math.inf else 99
     if decimals > 9:
         return _short(low)
-    return f"{number(round(low, decimals))} to {number(round(high, decimals))}"
+    text = f"{low:.{max(0, decimals)}f} to {high:.{max(0, decimals)}f}"
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def _short(value: float) -> str:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 Box = tuple[float, float, float, float]  # left, bottom, right, top
 
-_ROOM = 1.5  # points around a label
+_ROOM = 2.0  # points around a label
 _NEAR, _FAR = 8, 30  # points from which, and to which, a line connects a label to its point
 _LINE = 1.25  # height of a line over the size of its font
 

@@ -14,7 +14,7 @@ from cardan.plots.driveline import plot_driveline
 from cardan.plots.key_figures import key_figures
 from cardan.plots.quantities import MOST, Quantity, quantities
 from cardan.plots.study import plot_study
-from cardan.plots.style import MM, STYLE, WIDTH, matplotlib, number, save, text_width
+from cardan.plots.style import MM, STYLE, WIDTH, matplotlib, number, save, text_width, value_ticks
 from cardan.plots.turns import Turns
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.units import RPM
@@ -169,6 +169,8 @@ def _panels(
             quantity.heading,
         )
         quantity.draw(axes, scene.drive_angle_deg, turns, 0.8 * _BESIDE / 25.4 * 72.0)
+        if rows > 2:
+            value_ticks(axes.yaxis, 3)
         by_scale.setdefault(quantity.scale, []).append(axes)
         # The lowest panel of each column names what is along it.
         if i + columns >= count:

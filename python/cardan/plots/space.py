@@ -65,7 +65,7 @@ def yoke(centre: FloatArray, pin: FloatArray, towards: FloatArray, size: float) 
     # A superellipse: straight arms, and a base across the shaft.
     turn = np.linspace(0.0, math.pi, 2 * _STEPS + 1)[:, np.newaxis]
     cosine, sine = np.cos(turn), np.abs(np.sin(turn))
-    sine[[0, -1]] = 0.0
+    sine[[0, -1]] = cosine[_STEPS] = 0.0
     arms = np.copysign(np.sqrt(np.abs(cosine)), cosine) * pin
     line: FloatArray = centre + size * (arms + DEPTH * np.sqrt(sine) * towards)
     return line

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -139,11 +139,25 @@ def degree_ticks(axis: Axis, low: float, high: float) -> None:
 
 
 def value_ticks(axis: Axis, most: int = 5) -> None:
-    """Put ticks at round values in full: an offset beside the axis would cover its heading."""
+    """Put ticks at round values in full: an offset beside the axis would cover its heading.
+
+    All of an axis have as many decimals.
+    """
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
-    axis.set_major_formatter(FuncFormatter(lambda tick, _: number(tick)))
+    axis.set_major_formatter(
+        FuncFormatter(lambda tick, _: _as_others(tick, axis.get_majorticklocs()))
+    )
+
+
+def _as_others(tick: float, others: Iterable[float]) -> str:
+    """Write a tick with as many decimals as those beside it need."""
+    texts = [number(other) for other in others]
+    if any("e" in text for text in texts):
+        return number(tick)
+    decimals = max(len(text.partition(".")[2]) for text in texts)
+    return f"{tick:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 
 
 def number(value: float) -> str:

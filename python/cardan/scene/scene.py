@@ -250,7 +250,8 @@ class Scene:
             table_file=output.get("table"),
             picture_file=output.get("picture"),
             points=next(
-                (np.array(value, float) for key, value in driveline.items() if "points" in key), None
+                (np.array(value, float) for key, value in driveline.items() if "points" in key),
+                None,
             ),
         )
 
