@@ -469,8 +469,9 @@ PICTURES: dict[str, tuple[str, Picture]] = {
         "rectilinear",
         partial(plots.plot_driveline, Driveline.from_points(SHORT), points=SHORT),
     ),
+    "ring": ("rectilinear", partial(plots.plot_driveline, Driveline.from_bends([0.087] * 64))),
 }
-IN_SPACE = ("spatial", "truck", "plane", "straight", "eight", "short")
+IN_SPACE = ("spatial", "truck", "plane", "straight", "eight", "short", "ring")
 each_picture = pytest.mark.parametrize("name", PICTURES)
 
 
@@ -977,6 +978,9 @@ def test_any_direction_points_to_the_right(axis: int, sign: float) -> None:
     right, up, viewer = View.of(directions).axes
     assert sign * right[axis] > 0.8
     np.testing.assert_allclose(np.cross(right, up), viewer, atol=1e-12)
+    # Shafts that come back are seen as the drive's shaft lies.
+    back = np.concatenate([directions, -directions])
+    np.testing.assert_array_equal(View.of(back).axes, [right, up, viewer])
     # A shaft along the line of sight can be drawn, too.
     assert np.isfinite(
         np.concatenate(space.tube(viewer, 3 * viewer, 1.0, View.of(directions)))

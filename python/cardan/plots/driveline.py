@@ -260,9 +260,11 @@ class _Sketch:
                 else (at + 3.0 * flow, at + 15.0 * flow)
             )
             self._arrow(*((far, near) if end == 0 else (near, far)), "0.1", 1.0)
-            # On the side to which the arrow leads away from the driveline.
-            down = far[1] < near[1] - 6.0
-            labels.at(float(far[0]), float(far[1]) + (-7.0 if down else 7.0), name, "center")
+            # On the side to which the arrow leads away, unless the driveline comes back there.
+            aside = -7.0 if far[1] < near[1] - 6.0 else 7.0
+            x, y = float(far[0]), float(far[1])
+            aside *= -1.0 if labels.covers(x, y + aside, name) else 1.0
+            labels.at(x, y + aside, name, "center")
 
     def _directions(self, labels: Labels) -> None:
         """Show the axes, and from where the senses of turn are meant."""

@@ -67,6 +67,10 @@ class Labels:
                 return True
         return False
 
+    def covers(self, x: float, y: float, text: str) -> bool:
+        """Whether a text in the middle of a place would cover something."""
+        return not self._is_free(self._box(x, y, *self._measure(text)))
+
     def at(self, x: float, y: float, text: str, align: str) -> None:
         """Write in a place that is kept for the text, centred on its height."""
         width, height = self._measure(text)

@@ -13,6 +13,7 @@ _STEPS = 24
 DEPTH = 1.3
 """Depth of a yoke over half its span."""
 
+_LITTLE = 0.3
 _TUBE = 0.34  # radius over half the span of a yoke
 
 
@@ -33,6 +34,8 @@ class View:
         The axis that the shafts follow most points to the right; y points up, if it is not y.
         """
         mean = np.mean(directions, axis=0)
+        # Shafts that turn back on themselves have no direction in the mean.
+        mean = mean if np.linalg.norm(mean) > _LITTLE else directions[0]
         place = int(np.argmax(np.abs(mean)))
         right = np.zeros(3)
         right[place] = math.copysign(1.0, mean[place])
