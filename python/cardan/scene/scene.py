@@ -59,6 +59,7 @@ class Scene:
         curves_file: name of the file for the curves, if any.
         table_file: name of the file for the table of the study, if any.
         picture_file: name of the file for the picture, if any.
+        points: ends and joint centres as the scene gives them, ``(n + 2, 3)``, if it does.
     """
 
     name: str
@@ -78,6 +79,7 @@ class Scene:
     curves_file: str | None
     table_file: str | None
     picture_file: str | None
+    points: FloatArray | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -256,6 +258,10 @@ class Scene:
             curves_file=output.get("curves"),
             table_file=output.get("table"),
             picture_file=output.get("picture"),
+            points=next(
+                (np.array(value, float) for key, value in driveline.items() if "points" in key),
+                None,
+            ),
         )
 
     @property
