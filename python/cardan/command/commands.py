@@ -99,11 +99,11 @@ def commands() -> click.Group:
         type=click.Path(exists=True, file_okay=False, path_type=Path),
         default=".",
         metavar="DIR",
-        help="Folder for the files to write; by default the current one.",
+        help="Folder for the files to write; default: the current one.",
     )
     units = click.option(
         "--radians/--degrees",
-        help="Angles printed and in files of numbers; by default in degrees, as in pictures.",
+        help="Unit of angles in print and in tables; default: degrees. Pictures use degrees.",
     )
 
     def output_option(text: str) -> Callable[[_Function], _Function]:
@@ -116,7 +116,7 @@ def commands() -> click.Group:
         if context.invoked_subcommand is None:
             click.echo(context.get_help())
 
-    @cardan.command(help=help_text.NEW, short_help="Write a scene to begin with.")
+    @cardan.command(help=help_text.NEW, short_help="Write a scene to start from.")
     @click.argument("kind", type=click.Choice(list(starters.STARTERS)), metavar="KIND")
     @click.argument("file", type=click.Path(path_type=Path))
     def new(kind: str, file: Path) -> None:
@@ -128,10 +128,12 @@ def commands() -> click.Group:
     @scene_argument
     @into_option
     @click.option(
-        "--local", type=click.IntRange(1), metavar="N", help="Do the study in N processes."
+        "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
     )
     @click.option(
-        "--scheduler", metavar="ADDRESS", help="Do the study on the cluster of this dask scheduler."
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Evaluate the study on this dask cluster.",
     )
     @units
     @as_json
@@ -177,7 +179,7 @@ def commands() -> click.Group:
                 say_before_files()
             say_before_files(wrote(**entry))
 
-    @cardan.command(help=help_text.STREAM, short_help="Evaluate recorded angles of any number.")
+    @cardan.command(help=help_text.STREAM, short_help="Evaluate a recording of any length.")
     @scene_argument
     @into_option
     @units
@@ -195,16 +197,18 @@ def commands() -> click.Group:
         if missing:
             say(missing_samples(missing, rows, "the recording"))
 
-    @cardan.command(help=help_text.EXPLAIN, short_help="Say how a scene is evaluated.")
+    @cardan.command(help=help_text.EXPLAIN, short_help="Describe how a scene is evaluated.")
     @scene_argument
     def explain(scene: Path) -> None:
         say(Scene.load(scene).explain())
 
     @cardan.command(help=help_text.PLOT, short_help="Draw a scene.")
     @scene_argument
-    @output_option("Picture to write; by default named as the scene, .svg, in the current folder.")
+    @output_option("Picture to write; default: the scene's name with .svg.")
     @click.option(
-        "--study", metavar="FIGURE", help="Draw this figure of the study over its keys instead."
+        "--study",
+        metavar="FIGURE",
+        help="Draw this figure of the study instead.",
     )
     def plot(scene: Path, output: Path | None, study: str | None) -> None:
         path = output or Path(f"{scene.stem}.svg")
@@ -220,9 +224,9 @@ def commands() -> click.Group:
             raise ValueError(f"--study {error.problem}") from None
         say(f"wrote {path}")
 
-    @cardan.command(help=help_text.REPORT, short_help="Write a page to hand on.")
+    @cardan.command(help=help_text.REPORT, short_help="Write a page to share.")
     @scene_argument
-    @output_option("Page to write; by default named as the scene, .html, in the current folder.")
+    @output_option("Page to write; default: the scene's name with .html.")
     def report(scene: Path, output: Path | None) -> None:
         path = output or Path(f"{scene.stem}.html")
         loaded = Scene.load(scene)
@@ -265,7 +269,7 @@ def commands() -> click.Group:
         say(as_json_text(data) if as_json else yoke_text(data))
 
     @cardan.command(help=help_text.SCHEMA, short_help="Print the JSON Schema of scenes.")
-    @output_option("File to write; by default it is printed.")
+    @output_option("File to write; default: standard output.")
     def schema(output: Path | None) -> None:
         text = as_json_text(Scene.schema())
         if output is None:
