@@ -74,7 +74,7 @@ Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
 
-With "--study equivalent_bend" the picture shows this figure of the study over its
+"--study equivalent_bend" draws that figure of the study over its
 keys: curves over one key, a map over two.
 """
 
