@@ -74,8 +74,8 @@ Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
 
-"--study equivalent_bend" draws that figure of the study over its
-keys: curves over one key, a map over two.
+"--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
+one key, a map over two.
 """
 
 CHECK = """\
