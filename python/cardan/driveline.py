@@ -22,6 +22,7 @@ from cardan.equivalent import (
 )
 from cardan.load import Load
 from cardan.plan import Plan
+from cardan.reduced import PlanOfReductions
 from cardan.request import Items, Reduction
 from cardan.result import Result
 from cardan.sweep import Sweep
@@ -210,14 +211,15 @@ class Driveline(Batch):
         """
         return equivalent(self._geometry, shaft)
 
-    def harmonics(self, orders: ArrayLike, shaft: int = -1) -> Harmonics:
+    def harmonics(self, orders: ArrayLike = (2, 4, 6, 8), shaft: int = -1) -> Harmonics:
         """Return the amplitudes of a shaft's motion at orders of the drive's rotation.
 
         At order ``2 n`` they are ``k**n / n`` of the angle error and ``2 k**n`` of the speed ratio,
         with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4).
 
         Args:
-            orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0.
+            orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0. By default the
+                first four even orders.
             shaft: index of the shaft, by default the last.
 
         Returns:
@@ -327,7 +329,7 @@ class Driveline(Batch):
         shafts: Items = None,
         joints: Items = None,
         load: Load | None = None,
-        reduce: Reduction | None = None,
+        reduce: Reduction | list[Reduction] | tuple[Reduction, ...] | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
@@ -354,7 +356,9 @@ class Driveline(Batch):
             reduce: ``"min"``, ``"max"``, ``"mean"``, ``"rms"`` or ``"peak"`` over the last axis of
                 the samples, which is dropped; no sample is stored. The peak is the largest
                 magnitude, of a vector its largest length without an axis of components; the others
-                take vectors by component. NaN among the samples gives NaN.
+                take vectors by component. NaN among the samples gives NaN. A list of them gives
+                each array an axis with one entry per reduction, behind the axis of shafts or
+                joints.
             out: arrays to fill, by output name, of the right shape and dtype; they are the arrays
                 of the result then. One may be the array of angles itself. Filling arrays that are
                 there saves the system's work of providing new memory, which for some 10⁵ angles is
@@ -385,7 +389,16 @@ class Driveline(Batch):
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        plan = Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
+
+        def plan_of(reduction: Reduction | None) -> Plan:
+            options = (load, reduction, dtype, tolerance, workers)
+            return Plan(self, outputs, shafts, joints, *options)
+
+        plan: Plan | PlanOfReductions
+        if isinstance(reduce, list | tuple):
+            plan = PlanOfReductions(reduce, plan_of)
+        else:
+            plan = plan_of(reduce)
         return PlanInDegrees(plan)(angle, out) if degrees else plan(angle, out)
 
     def plan(

@@ -51,6 +51,37 @@ class EquivalentJoint:
     max_speed_ratio: NDArray[np.float64]
     max_acceleration_ratio: NDArray[np.float64]
 
+    @property
+    def max_angle_error_at(self) -> NDArray[np.float64]:
+        """Drive angle in rad, within [0, pi), at which the angle error is ``max_angle_error``.
+
+        The error repeats after half a turn. NaN where the shaft turns uniformly.
+
+        Source: catalogue, Bild 12, at ``tan**2 = cos(bend)`` of the input angle.
+        """
+        place = np.mod(np.arctan(np.sqrt(self.min_speed_ratio)) - self.angle_offset, np.pi)
+        return np.where(self.k > 0.0, place, np.nan)[()]
+
+    @property
+    def bend_deg(self) -> NDArray[np.float64]:
+        """``bend`` in degrees."""
+        return np.degrees(self.bend)
+
+    @property
+    def angle_offset_deg(self) -> NDArray[np.float64]:
+        """``angle_offset`` in degrees."""
+        return np.degrees(self.angle_offset)
+
+    @property
+    def max_angle_error_deg(self) -> NDArray[np.float64]:
+        """``max_angle_error`` in degrees."""
+        return np.degrees(self.max_angle_error)
+
+    @property
+    def max_angle_error_at_deg(self) -> NDArray[np.float64]:
+        """``max_angle_error_at`` in degrees."""
+        return np.degrees(self.max_angle_error_at)
+
 
 @dataclass(frozen=True, eq=False)
 class Harmonics:
@@ -71,6 +102,11 @@ class Harmonics:
     orders: NDArray[np.int64]
     angle_error: NDArray[np.float64]
     speed_ratio: NDArray[np.float64]
+
+    @property
+    def angle_error_deg(self) -> NDArray[np.float64]:
+        """``angle_error`` in degrees."""
+        return np.degrees(self.angle_error)
 
 
 class Motion(NamedTuple):

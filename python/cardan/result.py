@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -18,18 +19,21 @@ if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
+    from matplotlib.figure import Figure
 
-Labels: TypeAlias = tuple[int | list[int], int | list[int], tuple[int, ...], str | None, str]
-"""Shafts and joints evaluated, shape of the driveline's batch, reduction, unit of angles."""
+Labels: TypeAlias = tuple[
+    int | list[int], int | list[int], tuple[int, ...], str | tuple[str, ...] | None, str
+]
+"""Shafts and joints evaluated, shape of the driveline's batch, reductions, unit of angles."""
 
 
 class Result(Mapping[str, NDArray[Any]]):
     """Read-only mapping of output names to arrays, with attribute access.
 
     ``result["speed_ratio"]`` and ``result.speed_ratio`` are the same array. The arrays themselves
-    are yours to change. ``to_xarray``, ``to_pandas`` and ``to_arrow`` label them; the drive angles
-    that they show are those of the array that was evaluated, which is not copied. ``units`` says
-    the unit of each output.
+    are yours to change. ``to_xarray``, ``to_pandas`` and ``to_arrow`` label them, and ``plot``
+    draws them; the drive angles that they show are those of the array that was evaluated, which
+    is not copied. ``units`` says the unit of each output.
 
     ``==`` has one answer, true or false, and not one per sample: results are equal if they have the
     same outputs in the same units and all values are the same, where NaN equals NaN. Arrays that
@@ -160,6 +164,17 @@ class Result(Mapping[str, NDArray[Any]]):
             ValueError: a result that was not evaluated but put together.
         """
         made: pyarrow.Table = _labels().table(self)
+        return made
+
+    def plot(self) -> Figure:
+        """Draw every output over the drive angle, as ``cardan.plots.plot_result`` does.
+
+        Raises:
+            ImportError: matplotlib is missing.
+            ValueError: a result without a row of drive angles, more curves than can be told apart.
+        """
+        # The library does not need its own pictures.
+        made: Figure = importlib.import_module("cardan.plots").plot_result(self)
         return made
 
     def compute(self, **options: Any) -> Result:  # noqa: ANN401 - those of dask

@@ -259,12 +259,15 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "[driveline] twists_deg does not go with points_m, which says it already",
     ),
     (
-        DRIVELINE + "slopes_vertical_deg = [0, 1]",
-        1,
-        "[driveline] slopes_horizontal_deg is missing; "
-        "slopes_vertical_deg and slopes_horizontal_deg go together",
+        DRIVELINE + "bends_deg = '8'",
+        2,
+        "[driveline] bends_deg is '8'; it must be a list of numbers",
     ),
-    (DRIVELINE + "bends_deg = 8", 2, "[driveline] bends_deg is 8; it must be a list of numbers"),
+    (
+        DRIVELINE + "bends_deg = true",
+        2,
+        "[driveline] bends_deg is true; it must be a list of numbers",
+    ),
     (DRIVELINE + "bends_deg = [1, 'a']", 2, "[driveline] bends_deg[1] is 'a'; it must be a number"),
     (DRIVELINE + "bends_deg = [true]", 2, "[driveline] bends_deg[0] is true; it must be a number"),
     (DRIVELINE + "bends_deg = [nan]", 2, "[driveline] bends_deg[0] is nan; it must be finite"),
@@ -1061,3 +1064,26 @@ def test_names_may_be_empty() -> None:
         Scene.parse('[driveline]\nbends_deg = [8.5]\n[""]\n')
     with pytest.raises(ValueError, match=r"^scene, line 1: \[driveline\] unknown key ''"):
         Scene.parse('[driveline]\nbends_deg = [8.5]\n"" = 3\n')
+
+
+def test_one_entry_needs_no_list() -> None:
+    text = "[driveline]\nbends_deg = 10\n[output]\nquantities = 'angle'\nclosed_forms = 'k'"
+    scene = Scene.parse(text)
+    assert scene.line.bends_deg == pytest.approx([10.0])
+    assert scene.quantities == ("angle",)
+    two = Scene.parse("[driveline]\nbends_deg = [10, 10]\ntwists_deg = 180\nphases_deg = 5").line
+    assert [two.twists_deg, two.phases_deg] == [pytest.approx([180.0]), pytest.approx([5.0])]
+
+
+@pytest.mark.parametrize("ends", [("slopes", [2, 7, 3]), ("projected_bends", [5, -4])])
+@pytest.mark.parametrize("view", ["vertical", "horizontal"])
+def test_shafts_are_level_in_the_view_that_is_left_out(
+    ends: tuple[str, list[int]], view: str
+) -> None:
+    name, angles = ends
+    other = {"vertical": "horizontal", "horizontal": "vertical"}[view]
+    one = f"[driveline]\n{name}_{view}_deg = {angles}\n"
+    both = f"{one}{name}_{other}_deg = {[0] * len(angles)}\n"
+    assert np.array_equal(Scene.parse(one).line.directions, Scene.parse(both).line.directions)
+    study = f"[study]\n{name}_{other}_deg.1 = [0, 3]\n"
+    assert Scene.parse(one + study).study is not None

@@ -109,13 +109,15 @@ def scenes(draw: st.DrawFn) -> dict[str, Any]:
     lengths = dict.fromkeys(form.keys, joints + form.ends) | dict.fromkeys(
         form.optional, joints - 1
     )
-    keys = [*form.keys, *draw(st.lists(st.sampled_from(form.optional), unique=True))]
+    needed = form.keys[draw(st.integers(-1, 1)) :][:2] if form.views else form.keys
+    keys = [*needed, *draw(st.lists(st.sampled_from(form.optional), unique=True))]
     scene: dict[str, Any] = {"driveline": {}}
     for key in keys:
         size = draw(st.sampled_from([lengths[key]] * 9 + [lengths[key] + 1]))
         part = described["driveline"]["properties"][key]
-        items = fitting(part["items"])
-        scene["driveline"][key] = draw(st.lists(items, min_size=size, max_size=size))
+        *alone, several = part.get("oneOf", [part])
+        lists = st.lists(fitting(several["items"]), min_size=size, max_size=size)
+        scene["driveline"][key] = draw(st.one_of(lists, *map(fitting, alone if size == 1 else ())))
     if draw(st.booleans()):
         sizes = {"minItems": joints + 1, "maxItems": joints + 1}
         load = described["load"]

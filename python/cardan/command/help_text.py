@@ -81,10 +81,10 @@ one key, a map over two.
 CHECK = """\
 Check a scene against the limits of the catalogues and of practice.
 
-The equivalent bend must not exceed 3 deg. If a speed is given, the torsional excitation by the last
-shaft and the inertia excitation by the intermediate shafts are checked as well. In a study every
-driveline must be within the limits; each figure is the worst one, with its place. The exit status
-is 0 if every figure is within its limit, otherwise 1.
+The equivalent bend must not exceed 3 deg; with a speed given, the excitation by the last shaft and
+by the shafts between is checked as well. In a study every driveline must keep the limits, and each
+figure is the worst of them, with its place. The exit status is 0 if all limits are kept and 1 if
+not.
 
 \b
 Examples:
@@ -127,7 +127,7 @@ Examples:
 """
 
 SCHEMA = """\
-Print the JSON Schema of scenes, with which editors complete and check them.
+Print the JSON Schema of scenes, by which editors complete and check them.
 
 \b
 Examples:

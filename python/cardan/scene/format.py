@@ -65,6 +65,7 @@ class Form:
         optional: may go with them.
         ends: how many entries the needed keys have beyond one per joint.
         joints: how many joints it describes, if only so many.
+        views: whether the needed keys are views, of which one suffices: in the other all is level.
     """
 
     make: Callable[..., Driveline]
@@ -72,6 +73,7 @@ class Form:
     optional: tuple[str, ...]
     ends: int
     joints: int | None = None
+    views: bool = False
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -80,7 +82,10 @@ class Form:
         most = {} if self.joints is None else {"maxItems": fewest}
         lengths = {key: {"minItems": fewest} | most for key in self.keys}
         allowed = _only(*self.keys, *self.optional)
-        return {"required": list(self.keys), "properties": lengths, **allowed}
+        needed: dict[str, Any] = {"required": list(self.keys)}
+        if self.views:
+            needed = {"anyOf": [{"required": [key]} for key in self.keys]}
+        return {**needed, "properties": lengths, **allowed}
 
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
@@ -98,44 +103,40 @@ FORMS = (
     Form(Driveline.from_points, ("points_m",), (_PHASES,), 2),
     Form(Driveline.from_points, ("points_mm",), (_PHASES,), 2),
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
-    Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1),
-    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2),
+    Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
+    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),
 )
 """The ways to describe a driveline; a scene uses exactly one of them."""
 
 _DRIVELINE = Section(
-    "joints and shafts, required; give exactly one description",
+    "joints and shafts, described in exactly one way; needed",
     {
         "bends_deg": Key(kinds.BENDS, "bend of each joint, in [0, 90)", "bends"),
         "twists_deg": Key(
             kinds.NUMBERS,
-            "with bends_deg: angle from one bend plane to the next about each intermediate "
-            "shaft, clockwise looking from the drive towards the output; default 0",
+            "with bends_deg: turn from bend plane to bend plane about each shaft between "
+            "two joints, clockwise seen along the power flow; default 0",
             "twists",
         ),
         "points_m": Key(kinds.VECTORS, "driving end, joint centres, driven end", "points"),
         "points_mm": Key(kinds.VECTORS, "the same in mm", "points"),
-        "directions": Key(kinds.VECTORS, "a vector of any length along each shaft", "directions"),
+        "directions": Key(kinds.VECTORS, "along each shaft, any length", "directions"),
         "slopes_vertical_deg": Key(
-            kinds.SLOPES, "slope of each shaft in side view, positive upwards", "vertical"
+            kinds.SLOPES, "slope of each shaft in side view, up positive", "vertical"
         ),
         "slopes_horizontal_deg": Key(
-            kinds.SLOPES, "slope of each shaft in top view, positive to the right", "horizontal"
+            kinds.SLOPES, "slope of each shaft in top view, right positive", "horizontal"
         ),
         "projected_bends_vertical_deg": Key(
-            kinds.SLOPES,
-            "bends of two joints in side view, from the common shaft",
-            "vertical",
+            kinds.SLOPES, "bends of two joints in side view, from the common shaft", "vertical"
         ),
         "projected_bends_horizontal_deg": Key(
-            kinds.SLOPES,
-            "bends of two joints in top view, from the common shaft",
-            "horizontal",
+            kinds.SLOPES, "bends of two joints in top view, from the common shaft", "horizontal"
         ),
         "phases_deg": Key(
             kinds.NUMBERS,
-            "angle from the input-side to the output-side yoke of each intermediate shaft, "
-            "clockwise looking from the drive towards the output; default 0",
+            "turn of the output-side fork against the input-side one on each shaft between "
+            "two joints, clockwise seen along the power flow; default 0",
             "phases",
         ),
     },

@@ -272,22 +272,24 @@ class ListOf(Rule):
 
 @dataclass(frozen=True)
 class OneOrMore(Rule):
-    """A single name, or a list of them that says none twice."""
+    """A list, or its only entry.
 
-    item: Rule
-    what: str
+    Attributes:
+        several: the list.
+        single: the types of an entry in TOML; anything else must be a list.
+    """
 
-    @property
-    def _several(self) -> ListOf:
-        return ListOf(self.item, self.what, distinct=True)
+    several: ListOf
+    single: type | tuple[type, ...] = str
 
     def read(self, where: Location, value: object) -> list[Any]:
-        """Return the names, as a list in either case."""
-        if isinstance(value, str):
-            return [self.item.read(where, value)]
-        return self._several.read(where, value)
+        """Return the entries, as a list in either case."""
+        # To Python, true is a whole number.
+        if isinstance(value, self.single) and not isinstance(value, bool):
+            return [self.several.item.read(where, value)]
+        return self.several.read(where, value)
 
     @property
     def schema(self) -> Schema:
-        """A name or an array."""
-        return {"oneOf": [self.item.schema, self._several.schema]}
+        """An entry or an array."""
+        return {"oneOf": [self.several.item.schema, self.several.schema]}

@@ -367,6 +367,11 @@ def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, A
             if key not in FORMS[0].optional:
                 raise ArgumentValueError(key, "does not go with recorded bends")
         filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
+    for form in FORMS:
+        given = [key for key in form.keys if key in filled]
+        if form.views and given:
+            level = [0.0] * len(filled[given[0]])
+            filled = {**dict.fromkeys(form.keys, level), **filled}
     form = form_of(filled)
     joints = len(filled[form.keys[0]]) - form.ends
     for key in form.optional:
