@@ -1,4 +1,4 @@
-"""Phase a string of three unequal joints as smoothly as it can run, and say so in words."""
+"""Find the smoothest yoke settings of a driveline with three unequal joints."""
 
 import cardan
 

@@ -278,9 +278,9 @@ class Driveline(Batch):
         two joints up to 30° are at most 1.02° off, with three it can miss altogether.
 
         Args:
-            fork_signs: +1 or -1 per joint, ``(..., n)``: joints with the same fork position
-                relative to their bend planes have the same sign, so the two joints of an ordinary
-                compensated shaft have opposite ones.
+            fork_signs: +1 or -1 per joint, ``(..., n)``: joints whose yokes have the same
+                position relative to their bend planes have the same sign. The two joints of an
+                ordinary compensated shaft therefore have opposite signs.
 
         Returns:
             the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).

@@ -20,8 +20,8 @@ class Output:
         per: ``"shaft"`` or ``"joint"``.
         unit: SI unit; ``"1"`` for a ratio.
         meaning: one line.
-        source: its equation, with where it comes from; ``a`` is the driving angle of the joint, or
-            of the one joint that is equivalent to the chain, ``b`` its bend.
+        source: its equation, with where it comes from; ``a`` is the input angle of the joint,
+            or of the single joint equivalent to the chain, and ``b`` its bend.
         axes: names of the components of a vector; empty for a scalar.
         needs_load: whether ``evaluate`` needs ``load=``.
     """

@@ -18,7 +18,7 @@ AWKWARD = {
     r"(?<!\d)1 files": "1 file",
     r"of them found there": "already complete",
     r"is there \d+ times": "appears twice",
-    r"has no such place": "there is no …",
+    r"has no such place": "does not exist",
     r"above all sections": "top level",
     r"in exactly one way; needed": "required; give exactly one",
     r"m across it": "bending moment of the shaft",

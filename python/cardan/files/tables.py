@@ -1,4 +1,4 @@
-"""Columns of any length: from one Parquet file into another, by chunks in bounded memory."""
+"""Columns of any length: from one Parquet file to another, in chunks and bounded memory."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ from cardan.sweep import Sweep
 MANIFEST = "_study.json"
 """File of the folder that says which study it holds; Parquet readers pass over it."""
 
-# A part should be worth a task and a file, and cheap to lose: some tenths of a second.
+# A part should be worth a task and a file, and cheap to lose: a few tenths of a second.
 _SAMPLES = 1 << 26
 _MOST_ROWS = 1 << 16
 
@@ -112,7 +112,7 @@ def write_study(
         folder: where; every worker must see it under the same name.
         client: a client of the cluster.
         radians: whether angles are in radians.
-        part_rows: drivelines of a file; by default some tenths of a second of work. A folder that
+        part_rows: drivelines of a file; by default a few tenths of a second of work. A folder that
             was begun keeps its own.
         progress: called after each file with the rows done and all rows.
 

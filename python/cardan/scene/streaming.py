@@ -1,4 +1,4 @@
-"""Scenes with recorded angles of any length, by chunks in bounded memory."""
+"""Scenes with recorded angles of any length, in chunks and bounded memory."""
 
 from __future__ import annotations
 
