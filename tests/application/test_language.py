@@ -74,7 +74,7 @@ TERMS = {
 ALLOWED = {
     ("docs/glossary.md", "in catalogues also fork"): "forks?",
     ("docs/glossary.md", "the fork-shaped end of a shaft"): "forks?",
-    ("docs/theory/sources.md", "in the catalogues: forks"): "forks?",
+    ("docs/theory/sources.md", "in the catalogues: fork)"): "forks?",
     ("docs/decisions/0010-forked-processes-use-one-thread.md", "survive a fork."): "forks?",
     ("docs/decisions/0010-forked-processes-use-one-thread.md", "After a fork every"): "forks?",
     ("docs/decisions/0010-forked-processes-use-one-thread.md", "records the fork;"): "forks?",
