@@ -2,7 +2,7 @@
 
 K. H. Grossmann, Die Momente im Kreuzgelenk, 1939; the catalogue chapters on the single joint
 ("Kinematik des Kreuzgelenks", Bilder 10 to 13) and on double joints (sections 6.1 to 6.5); the
-introduction of D. Thoma, Das Kräftespiel im Kreuzgelenk, 1920. Thoma's equations and Marcus's are in
+introduction of D. Thoma, Das Kräftespiel im Kreuzgelenk, 1920. His equations and Marcus's are in
 test_approximations.py and test_ball_joint.py.
 """
 
