@@ -21,7 +21,7 @@ from cardan.request import Plannable, item_index
 class EquivalentJoint:
     """Closed forms of one shaft's motion; each field has the shape of the driveline batch.
 
-    Every shaft of every chain turns exactly as the driven shaft of one joint does, whose driving
+    Every shaft of every chain turns exactly as the driven shaft of one joint does, whose input
     angle is the drive angle plus an offset. Near full compensation compare ``k`` or
     ``non_uniformity``, not ``bend``: a rounding of 1e-16 in ``k`` is 2e-8 rad in ``bend``.
 
