@@ -9,6 +9,7 @@ import numpy as np
 import cardan
 
 HEIGHTS = np.linspace(-160.0, 20.0, 181)  # mm
+# Axes of the points, right-handed, in mm: x rearwards, y up, z to the vehicle's left.
 POINTS = np.array(
     [[0, 0, 0], [350, -24, 0], [1650, 0, 0], [3150, -180, 45], [3450, -196, 45]], dtype=float
 )

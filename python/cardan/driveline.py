@@ -41,7 +41,8 @@ class Driveline(Batch):
     x u_{j+1})``. The twist of an intermediate shaft is the angle about it from one normal to the
     next, its phase the angle from its input-side to its output-side pin; phase 0 means both yokes
     in one plane. The drive angle counts from the driving pin of joint 0 lying in the plane of
-    shafts 0 and 1. All rotations are right-handed about ``u_i``.
+    shafts 0 and 1. All rotations are right-handed about ``u_i``:
+    clockwise, looking from the drive towards the output.
     """
 
     __slots__ = ()
@@ -88,7 +89,8 @@ class Driveline(Batch):
         that of the next bent one.
 
         Args:
-            directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow.
+            directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow, in any
+                right-handed axes.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether the phases are in degrees.
 
@@ -108,7 +110,8 @@ class Driveline(Batch):
 
         Args:
             points: ``(..., n + 2, 3)``: the driving end, the joint centres, the driven end, in any
-                unit of length.
+                unit of length and any right-handed axes. In left-handed ones the driveline would be
+                mirrored, and all yoke settings would have the opposite sense.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether the phases are in degrees.
 
@@ -131,12 +134,13 @@ class Driveline(Batch):
     ) -> Self:
         """Make drivelines from the slope of each shaft in side view and in top view.
 
-        A shaft points along ``(1, tan vertical, tan horizontal)``: x is the travel, y up, z to the
-        right seen along the travel (catalogue, double joint, 6.3, exactly).
+        A shaft points along ``(1, tan vertical, tan horizontal)`` in right-handed axes: x from the
+        drive to the output, y up, z to the right, looking from the drive towards the output
+        (catalogue, double joint, 6.3, exactly). If x points rearwards, z is the vehicle's left.
 
         Args:
-            vertical: slope of each shaft in side view, ``(..., n + 1)``.
-            horizontal: slope of each shaft in top view, ``(..., n + 1)``.
+            vertical: slope of each shaft in side view, ``(..., n + 1)``, positive upwards.
+            horizontal: slope of each shaft in top view, ``(..., n + 1)``, positive towards +z.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether all three are in degrees.
 
@@ -160,16 +164,18 @@ class Driveline(Batch):
         """Make shafts with two joints from their bends as projected in side view and top view.
 
         This is the catalogues' form (double joint, 6.3, Bilder 17 to 19). The bends of a drawing
-        add up along the shaft, so it matters which shaft the drawing lays along the travel: by the
-        catalogue's figure the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
+        add up along the shaft, so it matters from which shaft the drawing measures them: by the
+        catalogue's figure from the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
         tan(horizontal)**2`` holds exactly.
 
         Args:
             vertical: bend of both joints in side view, ``(..., 2)``, positive upwards.
-            horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right.
+            horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right,
+                looking from the drive towards the output: towards +z as in ``from_slopes``.
             phases: phase of the common shaft, ``(..., 1)`` or one for all.
             degrees: whether all three are in degrees.
-            reference: the shaft along the travel: ``"common"``, ``"input"`` or ``"output"``.
+            reference: the shaft from which they are measured: ``"common"``, ``"input"`` or
+                ``"output"``.
 
         Raises:
             TypeError: values that are not real numbers.

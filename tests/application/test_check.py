@@ -141,7 +141,9 @@ def test_the_fork_of_the_catalogue_example() -> None:
     line = Driveline.from_projected_bends([15, -11.5], [7, 12], degrees=True)
     setting = workshop.turn(line.optimal_phases())
     # The smallest |q| of unequal bends is where the yokes line up with the twist.
-    assert str(setting) == "70.87° counter-clockwise, looking along the travel"
+    assert str(setting) == (
+        "70.87° counter-clockwise = 109.13° clockwise, looking from the drive towards the output"
+    )
 
 
 @pytest.mark.parametrize(

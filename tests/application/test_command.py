@@ -319,15 +319,27 @@ def test_phase_in_workshop_words() -> None:
     assert result.output == textwrap.dedent("""\
         Spatial two-joint shaft, 15/7/-11.5/12 deg
 
-        Set the output-side yoke against the input-side one, looking along the travel:
-        - shaft 1: 70.87° counter-clockwise (as it is)
+        Spatial arrangement: the bends lie in different planes.
 
-        Equivalent bend: 0.9515° as it is, 0.9515° set so.
-        Set so, it does not pass the check:
-        - inertia excitation of the shafts between, driving 3654 rad/s² is above the limit of \
-1000 rad/s² and the maximum of 2000 rad/s²
-        - inertia excitation of the shafts between, coasting 3642 rad/s² is above the limit of \
-1000 rad/s² and the maximum of 2000 rad/s²
+        Set the output-side yoke of each shaft against its input-side yoke, looking
+        from the drive towards the output (drive → output). A yoke looks the same every
+        180°.
+        - shaft 1: 70.87° counter-clockwise = 109.13° clockwise; nothing to turn
+
+                                         now        best
+        Equivalent bend               0.951°      0.951°
+        Catalogue's root rule         0.938°      0.938°
+          its fork signs                 + -         + -
+          yokes off these by           0.00°       0.00°
+
+        The yokes have their best setting; nothing to turn. 0.951° is within the limit
+        of 3°.
+        With the best setting the driveline does not pass the check:
+        - inertia excitation of the shafts between, driving 3654 rad/s² is above the
+          limit of 1000 rad/s² and the maximum of 2000 rad/s²
+        - inertia excitation of the shafts between, coasting 3642 rad/s² is above the
+          limit of 1000 rad/s² and the maximum of 2000 rad/s²
+
         In the scene: phases_deg = [-70.8728]
         """)
 
@@ -339,7 +351,7 @@ def test_phases_make_the_driveline_smooth(tmp_path: Path) -> None:
     assert line.with_phases(phases, degrees=True).equivalent().k < 1e-15
     assert data["equivalent_bend_deg"]["best"] == 0.0
     assert data["equivalent_bend_deg"]["present"] == pytest.approx(5.998, abs=1e-3)
-    assert data["view"] == "looking along the travel"
+    assert data["view"] == "looking from the drive towards the output"
     for i, shaft in enumerate(data["shafts"]):
         assert shaft["shaft"] == i + 1
         sign = {"clockwise": 1, "counter-clockwise": -1}
@@ -352,7 +364,7 @@ def test_phases_make_the_driveline_smooth(tmp_path: Path) -> None:
         )
     assert data["above_limits"] == []
     text = run("phase", TRUCK).output
-    assert "Set so, it passes the check.\n" in text
+    assert "With the best setting the driveline passes the check.\n" in text
     # Pasted into the scene, the line does what it says.
     path = tmp_path / "a.toml"
     pasted = text.splitlines()[-1].removeprefix("In the scene: ")
@@ -435,7 +447,8 @@ def test_new_overwrites_nothing(into: Path, monkeypatch: pytest.MonkeyPatch) -> 
     failed(run("new", "joint", "no/a.toml"), "no/a.toml: No such file or directory")
     failed(
         run("new", "jiont", "c.toml"),
-        "Invalid value for 'KIND': 'jiont' is not one of 'joint', 'z-shaft', 'string', 'recorded'.",
+        "Invalid value for 'KIND': 'jiont' is not one of 'joint', 'z-shaft', 'multi-joint', "
+        "'recorded'.",
     )
     assert {entry.name: entry.read_text() for entry in into.iterdir()} == {
         "a.toml": "mine",

@@ -115,7 +115,10 @@ def test_answers_are_the_librarys(tmp_path: Path) -> None:
         assert f"shaft {shaft}: up to {figure_text(peak)} N m" in said
 
     # 170 deg of twist are 10 deg counter-clockwise, and that is how the yokes must stand.
-    assert "shaft 1: 10.00° counter-clockwise (turn it 30.00° counter-clockwise" in said
+    assert (
+        "shaft 1: 10.00° counter-clockwise = 170.00° clockwise; turn it 30.00° counter-clockwise"
+        in said
+    )
     best = np.degrees(LINE.with_phases(LINE.optimal_phases()).equivalent().bend)
     assert f"as it is, {best:.4g}° set so" in said
     assert scene(Z_SHAFT).explain() in said

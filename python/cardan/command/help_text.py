@@ -95,6 +95,11 @@ Examples:
 PHASE = """\
 Say how to set the yokes so that the last shaft turns as evenly as possible.
 
+Each setting is an angle and a sense, looking from the drive towards the output. If the scene gives
+the teeth of the splines, the best teeth are found as well. The answer names the arrangement, what
+is left at the best setting and what would bring it within the limit. It compares the exact figure
+with the catalogues' root rule.
+
 \b
 Examples:
   cardan phase shaft.toml
@@ -118,7 +123,7 @@ Write a commented scene that is ready to run. An existing file is never overwrit
 
 \b
 KIND is one of
-{chr(10).join(f"  {kind:10}{starter.meaning}" for kind, starter in STARTERS.items())}
+{chr(10).join(f"  {kind:13}{starter.meaning}" for kind, starter in STARTERS.items())}
 
 \b
 Examples:

@@ -15,7 +15,7 @@ from cardan.report.samples import NOMINAL_TORQUE, Samples
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.units import RPM
 from cardan.words.summary import figure_text, row_text
-from cardan.workshop import turn
+from cardan.workshop import VIEW, turn
 
 
 class Table(NamedTuple):
@@ -39,7 +39,7 @@ def inputs(scene: Scene) -> dict[str, Table]:
         heads += [
             "Twist of bend planes [deg]",
             "Phase of yokes [deg]",
-            "Yokes, looking along the travel",
+            f"Yokes, {VIEW}",
         ]
         for i, cells in enumerate(shafts):
             if 0 < i < line.n_joints:

@@ -81,7 +81,7 @@ class Form:
         fewest = (self.joints or 1) + self.ends
         most = {} if self.joints is None else {"maxItems": fewest}
         lengths = {key: {"minItems": fewest} | most for key in self.keys}
-        allowed = _only(*self.keys, *self.optional)
+        allowed = _only(*self.keys, *self.optional, TEETH)
         needed: dict[str, Any] = {"required": list(self.keys)}
         if self.views:
             needed = {"anyOf": [{"required": [key]} for key in self.keys]}
@@ -89,6 +89,9 @@ class Form:
 
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
+TEETH = "teeth"
+"""The key of a driveline that says in which steps its yokes can be set."""
+
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
 """The keys for recorded bends; a scene uses at most one of them."""
 
@@ -109,35 +112,55 @@ FORMS = (
 """The ways to describe a driveline; a scene uses exactly one of them."""
 
 _DRIVELINE = Section(
-    "joints and shafts, described in exactly one way; needed",
+    "joints and shafts, required; give exactly one description",
     {
         "bends_deg": Key(kinds.BENDS, "bend of each joint, in [0, 90)", "bends"),
         "twists_deg": Key(
             kinds.NUMBERS,
-            "with bends_deg: turn from bend plane to bend plane about each shaft between "
-            "two joints, clockwise seen along the power flow; default 0",
+            "with bends_deg: angle from one bend plane to the next about each intermediate "
+            "shaft, clockwise looking from the drive towards the output; default 0",
             "twists",
         ),
-        "points_m": Key(kinds.VECTORS, "driving end, joint centres, driven end", "points"),
+        "points_m": Key(
+            kinds.VECTORS, "driving end, joint centres, driven end, in right-handed axes", "points"
+        ),
         "points_mm": Key(kinds.VECTORS, "the same in mm", "points"),
-        "directions": Key(kinds.VECTORS, "along each shaft, any length", "directions"),
+        "directions": Key(
+            kinds.VECTORS,
+            "a vector of any length along each shaft, in right-handed axes",
+            "directions",
+        ),
         "slopes_vertical_deg": Key(
-            kinds.SLOPES, "slope of each shaft in side view, up positive", "vertical"
+            kinds.SLOPES, "slope of each shaft in side view, positive upwards", "vertical"
         ),
         "slopes_horizontal_deg": Key(
-            kinds.SLOPES, "slope of each shaft in top view, right positive", "horizontal"
+            kinds.SLOPES,
+            "slope of each shaft in top view, positive to the right, looking from the drive "
+            "towards the output: towards the vehicle's left if its drive is in front",
+            "horizontal",
         ),
         "projected_bends_vertical_deg": Key(
-            kinds.SLOPES, "bends of two joints in side view, from the common shaft", "vertical"
+            kinds.SLOPES,
+            "bends of two joints in side view, from the common shaft, positive upwards",
+            "vertical",
         ),
         "projected_bends_horizontal_deg": Key(
-            kinds.SLOPES, "bends of two joints in top view, from the common shaft", "horizontal"
+            kinds.SLOPES,
+            "bends of two joints in top view, from the common shaft, positive as "
+            "slopes_horizontal_deg",
+            "horizontal",
         ),
         "phases_deg": Key(
             kinds.NUMBERS,
-            "turn of the output-side fork against the input-side one on each shaft between "
-            "two joints, clockwise seen along the power flow; default 0",
+            "angle from the input-side to the output-side yoke of each intermediate shaft, "
+            "clockwise looking from the drive towards the output; default 0",
             "phases",
+        ),
+        TEETH: Key(
+            kinds.TEETH,
+            "teeth of the spline that carries the output-side yoke of each shaft between two "
+            "joints: one number for all shafts or one per shaft, 1 where no yoke can be turned; "
+            "default: any angle can be set",
         ),
     },
 )
@@ -205,6 +228,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 name: Key(_axis_of(key.kind), f"values for this key of [{section}]")
                 for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
                 for name, key in part.keys.items()
+                if name != TEETH
             },
             together=_LOAD.together,
             fewest=1,
@@ -303,7 +327,7 @@ def schema() -> dict[str, Any]:
             _not_both(*DRIVE_ANGLES),
             {
                 "if": columns,
-                "then": {"properties": {"driveline": _only(*FORMS[0].optional)}},
+                "then": {"properties": {"driveline": _only(*FORMS[0].optional, TEETH)}},
                 "else": {
                     "required": ["driveline"],
                     "properties": {"driveline": {"oneOf": [form.schema for form in FORMS]}},

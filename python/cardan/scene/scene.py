@@ -24,8 +24,8 @@ from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.document import Document
 from cardan.scene.errors import SceneError
-from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, Form, describe
-from cardan.scene.parts import check_load, form_of, make_driveline, make_load
+from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
+from cardan.scene.parts import check_load, form_of, make_driveline, make_load, teeth_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -50,6 +50,7 @@ class Scene:
         quantities: outputs to evaluate.
         shafts: the shafts that the scene names; ``None`` for the last one only.
         joints: the joints that the scene names; ``None`` for all.
+        teeth: of the spline of each intermediate shaft; empty if the scene gives none.
         options: further arguments of ``Driveline.evaluate``.
         study: what to vary and the figures wanted, if any.
         recording: file that the drive angles come from, if any.
@@ -67,6 +68,7 @@ class Scene:
     quantities: tuple[str, ...]
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...] | None
+    teeth: tuple[int, ...]
     options: Mapping[str, Any]
     study: Study | None
     recording: Path | None
@@ -185,8 +187,10 @@ class Scene:
         with document.within("sweep"):
             angle = angle or Angles.swept(given.get("sweep", {}))
         with document.within("driveline"):
-            form, driveline = _filled(driveline, angle)
+            described = {key: value for key, value in driveline.items() if key != TEETH}
+            form, driveline = _filled(described, angle)
             line = make_driveline(form, driveline)
+            teeth = teeth_of(given.get("driveline", {}), line.n_joints)
         with document.within("load"):
             load = None
             if loaded is not None:
@@ -241,6 +245,7 @@ class Scene:
             quantities=quantities,
             shafts=shafts,
             joints=joints,
+            teeth=teeth,
             options=options,
             study=study,
             recording=folder / recorded["file"] if recorded else None,

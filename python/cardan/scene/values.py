@@ -14,6 +14,7 @@ from cardan.scene.rules import (
     ListOf,
     Number,
     OneOf,
+    OneOrEach,
     OneOrMore,
     Rule,
     Text,
@@ -57,6 +58,7 @@ VECTORS = Kind("vectors", ListOf(_VECTOR, "vectors [x, y, z]"))
 QUANTITIES = Kind("name or names", OneOrMore(_names(OUTPUTS)))
 CLOSED = Kind("name or names", OneOrMore(_names(CLOSED_FORMS)))
 REDUCED = Kind("name or names", OneOrMore(_names(REDUCTIONS)))
+TEETH = Kind("whole number(s)", OneOrEach(ListOf(Whole(1, most=1000), "whole numbers")))
 INDICES = Kind("whole numbers", ListOf(Whole(0), "whole numbers", distinct=True))
 TOLERANCE = Kind("number", Number(0, 1, below=True))
 DTYPE = Kind("name", OneOf(("float64", "float32")))
