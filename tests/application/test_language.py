@@ -74,6 +74,9 @@ TERMS = {
 ALLOWED = {
     ("docs/glossary.md", "in catalogues also fork"): "forks?",
     ("docs/glossary.md", "the fork-shaped end of a shaft"): "forks?",
+    ("docs/start.md", "its fork signs"): "forks?",
+    ("python/cardan/figures/catalogue.py", "its fork signs"): "forks?",
+    ("python/cardan/words/yokes.py", "its fork signs"): "forks?",
     ("docs/theory/sources.md", "in the catalogues: fork)"): "forks?",
     ("docs/decisions/0010-forked-processes-use-one-thread.md", "survive a fork."): "forks?",
     ("docs/decisions/0010-forked-processes-use-one-thread.md", "After a fork every"): "forks?",
