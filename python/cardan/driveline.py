@@ -281,13 +281,13 @@ class Driveline(Batch):
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
 
-        It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed:
-        two joints up to 30° are at most 1.02° off, with three it can miss altogether.
+        It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed. For
+        two joints up to 30° its error is at most 1.02°; for three joints it can fail completely.
 
         Args:
-            fork_signs: +1 or -1 per joint, ``(..., n)``: joints with the same fork position
-                relative to their bend planes have the same sign, so the two joints of an ordinary
-                compensated shaft have opposite ones.
+            fork_signs: +1 or -1 per joint, ``(..., n)``: joints whose yokes have the same
+                position relative to their bend planes have the same sign. The two joints of an
+                ordinary compensated shaft therefore have opposite signs.
 
         Returns:
             the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).
@@ -348,53 +348,53 @@ class Driveline(Batch):
         """Evaluate outputs over drive angles.
 
         Only what the outputs need is computed. The result of one output has the shape
-        ``([items,] *broadcast(line.shape, angle.shape) [, 3])``: the shaft or joint axis comes
-        first and is dropped for a single index, a vector's components come last.
+        ``([items,] *broadcast(line.shape, angle.shape) [, 3])``. The axis of shafts or joints comes
+        first and is dropped for a single index. The components of a vector come last.
 
         Args:
             angle: drive angle in rad, any shape, or a ``Sweep``; broadcasts against the batch. NaN
-                and infinite angles give NaN at their own samples. With an array of dask the arrays
-                of the result are dask's, a task of one thread for each chunk; with a DataArray of
-                xarray an ``xarray.Dataset`` is returned, which keeps its coordinates; with a Series
-                of pandas a DataFrame, which keeps its index.
+                and infinite angles give NaN for that sample only. A dask array gives a result of
+                dask arrays, with one task of one thread per chunk. An xarray DataArray gives an
+                ``xarray.Dataset`` with the same coordinates, and a pandas Series gives a DataFrame
+                with the same index.
             outputs: names from ``cardan.OUTPUTS``.
-            shafts: shafts for the outputs per shaft: an index, a slice or a list; by default the
-                last one.
-            joints: joints for the outputs per joint; by default all.
+            shafts: shafts for the outputs per shaft: an index, a slice or a list; default: the last
+                shaft.
+            joints: joints for the outputs per joint; default: all.
             load: the load, for the outputs that need one.
             reduce: ``"min"``, ``"max"``, ``"mean"``, ``"rms"`` or ``"peak"`` over the last axis of
                 the samples, which is dropped; no sample is stored. The peak is the largest
-                magnitude, of a vector its largest length without an axis of components; the others
-                take vectors by component. NaN among the samples gives NaN. A list of them gives
-                each array an axis with one entry per reduction, behind the axis of shafts or
-                joints.
-            out: arrays to fill, by output name, of the right shape and dtype; they are the arrays
-                of the result then. One may be the array of angles itself. Filling arrays that are
-                there saves the system's work of providing new memory, which for some 10⁵ angles is
-                more than the evaluation. Vectors need no copy where they lie plane by plane, as in
-                ``numpy.moveaxis(numpy.empty((3, n)), 0, -1)``. Ctrl-C stops an evaluation within
-                a fraction of a second and leaves them filled in part. While a call fills an array,
-                other threads cannot use it in theirs.
-            dtype: ``float64``, the default whatever the dtype of the angles, or ``float32``:
-                results, and unless ``tolerance`` says otherwise the arithmetic after an exact
-                reduction of the angles.
+                magnitude; for a vector it is the largest length, without an axis of components. The
+                other reductions treat the components of a vector separately. NaN among the samples
+                gives NaN. A list of reductions gives each array an axis with one entry per
+                reduction, after the axis of shafts or joints.
+            out: arrays to fill, by output name, of the right shape and dtype. They become the
+                arrays of the result. One of them may be the array of angles itself. Existing arrays
+                save the operating system the work of providing new memory, which for some 10⁵
+                angles takes longer than the evaluation. Vectors need no copy if their components
+                are stored plane by plane, as in ``numpy.moveaxis(numpy.empty((3, n)), 0, -1)``.
+                Ctrl-C stops an evaluation within a fraction of a second and leaves the arrays
+                partly filled. While a call fills an array, calls on other threads cannot use it.
+            dtype: ``float64`` (default) or ``float32``, the dtype of the results. ``float32`` also
+                uses single precision after an exact reduction of the angles, unless ``tolerance``
+                says otherwise.
             tolerance: permitted error, relative to each output's largest magnitude over a turn; the
                 cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
                 moments and torques), 1e-6 and more for single precision; the default is the fast
                 double, some ulp (the documentation's page Accuracy has the table).
-            workers: at most so many threads, ``-1`` for all cores; by default all where the work
-                repays them. The environment variable ``RAYON_NUM_THREADS`` says how many that are;
-                a forked process uses one. The results do not depend on it.
-            degrees: whether the drive angle is in degrees; outputs that are angles are then in
-                degrees too, and all others stay as they are. Both conversions round. A ``Sweep``
+            workers: largest number of threads, ``-1`` for all cores; default: all cores for calls
+                that are large enough. The environment variable ``RAYON_NUM_THREADS`` limits the
+                number; a forked process uses one thread. The results do not depend on it.
+            degrees: whether the drive angle is in degrees. Outputs that are angles are then in
+                degrees as well; all others do not change. Both conversions round. A ``Sweep``
                 must have been made with ``degrees=True`` or by ``Sweep.revolutions``.
 
         Raises:
             IndexError: a shaft or joint that does not exist.
-            MemoryError: results, or what is needed on the way to them, beyond the memory there is.
+            MemoryError: results or intermediate arrays that do not fit in memory.
             RuntimeError: an ``out`` that another thread is filling.
-            TypeError: angles that are not plain real numbers, as masked ones or ones with a unit,
-                indices that are not integers.
+            TypeError: angles that are not plain real numbers (masked or with a unit), indices that
+                are not integers.
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
@@ -422,23 +422,22 @@ class Driveline(Batch):
         tolerance: float | None = None,
         workers: int | None = None,
     ) -> Plan:
-        """Prepare an evaluation for any number of calls: ``plan(angle, out=...)``.
+        """Prepare an evaluation for any number of calls ``plan(angle, out=...)``.
 
-        The chain is folded and everything that the outputs do not need is dropped once;
-        ``print(plan.explain())`` shows what remains.
+        The plan decides once which steps the outputs need; ``print(plan.explain())`` shows them.
 
         Args:
             outputs: names from ``cardan.OUTPUTS``.
-            shafts: as of ``evaluate``, like all that follow.
+            shafts: as for ``evaluate``, like the following arguments.
             joints: for the outputs per joint.
             load: for the outputs that need one.
             reduce: of the last axis of the samples.
             dtype: of the results.
             tolerance: permitted error.
-            workers: at most so many threads.
+            workers: largest number of threads.
 
         Returns:
-            the plan; calling it gives what ``evaluate`` gives.
+            the plan; calling it gives the result of ``evaluate``.
 
         Raises:
             IndexError: a shaft or joint that does not exist.

@@ -21,7 +21,7 @@ from cardan.request import Plannable, item_index
 class EquivalentJoint:
     """Closed forms of one shaft's motion; each field has the shape of the driveline batch.
 
-    Every shaft of every chain turns exactly as the driven shaft of one joint does, whose driving
+    Every shaft of every chain turns exactly as the driven shaft of one joint does, whose input
     angle is the drive angle plus an offset. Near full compensation compare ``k`` or
     ``non_uniformity``, not ``bend``: a rounding of 1e-16 in ``k`` is 2e-8 rad in ``bend``.
 
@@ -31,12 +31,12 @@ class EquivalentJoint:
 
     Attributes:
         bend: equivalent bend in rad.
-        angle_offset: what to add to the drive angle to get this joint's driving angle, in rad,
+        angle_offset: what to add to the drive angle to get this joint's input angle, in rad,
             within (-pi/2, pi/2]; 0 where the shaft turns uniformly.
         k: ``tan(bend/2)**2``, the sine of the largest angle error.
         non_uniformity: largest less smallest speed ratio (catalogue, single joint:
             ``U = tan(bend) sin(bend)``).
-        max_angle_error: in rad, at ``tan**2 = cos(bend)`` of the driving angle.
+        max_angle_error: in rad, at ``tan**2 = cos(bend)`` of the input angle.
         min_speed_ratio: ``cos(bend)``.
         max_speed_ratio: ``1/cos(bend)``.
         max_acceleration_ratio: largest magnitude of the acceleration ratio.
@@ -87,7 +87,7 @@ class EquivalentJoint:
 class Harmonics:
     """Amplitudes of one shaft's motion by order of the drive's rotation.
 
-    With the equivalent joint's ``k`` and driving angle ``a`` the motion is exactly the series
+    With the equivalent joint's ``k`` and input angle ``a`` the motion is exactly the series
     ``angle_error = sum k**n sin(2 n a) / n``, ``speed_ratio = 1 + sum 2 k**n cos(2 n a)``: only
     even orders ``2 n`` occur.
 

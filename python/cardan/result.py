@@ -32,12 +32,12 @@ class Result(Mapping[str, NDArray[Any]]):
 
     ``result["speed_ratio"]`` and ``result.speed_ratio`` are the same array. The arrays themselves
     are yours to change. ``to_xarray``, ``to_pandas`` and ``to_arrow`` label them, and ``plot``
-    draws them; the drive angles that they show are those of the array that was evaluated, which
-    is not copied. ``units`` says the unit of each output.
+    draws them. The drive angles that they show are those of the evaluated array, which is not
+    copied. ``units`` gives the unit of each output.
 
-    ``==`` has one answer, true or false, and not one per sample: results are equal if they have the
-    same outputs in the same units and all values are the same, where NaN equals NaN. Arrays that
-    are computed later are equal only to themselves. Compare ``result.angle == other.angle`` for an
+    ``==`` gives one answer and not one per sample. Results are equal if they have the same outputs
+    in the same units and all values are the same, where NaN equals NaN. Arrays that are computed
+    later are equal only to themselves. Compare ``result.angle == other.angle`` for an
     answer per sample.
     """
 
@@ -85,7 +85,7 @@ class Result(Mapping[str, NDArray[Any]]):
         """The drive angles that were evaluated, in the unit of ``units["drive_angle"]``.
 
         Raises:
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         if self._labels is None:
             raise ValueError("the result has no drive angles; only one that was evaluated has")
@@ -122,7 +122,7 @@ class Result(Mapping[str, NDArray[Any]]):
         raise AttributeError(f"the result holds no {name!r}")
 
     def __dir__(self) -> list[str]:
-        """List the outputs beside the methods."""
+        """List the outputs and the methods."""
         return [*super().__dir__(), *self._arrays]
 
     def to_xarray(self) -> xarray.Dataset:
@@ -136,7 +136,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
         Raises:
             ImportError: xarray is missing.
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         made: xarray.Dataset = _labels().dataset(self)
         return made
@@ -145,11 +145,11 @@ class Result(Mapping[str, NDArray[Any]]):
         """Return the samples as rows, indexed by driveline and drive angle.
 
         A column is an output of one shaft or joint, and of one component: ``speed_ratio``,
-        ``torque_1``, ``moment_0_x``. The units of all columns stand in ``attrs["units"]``.
+        ``torque_1``, ``moment_0_x``. The units of all columns are in ``attrs["units"]``.
 
         Raises:
             ImportError: pandas is missing.
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         made: pandas.DataFrame = _labels().frame(self)
         return made
@@ -161,7 +161,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
         Raises:
             ImportError: pyarrow is missing.
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         made: pyarrow.Table = _labels().table(self)
         return made
@@ -178,7 +178,7 @@ class Result(Mapping[str, NDArray[Any]]):
         return made
 
     def compute(self, **options: Any) -> Result:  # noqa: ANN401 - those of dask
-        """Return the result with arrays of NumPy in place of dask's, all computed in one pass.
+        """Return the result with NumPy arrays instead of dask's, all computed in one pass.
 
         Args:
             options: further arguments of ``dask.compute``.

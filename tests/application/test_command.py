@@ -825,7 +825,7 @@ def test_full_disk_names_the_starter(tmp_path: Path, monkeypatch: pytest.MonkeyP
 )
 def test_line_of_a_folder(found: int, line: str) -> None:
     assert wrote("a", 9, 1, found) == line
-    assert wrote("a", 1, 3, 2) == "wrote a (1 row in 3 files, 2 of them there already)"
+    assert wrote("a", 1, 3, 2) == "wrote a (1 row in 3 files, 2 of them already complete)"
 
 
 def test_terminal_that_lacks_characters(into: Path) -> None:

@@ -77,7 +77,7 @@ ACROSS_KEYS = (
     # Lengths, numbers of shafts and joints, and places that must fit the driveline.
     r" has length \d+; it needs \d+, (as many as \w+|one per shaft\b)",
     r"(shafts|joints)\[\d+\] is \d+; there are \d+, counted from 0$",
-    r" has no such place; there are \d+, counted from 0$",
+    r" does not exist; there are \d+, counted from 0$",
     r" has no entries; one joint has no shaft between two joints$",
     # Sizes.
     r" a sweep takes at most \d+ steps$",

@@ -426,15 +426,15 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         (STUDY + "phases_deg = []", "line 7: [study] phases_deg is []; a study needs at least one"),
         (
             STUDY + "bends_deg.2 = [1]",
-            "line 7: [study] bends_deg.2 has no such place; there are 2, counted from 0",
+            "line 7: [study] bends_deg.2 does not exist; there are 2, counted from 0",
         ),
         (
             STUDY + "bends_deg.1-0 = [1]",
-            "line 7: [study] bends_deg.1-0 has no such place; there are 2, counted from 0",
+            "line 7: [study] bends_deg.1-0 does not exist; there are 2, counted from 0",
         ),
         (
             STUDY + "bends_deg.x = [1]",
-            "line 7: [study] bends_deg.x has no such place; write 0 for the first entry",
+            "line 7: [study] bends_deg.x does not exist; write 0 for the first entry",
         ),
         (
             STUDY + "bends_deg.1 = [1]\nbends_deg.0-1 = [2]",

@@ -148,7 +148,7 @@ def test_memory_is_that_of_a_chunk(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("before", "after", "message"),
     [
-        ("in.parquet", "in.csv", "in.csv must end in .parquet to be read by chunks"),
+        ("in.parquet", "in.csv", "in.csv must end in .parquet to be read in chunks"),
         ("out.parquet", "out.csv", "line 13: [output] curves must name a .parquet file for a"),
         ('curves = "out.parquet"', "", "[output] curves must name a .parquet file"),
         ("curves", 'reduce = ["mean"]\ncurves', "reduce does not go with streaming; it needs all"),

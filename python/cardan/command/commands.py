@@ -105,11 +105,11 @@ def commands() -> click.Group:
         type=click.Path(exists=True, file_okay=False, path_type=Path),
         default=".",
         metavar="DIR",
-        help="Folder for the files to write; by default the current one.",
+        help="Folder for the files to write; default: the current one.",
     )
     units = click.option(
         "--radians/--degrees",
-        help="Angles printed and in files of numbers; by default in degrees, as in pictures.",
+        help="Unit of angles in print and in tables; default: degrees. Pictures use degrees.",
     )
 
     def output_option(text: str) -> Callable[[_Function], _Function]:
@@ -122,7 +122,7 @@ def commands() -> click.Group:
         if context.invoked_subcommand is None:
             click.echo(context.get_help())
 
-    @cardan.command(help=help_text.NEW, short_help="Write a scene to begin with.")
+    @cardan.command(help=help_text.NEW, short_help="Write a scene to start from.")
     @click.argument("kind", type=click.Choice(list(starters.STARTERS)), metavar="KIND")
     @click.argument("file", type=click.Path(path_type=Path))
     def new(kind: str, file: Path) -> None:
@@ -134,10 +134,12 @@ def commands() -> click.Group:
     @scene_argument
     @into_option
     @click.option(
-        "--local", type=click.IntRange(1), metavar="N", help="Do the study in N processes."
+        "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
     )
     @click.option(
-        "--scheduler", metavar="ADDRESS", help="Do the study on the cluster of this dask scheduler."
+        "--scheduler",
+        metavar="ADDRESS",
+        help="Evaluate the study on this dask cluster.",
     )
     @units
     @as_json
@@ -191,7 +193,7 @@ def commands() -> click.Group:
         if study and not result.study:
             say_before_files(f"\n{study_text(study, angles, radians=radians)}")
 
-    @cardan.command(help=help_text.STREAM, short_help="Evaluate recorded angles of any number.")
+    @cardan.command(help=help_text.STREAM, short_help="Evaluate a recording of any length.")
     @scene_argument
     @into_option
     @units
@@ -213,16 +215,18 @@ def commands() -> click.Group:
         if done.missing:
             say(missing_samples(done.missing, done.rows, "the recording"))
 
-    @cardan.command(help=help_text.EXPLAIN, short_help="Say how a scene is evaluated.")
+    @cardan.command(help=help_text.EXPLAIN, short_help="Describe how a scene is evaluated.")
     @scene_argument
     def explain(scene: Path) -> None:
         say(Scene.load(scene).explain())
 
     @cardan.command(help=help_text.PLOT, short_help="Draw a scene.")
     @scene_argument
-    @output_option("Picture to write; by default named as the scene, .svg, in the current folder.")
+    @output_option("Picture to write; default: the scene's name with .svg.")
     @click.option(
-        "--study", metavar="FIGURE", help="Draw this figure of the study over its keys instead."
+        "--study",
+        metavar="FIGURE",
+        help="Draw this figure of the study instead.",
     )
     def plot(scene: Path, output: Path | None, study: str | None) -> None:
         path = output or Path(f"{scene.stem}.svg")
@@ -238,9 +242,9 @@ def commands() -> click.Group:
             raise ValueError(f"--study {error.problem}") from None
         say(f"wrote {path}")
 
-    @cardan.command(help=help_text.REPORT, short_help="Write a page to hand on.")
+    @cardan.command(help=help_text.REPORT, short_help="Write a page to share.")
     @scene_argument
-    @output_option("Page to write; by default named as the scene, .html, in the current folder.")
+    @output_option("Page to write; default: the scene's name with .html.")
     def report(scene: Path, output: Path | None) -> None:
         path = output or Path(f"{scene.stem}.html")
         loaded = Scene.load(scene)
@@ -268,7 +272,7 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.SCHEMA, short_help="Print the JSON Schema of scenes.")
     @click.option("--answers", is_flag=True, help="The schema of the answers of --json instead.")
-    @output_option("File to write; by default it is printed.")
+    @output_option("File to write; default: standard output.")
     def schema(answers: bool, output: Path | None) -> None:
         text = as_json_text(answers_schema() if answers else Scene.schema())
         if output is None:

@@ -58,7 +58,7 @@ def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
         return f"wrote {file} ({size})"
     if found == parts:
         return f"kept {file} ({size} in {files}, already complete)"
-    there = f", {found} of them there already" if found else ""
+    there = f", {found} of them already complete" if found else ""
     return f"wrote {file} ({size} in {files}{there})"
 
 

@@ -9,25 +9,25 @@ from cardan.scene.starters import STARTERS
 HELP = """\
 Motion and moments of universal joints and drivelines.
 
-What a driveline is and what is wanted of it stands in a scene, a short TOML file. Begin with one
-that runs as it stands:
+A short TOML file, a scene, describes a driveline, its load and the results you want. Start with one
+that is ready to run:
 
 \b
   cardan new z-shaft shaft.toml
   cardan run shaft.toml
   cardan check shaft.toml
 
-"cardan run --help" lists all keys of a scene, "cardan COMMAND --help" shows more examples.
+"cardan run --help" lists all keys of a scene. "cardan COMMAND --help" shows more examples.
 
-Exit status: 0 done, 1 "check" found the driveline beyond a limit, 2 something is wrong with what
-was given (one line says what), 130 interrupted.
+Exit status: 0 for success, 1 if "check" found the driveline beyond a limit, 2 for invalid input (one
+line says what is wrong), 130 for an interrupt.
 """
 
 # The mark keeps click from filling a paragraph.
 _KEYS = describe().replace("\n\n", "\n\n\b\n")
 
 RUN = f"""\
-Evaluate a scene: print a short table, write curves, study and picture.
+Evaluate a scene: print the main results, write curves, study and picture.
 
 \b
 Examples:
@@ -35,22 +35,22 @@ Examples:
   cardan run shaft.toml --radians --into .
   cardan run shaft.toml --json
 
-With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study, and its table,
-which must end in .parquet, becomes a folder of files. The same command goes on where a run was
-stopped: no file that is there is computed again.
+With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study. The table must
+then end in .parquet and becomes a folder of files. If the run stops, the same command resumes
+it and computes no file twice.
 
-SCENE is a TOML file of these sections and keys:
+SCENE is a TOML file with these sections and keys:
 
 \b
 {_KEYS}
-Files appear whole or not at all.
+A file appears complete or not at all.
 """
 
 STREAM = """\
-Evaluate recorded angles of any number, by chunks in little memory.
+Evaluate a recording of any length, in chunks that fit in memory.
 
-The scene has a section [angles] with a .parquet file, and curves that end in .parquet; these are
-all that is written.
+The scene needs a section [angles] with a .parquet file, and curves that end in .parquet. Only the
+curves are written.
 
 \b
 Example:
@@ -58,8 +58,8 @@ Example:
 """
 
 EXPLAIN = """\
-Say how a scene and its study are evaluated: the steps taken, what is skipped and why, and what a
-sample costs.
+Describe how a scene and its study are evaluated: the steps, what is skipped and why, and the memory
+that each sample needs.
 
 \b
 Example:
@@ -74,8 +74,8 @@ Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
 
-With "--study equivalent_bend" that figure of the scene's study is drawn over the keys that it
-varies: curves over one key, a map over two.
+"--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
+one key, a map over two.
 """
 
 CHECK = """\
@@ -111,10 +111,10 @@ Examples:
 """
 
 REPORT = """\
-Write a page to hand on, with a driveline that turns in it.
+Write a page to share, with a slider that turns the driveline.
 
-It says whether the driveline runs smoothly, what loads the bearings and how to set the yokes, and
-shows inputs, tables and curves. One HTML file holds everything; it needs no network.
+The page says whether the driveline runs smoothly, which loads the bearings carry and how to set the
+yokes. It shows the inputs, tables and curves. It is a single HTML file that needs no network.
 
 \b
 Examples:
@@ -123,7 +123,7 @@ Examples:
 """
 
 NEW = f"""\
-Write a commented scene that runs as it stands; an existing file stays as it is.
+Write a commented scene that is ready to run. An existing file is never overwritten.
 
 \b
 KIND is one of

@@ -1,7 +1,7 @@
 """Studies on a dask cluster: a folder of Parquet files, one for each part of the grid.
 
-Who works on what, what happens when a worker dies and what is kept in memory is dask's business. A
-file appears whole or not at all, so a run that was stopped anywhere goes on where the files end.
+dask decides which worker does what, what happens if a worker dies, and what stays in memory. A file
+appears complete or not at all, so a run that was stopped resumes with the files that are missing.
 """
 
 from __future__ import annotations
@@ -36,20 +36,20 @@ from cardan.sweep import Sweep
 MANIFEST = "_study.json"
 """File of the folder that says which study it holds; Parquet readers pass over it."""
 
-# A part should be worth a task and a file, and cheap to lose: some tenths of a second.
+# A part should be worth a task and a file, and cheap to lose: a few tenths of a second.
 _SAMPLES = 1 << 26
 _MOST_ROWS = 1 << 16
 
 
 @dataclass(frozen=True)
 class Written:
-    """What ``write_study`` did.
+    """The result of ``write_study``.
 
     Attributes:
-        folder: where.
+        folder: the folder that was written.
         rows: number of drivelines.
         files: number of files.
-        found: how many of these were there before.
+        found: number of files that were already complete.
     """
 
     folder: Path
@@ -98,11 +98,11 @@ class StudyFolder:
 
 @contextlib.contextmanager
 def connect(scheduler: str | None = None, processes: int | None = None) -> Iterator[Any]:
-    """Connect to a dask cluster, or start one on this machine and close it in the end.
+    """Connect to a dask cluster, or start one on this machine and close it at the end.
 
     Args:
-        scheduler: address of the scheduler, as ``tcp://host:8786``.
-        processes: or: number of worker processes, of one thread each.
+        scheduler: address of the scheduler, such as ``tcp://host:8786``.
+        processes: instead, the number of worker processes to start, with one thread each.
 
     Raises:
         ImportError: dask.distributed is missing.
@@ -143,19 +143,19 @@ def write_study(
     part_rows: int | None = None,
     progress: Progress | None = None,
 ) -> Written:
-    """Evaluate a study on a cluster into a folder of Parquet files, or what it lacks of them.
+    """Evaluate a study on a cluster into a folder of Parquet files; complete files are kept.
 
-    Together the files hold the rows and columns that ``scene.curves.write_study`` writes, to the
-    same bits on machines of one kind; read them with ``pyarrow.parquet.read_table(folder)``.
+    Together the files contain the rows and columns that ``scene.curves.write_study`` writes, with
+    the same bits on machines of the same kind. ``pyarrow.parquet.read_table(folder)`` reads them.
 
     Args:
         study: the study.
-        folder: where; every worker must see it under the same name.
+        folder: the folder to write, which every worker must see under the same name.
         client: a client of the cluster.
         radians: whether angles are in radians.
-        part_rows: drivelines of a file; by default some tenths of a second of work. A folder that
-            was begun keeps its own.
-        progress: called after each file with the rows done and all rows.
+        part_rows: drivelines per file; by default a few tenths of a second of work. A folder that
+            was started with another number keeps that number.
+        progress: called after each file with the number of rows done and of all rows.
 
     Raises:
         ImportError: pyarrow or dask.distributed is missing.

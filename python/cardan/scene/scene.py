@@ -44,15 +44,15 @@ class Scene:
     Attributes:
         name: where it came from, for messages.
         title: heading, or "".
-        line: the driveline; where its bends were recorded a batch, ``(samples,)``.
+        line: the driveline; if its bends were recorded, a batch ``(samples,)``.
         load_case: its load, if any.
         limits: what a check compares it with.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
         angle: the same to evaluate at: a sweep, or recorded angles in rad.
         quantities: outputs to evaluate.
-        shafts: of which shafts, where the scene says so; ``None`` for the last one alone.
-        joints: of which joints, where the scene says so; ``None`` for all.
-        teeth: of the spline of each shaft between two joints; empty where the scene says none.
+        shafts: the shafts that the scene names; ``None`` for the last one only.
+        joints: the joints that the scene names; ``None`` for all.
+        teeth: of the spline of each intermediate shaft; empty if the scene gives none.
         options: further arguments of ``Driveline.evaluate``.
         study: what to vary and the figures wanted, if any.
         recording: file that the drive angles come from, if any.
@@ -83,7 +83,7 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
-        """Read a scene file; the files that it names are looked for beside it.
+        """Read a scene file; paths in it are relative to its folder.
 
         Raises:
             ImportError: it names a Parquet file and pyarrow is missing.
@@ -99,8 +99,8 @@ class Scene:
 
         Args:
             text: TOML.
-            name: what to call it in messages.
-            folder: where to look for the files that it names.
+            name: its name in messages.
+            folder: the folder to which paths in it are relative.
 
         Raises:
             ImportError: it names a Parquet file and pyarrow is missing.
@@ -112,11 +112,11 @@ class Scene:
 
     @classmethod
     def parts(cls, path: str | PathLike[str], rows: int) -> Iterator[tuple[Self, int]]:
-        """Read a scene file whose recorded angles may be too many to be held.
+        """Read a scene file whose recorded angles may not fit in memory.
 
         Args:
             path: the scene file.
-            rows: at most so many angles at a time.
+            rows: largest number of angles at a time.
 
         Yields:
             the scene with the next angles, and the number of all.
@@ -151,10 +151,10 @@ class Scene:
 
     @classmethod
     def validate(cls, path: str | PathLike[str]) -> list[str]:
-        """Return what is wrong with a scene file, a line each; nothing if it is right.
+        """Return the errors in a scene file, one line each; nothing if it is valid.
 
-        All unknown keys and values of the wrong kind are found at once, what does not fit together
-        only when there are none of these.
+        All unknown keys and values of the wrong kind are found at once. Only if there are none,
+        values that do not fit together are found.
 
         Raises:
             ImportError: it names a Parquet file and pyarrow is missing.
@@ -285,7 +285,7 @@ class Scene:
 
     @property
     def speed(self) -> float:
-        """Speed of the drive in rad/s; 0 where the scene does not say."""
+        """Speed of the drive in rad/s; 0 if the scene does not give it."""
         return float(self.load_case.speed) if self.load_case else 0.0
 
     @property
@@ -319,7 +319,7 @@ class Scene:
         return line.plan(self.quantities, **self._arguments())
 
     def explain(self) -> str:
-        """Say how the curves over the drive angle are evaluated, and how the study is."""
+        """Describe how the curves over the drive angle and the study are evaluated."""
         curves: str = self.plan().explain(self.angle)
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves
 
@@ -334,7 +334,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class SceneResult:
-    """What a scene evaluates to.
+    """The results of a scene.
 
     Attributes:
         scene: the scene.

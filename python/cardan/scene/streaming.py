@@ -1,4 +1,4 @@
-"""Scenes with recorded angles of any length, by chunks in bounded memory."""
+"""Scenes with recorded angles of any length, in chunks and bounded memory."""
 
 from __future__ import annotations
 
@@ -39,16 +39,16 @@ def stream(
 ) -> Streamed:
     """Write the curves of a scene with recorded angles, whose files may be of any length.
 
-    The file has the rows and columns that ``cardan run`` writes, to the same bits; only where bends
-    are recorded too, the steepest of those in a chunk decide on its inverse tangent, which may move
-    last digits.
+    The file has the same rows, columns and bits as that of ``cardan run``, with one exception: if
+    bends are recorded too, the steepest in a chunk determines the polynomial for the inverse
+    tangent, which may change the last digits.
 
     Args:
         scene: a scene file with ``[angles]`` from a Parquet file and ``curves`` into one.
         into: folder for the curves.
         radians: whether angles are written in radians.
-        rows: at most so many at a time.
-        progress: called after each chunk with the rows done and all rows.
+        rows: largest number of rows at a time.
+        progress: called after each chunk with the number of rows done and of all rows.
 
     Returns:
         the file written, its rows, and what was recorded.

@@ -62,7 +62,7 @@ class StudyResult:
     """The table of a study, as a grid.
 
     Attributes:
-        axes: what is varied; none where only the figures of one driveline are wanted.
+        axes: the keys that vary; none for the figures of a single driveline.
         columns: what the figures are.
         values: the figures in SI units by the name of their column, each of ``shape``.
     """
@@ -201,7 +201,7 @@ class Study:
         return StudyPart(self.axes, rows, tuple(columns.values()), table)
 
     def explain(self) -> str:
-        """Say how the study is evaluated: what needs no samples, and a block's plan."""
+        """Describe how the study is evaluated: what needs no samples, and the plan of a block."""
         _, line, load = next(self.blocks())
         rows, block = math.prod(self.shape), line.shape[0]
         text = f"study of {rows} driveline{'s' if rows > 1 else ''}"
