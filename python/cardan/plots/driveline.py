@@ -263,8 +263,9 @@ class _Sketch:
             # On the side to which the arrow leads away, unless the driveline comes back there.
             aside = -7.0 if far[1] < near[1] - 6.0 else 7.0
             x, y = float(far[0]), float(far[1])
-            aside *= -1.0 if labels.covers(x, y + aside, name) else 1.0
-            labels.at(x, y + aside, name, "center")
+            rises = [way * step * aside for step in (1.0, 1.6, 2.2, 2.8) for way in (1.0, -1.0)]
+            free = (rise for rise in rises if not labels.covers(x, y + rise, name))
+            labels.at(x, y + next(free, aside), name, "center")
 
     def _directions(self, labels: Labels) -> None:
         """Show the axes, and from where the senses of turn are meant."""
