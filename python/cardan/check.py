@@ -103,7 +103,7 @@ class Check:
         lines += ["", "Sources of the limits:"]
         for source, names in sources.items():
             text = f"- {'; '.join(names)}: {source}"
-            lines += textwrap.wrap(text, 100, subsequent_indent="  ", break_on_hyphens=False)
+            lines += textwrap.wrap(text, 79, subsequent_indent="  ", break_on_hyphens=False)
         return "\n".join(lines)
 
     def _lines(self) -> list[str]:
@@ -112,16 +112,12 @@ class Check:
             own = self.limits.figures["equivalent_bend_deg"] != CATALOGUE
             whose = "own limit" if own else None
         verdict = VERDICTS[int(np.max(self.ranks, initial=0))]
-        names, values = (
-            [getattr(f, part) for f in self.findings] for part in ("name", "value_text")
-        )
         lines = [f"{group.capitalize()}{f' ({whose})' if whose else ''}: {verdict}"]
-        width, room = (max(map(len, texts)) for texts in (names, values))
-        for finding, name, value in zip(self.findings, names, values, strict=True):
+        for finding in self.findings:
             verdict_words, *more = finding.words
-            lines.append(f"- {name:{width}}  {value:{room}}  {verdict_words}")
+            lines.append(f"- {finding.name}: {finding.value_text}")
             more += [f"largest at {finding.place}"] * bool(finding.place)
-            lines += [f"{'':{width + room + 6}}{words}" for words in more]
+            lines += [f"    {words}" for words in (verdict_words, *more)]
         return lines
 
     def _repr_html_(self) -> str:

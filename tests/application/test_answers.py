@@ -76,6 +76,16 @@ KEYS = {
         *("key", "values", "min", "max"),
         *("file", "rows", "parts", "found"),
     },
+    "check": {
+        *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
+        *("not_judged", "within", "tolerable", "beyond", "unknown"),
+        *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),
+        *("practice", "bend_difference", "torsional_excitation"),
+        *("inertia_excitation_driving", "inertia_excitation_coasting"),
+        *("value_deg", "limit_deg", "maximum_deg", "margin_deg"),
+        *("value_rad_s2", "limit_rad_s2", "maximum_rad_s2", "margin_rad_s2"),
+        *("source", "worst_at", "key", "value", "within_up_to_rpm", "tolerable_up_to_rpm"),
+    },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),
         *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),
@@ -107,6 +117,11 @@ def test_settings_of_the_examples_answer_by_the_schema(path: Path) -> None:
     line = Scene.load(path).line
     if line.n_joints > 1 and not line.shape:
         VALIDATOR.validate(answer("phase", path))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_verdicts_on_the_examples_answer_by_the_schema(path: Path) -> None:
+    VALIDATOR.validate(answer("check", path))
 
 
 def _keys_of(data: Any) -> Iterator[str]:  # noqa: ANN401 - JSON

@@ -23,7 +23,7 @@ from click.testing import CliRunner, Result
 import cardan
 from cardan.command import commands
 from cardan.command.files import wrote
-from cardan.figures.limits import SCHEMA, check_data, check_scene
+from cardan.figures.limits import CHECK_SCHEMA, check_data, check_scene
 from cardan.files.columns import write_columns
 from cardan.scene import Scene
 from cardan.scene.format import FORMAT
@@ -372,12 +372,12 @@ def test_advice_follows_the_verdict() -> None:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_answer_of_check_fits_its_schema(path: Path) -> None:
-    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    jsonschema.Draft202012Validator.check_schema(CHECK_SCHEMA)
     data = json.loads(run("check", path, "--json").output)
-    jsonschema.Draft202012Validator(SCHEMA).validate(data)
+    jsonschema.Draft202012Validator(CHECK_SCHEMA).validate(data)
     assert data["drivelines"][data["verdict"].replace(" ", "_")] > 0
     # Another number of joints makes no other keys.
-    assert data["practice"].keys() == SCHEMA["properties"]["practice"]["properties"].keys()
+    assert data["practice"].keys() == CHECK_SCHEMA["properties"]["practice"]["properties"].keys()
 
 
 def test_check_of_a_study_is_of_every_driveline(
@@ -409,9 +409,12 @@ def test_check_of_a_study_is_of_every_driveline(
             "largest at bends_deg = 3.1, speed_rpm = 6000",
         ]
     data = json.loads(run("check", path, "--json").output)
-    assert data["catalogue"]["equivalent_bend"]["worst_at"] == {"bends_deg": 3.1}
+    assert data["catalogue"]["equivalent_bend"]["worst_at"] == [{"key": "bends_deg", "value": 3.1}]
     torsional = data["practice"]["torsional_excitation"]
-    assert torsional["worst_at"] == {"bends_deg": 3.1, "speed_rpm": 6000}
+    assert torsional["worst_at"] == [
+        {"key": "bends_deg", "value": 3.1},
+        {"key": "speed_rpm", "value": 6000},
+    ]
     assert torsional["drivelines"] == {
         "not_judged": 0,
         "within": 5,

@@ -310,21 +310,23 @@ def test_key_figures_of_a_page() -> None:
     for label, value in key_figures(summary(result), 99):
         assert label in written
         assert value in written
-    row = Row("speed, shaft 1", (999.998, 1000.5), "rpm", is_range=True)
-    (line,) = key_figures([row], 1)
-    assert line == ("speed, shaft 1", "999.998 to 1000.500 rpm")
-    assert key_figures([Row("bends", (3.0,) * 9, "deg")], 1) == [("bends", "3° (9 values)")]
-    assert key_figures([Row("torque", (-43.2109,), "N m", 44.5)], 1) == [
-        ("torque", "\N{MINUS SIGN}43.21 N m at 44.5°")
+    speeds = [
+        Row("speed", "shaft", 1, statistic, value, "rpm")
+        for statistic, value in (("min", 999.998), ("max", 1000.5))
     ]
+    assert key_figures(speeds, 1) == [("speed, shaft 1", "999.998 to 1000.500 rpm")]
+    torque = Row("torque", "shaft", 1, "value", -43.2109, "N m", at_deg=44.5)
+    assert key_figures([torque], 1) == [("torque, shaft 1", "\N{MINUS SIGN}43.21 N m at 44.50°")]
 
 
 def test_key_figures_that_are_too_many() -> None:
     """Of those of each joint the largest stays; the last line counts what is left out."""
-    rows = [Row(f"largest moment, joint {j}", (float(j % 7),), "N m") for j in range(10)]
-    rows += [Row(f"figure {i}", (1.0,)) for i in range(5)]
-    assert key_figures(rows, 15)[9] == ("largest moment, joint 9", "2 N m")
-    assert key_figures(rows, 6)[0] == ("largest moment, joint 6", "6 N m")
+    bends = [Row("bend", "joint", i, "value", float(abs(i - 5)), "deg") for i in range(9)]
+    assert key_figures(bends, 1) == [("bend, joints 0 and 5", "5.000°, 0°")]
+    rows = [Row("moment", "joint", j, "peak", float(j % 7), "N m") for j in range(10)]
+    rows += [Row(f"figure_{i}", "shaft", 0, "value", 1.0) for i in range(5)]
+    assert key_figures(rows, 15)[9] == ("largest moment, joint 9", "2.000 N m")
+    assert key_figures(rows, 6)[0] == ("largest moment, joint 6", "6.000 N m")
     assert key_figures(rows, 4)[-1] == ("and 3 more", "")
 
 

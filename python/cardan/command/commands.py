@@ -34,6 +34,7 @@ from cardan.command.terminal import (
     say_before_files,
 )
 from cardan.errors import ArgumentValueError
+from cardan.figures.advice import scene_advice
 from cardan.figures.extremes import StudyTable
 from cardan.figures.limits import check_data, check_scene
 from cardan.figures.run import run_data
@@ -47,6 +48,7 @@ from cardan.scene import starters
 from cardan.scene.cluster import StudyFolder
 from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
+from cardan.words.advice import remedies
 from cardan.words.limits import check_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
@@ -260,7 +262,13 @@ def commands() -> click.Group:
         loaded = Scene.load(scene)
         with progress_bar() as progress:
             found = check_scene(loaded, progress)
-        say(as_json_text(check_data(loaded, found)) if as_json else check_text(found))
+        advised = scene_advice(loaded)
+        sentences = remedies(advised) if advised else []
+        say(
+            as_json_text(check_data(loaded, found, sentences))
+            if as_json
+            else check_text(found, sentences)
+        )
         return 0 if np.all(found.passes) else 1
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")

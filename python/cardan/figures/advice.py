@@ -8,8 +8,10 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.answers import record
 from cardan.figures.rounding import ROUNDING, equivalent_bend_deg
 from cardan.limits import MAX_EQUIVALENT_BEND
+from cardan.scene.scene import Scene
 from cardan.workshop import turn
 
 ARRANGEMENTS = ("straight", "single bend", "W", "Z", "planar", "spatial")
@@ -41,15 +43,7 @@ _RANGE = {
 
 def listed(keys: dict[str, Any]) -> dict[str, Any]:
     """Return the JSON Schema of a list of objects that have just these keys."""
-    return {
-        "type": "array",
-        "items": {
-            "type": "object",
-            "properties": keys,
-            "required": list(keys),
-            "additionalProperties": False,
-        },
-    }
+    return {"type": "array", "items": record(keys)}
 
 
 ADVICE_KEYS: dict[str, Any] = {
@@ -60,12 +54,7 @@ ADVICE_KEYS: dict[str, Any] = {
         "enum": ["none", "phases", "bends"],
     },
     "limit_deg": {"description": "of the equivalent bend", **_DEG},
-    "equivalent_bend_deg": {
-        "type": "object",
-        "properties": {"present": _DEG, "best": _DEG, "on_teeth": _DEG},
-        "required": ["present", "best"],
-        "additionalProperties": False,
-    },
+    "equivalent_bend_deg": record({"present": _DEG, "best": _DEG}, {"on_teeth": _DEG}),
     "shafts": listed(_SHAFT),
     "bend_ranges": {
         "description": "for each joint the bends with which the best setting is within the limit, "
@@ -105,6 +94,18 @@ def advice(
         ],
         "bend_ranges": _bend_ranges(np.asarray(line.bends), limit),
     }
+
+
+def scene_advice(scene: Scene) -> dict[str, Any] | None:
+    """Return ``advice`` for a scene; ``None`` where a study or a recording varies the bends."""
+    if scene.line.shape or (scene.study is not None and scene.study.axes):
+        return None
+    return advice(scene.line, limit_of(scene))
+
+
+def limit_of(scene: Scene) -> float:
+    """Return the limit of the equivalent bend of a scene in rad."""
+    return float(np.radians(scene.limits.figures["equivalent_bend_deg"].limit))
 
 
 def arrangement(line: Driveline) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.check import Check
-from cardan.figures.answers import VERSION, answer
+from cardan.figures.answers import answer, answer_schema, record
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
 from cardan.files.progress import Progress
@@ -76,7 +76,7 @@ def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
 
 
 def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[str, Any]:
-    """Return a check as plain data for JSON, as ``SCHEMA`` describes it.
+    """Return a check as plain data for JSON, as ``CHECK_SCHEMA`` describes it.
 
     Args:
         scene: the scene that was checked.
@@ -121,7 +121,7 @@ def _entry(finding: Finding) -> dict[str, Any]:
         f"maximum_{unit}": limit.maximum if limit else None,
         f"margin_{unit}": finite_or_none(limit.limit - finding.worst) if limit else None,
         "source": limit.source if limit else None,
-        "worst_at": dict(finding.worst_at),
+        "worst_at": [{"key": key, "value": value} for key, value in finding.worst_at.items()],
     }
     if finding.figure == "equivalent_bend" and limit:
         entry["non_uniformity"] = finite_or_none(non_uniformity(finding.worst))
@@ -135,31 +135,23 @@ def _entry(finding: Finding) -> dict[str, Any]:
     return entry
 
 
-def _object(properties: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "type": "object",
-        "properties": properties,
-        "required": list(properties),
-        "additionalProperties": False,
-    }
-
-
 _NUMBER = {"type": ["number", "null"]}
+_KEY = {"key": {"type": "string"}, "value": {"type": "number"}}
 _JUDGED = {
     "verdict": {"enum": list(VERDICTS)},
-    "drivelines": _object(
+    "drivelines": record(
         {name.replace(" ", "_"): {"type": "integer", "minimum": 0} for name in VERDICTS}
     ),
 }
 
 
 def _entry_schema(unit: str, more: Sequence[str]) -> dict[str, Any]:
-    return _object(
+    return record(
         {
             **_JUDGED,
             **{f"{name}_{unit}": _NUMBER for name in ("value", "limit", "maximum", "margin")},
             "source": {"type": ["string", "null"]},
-            "worst_at": {"type": "object", "additionalProperties": {"type": "number"}},
+            "worst_at": {"type": "array", "items": record(_KEY)},
             **dict.fromkeys(more, _NUMBER),
         }
     )
@@ -167,42 +159,31 @@ def _entry_schema(unit: str, more: Sequence[str]) -> dict[str, Any]:
 
 _SPEEDS = ("within_up_to_rpm", "tolerable_up_to_rpm")
 
-SCHEMA: dict[str, Any] = {
-    "title": "Answer of cardan check",
-    **_object(
-        {
-            "answer": {"const": "check"},
-            "version": {"const": VERSION},
-            "title": {"type": "string"},
-            **_JUDGED,
-            "passes": {"type": "boolean"},
-            "preset": {"type": ["string", "null"]},
-            "catalogue": _object(
-                {
-                    **_JUDGED,
-                    "equivalent_bend": _entry_schema(
-                        "deg", ("non_uniformity", "non_uniformity_limit")
-                    ),
-                }
-            ),
-            "practice": _object(
-                {
-                    **_JUDGED,
-                    **{
-                        figure: {
-                            "oneOf": [
-                                _entry_schema(unit, _SPEEDS if unit == "rad_s2" else ()),
-                                {"type": "null"},
-                            ]
-                        }
-                        for figure, unit in _PRACTICE.items()
-                    },
-                }
-            ),
-            "advice": {"type": "array", "items": {"type": "string"}},
-        }
-    ),
-}
+
+def _practice(unit: str) -> dict[str, Any]:
+    entry = _entry_schema(unit, _SPEEDS if unit == "rad_s2" else ())
+    return {"oneOf": [entry, {"type": "null"}]}
+
+
+CHECK_SCHEMA = answer_schema(
+    "check",
+    "what cardan check prints with --json",
+    {
+        **_JUDGED,
+        "passes": {"type": "boolean"},
+        "preset": {"type": ["string", "null"]},
+        "catalogue": record(
+            {
+                **_JUDGED,
+                "equivalent_bend": _entry_schema("deg", ("non_uniformity", "non_uniformity_limit")),
+            }
+        ),
+        "practice": record(
+            {**_JUDGED, **{figure: _practice(unit) for figure, unit in _PRACTICE.items()}}
+        ),
+        "advice": {"type": "array", "items": {"type": "string"}},
+    },
+)
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.
 
 ``value`` is the worst of a batch, a study or recorded bends, and ``worst_at`` the keys of a study

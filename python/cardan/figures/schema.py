@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cardan.figures.limits import CHECK_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
 from cardan.figures.yokes import PHASE_SCHEMA
 
-_ANSWERS: Mapping[str, Any] = {"run": RUN_SCHEMA, "phase": PHASE_SCHEMA}
+_ANSWERS: Mapping[str, Any] = {
+    "run": RUN_SCHEMA,
+    "check": CHECK_SCHEMA,
+    "phase": PHASE_SCHEMA,
+}
 
 
 def answers_schema() -> dict[str, Any]:

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from cardan.figures.advice import ADVICE_KEYS, advice, listed, setting
-from cardan.figures.answers import VERSION, answer
+from cardan.figures.advice import ADVICE_KEYS, advice, limit_of, listed, setting
+from cardan.figures.answers import answer, answer_schema, record
 from cardan.figures.catalogue import CATALOGUE_SCHEMA, root_rule
 from cardan.figures.rounding import equivalent_bend_deg
 from cardan.scene.scene import Scene
@@ -31,20 +31,14 @@ _TOOTH = {
     "sense": _SENSE,
     "setting_other_sense_deg": _NUMBER,
 }
-_CATALOGUE = {"present": CATALOGUE_SCHEMA, "best": CATALOGUE_SCHEMA, "on_teeth": CATALOGUE_SCHEMA}
+_CATALOGUE = {"present": CATALOGUE_SCHEMA, "best": CATALOGUE_SCHEMA}
 _KEYS: dict[str, Any] = {
-    "answer": {"const": "phase"},
-    "version": {"const": VERSION},
-    "title": {"type": "string"},
     "view": {"description": "from where senses of rotation are seen", "const": VIEW},
     **ADVICE_KEYS,
     "teeth": {"description": "the best setting on the splines, if known", **listed(_TOOTH)},
     "catalogue": {
         "description": "what the catalogues' root rule makes of the same settings",
-        "type": "object",
-        "properties": _CATALOGUE,
-        "required": ["present", "best"],
-        "additionalProperties": False,
+        **record(_CATALOGUE, {"on_teeth": CATALOGUE_SCHEMA}),
     },
     "above_limits": {
         "description": "what the check finds beyond its limits at the best setting, on the "
@@ -54,13 +48,7 @@ _KEYS: dict[str, Any] = {
     },
 }
 
-PHASE_SCHEMA = {
-    "title": "Answer of cardan phase",
-    "type": "object",
-    "properties": _KEYS,
-    "required": list(_KEYS),
-    "additionalProperties": False,
-}
+PHASE_SCHEMA = answer_schema("phase", "what cardan phase prints with --json", _KEYS)
 """JSON Schema of ``yoke_settings``."""
 
 
@@ -76,8 +64,7 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
     if line.shape:
         raise ValueError(f"{scene.name}: the bends were recorded; yokes are set for fixed bends")
     best = line.optimal_phases()
-    limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
-    found = advice(line, float(limit), best)
+    found = advice(line, limit_of(scene), best)
     settings = {"present": line.phases, "best": best}
     teeth: list[dict[str, Any]] = []
     if scene.teeth:

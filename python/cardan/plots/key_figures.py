@@ -2,59 +2,48 @@
 
 from __future__ import annotations
 
-import math
-import re
 from collections.abc import Iterable, Sequence
+from itertools import groupby
 
 from cardan.figures.summary import Row
-from cardan.plots.style import number
+from cardan.words.summary import summary_lines
 
+# Values of as many shafts or joints share a line.
 _MANY = 4
 
 
 def key_figures(rows: Sequence[Row], most: int) -> list[tuple[str, str]]:
-    """Return label and value of each row, at most so many.
+    """Return label and value of each line of the table, at most so many.
 
-    Where that is too many, of rows that differ in their shaft or joint alone only the one with the
-    largest value stays; what is still too much is left out from the end, and a last line says so.
+    Of a quantity of many shafts or joints the least and the largest stay. Where there are too many
+    lines, only the largest of each quantity stays; what is still too much is left out from the
+    end, and a last line says so.
     """
-    if len(rows) > most:
-        rows = list(_largest(rows))
-    lines = [(row.label, _value(row)) for row in rows]
+    lines = summary_lines(_ends(rows))
+    if len(lines) > most:
+        lines = summary_lines(_largest(rows))
     if len(lines) > most:
         lines = [*lines[: most - 1], (f"and {len(lines) - most + 1} more", "")]
-    return lines
+    return [(label, text.replace("-", "\N{MINUS SIGN}")) for label, text in lines]
 
 
-def _largest(rows: Sequence[Row]) -> Iterable[Row]:
-    groups: dict[str, list[Row]] = {}
-    for row in rows:
-        groups.setdefault(re.sub(r", (shaft|joint) \d+\b", "", row.label), []).append(row)
-    for group in groups.values():
-        yield max(group, key=lambda row: max(map(abs, row.values), default=0.0))
+def _ends(rows: Iterable[Row]) -> Iterable[Row]:
+    for _, group in groupby(rows, key=_about):
+        found = list(group)
+        if found[0].statistic == "value" and len(found) > _MANY:
+            ends = {found.index(pick(found, key=_value)) for pick in (min, max)}
+            found = [found[i] for i in sorted(ends)]
+        yield from found
 
 
-def _value(row: Row) -> str:
-    values, count = row.values, ""
-    if row.is_range:
-        text = _range(values[0], values[-1])
-    elif len(values) > _MANY:
-        text, count = _range(min(values), max(values)), f" ({len(values)} values)"
-    else:
-        text = ", ".join(map(_short, values))
-    text += "°" if row.unit == "deg" else row.unit and f" {row.unit}"
-    text += count
-    return text if row.at_deg is None else f"{text} at {_short(row.at_deg)}°"
+def _largest(rows: Iterable[Row]) -> Iterable[Row]:
+    for _, group in groupby(rows, key=_about):
+        yield max(group, key=lambda row: abs(row.value))
 
 
-def _range(low: float, high: float) -> str:
-    """A range, with decimals enough for three digits of the difference."""
-    decimals = 2 - math.floor(math.log10(high - low)) if 0.0 < high - low < math.inf else 99
-    if decimals > 9:
-        return _short(low)
-    text = f"{low:.{max(0, decimals)}f} to {high:.{max(0, decimals)}f}"
-    return text.replace("-", "\N{MINUS SIGN}")
+def _about(row: Row) -> tuple[str, str]:
+    return row.quantity, row.statistic
 
 
-def _short(value: float) -> str:
-    return number(float(f"{value:.4g}") + 0.0)
+def _value(row: Row) -> float:
+    return row.value

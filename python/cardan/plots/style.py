@@ -170,6 +170,9 @@ def text_width(text: str, size: float) -> float:
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 
+    if not text:
+        # It has no path in matplotlib.
+        return 0.0
     path = TextPath((0.0, 0.0), text, prop=FontProperties(size=size), usetex=False)
     return 1.06 * float(np.max(path.vertices[:, 0], initial=0.0))
 
