@@ -236,7 +236,7 @@ def test_few_turns_are_curves(turns: int, is_band: bool) -> None:
 
 def test_turns_of_a_recording() -> None:
     """Angles that begin anew each turn, samples that are missing, very many turns."""
-    steps = np.arange(0.0, 360 * 5 + 1, 30)
+    steps = np.arange(0, 360 * 5 + 1, 30, dtype=np.float64)
     whole, wrapped = Turns.of(steps + 77), Turns.of(steps % 360)
     assert whole is not None
     assert wrapped is not None
@@ -247,10 +247,10 @@ def test_turns_of_a_recording() -> None:
     missing = Turns.of(gaps)
     assert missing is not None
     assert list(np.flatnonzero(missing.turn < 0)) == [0, 20]
-    values = np.arange(float(len(steps)))
+    values = np.arange(len(steps), dtype=np.float64)
     least, largest, mean = missing.extremes(values)
     assert (least[0], largest[0], mean[0]) == (1, 12, 6.5)
-    long = Turns.of(np.arange(0.0, 360 * 5000.0, 90))
+    long = Turns.of(np.arange(0, 360 * 5000, 90, dtype=np.float64))
     assert long is not None
     assert len(long.edges) <= 401
 

@@ -59,7 +59,7 @@ class Turns:
         empty = held == 0
         least[empty] = largest[empty] = np.nan
         sums[empty] = np.nan
-        return least, largest, sums / np.maximum(held, 1)
+        return least, largest, np.asarray(sums / np.maximum(held, 1), np.float64)
 
 
 def _continued(angle_deg: FloatArray) -> FloatArray:
