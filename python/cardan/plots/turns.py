@@ -51,7 +51,7 @@ class Turns:
         known = (self.turn >= 0) & ~np.isnan(values)
         turn, given = self.turn[known], values[known]
         count = len(self.edges) - 1
-        least, largest = np.full(count, np.inf), np.full(count, -np.inf)
+        least, largest = np.full(count, np.inf, float), np.full(count, -np.inf, float)
         np.minimum.at(least, turn, given)
         np.maximum.at(largest, turn, given)
         held = np.bincount(turn, minlength=count)
