@@ -127,7 +127,7 @@ def called(plan: Any, angle: Any) -> Call:
 
 
 def filled(line: Driveline, names: tuple[str, ...], options: dict[str, Any], angle: Any) -> Call:
-    """Evaluate into arrays that are there, and need no copy."""
+    """Evaluate into existing arrays, without a copy."""
     plan = line.plan(names, workers=1, **options)
     out = {name: np.zeros_like(array, order="K") for name, array in plan(angle).items()}
     return lambda: plan(angle, out=out)

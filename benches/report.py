@@ -28,8 +28,8 @@ def about(
     lines = [
         *machine(),
         "; ".join(notes) + ".",
-        f"Load of the machine when it began: {loads[0]:.1f} processes beside it.",
-        f"{rounds} rounds, all methods in turn in one process.",
+        f"Load average of the machine at the start: {loads[0]:.1f}.",
+        f"{rounds} rounds; in each, all methods run in turn in one process.",
     ]
     if missing:
         lines.append("Not installed: " + ", ".join(missing) + ".")
@@ -60,17 +60,18 @@ def _commit() -> str:
 
 
 def write(path: Path, rows: Sequence[Row], about: str) -> None:
-    """Write the tables, and before them where a peer wins."""
+    """Write the tables, and before them the cases in which others are faster."""
     text = [
         "# Comparison",
         "",
-        "Written by `python benches/compare.py`. Times are ns per angle, the shortest of the",
-        "rounds with the median in brackets; only figures of one column of one job compare. The",
-        "error is the largest over all outputs and a sample of angles, the 32 nearest to multiples",
-        "of a quarter turn among them, against 60 digits: relative to the output's largest",
-        "magnitude, and in ulp of the exact double (a vector's in ulp of its largest component).",
-        "Behind three joints ulp say little: near its zero an acceleration has few digits.",
-        "A sweep's angles are exact in cardan and rounded to doubles in every peer.",
+        "Written by `python benches/compare.py`. Times are in ns per angle: the shortest of the",
+        "rounds, with the median in brackets. Compare only figures in the same column of the same",
+        "table. Errors are against 60-digit arithmetic, the largest over all outputs and a sample",
+        "of angles, which includes the 32 nearest to multiples of a quarter turn. They are given",
+        "relative to the largest magnitude of the output, and in ulp of the exact double (for a",
+        "vector, in ulp of its largest component). Behind three joints the ulp mean little,",
+        "because an acceleration has few digits near its zero. The angles of a sweep are exact in",
+        "cardan and rounded to doubles in all other packages.",
         "",
         about,
         "",
@@ -124,9 +125,10 @@ def _table(rows: Sequence[Row]) -> Iterable[str]:
 
 def _wins(rows: Sequence[Row]) -> Iterable[str]:
     """Say which peers are faster than everything of this package that is as accurate."""
-    yield "## Where a peer wins"
+    yield "## Where others are faster"
     yield ""
-    yield f"Faster than every accuracy of cardan whose error is at most {SAME:g} times as large:"
+    yield "These are faster than cardan at every accuracy setting whose error is at most"
+    yield f"{SAME:g} times as large:"
     yield ""
     lost = []
     for job in JOBS:
@@ -148,5 +150,5 @@ def _wins(rows: Sequence[Row]) -> Iterable[str]:
                         f"* {job.name}, {case(num, threads)}: {label(row.method)}, "
                         f"{row.best:.2f} ns against {ours:.2f} ns, error {row.verdict.relative:.1e}"
                     )
-    yield from lost or ["Nowhere in this run."]
+    yield from lost or ["None in this run."]
     yield ""

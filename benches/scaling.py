@@ -1,4 +1,4 @@
-"""How time grows with joints, angles, drivelines and threads; writes ``scaling.md`` beside itself.
+"""How time grows with joints, angles, drivelines and threads; writes ``scaling.md``.
 
 One method, this package's default, so what is compared is the package with itself. All figures of a
 table come from one process (threads: one for each line, since the pool is as large as it began).
@@ -36,9 +36,10 @@ def main() -> None:
     text = [
         "# Scaling",
         "",
-        "Written by `python benches/scaling.py`: cardan alone, default accuracy unless a table",
-        "says otherwise, the shortest of several rounds. Three outputs are angle, speed ratio and",
-        "acceleration ratio. Arrays are given with `out=` where no new one is mentioned.",
+        "Written by `python benches/scaling.py`. It measures only cardan, at the default accuracy",
+        "unless a table says otherwise. Times are the shortest of several rounds. Three outputs",
+        "are angle, speed ratio and acceleration ratio. Results go to existing arrays (`out=`)",
+        "unless a column names a new array.",
         "",
         "\n".join(report.machine()),
         "",
@@ -101,7 +102,7 @@ def _joints(num: int) -> list[str]:
             ["joints", *map(str, counts)],
             [
                 ["ns per angle", *(f"{1e9 * t / num:.2f}" for t in prepared)],
-                ["µs to lay out and plan", *(f"{1e6 * t:.0f}" for t in folding)],
+                ["µs to create the driveline and the plan", *(f"{1e6 * t:.0f}" for t in folding)],
             ],
         ),
     ]
@@ -150,7 +151,7 @@ def _drivelines(largest: int) -> list[str]:
         lines.append([report.size(num), *figures])
     heads = [
         "drivelines of three joints",
-        "laying out, ns each",
+        "creating them, ns each",
         "`speed_ratio` at one angle each, ns each",
         "peak of `angle_error` over 720 angles, ns per angle",
         "peak of `moment` of three joints, ns per angle and joint",

@@ -91,8 +91,8 @@ def limits() -> str:
     text = (ROOT / "tests" / "data" / "limits.toml").read_text(encoding="utf-8")
     columns = ("tolerance_0", "samples", "worst", "single")
     head = (
-        "| output | `tolerance=0` | default, the tests' samples | default, worst of all searches "
-        "| single precision, part of the largest |"
+        "| output | `tolerance=0` | default, regular tests | default, long searches "
+        "| single precision, relative to the largest value |"
     )
     rows = [
         " | ".join(

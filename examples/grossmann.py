@@ -1,6 +1,6 @@
 """Grossmann's figures 3 and 4 (1939): torque and bending moments of one joint at 50 degrees.
 
-Figure 3 shows the torque over the driving angle, figure 4 the bending moments as polar diagrams,
+Figure 3 shows the torque over the drive angle, figure 4 the bending moments as polar diagrams,
 each over the angle of its own shaft. It needs the extra ``plot`` and writes grossmann.svg.
 """
 
@@ -26,7 +26,7 @@ driven = result.angle
 figure = Figure(figsize=(7.5, 3.0), layout="constrained")
 curve = figure.add_subplot(1, 3, 1)
 curve.plot(np.degrees(driving), result.torque)
-curve.set(title="torque D₂/D₁", xlabel="driving angle [deg]", xticks=range(0, 361, 90))
+curve.set(title="torque D₂/D₁", xlabel="drive angle [deg]", xticks=range(0, 361, 90))
 for place, angle, moment, circles, title in (
     (2, driving, result.bending_driving, (0.5, 1.0), "bending B₁/D₁, driving"),
     (3, driven, result.bending_driven, (0.4, 0.8), "bending B₂/D₁, driven"),

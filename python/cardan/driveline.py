@@ -20,8 +20,10 @@ from cardan.equivalent import (
     equivalent,
     harmonics,
 )
+from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
+from cardan.reduced import PlanOfReductions
 from cardan.request import Items, Reduction
 from cardan.result import Result
 from cardan.sweep import Sweep
@@ -40,7 +42,8 @@ class Driveline(Batch):
     x u_{j+1})``. The twist of an intermediate shaft is the angle about it from one normal to the
     next, its phase the angle from its input-side to its output-side pin; phase 0 means both yokes
     in one plane. The drive angle counts from the driving pin of joint 0 lying in the plane of
-    shafts 0 and 1. All rotations are right-handed about ``u_i``.
+    shafts 0 and 1. All rotations are right-handed about ``u_i``:
+    clockwise, looking from the drive towards the output.
     """
 
     __slots__ = ()
@@ -87,7 +90,8 @@ class Driveline(Batch):
         that of the next bent one.
 
         Args:
-            directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow.
+            directions: ``(..., n + 1, 3)``, of any length, in the direction of power flow, in any
+                right-handed axes.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether the phases are in degrees.
 
@@ -107,7 +111,8 @@ class Driveline(Batch):
 
         Args:
             points: ``(..., n + 2, 3)``: the driving end, the joint centres, the driven end, in any
-                unit of length.
+                unit of length and any right-handed axes. In left-handed ones the driveline would be
+                mirrored, and all yoke settings would have the opposite sense.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether the phases are in degrees.
 
@@ -130,12 +135,13 @@ class Driveline(Batch):
     ) -> Self:
         """Make drivelines from the slope of each shaft in side view and in top view.
 
-        A shaft points along ``(1, tan vertical, tan horizontal)``: x is the travel, y up, z to the
-        right seen along the travel (catalogue, double joint, 6.3, exactly).
+        A shaft points along ``(1, tan vertical, tan horizontal)`` in right-handed axes: x from the
+        drive to the output, y up, z to the right, looking from the drive towards the output
+        (catalogue, double joint, 6.3, exactly). If x points rearwards, z is the vehicle's left.
 
         Args:
-            vertical: slope of each shaft in side view, ``(..., n + 1)``.
-            horizontal: slope of each shaft in top view, ``(..., n + 1)``.
+            vertical: slope of each shaft in side view, ``(..., n + 1)``, positive upwards.
+            horizontal: slope of each shaft in top view, ``(..., n + 1)``, positive towards +z.
             phases: phase of each intermediate shaft, ``(..., n - 1)`` or one for all.
             degrees: whether all three are in degrees.
 
@@ -159,16 +165,18 @@ class Driveline(Batch):
         """Make shafts with two joints from their bends as projected in side view and top view.
 
         This is the catalogues' form (double joint, 6.3, Bilder 17 to 19). The bends of a drawing
-        add up along the shaft, so it matters which shaft the drawing lays along the travel: by the
-        catalogue's figure the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
+        add up along the shaft, so it matters from which shaft the drawing measures them: by the
+        catalogue's figure from the common one, for which ``tan(bend)**2 = tan(vertical)**2 +
         tan(horizontal)**2`` holds exactly.
 
         Args:
             vertical: bend of both joints in side view, ``(..., 2)``, positive upwards.
-            horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right.
+            horizontal: bend of both joints in top view, ``(..., 2)``, positive to the right,
+                looking from the drive towards the output: towards +z as in ``from_slopes``.
             phases: phase of the common shaft, ``(..., 1)`` or one for all.
             degrees: whether all three are in degrees.
-            reference: the shaft along the travel: ``"common"``, ``"input"`` or ``"output"``.
+            reference: the shaft from which they are measured: ``"common"``, ``"input"`` or
+                ``"output"``.
 
         Raises:
             TypeError: values that are not real numbers.
@@ -210,14 +218,15 @@ class Driveline(Batch):
         """
         return equivalent(self._geometry, shaft)
 
-    def harmonics(self, orders: ArrayLike, shaft: int = -1) -> Harmonics:
+    def harmonics(self, orders: ArrayLike = (2, 4, 6, 8), shaft: int = -1) -> Harmonics:
         """Return the amplitudes of a shaft's motion at orders of the drive's rotation.
 
         At order ``2 n`` they are ``k**n / n`` of the angle error and ``2 k**n`` of the speed ratio,
         with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4).
 
         Args:
-            orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0.
+            orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0. By default the
+                first four even orders.
             shaft: index of the shaft, by default the last.
 
         Returns:
@@ -272,13 +281,13 @@ class Driveline(Batch):
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
 
-        It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed:
-        two joints up to 30° are at most 1.02° off, with three it can miss altogether.
+        It is the first term of the exact ``ln sec`` rule for yokes that are aligned or crossed. For
+        two joints up to 30° its error is at most 1.02°; for three joints it can fail completely.
 
         Args:
-            fork_signs: +1 or -1 per joint, ``(..., n)``: joints with the same fork position
-                relative to their bend planes have the same sign, so the two joints of an ordinary
-                compensated shaft have opposite ones.
+            fork_signs: +1 or -1 per joint, ``(..., n)``: joints whose yokes have the same
+                position relative to their bend planes have the same sign. The two joints of an
+                ordinary compensated shaft therefore have opposite signs.
 
         Returns:
             the bend in rad, broadcast from batch and signs (catalogue, double joint, 6.5).
@@ -297,27 +306,29 @@ class Driveline(Batch):
         """
         return Driveline._of(self._geometry.reversed())
 
-    def check(self, speed: ArrayLike | None = None) -> Check:
-        """Check the catalogues' tolerance and, at a drive speed, the limits of practice.
+    def check(self, speed: ArrayLike | None = None, limits: str | Limits | None = None) -> Check:
+        """Compare the driveline with limits: those of the catalogues and, if you wish, of practice.
 
-        The equivalent bend must not exceed 3° (non-uniformity 0.0027; catalogue, double joint,
-        6.4). By the practice of driveshaft makers in the United States torsional excitation, the
-        exact peak acceleration of the last shaft, should not exceed 300 rad/s², and inertia
-        excitation, the second-order amplitude of the accelerations of all intermediate shafts
-        together, 1000 rad/s².
+        The equivalent bend should not exceed 3° (catalogue, double joint, 6.4); the non-uniformity
+        follows from it. That is the only limit unless ``limits`` has others. Torsional excitation
+        is the exact peak acceleration of the last shaft, inertia excitation the second-order
+        amplitude of the accelerations of all intermediate shafts together; at a speed they are
+        among the findings, without a verdict if they have no limit.
 
         Args:
             speed: drive speed in rad/s; broadcasts against the batch.
+            limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your
+                own.
 
         Returns:
-            findings with values, in the shape of batch and speed, and limits; ``print`` says it in
-                words.
+            findings with values, in the shape of batch and speed, limits and verdicts; ``print``
+                says it in words.
 
         Raises:
-            TypeError: a speed that is not a real number.
-            ValueError: shapes that do not broadcast.
+            TypeError: a speed that is not a real number, limits of another type.
+            ValueError: shapes that do not broadcast, an unknown preset.
         """
-        return check(self, speed)
+        return check(self, speed, limits)
 
     def evaluate(
         self,
@@ -327,7 +338,7 @@ class Driveline(Batch):
         shafts: Items = None,
         joints: Items = None,
         load: Load | None = None,
-        reduce: Reduction | None = None,
+        reduce: Reduction | list[Reduction] | tuple[Reduction, ...] | None = None,
         out: Mapping[str, NDArray[Any]] | None = None,
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
@@ -337,55 +348,66 @@ class Driveline(Batch):
         """Evaluate outputs over drive angles.
 
         Only what the outputs need is computed. The result of one output has the shape
-        ``([items,] *broadcast(line.shape, angle.shape) [, 3])``: the shaft or joint axis comes
-        first and is dropped for a single index, a vector's components come last.
+        ``([items,] *broadcast(line.shape, angle.shape) [, 3])``. The axis of shafts or joints comes
+        first and is dropped for a single index. The components of a vector come last.
 
         Args:
             angle: drive angle in rad, any shape, or a ``Sweep``; broadcasts against the batch. NaN
-                and infinite angles give NaN at their own samples. With an array of dask the arrays
-                of the result are dask's, a task of one thread for each chunk; with a DataArray of
-                xarray an ``xarray.Dataset`` is returned, which keeps its coordinates; with a Series
-                of pandas a DataFrame, which keeps its index.
+                and infinite angles give NaN for that sample only. A dask array gives a result of
+                dask arrays, with one task of one thread per chunk. An xarray DataArray gives an
+                ``xarray.Dataset`` with the same coordinates, and a pandas Series gives a DataFrame
+                with the same index.
             outputs: names from ``cardan.OUTPUTS``.
-            shafts: shafts for the outputs per shaft: an index, a slice or a list; by default the
-                last one.
-            joints: joints for the outputs per joint; by default all.
+            shafts: shafts for the outputs per shaft: an index, a slice or a list; default: the last
+                shaft.
+            joints: joints for the outputs per joint; default: all.
             load: the load, for the outputs that need one.
             reduce: ``"min"``, ``"max"``, ``"mean"``, ``"rms"`` or ``"peak"`` over the last axis of
                 the samples, which is dropped; no sample is stored. The peak is the largest
-                magnitude, of a vector its largest length without an axis of components; the others
-                take vectors by component. NaN among the samples gives NaN.
-            out: arrays to fill, by output name, of the right shape and dtype; they are the arrays
-                of the result then. One may be the array of angles itself. Filling arrays that are
-                there saves the system's work of providing new memory, which for some 10⁵ angles is
-                more than the evaluation. Vectors need no copy where they lie plane by plane, as in
-                ``numpy.moveaxis(numpy.empty((3, n)), 0, -1)``. Ctrl-C stops an evaluation within
-                a fraction of a second and leaves them filled in part. While a call fills an array,
-                other threads cannot use it in theirs.
-            dtype: ``float64``, the default whatever the dtype of the angles, or ``float32``:
-                results, and unless ``tolerance`` says otherwise the arithmetic after an exact
-                reduction of the angles.
+                magnitude; for a vector it is the largest length, without an axis of components. The
+                other reductions treat the components of a vector separately. NaN among the samples
+                gives NaN. A list of reductions gives each array an axis with one entry per
+                reduction, after the axis of shafts or joints.
+            out: arrays to fill, by output name, of the right shape and dtype. They become the
+                arrays of the result. One of them may be the array of angles itself. Existing arrays
+                save the operating system the work of providing new memory, which for some 10⁵
+                angles takes longer than the evaluation. Vectors need no copy if their components
+                are stored plane by plane, as in ``numpy.moveaxis(numpy.empty((3, n)), 0, -1)``.
+                Ctrl-C stops an evaluation within a fraction of a second and leaves the arrays
+                partly filled. While a call fills an array, calls on other threads cannot use it.
+            dtype: ``float64`` (default) or ``float32``, the dtype of the results. ``float32`` also
+                uses single precision after an exact reduction of the angles, unless ``tolerance``
+                says otherwise.
             tolerance: permitted error, relative to each output's largest magnitude over a turn; the
                 cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
                 moments and torques), 1e-6 and more for single precision; the default is the fast
                 double, some ulp (the documentation's page Accuracy has the table).
-            workers: at most so many threads, ``-1`` for all cores; by default all where the work
-                repays them. The environment variable ``RAYON_NUM_THREADS`` says how many that are;
-                a forked process uses one. The results do not depend on it.
-            degrees: whether the drive angle is in degrees; outputs that are angles are then in
-                degrees too, and all others stay as they are. Both conversions round. A ``Sweep``
+            workers: largest number of threads, ``-1`` for all cores; default: all cores for calls
+                that are large enough. The environment variable ``RAYON_NUM_THREADS`` limits the
+                number; a forked process uses one thread. The results do not depend on it.
+            degrees: whether the drive angle is in degrees. Outputs that are angles are then in
+                degrees as well; all others do not change. Both conversions round. A ``Sweep``
                 must have been made with ``degrees=True`` or by ``Sweep.revolutions``.
 
         Raises:
             IndexError: a shaft or joint that does not exist.
-            MemoryError: results, or what is needed on the way to them, beyond the memory there is.
+            MemoryError: results or intermediate arrays that do not fit in memory.
             RuntimeError: an ``out`` that another thread is filling.
-            TypeError: angles that are not plain real numbers, as masked ones or ones with a unit,
-                indices that are not integers.
+            TypeError: angles that are not plain real numbers (masked or with a unit), indices that
+                are not integers.
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        plan = Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
+
+        def plan_of(reduction: Reduction | None) -> Plan:
+            options = (load, reduction, dtype, tolerance, workers)
+            return Plan(self, outputs, shafts, joints, *options)
+
+        plan: Plan | PlanOfReductions
+        if isinstance(reduce, list | tuple):
+            plan = PlanOfReductions(reduce, plan_of)
+        else:
+            plan = plan_of(reduce)
         return PlanInDegrees(plan)(angle, out) if degrees else plan(angle, out)
 
     def plan(
@@ -400,23 +422,22 @@ class Driveline(Batch):
         tolerance: float | None = None,
         workers: int | None = None,
     ) -> Plan:
-        """Prepare an evaluation for any number of calls: ``plan(angle, out=...)``.
+        """Prepare an evaluation for any number of calls ``plan(angle, out=...)``.
 
-        The chain is folded and everything that the outputs do not need is dropped once;
-        ``print(plan.explain())`` shows what remains.
+        The plan decides once which steps the outputs need; ``print(plan.explain())`` shows them.
 
         Args:
             outputs: names from ``cardan.OUTPUTS``.
-            shafts: as of ``evaluate``, like all that follow.
+            shafts: as for ``evaluate``, like the following arguments.
             joints: for the outputs per joint.
             load: for the outputs that need one.
             reduce: of the last axis of the samples.
             dtype: of the results.
             tolerance: permitted error.
-            workers: at most so many threads.
+            workers: largest number of threads.
 
         Returns:
-            the plan; calling it gives what ``evaluate`` gives.
+            the plan; calling it gives the result of ``evaluate``.
 
         Raises:
             IndexError: a shaft or joint that does not exist.

@@ -21,7 +21,7 @@ from cardan.request import Plannable, item_index
 class EquivalentJoint:
     """Closed forms of one shaft's motion; each field has the shape of the driveline batch.
 
-    Every shaft of every chain turns exactly as the driven shaft of one joint does, whose driving
+    Every shaft of every chain turns exactly as the driven shaft of one joint does, whose input
     angle is the drive angle plus an offset. Near full compensation compare ``k`` or
     ``non_uniformity``, not ``bend``: a rounding of 1e-16 in ``k`` is 2e-8 rad in ``bend``.
 
@@ -31,12 +31,12 @@ class EquivalentJoint:
 
     Attributes:
         bend: equivalent bend in rad.
-        angle_offset: what to add to the drive angle to get this joint's driving angle, in rad,
+        angle_offset: what to add to the drive angle to get this joint's input angle, in rad,
             within (-pi/2, pi/2]; 0 where the shaft turns uniformly.
         k: ``tan(bend/2)**2``, the sine of the largest angle error.
         non_uniformity: largest less smallest speed ratio (catalogue, single joint:
             ``U = tan(bend) sin(bend)``).
-        max_angle_error: in rad, at ``tan**2 = cos(bend)`` of the driving angle.
+        max_angle_error: in rad, at ``tan**2 = cos(bend)`` of the input angle.
         min_speed_ratio: ``cos(bend)``.
         max_speed_ratio: ``1/cos(bend)``.
         max_acceleration_ratio: largest magnitude of the acceleration ratio.
@@ -51,12 +51,43 @@ class EquivalentJoint:
     max_speed_ratio: NDArray[np.float64]
     max_acceleration_ratio: NDArray[np.float64]
 
+    @property
+    def max_angle_error_at(self) -> NDArray[np.float64]:
+        """Drive angle in rad, within [0, pi), at which the angle error is ``max_angle_error``.
+
+        The error repeats after half a turn. NaN where the shaft turns uniformly.
+
+        Source: catalogue, Bild 12, at ``tan**2 = cos(bend)`` of the input angle.
+        """
+        place = np.mod(np.arctan(np.sqrt(self.min_speed_ratio)) - self.angle_offset, np.pi)
+        return np.where(self.k > 0.0, place, np.nan)[()]
+
+    @property
+    def bend_deg(self) -> NDArray[np.float64]:
+        """``bend`` in degrees."""
+        return np.degrees(self.bend)
+
+    @property
+    def angle_offset_deg(self) -> NDArray[np.float64]:
+        """``angle_offset`` in degrees."""
+        return np.degrees(self.angle_offset)
+
+    @property
+    def max_angle_error_deg(self) -> NDArray[np.float64]:
+        """``max_angle_error`` in degrees."""
+        return np.degrees(self.max_angle_error)
+
+    @property
+    def max_angle_error_at_deg(self) -> NDArray[np.float64]:
+        """``max_angle_error_at`` in degrees."""
+        return np.degrees(self.max_angle_error_at)
+
 
 @dataclass(frozen=True, eq=False)
 class Harmonics:
     """Amplitudes of one shaft's motion by order of the drive's rotation.
 
-    With the equivalent joint's ``k`` and driving angle ``a`` the motion is exactly the series
+    With the equivalent joint's ``k`` and input angle ``a`` the motion is exactly the series
     ``angle_error = sum k**n sin(2 n a) / n``, ``speed_ratio = 1 + sum 2 k**n cos(2 n a)``: only
     even orders ``2 n`` occur.
 
@@ -71,6 +102,11 @@ class Harmonics:
     orders: NDArray[np.int64]
     angle_error: NDArray[np.float64]
     speed_ratio: NDArray[np.float64]
+
+    @property
+    def angle_error_deg(self) -> NDArray[np.float64]:
+        """``angle_error`` in degrees."""
+        return np.degrees(self.angle_error)
 
 
 class Motion(NamedTuple):

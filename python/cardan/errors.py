@@ -1,4 +1,4 @@
-"""Errors that name an argument, with fields for programs in place of a text to be taken apart."""
+"""Errors that name an argument, with fields for programs, so that no program parses the text."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ Place: TypeAlias = tuple[int | str, ...]
 
 
 class ArgumentError(Exception):
-    """An argument that breaks a rule: which one, where in it, what it holds and what it should.
+    """An argument that breaks a rule: the argument, the place in it, the value and the rule.
 
-    Every such error is an ``ArgumentValueError`` or an ``ArgumentTypeError``, and thereby a
+    Every such error is an ``ArgumentValueError`` or an ``ArgumentTypeError``, and therefore a
     ``ValueError`` or a ``TypeError``. Its text is ``argument``, ``place`` and ``problem`` in one
-    sentence. It can be pickled, and so it arrives whole from the workers of a cluster.
+    sentence. It can be pickled, so it arrives complete from the workers of a cluster.
 
     Attributes:
-        argument: the argument as the caller knows it: ``"bends"``.
+        argument: the name of the argument, such as ``"bends"``.
         place: the position within the argument, outermost index first, or a name; ``()`` for the
             whole argument.
         problem: the offending value and the rule.

@@ -16,12 +16,12 @@ class Output:
     """What an output is.
 
     Attributes:
-        name: the name to ask for it by.
+        name: the name by which to request it.
         per: ``"shaft"`` or ``"joint"``.
         unit: SI unit; ``"1"`` for a ratio.
         meaning: one line.
-        source: its equation, with where it comes from; ``a`` is the driving angle of the joint, or
-            of the one joint that is equivalent to the chain, ``b`` its bend.
+        source: its equation, with where it comes from; ``a`` is the input angle of the joint,
+            or of the single joint equivalent to the chain, and ``b`` its bend.
         axes: names of the components of a vector; empty for a scalar.
         needs_load: whether ``evaluate`` needs ``load=``.
     """
@@ -85,7 +85,7 @@ _PROSE = {
         "tan angle = tan a / cos b (Thoma 4, Grossmann 1)",
     ),
     "angle_error": (
-        "rotation less the drive angle, mean zero",
+        "rotation minus the drive angle, with mean zero",
         "atan2((1 - cos b) sin a cos a, cos b cos² a + sin² a) (from Thoma 4; Bild 11)",
     ),
     "speed_ratio": (
@@ -105,22 +105,22 @@ _PROSE = {
     ),
     "torque": (
         "torsion entering the shaft",
-        "D / speed ratio of the joint (Grossmann 7), less what inertias take (Thoma 8)",
+        "D / speed ratio of the joint (Grossmann 7), minus the share of the inertias (Thoma 8)",
     ),
     "support_moment": (
-        "vector that the bearings must give the shaft",
-        "moment of the joint at its end less that at its start, without the part along it",
+        "moment vector that the bearings must exert on the shaft",
+        "moment of the joint at its end minus that at its start, without the part along the shaft",
     ),
     "moment": (
-        "vector that the joint exerts on its driven shaft",
-        "D (u_in + tan b sin a (sin a e_in - cos a m)), normal to both pins (Thoma 5)",
+        "moment vector that the joint exerts on its driven shaft",
+        "D (u_in + tan b sin a (sin a e_in - cos a m)), perpendicular to both pins (Thoma 5)",
     ),
     "bending_driving": (
-        "size of the bending moment in the driving shaft",
+        "magnitude of the bending moment in the driving shaft",
         "D tan b |sin a| (Grossmann 6)",
     ),
     "bending_driven": (
-        "size of the bending moment in the driven shaft",
+        "magnitude of the bending moment in the driven shaft",
         "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)",
     ),
     "tilt_driving": (

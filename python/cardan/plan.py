@@ -35,8 +35,8 @@ from cardan.sweep import Sweep
 class Plan:
     """The steps that evaluate some outputs of a driveline; made by ``Driveline.plan``.
 
-    Calling it evaluates, as ``Driveline.evaluate`` does; ``explain`` says what is done and what is
-    skipped. A plan never changes and may be shared among threads.
+    Call the plan to evaluate, as with ``Driveline.evaluate``. ``explain`` lists the steps and what
+    is skipped. A plan never changes, so threads may share it.
     """
 
     __slots__ = (
@@ -230,14 +230,14 @@ class Plan:
         return Request(*self._arguments)
 
     def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
-        """Return the steps taken, the steps skipped and why, and bytes per sample.
+        """Return the steps, the steps skipped and why, and the bytes per sample.
 
-        The steps depend on what the plan is called with: a sweep has steps of its own, and so has a
+        The steps depend on the argument of the call: a sweep has different steps, and so has a
         batch along the axis of the angles. For a batch the steps are those of its first driveline.
 
         Args:
-            angle: the drive angles or the ``Sweep`` of the call, of which only shape and kind
-                matter; without them, an array of angles along the last axis.
+            angle: the drive angles or the ``Sweep`` of the call; only their shape and kind matter.
+                The default is an array of angles along the last axis.
 
         Raises:
             ValueError: a shape that does not broadcast against the batch, or no samples.

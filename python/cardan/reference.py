@@ -4,7 +4,7 @@ Each yoke is a unit vector along its pin, turned about its shaft. The cross keep
 joint perpendicular, and that one condition, ``a . b = 0``, carries everything: the driven pin is
 perpendicular to the driven shaft and to the driving pin, speeds come from differentiating the
 condition once, accelerations from differentiating it twice, jerks from differentiating it three
-times. A frictionless, massless cross can only pass on a moment that is normal to both pins; the
+times. A frictionless, massless cross can transmit only a moment perpendicular to both pins; the
 torsion of the driving shaft fixes its size, and the moment equilibrium of each shaft gives what its
 bearings must add.
 
@@ -379,7 +379,7 @@ def tilts(shafts: Shafts, angle: float) -> tuple[tuple[float, float], ...]:
     """Return for each joint how far the cross leans from its driving and from its driven shaft.
 
     Each is the angle from the shaft to the normal of the cross, counted towards the pin of the
-    other shaft. With the bend ``beta`` and the joint's own driving angle ``alpha`` this makes
+    other shaft. With the bend ``beta`` and the joint's input angle ``alpha`` this makes
     ``tan psi_1 = tan beta sin alpha`` and ``sin psi_2 = sin beta cos alpha`` (Grossmann 1939, (3)
     and (5)). Error as for :func:`motion`'s ``angle_error``.
 

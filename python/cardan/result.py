@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -18,22 +19,25 @@ if TYPE_CHECKING:
     import pandas
     import pyarrow
     import xarray
+    from matplotlib.figure import Figure
 
-Labels: TypeAlias = tuple[int | list[int], int | list[int], tuple[int, ...], str | None, str]
-"""Shafts and joints evaluated, shape of the driveline's batch, reduction, unit of angles."""
+Labels: TypeAlias = tuple[
+    int | list[int], int | list[int], tuple[int, ...], str | tuple[str, ...] | None, str
+]
+"""Shafts and joints evaluated, shape of the driveline's batch, reductions, unit of angles."""
 
 
 class Result(Mapping[str, NDArray[Any]]):
     """Read-only mapping of output names to arrays, with attribute access.
 
     ``result["speed_ratio"]`` and ``result.speed_ratio`` are the same array. The arrays themselves
-    are yours to change. ``to_xarray``, ``to_pandas`` and ``to_arrow`` label them; the drive angles
-    that they show are those of the array that was evaluated, which is not copied. ``units`` says
-    the unit of each output.
+    are yours to change. ``to_xarray``, ``to_pandas`` and ``to_arrow`` label them, and ``plot``
+    draws them. The drive angles that they show are those of the evaluated array, which is not
+    copied. ``units`` gives the unit of each output.
 
-    ``==`` has one answer, true or false, and not one per sample: results are equal if they have the
-    same outputs in the same units and all values are the same, where NaN equals NaN. Arrays that
-    are computed later are equal only to themselves. Compare ``result.angle == other.angle`` for an
+    ``==`` gives one answer and not one per sample. Results are equal if they have the same outputs
+    in the same units and all values are the same, where NaN equals NaN. Arrays that are computed
+    later are equal only to themselves. Compare ``result.angle == other.angle`` for an
     answer per sample.
     """
 
@@ -81,7 +85,7 @@ class Result(Mapping[str, NDArray[Any]]):
         """The drive angles that were evaluated, in the unit of ``units["drive_angle"]``.
 
         Raises:
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         if self._labels is None:
             raise ValueError("the result has no drive angles; only one that was evaluated has")
@@ -118,7 +122,7 @@ class Result(Mapping[str, NDArray[Any]]):
         raise AttributeError(f"the result holds no {name!r}")
 
     def __dir__(self) -> list[str]:
-        """List the outputs beside the methods."""
+        """List the outputs and the methods."""
         return [*super().__dir__(), *self._arrays]
 
     def to_xarray(self) -> xarray.Dataset:
@@ -132,7 +136,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
         Raises:
             ImportError: xarray is missing.
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         made: xarray.Dataset = _labels().dataset(self)
         return made
@@ -141,11 +145,11 @@ class Result(Mapping[str, NDArray[Any]]):
         """Return the samples as rows, indexed by driveline and drive angle.
 
         A column is an output of one shaft or joint, and of one component: ``speed_ratio``,
-        ``torque_1``, ``moment_0_x``. The units of all columns stand in ``attrs["units"]``.
+        ``torque_1``, ``moment_0_x``. The units of all columns are in ``attrs["units"]``.
 
         Raises:
             ImportError: pandas is missing.
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         made: pandas.DataFrame = _labels().frame(self)
         return made
@@ -157,13 +161,24 @@ class Result(Mapping[str, NDArray[Any]]):
 
         Raises:
             ImportError: pyarrow is missing.
-            ValueError: a result that was not evaluated but put together.
+            ValueError: a result that does not come from an evaluation.
         """
         made: pyarrow.Table = _labels().table(self)
         return made
 
+    def plot(self) -> Figure:
+        """Draw every output over the drive angle, as ``cardan.plots.plot_result`` does.
+
+        Raises:
+            ImportError: matplotlib is missing.
+            ValueError: a result without a row of drive angles, more curves than can be told apart.
+        """
+        # The library does not need its own pictures.
+        made: Figure = importlib.import_module("cardan.plots").plot_result(self)
+        return made
+
     def compute(self, **options: Any) -> Result:  # noqa: ANN401 - those of dask
-        """Return the result with arrays of NumPy in place of dask's, all computed in one pass.
+        """Return the result with NumPy arrays instead of dask's, all computed in one pass.
 
         Args:
             options: further arguments of ``dask.compute``.

@@ -14,13 +14,13 @@ from cardan.errors import ArgumentTypeError, ArgumentValueError
 
 
 class Sweep:
-    """Drive angles at equal steps, for ``evaluate`` and plans in place of an array.
+    """Drive angles at equal steps, in place of an array for ``evaluate`` and plans.
 
-    ``Sweep(start, stop, num)`` runs from ``start`` to ``stop``, both included, as
-    ``numpy.linspace``; ``Sweep.revolutions`` over whole turns. It counts as an array of shape
-    ``(num,)`` but is never stored, and its angles are exact: sample ``i`` is at ``start + i * (stop
-    - start) / (num - 1)``, or at that part of a turn, and not at a double beside it. What repeats
-    from turn to turn is computed once.
+    ``Sweep(start, stop, num)`` runs from ``start`` to ``stop``, both included, like
+    ``numpy.linspace``. ``Sweep.revolutions`` runs over whole turns. A sweep acts as an array of
+    shape ``(num,)`` but is never stored. Its angles are exact: sample ``i`` is at ``start + i *
+    (stop - start) / (num - 1)``, or at that part of a turn, and not at the nearest double. Turns
+    that repeat are computed once.
 
     Attributes:
         num: number of angles.
@@ -55,7 +55,7 @@ class Sweep:
 
     @classmethod
     def revolutions(cls, turns: float, samples: SupportsIndex) -> Self:
-        """Sweep whole turns from 0 on, the end excluded.
+        """Sweep whole turns from 0, without the end point.
 
         Args:
             turns: number of turns; they make a whole number of samples.

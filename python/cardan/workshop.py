@@ -9,8 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
 
-VIEW = "looking along the travel"
-"""From where a sense of rotation is seen: with the power flow, from the drive to the output."""
+VIEW = "looking from the drive towards the output"
+"""From where a sense of rotation is seen: with the power flow, whichever way the vehicle drives."""
+
+ARROW = "drive → output"
+"""The direction of view as an arrow."""
+
+SAME_YOKE = "A yoke looks the same every 180°"
+"""Why a setting can be given in both senses."""
 
 
 _IN_PLACE = {"none": "in one plane", "unknown": "not a number"}
@@ -20,22 +26,24 @@ _IN_PLACE = {"none": "in one plane", "unknown": "not a number"}
 class Turn:
     """A turn of one yoke against another, as set on a bench.
 
-    A yoke turned by 180° is the same yoke, so no turn is larger than 90°.
+    A yoke looks the same every 180°, so no turn is larger than 90°, and each can be made in the
+    opposite sense as well: 8° counter-clockwise is 172° clockwise.
 
     Attributes:
         angle: size of the turn in rad, within [0, pi/2].
-        sense: ``"clockwise"`` or ``"counter-clockwise"``, looking along the travel; ``"none"``
-            for no turn at all, ``"unknown"`` for one that is not finite.
+        sense: ``"clockwise"`` or ``"counter-clockwise"``, looking from the drive towards the
+            output; ``"none"`` for no turn at all, ``"unknown"`` for one that is not finite.
     """
 
     angle: FloatArray
     sense: NDArray[np.str_]
 
     def __str__(self) -> str:
-        """Say it in words, one line per turn."""
+        """Say it in words and in both senses, one line per turn."""
         pairs = zip(np.degrees(self.angle).flat, self.sense.flat, strict=True)
         return "\n".join(
-            _IN_PLACE.get(str(sense), f"{angle:.2f}° {sense}, {VIEW}") for angle, sense in pairs
+            _IN_PLACE.get(str(sense)) or f"{both_senses(angle, str(sense))}, {VIEW}"
+            for angle, sense in pairs
         )
 
 
@@ -43,8 +51,8 @@ def turn(angle: ArrayLike) -> Turn:
     """Return the turn that a phase or twist means on the bench.
 
     Args:
-        angle: in rad, right-handed about the direction of travel, any shape. Looking along the
-            travel a positive angle is clockwise.
+        angle: in rad, right-handed about the direction of power flow, any shape. Looking from the
+            drive towards the output a positive angle is clockwise.
 
     Raises:
         TypeError: values that are not real numbers.
@@ -56,3 +64,10 @@ def turn(angle: ArrayLike) -> Turn:
     senses = np.array(["counter-clockwise", "none", "clockwise"])
     sense = senses[np.sign(np.nan_to_num(wrapped)).astype(int) + 1]
     return Turn(np.abs(wrapped), np.where(finite, sense, "unknown"))
+
+
+def both_senses(degrees: float, sense: str) -> str:
+    """Return a turn in degrees as words, and the same turn made in the opposite sense."""
+    opposite = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}[sense]
+    shown = f"{degrees:.2f}"
+    return f"{shown}° {sense} = {180.0 - float(shown):.2f}° {opposite}"

@@ -37,15 +37,15 @@ def test_folders_are_written_as_folders() -> None:
 
 
 @pytest.mark.parametrize(
-    "room", ["rust/core/src", "python/cardan"], ids=["the core", "the package"]
+    "part", ["rust/core/src", "python/cardan"], ids=["the core", "the package"]
 )
-def test_every_room_is_on_the_map(room: str) -> None:
-    rooms = {
-        f"{room}/{folder.name}/"
-        for folder in (ROOT / room).iterdir()
+def test_every_module_is_on_the_map(part: str) -> None:
+    modules = {
+        f"{part}/{folder.name}/"
+        for folder in (ROOT / part).iterdir()
         if folder.is_dir() and any(file.suffix in {".py", ".rs"} for file in folder.iterdir())
     }
-    assert rooms <= paths(TEXT.partition("\n## Rooms\n")[2].partition("\n## ")[0])
+    assert modules <= paths(TEXT.partition("\n## Modules\n")[2].partition("\n## ")[0])
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)

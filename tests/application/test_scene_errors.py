@@ -86,7 +86,7 @@ CASES: list[tuple[str, int | None, str, str, tuple[int | str, ...], str, str]] =
         "bends_deg",
         ("2",),
         "study.bends_deg.2",
-        "has no such place; there are 2",
+        "does not exist; there are 2",
     ),
     # What has no fields, or is about no key that there is.
     (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
@@ -139,8 +140,8 @@ def test_tables_of_notebooks() -> None:
     assert "<td>torque</td><td>N m</td><td>(25,)</td>" in html
     assert "<td>no numbers</td>" in ONE.evaluate(np.nan)._repr_html_()
     html = ONE.check(100.0)._repr_html_()
-    assert "<caption>The driveline does not pass.</caption>" in html
-    assert "<td>equivalent bend " in html
+    assert "<caption>The driveline is beyond the limits.</caption>" in html
+    assert "<td>equivalent bend</td>" in html
 
 
 # --- degrees -----------------------------------------------------------------------------------
@@ -208,3 +209,85 @@ def test_a_number_is_no_load() -> None:
 
 def test_completion_shows_public_names() -> None:
     assert {name for name in dir(cardan) if name not in cardan.__all__} <= {"scene"}
+
+
+# --- several reductions ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("degrees", [False, True])
+def test_several_reductions_are_stacked(degrees: bool) -> None:
+    line = BATCH[:, np.newaxis]
+    names = ("speed_ratio", "moment")
+    options: dict[str, Any] = {"load": LOAD, "shafts": [1, 2], "degrees": degrees}
+    both = line.evaluate(TURN, names, reduce=["min", "rms"], **options)
+    assert both.speed_ratio.shape == (2, 2, 6)
+    assert both.moment.shape == (2, 2, 6, 3)
+    for i, how in enumerate(("min", "rms")):
+        alone = line.evaluate(TURN, names, reduce=how, **options)  # type: ignore[arg-type]
+        for name in names:
+            assert np.array_equal(both[name][:, i], alone[name])
+    low, high = ONE.evaluate(TURN, "speed_ratio", reduce=("min", "max")).speed_ratio
+    assert low < 1.0 < high
+
+
+def test_several_reductions_have_labels() -> None:
+    found = BATCH[:, np.newaxis].evaluate(TURN, "moment", reduce=["min", "max"], load=LOAD)
+    labelled = found.to_xarray().moment
+    assert labelled.dims == ("joint", "reduction", "driveline", "component")
+    assert [*labelled.reduction.values] == ["min", "max"]
+    frame = found.to_pandas()
+    assert frame.index.names == ["reduction", "driveline"]
+    assert frame.loc[("max", 3), "moment_1_y"] == found.moment[1, 1, 3, 1]
+    assert found.to_arrow()["reduction"].to_pylist() == ["min"] * 6 + ["max"] * 6
+
+
+@pytest.mark.parametrize(
+    ("reduce", "message"),
+    [
+        ([], "reduce is empty; name at least one reduction"),
+        (["min", "least"], "reduce is 'least'; known are min"),
+        (["min", "peak"], r"reduce is \['min', 'peak'\]; the peak of moment is the length"),
+    ],
+)
+def test_reductions_that_do_not_go_together(reduce: list[Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        ONE.evaluate(TURN, ("moment",), load=LOAD, reduce=reduce)
+    with pytest.raises(TypeError, match="out does not go with several reductions"):
+        ONE.evaluate(TURN, "angle", reduce=["min"], out={"angle": np.empty(1)})
+
+
+# --- closed forms and pictures -----------------------------------------------------------------
+
+
+def test_closed_forms_in_degrees() -> None:
+    joint = BATCH.equivalent()
+    assert np.array_equal(joint.bend_deg, np.degrees(joint.bend))
+    assert np.array_equal(joint.angle_offset_deg, np.degrees(joint.angle_offset))
+    assert np.array_equal(joint.max_angle_error_deg, np.degrees(joint.max_angle_error))
+    assert np.array_equal(
+        joint.max_angle_error_at_deg, np.degrees(joint.max_angle_error_at), equal_nan=True
+    )
+    series = BATCH.harmonics()
+    assert [*series.orders] == [2, 4, 6, 8]
+    assert np.array_equal(series.angle_error_deg, np.degrees(series.angle_error))
+
+
+def test_a_result_is_plotted() -> None:
+    result = ONE.evaluate(Sweep.revolutions(1, 360), ("angle_error", "moment"), load=LOAD, joints=1)
+    figure = result.plot()
+    error, moment = figure.axes
+    assert error.get_ylabel() == "angle error\n[deg]"
+    (curve,) = error.get_lines()
+    assert np.allclose(curve.get_ydata(), np.degrees(result.angle_error), atol=1e-12)
+    assert np.allclose(curve.get_xdata(), np.arange(360.0))
+    assert [line.get_label() for line in moment.get_lines()] == [f"joint 1, {i}" for i in "xyz"]
+    assert np.array_equal(moment.get_lines()[1].get_ydata(), result.moment[:, 1])
+    # Each curve of a batch is that of its own driveline.
+    batch = BATCH[:3, np.newaxis].evaluate(TURN, "angle_error", shafts=[1, 2], degrees=True)
+    curves = {line.get_label(): line.get_ydata() for line in batch.plot().axes[0].get_lines()}
+    assert np.array_equal(curves["shaft 2, driveline 1"], batch.angle_error[1, 1])
+    with pytest.raises(ValueError, match="has 12 curves of angle_error; a picture shows at most 6"):
+        BATCH[:, np.newaxis].evaluate(TURN, "angle_error", shafts=[1, 2]).plot()
+    for other in (ONE.evaluate(TURN, reduce="max"), ONE.evaluate(0.5), ONE.evaluate([TURN])):
+        with pytest.raises(ValueError, match="result is not over a row of drive angles"):
+            other.plot()

@@ -422,3 +422,16 @@ def test_bad_input(make: Any, error: type[Exception], message: str) -> None:  # 
     with pytest.raises(error) as caught:
         make()
     assert message in str(caught.value)
+
+
+def test_the_largest_angle_error_is_where_it_is_said_to_be() -> None:
+    rng = np.random.default_rng(7)
+    bends, phases = rng.uniform(0.0, 1.5, (200, 3)), rng.uniform(-4.0, 4.0, (200, 2))
+    line = Driveline.from_bends(bends, phases[::-1], phases)
+    joint = line.equivalent()
+    place = joint.max_angle_error_at
+    assert np.all((place >= 0.0) & (place < np.pi))
+    for turn in (0.0, np.pi):
+        error = line.evaluate(place + turn, "angle_error").angle_error
+        assert error == pytest.approx(joint.max_angle_error, rel=1e-9)
+    assert np.isnan(Driveline.from_bends([0.0]).equivalent().max_angle_error_at)

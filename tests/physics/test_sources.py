@@ -1,8 +1,9 @@
 """The formulas and printed figures of the sources, by equation number.
 
 K. H. Grossmann, Die Momente im Kreuzgelenk, 1939; the catalogue chapters on the single joint
-("Kinematik des Kreuzgelenks", Bilder 10 to 13) and on double joints (sections 6.1 to 6.5). Thoma's
-and Marcus's stand in test_approximations.py and test_ball_joint.py.
+("Kinematik des Kreuzgelenks", Bilder 10 to 13) and on double joints (sections 6.1 to 6.5); the
+introduction of D. Thoma, Das Kräftespiel im Kreuzgelenk, 1920. His equations and Marcus's are in
+test_approximations.py and test_ball_joint.py.
 """
 
 from __future__ import annotations
@@ -71,6 +72,22 @@ def test_grossmann_6_to_8_moments(bend: float) -> None:
     other = 1 / (math.cos(bend) * (1 + (tangent * np.cos(result.angle)) ** 2))
     close(result.torque, other, 4 * scale)  # (7), over the driven angle
     close(result.bending_driven, math.sin(bend) * abs(cosine) * np.sqrt(stretch), scale)  # (8)
+
+
+@pytest.mark.parametrize("bend", BENDS)
+def test_thoma_introduction_the_moment_bends_one_of_the_shafts(bend: float) -> None:
+    line = Driveline.from_bends([bend])
+    least = math.atan(math.sqrt(math.cos(bend)))  # where both shafts are equally far from it
+    angle = np.append(ANGLES, [least, math.pi - least])
+    moment = line.evaluate(angle, "moment", joints=0, load=Load(drive_torque=1.0)).moment
+    # From sine and cosine: the inverse cosine loses half the digits of small angles.
+    along = np.abs(line.directions @ moment.T)
+    across = np.linalg.norm(np.cross(line.directions[:, None], moment), axis=-1)
+    larger = np.arctan2(across, along).max(axis=0)
+    bound = math.acos(math.sqrt(math.cos(bend)))
+    assert bound >= bend / 2  # his bound
+    assert larger.min() >= bound - 1e-14  # the sharper one
+    close(larger[-2:], np.full(2, bound))
 
 
 def test_grossmann_figure_3_and_4_at_50_degrees() -> None:

@@ -58,7 +58,7 @@ def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:
         return f"wrote {file} ({size})"
     if found == parts:
         return f"kept {file} ({size} in {files}, already complete)"
-    there = f", {found} of them there already" if found else ""
+    there = f", {found} of them already complete" if found else ""
     return f"wrote {file} ({size} in {files}{there})"
 
 
@@ -77,6 +77,12 @@ def check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) ->
         raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")
     import_optional("distributed", "dask")
     import_optional("pyarrow", "table")
+
+
+def check_folder(path: Path) -> None:
+    """Refuse a file in the place of the folder of a study, before the work is done."""
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
 
 
 def write_on_cluster(

@@ -9,25 +9,25 @@ from cardan.scene.starters import STARTERS
 HELP = """\
 Motion and moments of universal joints and drivelines.
 
-What a driveline is and what is wanted of it stands in a scene, a short TOML file. Begin with one
-that runs as it stands:
+A short TOML file, a scene, describes a driveline, its load and the results you want. Start with one
+that is ready to run:
 
 \b
   cardan new z-shaft shaft.toml
   cardan run shaft.toml
   cardan check shaft.toml
 
-"cardan run --help" lists all keys of a scene, "cardan COMMAND --help" shows more examples.
+"cardan run --help" lists all keys of a scene. "cardan COMMAND --help" shows more examples.
 
-Exit status: 0 done, 1 "check" found a limit exceeded, 2 something is wrong with what was given (one
-line says what), 130 interrupted.
+Exit status: 0 for success, 1 if "check" found the driveline beyond a limit, 2 for invalid input (one
+line says what is wrong), 130 for an interrupt.
 """
 
 # The mark keeps click from filling a paragraph.
 _KEYS = describe().replace("\n\n", "\n\n\b\n")
 
 RUN = f"""\
-Evaluate a scene: print a short table, write curves, study and picture.
+Evaluate a scene: print the main results, write curves, study and picture.
 
 \b
 Examples:
@@ -35,22 +35,22 @@ Examples:
   cardan run shaft.toml --radians --into .
   cardan run shaft.toml --json
 
-With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study, and its table,
-which must end in .parquet, becomes a folder of files. The same command goes on where a run was
-stopped: no file that is there is computed again.
+With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study. The table must
+then end in .parquet and becomes a folder of files. If the run stops, the same command resumes
+it and computes no file twice.
 
-SCENE is a TOML file of these sections and keys:
+SCENE is a TOML file with these sections and keys:
 
 \b
 {_KEYS}
-Files appear whole or not at all.
+A file appears complete or not at all.
 """
 
 STREAM = """\
-Evaluate recorded angles of any number, by chunks in little memory.
+Evaluate a recording of any length, in chunks that fit in memory.
 
-The scene has a section [angles] with a .parquet file, and curves that end in .parquet; these are
-all that is written.
+The scene needs a section [angles] with a .parquet file, and curves that end in .parquet. Only the
+curves are written.
 
 \b
 Example:
@@ -58,8 +58,8 @@ Example:
 """
 
 EXPLAIN = """\
-Say how a scene and its study are evaluated: the steps taken, what is skipped and why, and what a
-sample costs.
+Describe how a scene and its study are evaluated: the steps, what is skipped and why, and the memory
+that each sample needs.
 
 \b
 Example:
@@ -74,17 +74,21 @@ Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
 
-With "--study equivalent_bend" that figure of the scene's study is drawn over the keys that it
-varies: curves over one key, a map over two.
+"--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
+one key, a map over two.
 """
 
 CHECK = """\
-Check a scene against the limits of the catalogues and of practice.
+Compare a scene with the limits of driveshaft catalogues and of practice.
 
-The equivalent bend must not exceed 3 deg; with a speed given, the excitation by the last shaft and
-by the shafts between is checked as well. In a study every driveline must keep the limits, and each
-figure is the worst of them, with its place. The exit status is 0 if all limits are kept and 1 if
-not.
+By default the only limit is that of the catalogues: an equivalent bend of 3 deg. The section
+[limits] of the scene adds the limits of a kind of machine (preset = "truck" or "industrial") or
+your own figures, and each limit is printed with its source. With a speed given, the excitation by
+the last shaft and by the shafts between two joints is printed as well.
+
+A figure is within its limit, tolerable (above the limit but not above the maximum) or beyond. The
+exit status is 0 for within and tolerable, and 1 for beyond. In a study every driveline counts, and
+each figure is the worst of them, with its place.
 
 \b
 Examples:
@@ -95,6 +99,11 @@ Examples:
 PHASE = """\
 Say how to set the yokes so that the last shaft turns as evenly as possible.
 
+Each setting is an angle and a sense, looking from the drive towards the output. If the scene gives
+the teeth of the splines, the best teeth are found as well. The answer names the arrangement, what
+is left at the best setting and what would bring it within the limit. It compares the exact figure
+with the catalogues' root rule.
+
 \b
 Examples:
   cardan phase shaft.toml
@@ -102,10 +111,10 @@ Examples:
 """
 
 REPORT = """\
-Write a page to hand on, with a driveline that turns in it.
+Write a page to share, with a slider that turns the driveline.
 
-It says whether the driveline runs smoothly, what loads the bearings and how to set the yokes, and
-shows inputs, tables and curves. One HTML file holds everything; it needs no network.
+The page says whether the driveline runs smoothly, which loads the bearings carry and how to set the
+yokes. It shows the inputs, tables and curves. It is a single HTML file that needs no network.
 
 \b
 Examples:
@@ -114,11 +123,11 @@ Examples:
 """
 
 NEW = f"""\
-Write a commented scene that runs as it stands; an existing file stays as it is.
+Write a commented scene that is ready to run. An existing file is never overwritten.
 
 \b
 KIND is one of
-{chr(10).join(f"  {kind:10}{starter.meaning}" for kind, starter in STARTERS.items())}
+{chr(10).join(f"  {kind:13}{starter.meaning}" for kind, starter in STARTERS.items())}
 
 \b
 Examples:
@@ -129,8 +138,11 @@ Examples:
 SCHEMA = """\
 Print the JSON Schema of scenes, by which editors complete and check them.
 
+With "--answers": the schema of what "--json" prints.
+
 \b
 Examples:
   cardan schema
   cardan schema --output scene.schema.json
+  cardan schema --answers
 """

@@ -76,7 +76,7 @@ def read_chunks(path: str | PathLike[str], names: Sequence[str], rows: int) -> I
         ValueError: as for ``read_columns``; a file of another format.
     """
     if Path(path).suffix != ".parquet":
-        raise ValueError(f"{os.fspath(path)} must end in .parquet to be read by chunks")
+        raise ValueError(f"{os.fspath(path)} must end in .parquet to be read in chunks")
     with _of_file(path), _parquet_file(path, names) as file:
         total = file.metadata.num_rows
         if not total:

@@ -1,4 +1,4 @@
-"""Columns of any length: from one Parquet file into another, by chunks in bounded memory."""
+"""Columns of any length: from one Parquet file to another, in chunks and bounded memory."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ def map_parquet(
     rows: int = ROWS,
     progress: Progress | None = None,
 ) -> int:
-    """Write what a function makes of the columns of a Parquet file, and return the rows.
+    """Apply a function to the columns of a Parquet file, write the result, and return the rows.
 
     Args:
         source: the file to read.
-        target: the file to write, likewise Parquet; it appears whole or not at all.
-        names: the columns wanted, of numbers; what is missing is NaN.
-        function: takes an array for each of these, of some rows, and returns arrays as long by
-            name, or a ``Result``, written as by its ``to_arrow``. A plan for a column of angles in
-            rad is such a function.
-        rows: at most so many at a time.
-        progress: called after each chunk with the rows done and all rows.
+        target: the Parquet file to write; it appears complete or not at all.
+        names: the columns to read, of numbers; missing values become NaN.
+        function: takes one array per column, with some of the rows. It returns arrays of the same
+            length by name, or a ``Result``, which is written as by its ``to_arrow``. A plan is such
+            a function for a column of angles in rad.
+        rows: largest number of rows at a time.
+        progress: called after each chunk with the number of rows done and of all rows.
 
     Raises:
         ImportError: pyarrow is missing.

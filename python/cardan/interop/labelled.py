@@ -79,12 +79,14 @@ def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
     if samples.angle is not None and "drive_angle" not in taken:
         named = {"units": _cf(result.units["drive_angle"]), **_DRIVE_ANGLE}
         coordinates["drive_angle"] = (samples.angle_dims, samples.angle, named)
+    if "reduction" in samples.dims:
+        coordinates["reduction"] = ("reduction", list(samples.reductions))
     variables = {}
     for name, array in result.items():
         output, items = OUTPUTS[name], samples.items[OUTPUTS[name].per]
         of_items = () if isinstance(items, int) else (output.per,)
         coordinates[output.per] = (of_items, items, {"long_name": f"{output.per}, counted from 0"})
-        of_vector = ("component",) if output.vector and samples.reduce != "peak" else ()
+        of_vector = ("component",) if output.vector and "peak" not in samples.reductions else ()
         if of_vector:
             axis = {"long_name": "component along an axis of the driveline"}
             coordinates["component"] = ("component", list("xyz"), axis)
@@ -113,7 +115,7 @@ class _Samples(NamedTuple):
     """How the samples of a result lie."""
 
     items: Mapping[str, int | list[int]]
-    reduce: str | None
+    reductions: tuple[str, ...]
     dims: tuple[str, ...]
     shape: tuple[int, ...]
     angle_dims: tuple[str, ...]
@@ -146,15 +148,22 @@ class _Samples(NamedTuple):
         angle_dims = tuple(of_angle[k] for k in runs)
         methods = {}
         if reduce:
-            methods = {"cell_methods": f"{dims[-1]}: {_CELL_METHODS[reduce]}"}
+            if isinstance(reduce, str):
+                methods = {"cell_methods": f"{dims[-1]}: {_CELL_METHODS[reduce]}"}
             angle = None if runs and runs[-1] == len(shape) - 1 else angle
             dims, shape = dims[:-1], shape[:-1]
         if angle is not None:
             shown = result.drive_angle
             whole = shown if hasattr(shown, "__dask_graph__") else np.asarray(shown)
             angle = whole.reshape(tuple(own[k - before] for k in runs))
+        reductions: tuple[str, ...] = ()
+        if isinstance(reduce, str):
+            reductions = (reduce,)
+        elif reduce is not None:
+            reductions = reduce
+            dims, shape = ("reduction", *dims), (len(reduce), *shape)
         items = {"shaft": shafts, "joint": joints}
-        return cls(items, reduce, dims, shape, angle_dims, angle, methods)
+        return cls(items, reductions, dims, shape, angle_dims, angle, methods)
 
 
 def _cf(unit: str) -> str:
@@ -196,7 +205,7 @@ def table(result: Result) -> pyarrow.Table:
     fields = [
         pyarrow.field(
             column.name,
-            pyarrow.from_numpy_dtype(column.values.dtype),
+            pyarrow.array(column.values[:1]).type,
             metadata={"units": column.unit, "long_name": column.long_name},
         )
         for column in (*index, *figures)
@@ -211,6 +220,9 @@ def columns_of(result: Result) -> tuple[list[Column], list[Column]]:
     samples = _Samples.of(result)
     index = []
     for k, dim in enumerate(samples.dims):
+        if dim == "reduction":
+            names = _spread(np.array(samples.reductions), (dim,), samples)
+            index.append(Column(dim, names, "1", "reduction over the drive angle"))
         if dim.startswith("driveline"):
             number = _spread(np.arange(samples.shape[k]), (dim,), samples)
             index.append(Column(dim, number, "1", f"{_long_name(dim)}, counted from 0"))
@@ -243,7 +255,7 @@ def _parts(
     if not isinstance(items, int):
         named = {f"{output.name}_{item}": array[i] for i, item in enumerate(items)}
     for name, values in named.items():
-        if output.vector and samples.reduce != "peak":
+        if output.vector and "peak" not in samples.reductions:
             for i, axis in enumerate("xyz"):
                 yield f"{name}_{axis}", values[..., i]
         else:

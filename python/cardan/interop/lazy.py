@@ -1,6 +1,6 @@
-"""Evaluations over dask arrays: the same results, computed later, piece by piece and anywhere.
+"""Evaluations over dask arrays: the same results, computed later, in pieces and on any machine.
 
-Each piece of a result is one task, and a task keeps to one thread: the parallelism is dask's.
+Each piece of a result is one task, and each task uses one thread: the parallelism is dask's.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class _Part(NamedTuple):
 class LazyDriveline:
     """Drivelines whose geometry is in dask arrays; made by the constructors of ``Driveline``.
 
-    Values are looked at when they are computed: a bend out of range shows in its task.
+    Values are checked when they are computed, so a bend out of range is an error of its task.
 
     Attributes:
         n_joints: number of joints of each driveline.

@@ -24,6 +24,7 @@ from cardan.plots.driveline import plot_driveline, yoke_pins
 from cardan.plots.grossmann import plot_bending_moments, plot_torque_ratio
 from cardan.plots.harmonics import plot_harmonics
 from cardan.plots.hodograph import plot_hodograph
+from cardan.plots.result import plot_result
 from cardan.plots.scene import plot_scene, write_picture
 from cardan.plots.study import plot_study
 from cardan.plots.style import STYLE, save
@@ -42,6 +43,7 @@ __all__ = [
     "plot_hodograph",
     "plot_largest_angle_error",
     "plot_non_uniformity",
+    "plot_result",
     "plot_scene",
     "plot_small_angle",
     "plot_study",

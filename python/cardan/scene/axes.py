@@ -131,7 +131,7 @@ def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | N
     ends = [int(end) for end in index.split("-")]
     first, last = ends[0], ends[-1]
     if not first <= last < len(base):
-        raise key.error(f"has no such place; there are {len(base)}, counted from 0")
+        raise key.error(f"does not exist; there are {len(base)}, counted from 0")
     return slice(first, last + 1)
 
 

@@ -86,7 +86,7 @@ def _by_place(value: object) -> bool:
 def _entries(where: Location, index: str) -> Location:
     entries = where.at(index)
     if not re.fullmatch(_PLACE, index):
-        raise entries.error("has no such place; write 0 for the first entry, 0-1 for two")
+        raise entries.error("does not exist; write 0 for the first entry, 0-1 for two")
     return entries
 
 

@@ -1,13 +1,14 @@
 """Studies on a dask cluster: a folder of Parquet files, one for each part of the grid.
 
-Who works on what, what happens when a worker dies and what is kept in memory is dask's business. A
-file appears whole or not at all, so a run that was stopped anywhere goes on where the files end.
+dask decides which worker does what, what happens if a worker dies, and what stays in memory. A file
+appears complete or not at all, so a run that was stopped resumes with the files that are missing.
 """
 
 from __future__ import annotations
 
 import contextlib
 import errno
+import functools
 import hashlib
 import json
 import math
@@ -22,31 +23,33 @@ from typing import Any
 import numpy as np
 
 from cardan._core import __version__
-from cardan.arrays import import_optional
+from cardan.arrays import FloatArray, import_optional
 from cardan.files.columns import write_columns
 from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
+from cardan.scene.axes import Axis
 from cardan.scene.curves import study_columns
-from cardan.scene.study import Study
+from cardan.scene.study import Column, Study
+from cardan.scene.units import converted
 from cardan.sweep import Sweep
 
 MANIFEST = "_study.json"
 """File of the folder that says which study it holds; Parquet readers pass over it."""
 
-# A part should be worth a task and a file, and cheap to lose: some tenths of a second.
+# A part should be worth a task and a file, and cheap to lose: a few tenths of a second.
 _SAMPLES = 1 << 26
 _MOST_ROWS = 1 << 16
 
 
 @dataclass(frozen=True)
 class Written:
-    """What ``write_study`` did.
+    """The result of ``write_study``.
 
     Attributes:
-        folder: where.
+        folder: the folder that was written.
         rows: number of drivelines.
         files: number of files.
-        found: how many of these were there before.
+        found: number of files that were already complete.
     """
 
     folder: Path
@@ -55,13 +58,51 @@ class Written:
     found: int
 
 
+@dataclass(frozen=True, eq=False)
+class StudyFolder:
+    """A study in the files of a folder, of which a column is read at a time.
+
+    Attributes:
+        study: the study.
+        folder: where.
+    """
+
+    study: Study
+    folder: Path
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """What is varied."""
+        return self.study.axes
+
+    @functools.cached_property
+    def columns(self) -> tuple[Column, ...]:
+        """What the figures are."""
+        return self.study.part(range(1)).columns
+
+    def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
+        """Return the ending of a column's unit and its values, in the unit of the files.
+
+        Raises:
+            OSError: a file cannot be read.
+        """
+        parquet = import_optional("pyarrow.parquet", "table")
+        ending, _ = converted(np.empty(0), column.unit, radians)
+        name = f"{column.name}{ending}"
+        parts = [
+            parquet.read_table(file, columns=[name], partitioning=None)[name].to_numpy()
+            for file in sorted(self.folder.glob("part-*.parquet"))
+        ]
+        return ending, np.concatenate(parts).reshape(self.study.shape)
+
+
 @contextlib.contextmanager
 def connect(scheduler: str | None = None, processes: int | None = None) -> Iterator[Any]:
-    """Connect to a dask cluster, or start one on this machine and close it in the end.
+    """Connect to a dask cluster, or start one on this machine and close it at the end.
 
     Args:
-        scheduler: address of the scheduler, as ``tcp://host:8786``.
-        processes: or: number of worker processes, of one thread each.
+        scheduler: address of the scheduler, such as ``tcp://host:8786``.
+        processes: instead, the number of worker processes to start, with one thread each.
 
     Raises:
         ImportError: dask.distributed is missing.
@@ -102,19 +143,19 @@ def write_study(
     part_rows: int | None = None,
     progress: Progress | None = None,
 ) -> Written:
-    """Evaluate a study on a cluster into a folder of Parquet files, or what it lacks of them.
+    """Evaluate a study on a cluster into a folder of Parquet files; complete files are kept.
 
-    Together the files hold the rows and columns that ``scene.curves.write_study`` writes, to the
-    same bits on machines of one kind; read them with ``pyarrow.parquet.read_table(folder)``.
+    Together the files contain the rows and columns that ``scene.curves.write_study`` writes, with
+    the same bits on machines of the same kind. ``pyarrow.parquet.read_table(folder)`` reads them.
 
     Args:
         study: the study.
-        folder: where; every worker must see it under the same name.
+        folder: the folder to write, which every worker must see under the same name.
         client: a client of the cluster.
         radians: whether angles are in radians.
-        part_rows: drivelines of a file; by default some tenths of a second of work. A folder that
-            was begun keeps its own.
-        progress: called after each file with the rows done and all rows.
+        part_rows: drivelines per file; by default a few tenths of a second of work. A folder that
+            was started with another number keeps that number.
+        progress: called after each file with the number of rows done and of all rows.
 
     Raises:
         ImportError: pyarrow or dask.distributed is missing.

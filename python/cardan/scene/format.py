@@ -11,6 +11,7 @@ from typing import Any
 import cardan.scene.values as kinds
 from cardan.driveline import Driveline
 from cardan.files import columns, pictures, recording
+from cardan.limits import OWN, PRESETS
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
@@ -42,7 +43,7 @@ class Section:
 
     Attributes:
         meaning: one line.
-        keys: what may stand in it.
+        keys: what it may contain.
         together: keys of which at most one may be given.
         needed: keys that must be given, one of each group.
         fewest: how many keys there must be.
@@ -61,10 +62,11 @@ class Form:
 
     Attributes:
         make: the constructor that the keys' arguments belong to.
-        keys: needed, all of one length.
+        keys: required, all of one length.
         optional: may go with them.
         ends: how many entries the needed keys have beyond one per joint.
         joints: how many joints it describes, if only so many.
+        views: whether the needed keys are views, of which one suffices: in the other all is level.
     """
 
     make: Callable[..., Driveline]
@@ -72,6 +74,7 @@ class Form:
     optional: tuple[str, ...]
     ends: int
     joints: int | None = None
+    views: bool = False
 
     @property
     def schema(self) -> dict[str, Any]:
@@ -79,16 +82,22 @@ class Form:
         fewest = (self.joints or 1) + self.ends
         most = {} if self.joints is None else {"maxItems": fewest}
         lengths = {key: {"minItems": fewest} | most for key in self.keys}
-        allowed = _only(*self.keys, *self.optional)
-        return {"required": list(self.keys), "properties": lengths, **allowed}
+        allowed = _only(*self.keys, *self.optional, TEETH)
+        needed: dict[str, Any] = {"required": list(self.keys)}
+        if self.views:
+            needed = {"anyOf": [{"required": [key]} for key in self.keys]}
+        return {**needed, "properties": lengths, **allowed}
 
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
+TEETH = "teeth"
+"""The key of a driveline that says in which steps its yokes can be set."""
+
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
-"""The keys for recorded bends, of which a scene uses at most one."""
+"""The keys for recorded bends; a scene uses at most one of them."""
 
 DRIVE_ANGLES = ("sweep", "angles")
-"""The sections that say the drive angles, of which a scene has at most one."""
+"""The sections that give the drive angles; a scene has at most one of them."""
 
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
@@ -98,41 +107,61 @@ FORMS = (
     Form(Driveline.from_points, ("points_m",), (_PHASES,), 2),
     Form(Driveline.from_points, ("points_mm",), (_PHASES,), 2),
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
-    Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1),
-    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2),
+    Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
+    Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),
 )
-"""The ways to describe a driveline, of which a scene uses exactly one."""
+"""The ways to describe a driveline; a scene uses exactly one of them."""
 
 _DRIVELINE = Section(
-    "joints and shafts, described in exactly one way; needed",
+    "joints and shafts, required; give exactly one description",
     {
         "bends_deg": Key(kinds.BENDS, "bend of each joint, in [0, 90)", "bends"),
         "twists_deg": Key(
             kinds.NUMBERS,
-            "with bends_deg: turn from bend plane to bend plane about each shaft between "
-            "two joints, clockwise seen along the power flow; default 0",
+            "with bends_deg: angle from one bend plane to the next about each intermediate "
+            "shaft, clockwise looking from the drive towards the output; default 0",
             "twists",
         ),
-        "points_m": Key(kinds.VECTORS, "driving end, joint centres, driven end", "points"),
+        "points_m": Key(
+            kinds.VECTORS, "driving end, joint centres, driven end, in right-handed axes", "points"
+        ),
         "points_mm": Key(kinds.VECTORS, "the same in mm", "points"),
-        "directions": Key(kinds.VECTORS, "along each shaft, any length", "directions"),
+        "directions": Key(
+            kinds.VECTORS,
+            "a vector of any length along each shaft, in right-handed axes",
+            "directions",
+        ),
         "slopes_vertical_deg": Key(
-            kinds.SLOPES, "slope of each shaft in side view, up positive", "vertical"
+            kinds.SLOPES, "slope of each shaft in side view, positive upwards", "vertical"
         ),
         "slopes_horizontal_deg": Key(
-            kinds.SLOPES, "slope of each shaft in top view, right positive", "horizontal"
+            kinds.SLOPES,
+            "slope of each shaft in top view, positive to the right, looking from the drive "
+            "towards the output: towards the vehicle's left if its drive is in front",
+            "horizontal",
         ),
         "projected_bends_vertical_deg": Key(
-            kinds.SLOPES, "bends of two joints in side view, from the common shaft", "vertical"
+            kinds.SLOPES,
+            "bends of two joints in side view, from the common shaft, positive upwards",
+            "vertical",
         ),
         "projected_bends_horizontal_deg": Key(
-            kinds.SLOPES, "bends of two joints in top view, from the common shaft", "horizontal"
+            kinds.SLOPES,
+            "bends of two joints in top view, from the common shaft, positive as "
+            "slopes_horizontal_deg",
+            "horizontal",
         ),
         "phases_deg": Key(
             kinds.NUMBERS,
-            "turn of the output-side fork against the input-side one on each shaft between "
-            "two joints, clockwise seen along the power flow; default 0",
+            "angle from the input-side to the output-side yoke of each intermediate shaft, "
+            "clockwise looking from the drive towards the output; default 0",
             "phases",
+        ),
+        TEETH: Key(
+            kinds.TEETH,
+            "teeth of the spline that carries the output-side yoke of each shaft between two "
+            "joints: one number for all shafts or one per shaft, 1 where no yoke can be turned; "
+            "default: any angle can be set",
         ),
     },
 )
@@ -162,13 +191,13 @@ def _axis_of(kind: kinds.Kind) -> kinds.Kind:
 FORMAT: Mapping[str, Section] = MappingProxyType(
     {
         "": Section(
-            "above all sections",
+            "keys at the top level, before all sections",
             {"title": Key(kinds.TEXT, "heading of the table and the picture")},
         ),
         "driveline": _DRIVELINE,
         "load": _LOAD,
         "sweep": Section(
-            "drive angles, both ends included",
+            "drive angles at equal steps, both ends included",
             {
                 "turns": Key(kinds.POSITIVE, "turns of the drive", default=1),
                 "samples_per_turn": Key(kinds.NATURAL, "steps per turn", default=720),
@@ -176,30 +205,58 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
         ),
         "angles": Section(
-            "or: recorded drive angles, a sample in each row of a file",
+            "instead of [sweep]: recorded drive angles, one sample per row of a file",
             {
                 "file": Key(
                     kinds.RECORDING,
-                    "from the folder of the scene; its name ends in "
+                    "path from the folder of the scene; its name ends in "
                     + ", ".join(recording.SUFFIXES),
                 ),
                 "angle_column_deg": Key(kinds.TEXT, "name of the column in degrees"),
                 "angle_column_rad": Key(kinds.TEXT, "or: of the column in radians"),
                 "bend_columns_deg": Key(
                     kinds.COLUMNS,
-                    "in place of bends_deg: a column per joint with its bend at each sample",
+                    "instead of bends_deg: one column per joint with its bend at each sample",
                 ),
                 "bend_columns_rad": Key(kinds.COLUMNS, "or: the same in radians"),
             },
             together=(("angle_column_deg", "angle_column_rad"), BEND_COLUMNS),
             needed=(("file",), ("angle_column_deg", "angle_column_rad")),
         ),
+        "limits": Section(
+            "what check compares with; a figure is a number or [limit, maximum]: within up to the "
+            "limit, tolerable up to the maximum, beyond above it",
+            {
+                "preset": Key(
+                    kinds.PRESET,
+                    f"limits of a kind of machine: {' or '.join(PRESETS)}; default: the limit of "
+                    "the catalogues alone, an equivalent bend of 3 deg",
+                ),
+                "equivalent_bend_deg": Key(
+                    kinds.BEND_LIMIT,
+                    "bend of the joint that moves the last shaft as the driveline does",
+                ),
+                "bend_difference_deg": Key(
+                    kinds.BEND_LIMIT, "difference of the bends of a driveline of two joints"
+                ),
+                "torsional_excitation_rad_s2": Key(
+                    kinds.LIMIT, "largest acceleration of the last shaft"
+                ),
+                "inertia_excitation_rad_s2": Key(
+                    kinds.LIMIT,
+                    "second-order acceleration of all shafts between two joints together",
+                ),
+                "source": Key(kinds.SOURCE, "where your own figures come from", default=OWN),
+            },
+            fewest=1,
+        ),
         "study": Section(
-            "keys to vary; several make a grid, and each of its drivelines a row of the table",
+            "keys to vary; several keys make a grid, with one driveline per row of the table",
             {
                 name: Key(_axis_of(key.kind), f"values for this key of [{section}]")
                 for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
                 for name, key in part.keys.items()
+                if name != TEETH
             },
             together=_LOAD.together,
             fewest=1,
@@ -209,18 +266,18 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             {
                 "quantities": Key(
                     kinds.QUANTITIES,
-                    f"from {', '.join(OUTPUTS)}; default: errors, ratios and what the load causes",
+                    f"from {', '.join(OUTPUTS)}; default: errors, ratios, and loads if any",
                 ),
-                "shafts": Key(kinds.INDICES, "of which shafts, counted from 0; default: the last"),
-                "joints": Key(kinds.INDICES, "of which joints, counted from 0; default: all"),
+                "shafts": Key(kinds.INDICES, "shafts, counted from 0; default: the last"),
+                "joints": Key(kinds.INDICES, "joints, counted from 0; default: all"),
                 "reduce": Key(
                     kinds.REDUCED,
-                    "figures of the quantities over the drive angle for the table, from "
+                    "for the table: each quantity over the drive angle reduced to "
                     f"{', '.join(REDUCTIONS)}; peak is the largest magnitude",
                 ),
                 "closed_forms": Key(
                     kinds.CLOSED,
-                    "figures of the motion for the table that need no samples, from "
+                    "for the table: figures of the motion that need no samples, from "
                     + ", ".join(CLOSED_FORMS),
                 ),
                 "curves": Key(
@@ -228,29 +285,31 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     "file for the quantities over the drive angle; its name ends in "
                     + ", ".join(columns.SUFFIXES),
                 ),
-                "table": Key(kinds.TABLE_FILE, "file for the table, likewise"),
+                "table": Key(kinds.TABLE_FILE, "file for the table of the study; same endings"),
                 "picture": Key(
-                    kinds.PICTURE_FILE, f"its name ends in {', '.join(pictures.SUFFIXES)}"
+                    kinds.PICTURE_FILE,
+                    f"file for it; its name ends in {', '.join(pictures.SUFFIXES)}",
                 ),
                 "tolerance": Key(
                     kinds.TOLERANCE,
-                    "error permitted, relative to the largest magnitude of each quantity; 0 for "
-                    "every result within 1 ulp; default: the fast double",
+                    "permitted error, relative to the largest magnitude of each quantity; 0 for "
+                    "every result within 1 ulp; default: fast double precision",
                 ),
                 "dtype": Key(kinds.DTYPE, "float64 or float32; default: float64"),
                 "workers": Key(
-                    kinds.WORKERS, "at most so many threads, -1 for all cores; default: as useful"
+                    kinds.WORKERS,
+                    "most threads to use, -1 for all cores; default: as many as help",
                 ),
             },
         ),
     }
 )
-"""The format of a scene file: sections, their keys, what these hold and mean."""
+"""The format of a scene file: sections, their keys, and the meaning of each."""
 
 _STUDY_HELP = """\
-A key of [driveline] or [load], its value {from = …, to = …, steps = …} (both ends included) or a \
-list of numbers. Of a list bends_deg varies all entries alike, bends_deg.0 the first and \
-bends_deg.0-1 the first two; of points and directions points_mm.2.y varies one coordinate.\
+Give a key of [driveline] or [load] the value {from = …, to = …, steps = …} (both ends included) \
+or a list of numbers. bends_deg varies all entries of a list alike, bends_deg.0 the first, and \
+bends_deg.0-1 the first two. points_mm.2.y varies one coordinate of a point.\
 """
 
 
@@ -279,8 +338,8 @@ def _filled(text: str, first: str, rest: str) -> list[str]:
 def schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a scene file, for editors and other tools.
 
-    It knows what can be said of each value and of keys that need or exclude each other; lengths
-    that must fit, and files, are for ``Scene.parse`` to check.
+    It covers single values, and keys that need or exclude each other. Matching lengths and files
+    are checked by ``Scene.parse``.
     """
     top, *names = FORMAT
     sections = {name: _section_schema(FORMAT[name]) for name in names}
@@ -296,7 +355,7 @@ def schema() -> dict[str, Any]:
             _not_both(*DRIVE_ANGLES),
             {
                 "if": columns,
-                "then": {"properties": {"driveline": _only(*FORMS[0].optional)}},
+                "then": {"properties": {"driveline": _only(*FORMS[0].optional, TEETH)}},
                 "else": {
                     "required": ["driveline"],
                     "properties": {"driveline": {"oneOf": [form.schema for form in FORMS]}},

@@ -13,7 +13,7 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.geometry import sloping
 from cardan.load import Load
-from cardan.scene.format import FORMAT, FORMS, Form
+from cardan.scene.format import FORMAT, FORMS, TEETH, Form
 
 _MOTION = ("speed_rpm", "speed_rad_s", "acceleration_rad_s2")
 
@@ -72,6 +72,20 @@ def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
     with _named(names, lambda: _vectors_along_shafts(values)):
         # Neither points nor directions are angles: what is in degrees is what can be.
         return form.make(**{keys[key].argument: values[key] for key in values}, degrees=True)
+
+
+def teeth_of(values: Mapping[str, Any], joints: int) -> tuple[int, ...]:
+    """Return the teeth of the spline of each shaft between two joints; empty if none are given.
+
+    Raises:
+        ValueError: not one number per shaft between two joints.
+    """
+    teeth = values.get(TEETH, [])
+    if not isinstance(teeth, list):
+        teeth = [teeth] * (joints - 1)
+    elif TEETH in values:
+        _check_count(TEETH, teeth, joints - 1, "one per shaft between two joints")
+    return tuple(teeth)
 
 
 def check_load(values: Mapping[str, Any], joints: int) -> None:

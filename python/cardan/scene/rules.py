@@ -150,18 +150,23 @@ class Whole(Rule):
     Attributes:
         least: the smallest one.
         also: a smaller one that is permitted too.
+        most: the largest one, if there is one.
     """
 
     least: int
     also: int | None = None
+    most: int | None = None
 
     def read(self, where: Location, value: object) -> int:
         """Return the number."""
         # To Python, true is a whole number.
         given = value if isinstance(value, int) and not isinstance(value, bool) else None
-        if given is not None and (given >= self.least or given == self.also):
+        low_enough = given is not None and (self.most is None or given <= self.most)
+        if given is not None and low_enough and (given >= self.least or given == self.also):
             return given
         counted = f" of at least {self.least}" if self.least else ", counted from 0"
+        if self.most is not None:
+            counted = f" from {self.least} to {self.most}"
         other = "" if self.also is None else f", or {self.also}"
         raise refused(where, value, f"be a whole number{counted}{other}")
 
@@ -169,7 +174,8 @@ class Whole(Rule):
     def schema(self) -> Schema:
         """An integer."""
         if self.also is None:
-            return {"type": "integer", "minimum": self.least}
+            most = {} if self.most is None else {"maximum": self.most}
+            return {"type": "integer", "minimum": self.least, **most}
         return {"type": "integer", "anyOf": [{"minimum": self.least}, {"const": self.also}]}
 
 
@@ -272,22 +278,45 @@ class ListOf(Rule):
 
 @dataclass(frozen=True)
 class OneOrMore(Rule):
-    """A single name, or a list of them that says none twice."""
+    """A list, or its only entry.
 
-    item: Rule
-    what: str
+    Attributes:
+        several: the list.
+        single: the types of an entry in TOML; anything else must be a list.
+    """
 
-    @property
-    def _several(self) -> ListOf:
-        return ListOf(self.item, self.what, distinct=True)
+    several: ListOf
+    single: type | tuple[type, ...] = str
 
     def read(self, where: Location, value: object) -> list[Any]:
-        """Return the names, as a list in either case."""
-        if isinstance(value, str):
-            return [self.item.read(where, value)]
-        return self._several.read(where, value)
+        """Return the entries, as a list in either case."""
+        # To Python, true is a whole number.
+        if isinstance(value, self.single) and not isinstance(value, bool):
+            return [self.several.item.read(where, value)]
+        return self.several.read(where, value)
 
     @property
     def schema(self) -> Schema:
-        """A name or an array."""
-        return {"oneOf": [self.item.schema, self._several.schema]}
+        """An entry or an array."""
+        return {"oneOf": [self.several.item.schema, self.several.schema]}
+
+
+@dataclass(frozen=True)
+class OneOrEach(Rule):
+    """One value for all, or a list of them with one for each.
+
+    Attributes:
+        several: the list.
+    """
+
+    several: ListOf
+
+    def read(self, where: Location, value: object) -> Any:  # noqa: ANN401 - a value or a list
+        """Return the value or the list."""
+        rule = self.several if isinstance(value, list) else self.several.item
+        return rule.read(where, value)
+
+    @property
+    def schema(self) -> Schema:
+        """A value or an array."""
+        return {"oneOf": [self.several.item.schema, self.several.schema]}

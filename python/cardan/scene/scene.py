@@ -17,6 +17,7 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.files.recording import read_chunks
+from cardan.limits import Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
@@ -24,8 +25,8 @@ from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.document import Document
 from cardan.scene.errors import SceneError
-from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, Form, describe
-from cardan.scene.parts import check_load, form_of, make_driveline, make_load
+from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
+from cardan.scene.parts import check_load, form_of, make_driveline, make_load, teeth_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -43,13 +44,15 @@ class Scene:
     Attributes:
         name: where it came from, for messages.
         title: heading, or "".
-        line: the driveline; where its bends were recorded a batch, ``(samples,)``.
+        line: the driveline; if its bends were recorded, a batch ``(samples,)``.
         load_case: its load, if any.
+        limits: what a check compares it with.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
         angle: the same to evaluate at: a sweep, or recorded angles in rad.
         quantities: outputs to evaluate.
-        shafts: of which shafts, where the scene says so; ``None`` for the last one alone.
-        joints: of which joints, where the scene says so; ``None`` for all.
+        shafts: the shafts that the scene names; ``None`` for the last one only.
+        joints: the joints that the scene names; ``None`` for all.
+        teeth: of the spline of each intermediate shaft; empty if the scene gives none.
         options: further arguments of ``Driveline.evaluate``.
         study: what to vary and the figures wanted, if any.
         recording: file that the drive angles come from, if any.
@@ -63,11 +66,13 @@ class Scene:
     title: str
     line: Driveline
     load_case: Load | None
+    limits: Limits
     drive_angle_deg: FloatArray
     angle: FloatArray | Sweep
     quantities: tuple[str, ...]
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...] | None
+    teeth: tuple[int, ...]
     options: Mapping[str, Any]
     study: Study | None
     recording: Path | None
@@ -78,7 +83,7 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
-        """Read a scene file; the files that it names are looked for beside it.
+        """Read a scene file; paths in it are relative to its folder.
 
         Raises:
             ImportError: it names a Parquet file and pyarrow is missing.
@@ -94,8 +99,8 @@ class Scene:
 
         Args:
             text: TOML.
-            name: what to call it in messages.
-            folder: where to look for the files that it names.
+            name: its name in messages.
+            folder: the folder to which paths in it are relative.
 
         Raises:
             ImportError: it names a Parquet file and pyarrow is missing.
@@ -107,11 +112,11 @@ class Scene:
 
     @classmethod
     def parts(cls, path: str | PathLike[str], rows: int) -> Iterator[tuple[Self, int]]:
-        """Read a scene file whose recorded angles may be too many to be held.
+        """Read a scene file whose recorded angles may not fit in memory.
 
         Args:
             path: the scene file.
-            rows: at most so many angles at a time.
+            rows: largest number of angles at a time.
 
         Yields:
             the scene with the next angles, and the number of all.
@@ -146,10 +151,10 @@ class Scene:
 
     @classmethod
     def validate(cls, path: str | PathLike[str]) -> list[str]:
-        """Return what is wrong with a scene file, a line each; nothing if it is right.
+        """Return the errors in a scene file, one line each; nothing if it is valid.
 
-        All unknown keys and values of the wrong kind are found at once, what does not fit together
-        only when there are none of these.
+        All unknown keys and values of the wrong kind are found at once. Only if there are none,
+        values that do not fit together are found.
 
         Raises:
             ImportError: it names a Parquet file and pyarrow is missing.
@@ -187,8 +192,10 @@ class Scene:
         with document.within("sweep"):
             angle = angle or Angles.swept(given.get("sweep", {}))
         with document.within("driveline"):
-            form, driveline = _filled(driveline, angle)
+            described = {key: value for key, value in driveline.items() if key != TEETH}
+            form, driveline = _filled(described, angle)
             line = make_driveline(form, driveline)
+            teeth = teeth_of(given.get("driveline", {}), line.n_joints)
         with document.within("load"):
             load = None
             if loaded is not None:
@@ -238,11 +245,13 @@ class Scene:
             title=given[""].get("title", ""),
             line=line,
             load_case=load,
+            limits=Limits(**given.get("limits", {})),
             drive_angle_deg=angle.degrees,
             angle=angle.drive,
             quantities=quantities,
             shafts=shafts,
             joints=joints,
+            teeth=teeth,
             options=options,
             study=study,
             recording=folder / recorded["file"] if recorded else None,
@@ -276,7 +285,7 @@ class Scene:
 
     @property
     def speed(self) -> float:
-        """Speed of the drive in rad/s; 0 where the scene does not say."""
+        """Speed of the drive in rad/s; 0 if the scene does not give it."""
         return float(self.load_case.speed) if self.load_case else 0.0
 
     @property
@@ -310,7 +319,7 @@ class Scene:
         return line.plan(self.quantities, **self._arguments())
 
     def explain(self) -> str:
-        """Say how the curves over the drive angle are evaluated, and how the study is."""
+        """Describe how the curves over the drive angle and the study are evaluated."""
         curves: str = self.plan().explain(self.angle)
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves
 
@@ -325,7 +334,7 @@ class Scene:
 
 @dataclass(frozen=True, eq=False)
 class SceneResult:
-    """What a scene evaluates to.
+    """The results of a scene.
 
     Attributes:
         scene: the scene.
@@ -373,6 +382,11 @@ def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, A
             if key not in FORMS[0].optional:
                 raise ArgumentValueError(key, "does not go with recorded bends")
         filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
+    for form in FORMS:
+        given = [key for key in form.keys if key in filled]
+        if form.views and given:
+            level = [0.0] * len(filled[given[0]])
+            filled = {**dict.fromkeys(form.keys, level), **filled}
     form = form_of(filled)
     joints = len(filled[form.keys[0]]) - form.ends
     for key in form.optional:

@@ -1,4 +1,4 @@
-"""Starter scenes: a commented file that runs as it stands, for whoever begins."""
+"""Starter scenes: commented files that run unchanged, to begin with."""
 
 from __future__ import annotations
 
@@ -58,16 +58,18 @@ inertias_kgm2 = [0, 0.02]      # driving shaft, driven shaft with what it carrie
         "z-shaft": Starter(
             "two joints with parallel ends, which cancel each other",
             """\
-# A Z shaft: two joints with equal bends in one plane, input and output shaft parallel. With the
-# forks of the common shaft in one plane (phase 0) the joints cancel each other, and only the shaft
+# A Z shaft: two joints with equal bends in one plane, input and output shaft parallel. If the yokes
+# of the common shaft lie in one plane (phase 0), the joints cancel each other, and only the shaft
 # between them turns unevenly. Set phases_deg to 5 and see what a small error of assembly costs.
+# Then "cardan phase {name}.toml" says how to correct it.
 
 title = "Z shaft, twice 15 deg"
 
 [driveline]
 bends_deg = [15, 15]
 twists_deg = [180]             # 180: Z arrangement, 0: W arrangement
-phases_deg = [0]               # 0: forks of the common shaft in one plane
+phases_deg = [0]               # 0: yokes of the common shaft in one plane
+# teeth = 24                   # of its spline: cardan phase then finds the best tooth
 
 [load]
 speed_rpm = 1000
@@ -79,12 +81,22 @@ inertias_kgm2 = [0, 0.01, 0.05]
 """
             + _FILES,
         ),
-        "string": Starter(
-            "a string of joints by their points from a drawing",
+        "multi-joint": Starter(
+            "three joints by their points from a drawing",
             """\
-# A string of joints by points of a drawing: the driving end, the centre of each joint, the driven
-# end. x to the rear, y up, z to the right, in millimetres. Then "cardan phase {name}.toml" says
-# how to set the yokes.
+# A multi-joint driveline by the points of a drawing: the driving end, the centre of each joint, the
+# driven end. "cardan phase {name}.toml" says how to set the yokes.
+#
+# Axes of the points, right-handed, in mm:
+#
+#   axis  direction
+#   x     rearwards, from the gearbox to the axle
+#   y     up
+#   z     to the vehicle's left
+#
+# If z points to the right in your drawing, change the sign of every z. Otherwise the driveline is
+# mirrored and each yoke is set in the wrong sense: this one would get an equivalent bend of 4.2 deg
+# in place of 2.0.
 
 title = "Driveline with three joints"
 
@@ -96,7 +108,8 @@ points_mm = [
     [3150, -180, 45],          # joint 2
     [3450, -196, 45],          # pinion of the axle
 ]
-phases_deg = [0, 0]            # the forks of each shaft between two joints stand in one plane
+phases_deg = [0, 0]            # the yokes of each shaft between two joints lie in one plane
+# teeth = 24                   # of their splines: cardan phase then finds the best teeth
 
 [load]
 speed_rpm = 1500

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
+from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.rules import (
     FileName,
     ListOf,
     Number,
     OneOf,
+    OneOrEach,
     OneOrMore,
     Rule,
     Text,
@@ -33,6 +36,10 @@ class Kind:
     rule: Rule
 
 
+def _names(known: Iterable[str]) -> ListOf:
+    return ListOf(OneOf(tuple(known)), "names", distinct=True)
+
+
 _BEND = Number(0, 90, below=True, what="a bend", unit="deg")
 _SLOPE = Number(-90, 90, above=True, below=True)
 _INERTIA = Number(0, what="an inertia")
@@ -44,14 +51,15 @@ POSITIVE = Kind("positive number", Number(0, above=True))
 # As far as sweeps go, and small enough for their steps to be told apart.
 START = Kind("number", Number(-1e12, 1e12))
 NATURAL = Kind("whole number", Whole(1))
-NUMBERS = Kind("numbers", ListOf(Number(), "numbers"))
-BENDS = Kind("numbers", ListOf(_BEND, "numbers"))
+NUMBERS = Kind("number or numbers", OneOrMore(ListOf(Number(), "numbers"), (int, float)))
+BENDS = Kind("number or numbers", OneOrMore(ListOf(_BEND, "numbers"), (int, float)))
 SLOPES = Kind("slopes", ListOf(_SLOPE, "numbers"))
 INERTIAS = Kind("numbers", ListOf(_INERTIA, "numbers"))
 VECTORS = Kind("vectors", ListOf(_VECTOR, "vectors [x, y, z]"))
-QUANTITIES = Kind("names", ListOf(OneOf(tuple(OUTPUTS)), "names", distinct=True))
-CLOSED = Kind("names", ListOf(OneOf(tuple(CLOSED_FORMS)), "names", distinct=True))
-REDUCED = Kind("name or names", OneOrMore(OneOf(REDUCTIONS), "names"))
+QUANTITIES = Kind("name or names", OneOrMore(_names(OUTPUTS)))
+CLOSED = Kind("name or names", OneOrMore(_names(CLOSED_FORMS)))
+REDUCED = Kind("name or names", OneOrMore(_names(REDUCTIONS)))
+TEETH = Kind("whole number(s)", OneOrEach(ListOf(Whole(1, most=1000), "whole numbers")))
 INDICES = Kind("whole numbers", ListOf(Whole(0), "whole numbers", distinct=True))
 TOLERANCE = Kind("number", Number(0, 1, below=True))
 DTYPE = Kind("name", OneOf(("float64", "float32")))
@@ -63,4 +71,8 @@ RECORDING = Kind("file", FileName(recording.SUFFIXES, folders=True))
 COLUMNS = Kind("texts", ListOf(Text(), "texts", distinct=True))
 AXIS = Kind("values", Axis())
 AXES = Kind("values", ListAxes())
+SOURCE = Kind("text", Source())
+PRESET = Kind("name", Preset())
+BEND_LIMIT = Kind("limit", LimitRule(Number(0, 90, above=True, below=True, unit="deg")))
+LIMIT = Kind("limit", LimitRule(Number(0, above=True)))
 COMPONENT_AXES = Kind("values", VectorAxes())

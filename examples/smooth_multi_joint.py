@@ -1,7 +1,8 @@
-"""Phase a string of three unequal joints as smoothly as it can run, and say so in words."""
+"""Set the yokes of three unequal joints so that the driveline runs as smoothly as it can."""
 
 import cardan
 
+# Axes of the points, right-handed, in mm: x rearwards, y up, z to the vehicle's left.
 line = cardan.Driveline.from_points(
     [[0, 0, 0], [600, 0, 0], [1900, -120, 60], [3100, -160, -40], [3500, -160, -40]]
 )

@@ -1,0 +1,169 @@
+"""What the arrangement is, what the yokes can do for it, and what would fix the rest."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.figures.rounding import ROUNDING, equivalent_bend_deg
+from cardan.limits import MAX_EQUIVALENT_BEND
+from cardan.workshop import turn
+
+ARRANGEMENTS = ("straight", "single bend", "W", "Z", "planar", "spatial")
+"""No bent joint, one, two whose outer shafts meet, two with a Z between them; in general."""
+
+# Angles below this, in rad, are rounding of the points of a drawing.
+_STRAIGHT = 1e-6
+
+_DEG = {"type": "number", "minimum": 0}
+_TURN = {"type": "number", "minimum": 0, "maximum": 180}
+_SENSE = {"enum": ["clockwise", "counter-clockwise", "none"]}
+_SHAFT = {
+    "shaft": {"description": "number of the shaft, counted from 0", "type": "integer"},
+    "phase_deg": {"description": "the best phase, within ±90", "type": "number"},
+    "setting_deg": {"description": "the same without its sign", **_TURN},
+    "sense": _SENSE,
+    "setting_other_sense_deg": {"description": "the same setting the other way round", **_TURN},
+    "turn_deg": {"description": "how far to turn the yoke from where it is", **_TURN},
+    "turn_sense": _SENSE,
+    "turn_other_sense_deg": {"description": "the same turn the other way round", **_TURN},
+}
+_RANGE = {
+    "joint": {"description": "number of the joint, counted from 0", "type": "integer"},
+    "bend_deg": {"description": "as it is", **_DEG},
+    "from_deg": {"description": "least bend with which the limit can be kept", **_DEG},
+    "to_deg": {"description": "largest bend with which it can", **_DEG},
+}
+
+
+def listed(keys: dict[str, Any]) -> dict[str, Any]:
+    """Return the JSON Schema of a list of objects that have just these keys."""
+    return {
+        "type": "array",
+        "items": {
+            "type": "object",
+            "properties": keys,
+            "required": list(keys),
+            "additionalProperties": False,
+        },
+    }
+
+
+ADVICE_KEYS: dict[str, Any] = {
+    "arrangement": {"enum": list(ARRANGEMENTS)},
+    "cause": {
+        "description": "why the equivalent bend is beyond its limit: none if it is not, phases if "
+        "the best setting is within it, bends if no setting is",
+        "enum": ["none", "phases", "bends"],
+    },
+    "limit_deg": {"description": "of the equivalent bend", **_DEG},
+    "equivalent_bend_deg": {
+        "type": "object",
+        "properties": {"present": _DEG, "best": _DEG, "on_teeth": _DEG},
+        "required": ["present", "best"],
+        "additionalProperties": False,
+    },
+    "shafts": listed(_SHAFT),
+    "bend_ranges": {
+        "description": "for each joint the bends with which the best setting is within the limit, "
+        "all other bends as they are",
+        **listed(_RANGE),
+    },
+}
+"""JSON Schemas of the keys that ``advice`` returns."""
+
+
+def advice(
+    line: Driveline, limit: float = MAX_EQUIVALENT_BEND, best: FloatArray | None = None
+) -> dict[str, Any]:
+    """Return what the yokes can do for one driveline, and what would fix the rest, as plain data.
+
+    Args:
+        line: one driveline.
+        limit: of the equivalent bend, in rad.
+        best: its best phases, if they are known.
+    """
+    best = line.optimal_phases() if best is None else best
+    # To and from radians, 3 would become 3.0000000000000004.
+    limit_deg = round(float(np.degrees(limit)), 12)
+    bends = {
+        "present": equivalent_bend_deg(line),
+        "best": equivalent_bend_deg(line.with_phases(best)),
+    }
+    within = {key: bend <= limit_deg * (1.0 + ROUNDING) for key, bend in bends.items()}
+    return {
+        "arrangement": arrangement(line),
+        "cause": "none" if within["present"] else "phases" if within["best"] else "bends",
+        "limit_deg": limit_deg,
+        "equivalent_bend_deg": bends,
+        "shafts": [
+            {"shaft": i + 1, **setting(best[i]), **_turned(best[i] - line.phases[i])}
+            for i in range(line.n_joints - 1)
+        ],
+        "bend_ranges": _bend_ranges(np.asarray(line.bends), limit),
+    }
+
+
+def arrangement(line: Driveline) -> str:
+    """Return the name of one driveline's arrangement, one of ``ARRANGEMENTS``.
+
+    Straight joints do not count: the twists on both sides of one add up.
+    """
+    bent = np.flatnonzero(line.bends > _STRAIGHT)
+    if len(bent) < 2:
+        return ARRANGEMENTS[len(bent)]
+    up_to = np.concatenate([[0.0], np.cumsum(line.twists)])
+    twists = np.diff(up_to[bent])
+    if np.any(np.abs(np.sin(twists)) > _STRAIGHT):
+        return "spatial"
+    if len(bent) > 2:
+        return "planar"
+    return "W" if np.cos(twists[0]) > 0.0 else "Z"
+
+
+def setting(phase: float) -> dict[str, Any]:
+    """Return a phase in rad as plain data in degrees: within ±90, and as a turn in both senses."""
+    found = turn(phase)
+    angle, sense = float(np.degrees(found.angle)), str(found.sense)
+    return {
+        "phase_deg": -angle if sense == "counter-clockwise" else angle,
+        "setting_deg": angle,
+        "sense": sense,
+        "setting_other_sense_deg": 180.0 - angle,
+    }
+
+
+def _turned(angle: float) -> dict[str, Any]:
+    found = setting(angle)
+    return {
+        "turn_deg": found["setting_deg"],
+        "turn_sense": found["sense"],
+        "turn_other_sense_deg": found["setting_other_sense_deg"],
+    }
+
+
+def _bend_ranges(bends: FloatArray, limit: float) -> list[dict[str, Any]]:
+    """For each joint the bends that let the best setting reach the limit, the others as they are.
+
+    With ``L = ln sec(bend)`` the least equivalent bend has ``L`` equal to that by which the largest
+    exceeds all others together. The ends follow from that without any search.
+    """
+    lengths, reach = -np.log(np.cos(bends)), -np.log(np.cos(limit))
+    ranges = []
+    for joint, bend in enumerate(bends):
+        others = np.delete(lengths, joint)
+        total, longest = np.sum(others), np.max(others, initial=0.0)
+        ends = np.array([2.0 * longest - total - reach, total + reach])
+        low, high = np.degrees(np.arccos(np.exp(-np.maximum(ends, 0.0))))
+        ranges.append(
+            {
+                "joint": joint,
+                "bend_deg": float(np.degrees(bend)),
+                "from_deg": float(low),
+                "to_deg": float(high),
+            }
+        )
+    return ranges

@@ -1,0 +1,77 @@
+"""Yokes on splines: which tooth to take on each shaft."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from cardan.arrays import FloatArray
+    from cardan.driveline import Driveline
+
+# So many settings, and the teeth of so many neighbouring shafts, are compared at once.
+_SETTINGS, _SHAFTS = 1 << 16, 12
+
+# What is left of k by rounding where joints cancel each other.
+_ROUNDING = 1e-15
+
+
+def tooth_turns(line: Driveline, teeth: Sequence[int], best: FloatArray) -> NDArray[np.int64]:
+    """Return by how many teeth to turn the output-side yokes for the least equivalent bend.
+
+    All positions of all shafts are compared if there are not too many: three shafts of 80 teeth, or
+    five of 18. Otherwise it is the positions nearest to the best phases, of twelve neighbouring
+    shafts at a time until nothing improves. Of settings that differ by rounding only, the one that
+    turns the yokes least is taken.
+
+    Args:
+        line: one driveline, with the yokes as they are.
+        teeth: of the spline of each shaft between two joints, at least 1.
+        best: the phases to come near to, in rad, ``(n - 1,)``.
+
+    Returns:
+        teeth by which to turn each yoke from where it is, positive clockwise, looking from the
+        drive towards the output, ``(n - 1,)``.
+    """
+    n, pitches = len(teeth), 2.0 * np.pi / np.asarray(teeth)
+    width = min(n, _SHAFTS)
+    steps = [_steps(count) for count in teeth]
+    if math.prod(map(len, steps)) > _SETTINGS:
+        most = int(_SETTINGS ** (1.0 / width))
+        for shaft, own in enumerate(steps):
+            off = line.phases[shaft] + pitches[shaft] * own - best[shaft]
+            order = np.argsort(np.abs(off - np.pi * np.round(off / np.pi)))
+            steps[shaft] = own[order[:most]]
+    turns = np.array([own[0] for own in steps])
+    groups = [slice(first, first + width) for first in range(0, n - width + 1, width // 2 or 1)]
+    groups += [slice(n - width, n)] if n > width else []
+    least = np.inf
+    while True:
+        for group in groups:
+            chosen = np.array(list(product(*steps[group])))
+            trials = np.tile(turns, (len(chosen), 1))
+            trials[:, group] = chosen
+            k = line.with_phases(line.phases + pitches * trials).equivalent().k
+            size = np.sum((pitches * trials) ** 2, axis=-1)
+            good = k <= np.min(k) * (1.0 + 1e-9) + _ROUNDING
+            taken = int(np.argmin(np.where(good, size, np.inf)))
+            turns, found = trials[taken], float(k[taken])
+        if len(groups) == 1 or found >= least - _ROUNDING:
+            return turns
+        least = found
+
+
+def _steps(teeth: int) -> NDArray[np.int64]:
+    """Turns in teeth that give all positions of a yoke, which looks the same every 180°.
+
+    With an odd number of teeth half a turn is no whole number of them, so that there are twice as
+    many positions as within 180° of the spline.
+    """
+    period = teeth if teeth % 2 else teeth // 2
+    return np.arange(period) - (period - 1) // 2

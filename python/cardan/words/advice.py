@@ -1,0 +1,126 @@
+"""What would fix a driveline, in words."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from cardan.workshop import VIEW, both_senses
+
+_NAMES = {
+    "straight": "All joints are straight.",
+    "single bend": "Only one joint is bent.",
+    "W": "W arrangement: the bends lie in one plane, and the outer shafts meet.",
+    "Z": "Z arrangement: the bends lie in one plane, in opposite directions.",
+    "planar": "Planar arrangement: all bends lie in one plane.",
+    "spatial": "Spatial arrangement: the bends lie in different planes.",
+}
+
+# Less than this, in degrees, would read 0.00.
+SHOWN = 0.005
+
+
+def arrangement_text(data: dict[str, Any]) -> str:
+    """Name the arrangement."""
+    return _NAMES[data["arrangement"]]
+
+
+def advice_text(data: dict[str, Any]) -> str:
+    """Say what is left at best, on the teeth where these are known, and what would fix it."""
+    limit = f"the limit of {data['limit_deg']:.4g}°"
+    bends = data["equivalent_bend_deg"]
+    present, best = (f"{bends[key]:.3f}°" for key in ("present", "best"))
+    settable = bends.get("on_teeth", bends["best"])
+    turned = [
+        f"shaft {shaft['shaft']}"
+        for shaft in data.get("teeth") or data["shafts"]
+        if shaft["turn_deg"] >= SHOWN
+    ]
+    if data["cause"] == "bends":
+        return " ".join(remedies(data))
+    if data["cause"] == "none" and not turned:
+        return f"The yokes have their best setting; nothing to turn. {present} is within {limit}."
+    if data["cause"] == "none":
+        return (
+            f"Nothing has to be turned: {present} is within {limit}. The best setting leaves "
+            f"{settable:.3f}°."
+        )
+    cause = f"The phases are the cause: {present} is beyond {limit}."
+    if "on_teeth" in bends and settable > data["limit_deg"]:
+        return f"{cause} The exact setting leaves {best}, but no teeth bring it within the limit."
+    which = " and ".join(filter(None, (", ".join(turned[:-1]), turned[-1])))
+    return (
+        f"{cause} Turn the output-side yoke of {which} as said above: {settable:.3f}° is within "
+        "the limit."
+    )
+
+
+def remedies(data: dict[str, Any]) -> list[str]:
+    """Say what would bring a driveline within its limit, a sentence each; nothing if it is."""
+    if data["cause"] == "none":
+        return []
+    best = f"{data['equivalent_bend_deg']['best']:.3f}°"
+    if data["cause"] == "phases":
+        turns = ", of ".join(
+            f"shaft {shaft['shaft']} by {turn_text(shaft)}"
+            for shaft in data["shafts"]
+            if shaft["turn_deg"] >= SHOWN
+        )
+        return [f"Turn the output-side yoke of {turns}, {VIEW}; that leaves {best}."]
+    left = f": the best setting leaves {best}" if data["shafts"] else ""
+    return [f"{_too_different(data)}{left}.", _changes(data)]
+
+
+def turn_text(shaft: dict[str, Any]) -> str:
+    """Say how to turn a yoke; the other way round too where that is not much longer."""
+    degrees, sense = shaft["turn_deg"], shaft["turn_sense"]
+    if degrees <= 45.0:
+        return f"{degrees:.2f}° {sense}"
+    return both_senses(degrees, sense).replace(" = ", " or ")
+
+
+def _too_different(data: dict[str, Any]) -> str:
+    bent = _bent(data)
+    if not data["shafts"]:
+        return "One joint alone cannot make up for its bend"
+    if len(bent) == 1:
+        return "One bend alone cannot cancel; no phase can fix that"
+    if len(bent) == 2:
+        bends = " and ".join(f"{found['bend_deg']:.4g}°" for found in bent)
+        return f"The bends differ ({bends}); no phase can fix that"
+    largest = _largest(data)
+    return (
+        f"Joint {largest['joint']} is bent by {largest['bend_deg']:.4g}°, more than the other "
+        "joints can cancel; no phase can fix that"
+    )
+
+
+def _changes(data: dict[str, Any]) -> str:
+    """Say which bends would do: either of two, of more the largest; for one alone a second one.
+
+    Figures are rounded into the range, so that they do what they promise.
+    """
+    bent, largest = _bent(data), _largest(data)
+    straight = [found for found in data["bend_ranges"] if found not in bent]
+    changed = {1: [*bent, *straight[:1]], 2: bent}.get(len(bent), [largest])
+    changes = ", or ".join(
+        f"joint {found['joint']} {_range(found['from_deg'], found['to_deg'])}" for found in changed
+    )
+    then = ", then set the yokes anew" if data["shafts"] else ", or add a second one bent as much"
+    return f"To come within the limit of {data['limit_deg']:.4g}°, make {changes}{then}."
+
+
+def _bent(data: dict[str, Any]) -> list[dict[str, Any]]:
+    return [found for found in data["bend_ranges"] if found["bend_deg"] >= SHOWN]
+
+
+def _largest(data: dict[str, Any]) -> dict[str, Any]:
+    largest: dict[str, Any] = max(data["bend_ranges"], key=lambda found: float(found["bend_deg"]))
+    return largest
+
+
+def _range(low: float, high: float) -> str:
+    most = f"{math.floor(high * 100.0 + 1e-6) / 100.0:.2f}°"
+    if low < SHOWN:
+        return f"at most {most}"
+    return f"{math.ceil(low * 100.0 - 1e-6) / 100.0:.2f}° to {most}"
