@@ -310,22 +310,17 @@ def test_key_figures_of_a_page() -> None:
     for label, value in key_figures(summary(result), 99):
         assert label in written
         assert value in written
-    row = Row("speed, shaft 1", (999.998, 1000.5), "rpm", is_range=True)
-    (line,) = key_figures([row], 1)
-    assert line == ("speed, shaft 1", "999.998 to 1000.500 rpm")
-    assert key_figures([Row("bends", (3.0,) * 9, "deg")], 1) == [("bends", "3° (9 values)")]
-    assert key_figures([Row("torque", (-43.2109,), "N m", 44.5)], 1) == [
-        ("torque", "\N{MINUS SIGN}43.21 N m at 44.5°")
-    ]
 
 
 def test_key_figures_that_are_too_many() -> None:
-    """Of those of each joint the largest stays; the last line counts what is left out."""
-    rows = [Row(f"largest moment, joint {j}", (float(j % 7),), "N m") for j in range(10)]
-    rows += [Row(f"figure {i}", (1.0,)) for i in range(5)]
-    assert key_figures(rows, 15)[9] == ("largest moment, joint 9", "2 N m")
-    assert key_figures(rows, 6)[0] == ("largest moment, joint 6", "6 N m")
-    assert key_figures(rows, 4)[-1] == ("and 3 more", "")
+    """Of many joints the largest stays, and its joint is named; a last line counts the rest."""
+    loads = [Row("moment", "joint", j, "peak", float(j % 3), "N m", at_deg=30.0) for j in range(4)]
+    bends = [Row("bend", "joint", j, "value", float(j % 7), "deg", "driveline") for j in range(9)]
+    assert len(key_figures(loads, 9)) == 4
+    assert key_figures(loads, 3) == [("largest moment, joint 2", "2.000 N m at 30.00°")]
+    assert key_figures(bends, 9) == [("largest bend, joint 6", "6.000°")]
+    rows = [*loads, *bends, Row("twist", "shaft", 1, "value", 0.0, "deg", "driveline")]
+    assert key_figures(rows, 2)[-1] == ("and 2 more", "")
 
 
 def test_rounding_does_not_fill_a_panel() -> None:
@@ -1024,7 +1019,7 @@ def test_bends_lie_in_their_planes() -> None:
 
 
 def test_a_scene_of_points_is_drawn_with_its_lengths() -> None:
-    path = next(path for path in EXAMPLES if path.stem == "string_by_points")
+    path = next(path for path in EXAMPLES if path.stem == "three_joints_by_points")
     result = Scene.load(path).run()
     (axes,) = (axes for axes in drawn(result).axes if axes.get_label() == "driveline")
     right, up = View.of(result.scene.line.directions).axes[:2]

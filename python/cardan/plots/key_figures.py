@@ -2,59 +2,35 @@
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
+from itertools import groupby
 
 from cardan.figures.summary import Row
-from cardan.plots.style import number
+from cardan.words.summary import summary_lines
 
 _MANY = 4
 
 
 def key_figures(rows: Sequence[Row], most: int) -> list[tuple[str, str]]:
-    """Return label and value of each row, at most so many.
+    """Return label and value of each figure, at most so many lines.
 
-    Where that is too many, of rows that differ in their shaft or joint alone only the one with the
-    largest value stays; what is still too much is left out from the end, and a last line says so.
+    Of a figure of more than four shafts or joints only the largest stays, and where the lines are
+    too many still, of each figure. What is left out from the end then is counted in a last line.
     """
-    if len(rows) > most:
-        rows = list(_largest(rows))
-    lines = [(row.label, _value(row)) for row in rows]
+    lines = list(_lines(rows, _MANY))
+    if len(lines) > most:
+        lines = list(_lines(rows, 1))
     if len(lines) > most:
         lines = [*lines[: most - 1], (f"and {len(lines) - most + 1} more", "")]
     return lines
 
 
-def _largest(rows: Sequence[Row]) -> Iterable[Row]:
-    groups: dict[str, list[Row]] = {}
-    for row in rows:
-        groups.setdefault(re.sub(r", (shaft|joint) \d+\b", "", row.label), []).append(row)
-    for group in groups.values():
-        yield max(group, key=lambda row: max(map(abs, row.values), default=0.0))
-
-
-def _value(row: Row) -> str:
-    values, count = row.values, ""
-    if row.is_range:
-        text = _range(values[0], values[-1])
-    elif len(values) > _MANY:
-        text, count = _range(min(values), max(values)), f" ({len(values)} values)"
-    else:
-        text = ", ".join(map(_short, values))
-    text += "°" if row.unit == "deg" else row.unit and f" {row.unit}"
-    text += count
-    return text if row.at_deg is None else f"{text} at {_short(row.at_deg)}°"
-
-
-def _range(low: float, high: float) -> str:
-    """A range, with decimals enough for three digits of the difference."""
-    decimals = 2 - math.floor(math.log10(high - low)) if 0.0 < high - low < math.inf else 99
-    if decimals > 9:
-        return _short(low)
-    text = f"{low:.{max(0, decimals)}f} to {high:.{max(0, decimals)}f}"
-    return text.replace("-", "\N{MINUS SIGN}")
-
-
-def _short(value: float) -> str:
-    return number(float(f"{value:.4g}") + 0.0)
+def _lines(rows: Sequence[Row], most: int) -> Iterator[tuple[str, str]]:
+    for _, group in groupby(rows, key=lambda row: row.quantity):
+        found = list(group)
+        if len({row.item for row in found}) <= most:
+            yield from summary_lines(found)
+            continue
+        item = max(found, key=lambda row: abs(row.value)).item
+        for label, text in summary_lines(row for row in found if row.item == item):
+            yield label if label.startswith("largest") else f"largest {label}", text
