@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pathlib
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from matplotlib.font_manager import FontProperties
@@ -81,8 +82,8 @@ class Drawing:
         """
         main, *rest = text.removeprefix("*").split("_")
         low, *after = [*rest, ""]
-        style = "italic" if text.startswith("*") else "normal"
-        parts = [
+        style: Literal["normal", "italic"] = "italic" if text.startswith("*") else "normal"
+        parts: list[tuple[str, float, Literal["normal", "italic"], float]] = [
             (main, size, style, 0.0),
             (low, 0.72 * size, "normal", -4.0),
             ("".join(after), size, style, 0.0),
@@ -127,7 +128,7 @@ class Drawing:
         return "\n".join([head, *self.parts, "</svg>", ""])
 
 
-def _font(style: str) -> FontProperties:
+def _font(style: Literal["normal", "italic"]) -> FontProperties:
     return FontProperties(family="DejaVu Sans", style=style)
 
 

@@ -2,48 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import groupby
 
 from cardan.figures.summary import Row
 from cardan.words.summary import summary_lines
 
-# Values of as many shafts or joints share a line.
 _MANY = 4
 
 
 def key_figures(rows: Sequence[Row], most: int) -> list[tuple[str, str]]:
-    """Return label and value of each line of the table, at most so many.
+    """Return label and value of each figure, at most so many lines.
 
-    Of a quantity of many shafts or joints the least and the largest stay. Where there are too many
-    lines, only the largest of each quantity stays; what is still too much is left out from the
-    end, and a last line says so.
+    Of a figure of more than four shafts or joints only the largest stays, and where the lines are
+    too many still, of each figure. What is left out from the end then is counted in a last line.
     """
-    lines = summary_lines(_ends(rows))
+    lines = list(_lines(rows, _MANY))
     if len(lines) > most:
-        lines = summary_lines(_largest(rows))
+        lines = list(_lines(rows, 1))
     if len(lines) > most:
         lines = [*lines[: most - 1], (f"and {len(lines) - most + 1} more", "")]
-    return [(label, text.replace("-", "\N{MINUS SIGN}")) for label, text in lines]
+    return lines
 
 
-def _ends(rows: Iterable[Row]) -> Iterable[Row]:
-    for _, group in groupby(rows, key=_about):
+def _lines(rows: Sequence[Row], most: int) -> Iterator[tuple[str, str]]:
+    for _, group in groupby(rows, key=lambda row: row.quantity):
         found = list(group)
-        if found[0].statistic == "value" and len(found) > _MANY:
-            ends = {found.index(pick(found, key=_value)) for pick in (min, max)}
-            found = [found[i] for i in sorted(ends)]
-        yield from found
-
-
-def _largest(rows: Iterable[Row]) -> Iterable[Row]:
-    for _, group in groupby(rows, key=_about):
-        yield max(group, key=lambda row: abs(row.value))
-
-
-def _about(row: Row) -> tuple[str, str]:
-    return row.quantity, row.statistic
-
-
-def _value(row: Row) -> float:
-    return row.value
+        if len({row.item for row in found}) <= most:
+            yield from summary_lines(found)
+            continue
+        item = max(found, key=lambda row: abs(row.value)).item
+        for label, text in summary_lines(row for row in found if row.item == item):
+            yield label if label.startswith("largest") else f"largest {label}", text

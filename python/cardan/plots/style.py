@@ -170,11 +170,11 @@ def text_width(text: str, size: float) -> float:
     from matplotlib.font_manager import FontProperties
     from matplotlib.textpath import TextPath
 
-    if not text:
-        # It has no path in matplotlib.
+    # There is no path of no letters.
+    if not text.strip():
         return 0.0
     path = TextPath((0.0, 0.0), text, prop=FontProperties(size=size), usetex=False)
-    return 1.06 * float(np.max(path.vertices[:, 0], initial=0.0))
+    return 1.06 * float(np.max(path.vertices[:, 0]))
 
 
 def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axes.legend takes

@@ -51,7 +51,7 @@ class Turns:
         known = (self.turn >= 0) & ~np.isnan(values)
         turn, given = self.turn[known], values[known]
         count = len(self.edges) - 1
-        least, largest = np.full(count, np.inf), np.full(count, -np.inf)
+        least, largest = np.full(count, np.inf, float), np.full(count, -np.inf, float)
         np.minimum.at(least, turn, given)
         np.maximum.at(largest, turn, given)
         held = np.bincount(turn, minlength=count)
@@ -59,7 +59,7 @@ class Turns:
         empty = held == 0
         least[empty] = largest[empty] = np.nan
         sums[empty] = np.nan
-        return least, largest, sums / np.maximum(held, 1)
+        return least, largest, np.asarray(sums / np.maximum(held, 1), np.float64)
 
 
 def _continued(angle_deg: FloatArray) -> FloatArray:
