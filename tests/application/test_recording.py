@@ -58,7 +58,7 @@ def test_parquet(tmp_path: Path) -> None:
         ("x,bend\n0,1\n", "no column 'angle'; the columns are x, bend"),
         ("", "no column 'angle'; the file has none"),
         ('"x\n(deg)",bend\n0,1\n', "no column 'angle'; the columns are x (deg), bend"),
-        ("angle,angle,bend\n0,0,1\n", "column 'angle' is there 2 times"),
+        ("angle,angle,bend\n0,0,1\n", "column 'angle' appears 2 times"),
         ("angle,bend\n", "column 'angle' has no rows"),
         ("angle,bend\n0,1\nabc,2\n", "line 3, column 'angle' is 'abc'; it must be a number"),
         ("angle,bend\n0,1\n\n\n1,x\n", "line 5, column 'bend' is 'x'; it must be a number"),

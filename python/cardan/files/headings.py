@@ -17,7 +17,7 @@ def place_of_column(name: str, columns: Sequence[str]) -> int:
     if name not in columns:
         raise ValueError(f"no column {name!r}{_meant(name, columns)}; {_listed(name, columns)}")
     if columns.count(name) > 1:
-        raise ValueError(f"column {name!r} is there {columns.count(name)} times")
+        raise ValueError(f"column {name!r} appears {columns.count(name)} times")
     return columns.index(name)
 
 
