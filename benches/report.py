@@ -98,7 +98,7 @@ def size(num: int) -> str:
     return f"10{power}" if 10**exponent == num else str(num)
 
 
-def _column(num: int, threads: int) -> str:
+def case(num: int, threads: int) -> str:
     return f"{size(num)}, {threads} thread{'s' if threads > 1 else ''}"
 
 
@@ -109,7 +109,7 @@ def label(method: Method) -> str:
 
 def _table(rows: Sequence[Row]) -> Iterable[str]:
     across = columns(rows)
-    yield "| | error | ulp | " + " | ".join(_column(*column) for column in across) + " |"
+    yield "| | error | ulp | " + " | ".join(case(*column) for column in across) + " |"
     yield "|---" * (3 + len(across)) + "|"
     for method in dict.fromkeys(row.method for row in rows):
         own = {(row.num, row.threads): row for row in rows if row.method is method}
@@ -147,7 +147,7 @@ def _wins(rows: Sequence[Row]) -> Iterable[str]:
                 if row.best < fastest and not ours <= row.best:
                     fastest = row.best
                     lost.append(
-                        f"* {job.name}, {_column(num, threads)}: {label(row.method)}, "
+                        f"* {job.name}, {case(num, threads)}: {label(row.method)}, "
                         f"{row.best:.2f} ns against {ours:.2f} ns, error {row.verdict.relative:.1e}"
                     )
     yield from lost or ["None in this run."]

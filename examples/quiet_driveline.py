@@ -21,11 +21,12 @@ smooth = lines.with_phases(lines.optimal_phases())
 bend = np.abs(np.degrees(smooth.equivalent().bend))
 
 # Smooth is not yet quiet: what shakes the shafts between is in the check as well.
-check = smooth.check(speed=2500 * 2 * np.pi / 60)
-good = HEIGHTS[check.passes]
+check = smooth.check(speed=2500 * 2 * np.pi / 60, limits="truck")
+within = check.verdict == "within"
+good = HEIGHTS[within]
 
 print(f"equivalent bend {bend.min():.2f} to {bend.max():.2f} deg with the best yokes")
-print(f"all limits kept from {good.min():.0f} to {good.max():.0f} mm")
-best = int(np.argmin(np.max(np.degrees(lines.bends), axis=-1) + 1e6 * ~check.passes))
+print(f"within all limits from {good.min():.0f} to {good.max():.0f} mm")
+best = int(np.argmin(np.max(np.degrees(lines.bends), axis=-1) + 1e6 * ~within))
 print(f"smallest bends at {HEIGHTS[best]:.0f} mm: {np.degrees(lines.bends[best]).round(2)} deg")
 print(cardan.workshop.turn(smooth[best].phases))

@@ -229,7 +229,7 @@ def of_closed_forms() -> Iterator[Case]:
             yield f"{name}, equivalent {shaft}", vars(line.equivalent(shaft))
         yield f"{name}, harmonics", digits(vars(line.harmonics([1, 2, 4, 6, 40])))
         findings = line.check(90.0).findings
-        yield f"{name}, check", digits({f"figure_{i}": f.value for i, f in enumerate(findings)})
+        yield f"{name}, check", digits({f.figure: f.value for f in findings})
         yield name, {"optimal_phases": line.optimal_phases()}
         yield name, {part: getattr(line, part) for part in ("bends", "directions", "normals")}
 

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import pathlib
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
+from matplotlib.font_manager import FontProperties
+from matplotlib.path import Path
+from matplotlib.textpath import TextPath
 from numpy.typing import NDArray
 
 Point = tuple[float, float]
@@ -16,11 +19,20 @@ INK, GREY, BLUE, RED, GREEN = "#222222", "#9a9a9a", "#0072B2", "#D55E00", "#007A
 
 
 class Drawing:
-    """An SVG in units of pixels, y upwards."""
+    """An SVG in units of pixels, y upwards.
+
+    Attributes:
+        size: width and height.
+        labels: the texts with their boxes: left, bottom, right, top.
+        lines: the points of each line.
+        parts: elements of the file.
+    """
 
     def __init__(self, width: float, height: float, title: str) -> None:
         """Begin an empty drawing."""
         self.size = (width, height)
+        self.labels: list[tuple[str, tuple[float, ...]]] = []
+        self.lines: list[tuple[Point, ...]] = []
         self.parts = [f"<title>{title}</title>", '<rect width="100%" height="100%" fill="white"/>']
 
     def _at(self, point: Point) -> str:
@@ -28,6 +40,7 @@ class Drawing:
 
     def line(self, *points: Point, colour: str = INK, width: float = 1.6, dash: str = "") -> None:
         """Draw a line through points."""
+        self.lines.append(points)
         listed = " ".join(map(self._at, points))
         dashes = f' stroke-dasharray="{dash}"' if dash else ""
         self.parts.append(
@@ -62,18 +75,45 @@ class Drawing:
         size: float = 14,
         anchor: str = "middle",
     ) -> None:
-        """Write; what stands between underscores is a subscript, a leading * makes it a symbol."""
-        style = ' font-style="italic"' if text.startswith("*") else ""
+        """Write; what is between underscores is a subscript, a leading * makes it a symbol.
+
+        Letters become outlines: a text that a browser sets in its own font could be cut.
+        """
         main, *rest = text.removeprefix("*").split("_")
-        if rest:
-            low = f'<tspan dy="4" font-size="{size * 0.72:.1f}" font-style="normal">'
-            main += f"{low}{rest[0]}</tspan>"
-            main += f'<tspan dy="-4">{"".join(rest[1:])}</tspan>' if rest[1:] else ""
-        x, y = self._at(point).split(",")
+        low, *after = [*rest, ""]
+        style = "italic" if text.startswith("*") else "normal"
+        parts = [
+            (main, size, style, 0.0),
+            (low, 0.72 * size, "normal", -4.0),
+            ("".join(after), size, style, 0.0),
+        ]
+        pieces, width = [], 0.0
+        for words, tall, slant, rise in parts:
+            if words:
+                path = TextPath((width, rise), words, size=tall, prop=_font(slant))
+                pieces.append(path)
+                # A blank at the end has no outline.
+                width = path.vertices[:, 0].max() + (0.06 * size)
+        outline = Path.make_compound_path(*pieces)
+        shift = {"start": 0.0, "middle": -width / 2.0, "end": -width}[anchor]
+        at = (point[0] + shift, point[1])
+        box = outline.get_extents()
+        self.labels.append((text, (*(box.min + at), *(box.max + at))))
         self.parts.append(
-            f'<text x="{x}" y="{y}" fill="{colour}" font-size="{size}" text-anchor="{anchor}"'
-            f' font-family="DejaVu Sans, Arial, sans-serif"{style}>{main}</text>'
+            f'<path aria-label="{main}{low}" fill="{colour}" d="{self._d(outline, at)}"/>'
         )
+
+    def _d(self, path: Path, at: Point) -> str:
+        letters = {Path.MOVETO: "M", Path.LINETO: "L", Path.CURVE3: "Q", Path.CURVE4: "C"}
+        written = []
+        for points, code in path.iter_segments(curves=True, simplify=False):
+            if code == Path.CLOSEPOLY:
+                written.append("Z")
+            elif code in letters:
+                pairs = np.reshape(points, (-1, 2)) + at
+                listed = " ".join(f"{x:.1f},{self.size[1] - y:.1f}" for x, y in pairs)
+                written.append(letters[code] + listed)
+        return "".join(written)
 
     def dot(self, point: Point, radius: float = 4, colour: str = INK) -> None:
         """Draw a filled circle."""
@@ -85,6 +125,10 @@ class Drawing:
         width, height = self.size
         head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}">'
         return "\n".join([head, *self.parts, "</svg>", ""])
+
+
+def _font(style: str) -> FontProperties:
+    return FontProperties(family="DejaVu Sans", style=style)
 
 
 def polar(centre: Point, radius: float, degrees: float) -> Point:
@@ -146,13 +190,17 @@ def driveline() -> Drawing:
                 (first[0] + second[0]) / 2 + 60 * (i == 1),
                 (first[1] + second[1]) / 2 - 28 - 10 * (i == 1),
             ),
-            ("shaft 0, drives", "shaft 1, intermediate", "shaft 2, driven")[i],
+            ("shaft 0, drive", "shaft 1, intermediate", "shaft 2, output")[i],
             size=13,
         )
     for joint in (1, 2):
         d.dot(points[joint], 8)
         d.text((points[joint][0] - 8, points[joint][1] + 18), f"joint {joint - 1}", size=13)
-    d.text((320, 205), "power flows to the right; shafts and joints are counted from 0", size=13)
+    d.text(
+        (320, 205),
+        "drive at the left, output at the right; shafts and joints are counted from 0",
+        size=13,
+    )
     return d
 
 
@@ -188,10 +236,10 @@ def joint() -> Drawing:
         (1.4 * u_out, "*u_out", BLUE, 24, 4),
         (1.25 * m, "*m", INK, 14, 0),
         (1.25 * e_in, "*e_in", INK, -16, 6),
-        (0.95 * a, "*a", GREEN, 2, 12),
+        (0.95 * a, "*a", GREEN, 14, 2),
         (0.95 * b, "*b", RED, 12, 0),
-        (0.78 * (math.cos(0.3) * e_in + math.sin(0.3) * m), "*α", GREEN, -14, -2),
-        (1.1 * (math.cos(0.25) * u_in + math.sin(0.25) * e_in), "*β", RED, 12, -6),
+        (0.57 * (math.cos(0.3) * e_in + math.sin(0.3) * m), "*α", GREEN, 0, -6),
+        (1.1 * (math.cos(0.3) * u_in + math.sin(0.3) * e_in), "*β", RED, 17, 3),
     ):
         x, y = see(vector)
         d.text((x + dx, y + dy), label, colour=colour, size=16)
@@ -206,8 +254,8 @@ def joint() -> Drawing:
 
 
 def along_the_shaft() -> Drawing:
-    """Drive angle, twist and phase, looking along the power flow."""
-    d = Drawing(720, 270, "Drive angle, twist and phase, looking along the power flow")
+    """Drive angle, twist and phase, looking from the drive towards the output."""
+    d = Drawing(760, 270, "Drive angle, twist and phase, looking from the drive towards the output")
     panels = (
         (130.0, "drive angle α", 180.0, 40.0, ("*e_in", "*a"), GREEN, "*α"),
         (360.0, "twist τ of the bend planes", 90.0, 50.0, ("*m_j−1", "*m_j"), INK, "*τ"),
@@ -242,8 +290,10 @@ def along_the_shaft() -> Drawing:
         d.arrow(*arc(centre, 48, start, start - size), colour=INK)
         place = polar(centre, 33, start - size / 2)
         d.text((place[0], place[1] - 5), symbol, size=16)
-    d.text((360, 30), "The eye looks along the power flow: u points away from it,", size=13)
-    d.text((360, 12), "positive turns are clockwise.", size=13)
+    d.text(
+        (380, 30), "looking from the drive towards the output: u points away from the eye,", size=13
+    )
+    d.text((380, 12), "positive turns are clockwise", size=13)
     return d
 
 
@@ -272,7 +322,7 @@ def tilts() -> Drawing:
     d.line(see(-0.3 * b), see(0.42 * b), colour=RED, width=4)
     for vector, label, colour, dx, dy in (
         (u_in, "*u_in", BLUE, 4, -20),
-        (u_out, "*u_out", BLUE, 14, -2),
+        (u_out, "*u_out", BLUE, 22, 2),
         (moment, "*M", INK, 14, 4),
     ):
         d.arrow(see(zero), see(1.4 * vector), colour=colour, width=2.2)
@@ -281,13 +331,17 @@ def tilts() -> Drawing:
     for vector, colour, label in ((u_in, GREEN, "*ψ_1"), (u_out, RED, "*ψ_2")):
         points = between(vector, moment)
         d.arrow(*(see(reach * v) for v in points), colour=colour)
-        x, y = see((reach - (0.14 if colour == GREEN else 0.3)) * points[16])
-        d.text((x, y - (4 if colour == GREEN else -8)), label, colour=colour, size=16)
+        x, y = see(
+            (reach - (0.14 if colour == GREEN else 0.22)) * points[16 if colour == GREEN else 7]
+        )
+        d.text((x, y - (4 if colour == GREEN else 8)), label, colour=colour, size=16)
     x, y = see(0.42 * a)
     d.text((x - 4, y + 8), "*a", colour=GREEN, size=16)
     x, y = see(0.42 * b)
     d.text((x, y + 8), "*b", colour=RED, size=16)
-    d.text((280, 34), "M stands across both pins. ψ₁ lies in the plane across pin a,", size=13)
+    d.text(
+        (280, 34), "M is perpendicular to both pins. ψ₁ lies in the plane across pin a,", size=13
+    )
     d.text((280, 14), "ψ₂ in the plane across pin b; both are drawn from the shaft to M.", size=13)
     return d
 
@@ -318,8 +372,8 @@ def views() -> Drawing:
         d.arrow(*arc(origin, 120, 0, sign * 24), colour=RED)
         place = polar(origin, 140, sign * 12)
         d.text((place[0], place[1] - 5), symbol, colour=RED, size=16)
-    d.text((320, 40), "x: along the travel, y: up, z: to the right seen along the travel.", size=13)
-    d.text((320, 20), "The shaft points along (1, tan V, tan H).", size=13)
+    d.text((320, 40), "x from the drive towards the output, y up, z to the right", size=13)
+    d.text((320, 20), "(looking from the drive); the shaft points along (1, tan V, tan H)", size=13)
     return d
 
 
@@ -364,7 +418,7 @@ def projected() -> Drawing:
         tips.append(math.degrees(math.atan2(up, right)))
     d.arrow(*arc(centre, 46, tips[0], tips[1]), colour=RED)
     d.text((centre[0] + 62, centre[1] + 12), "*τ", colour=RED, size=16)
-    d.text((490, 288), "seen along the common shaft")
+    d.text((490, 284), "looking from the drive towards the output", size=12)
     d.text(
         (320, 22), "Side and top view are drawn twice as steep. Up and right are positive.", size=13
     )
@@ -397,7 +451,7 @@ def ball() -> Drawing:
     d.line(centre, polar(centre, 150, -25), colour=GREY, dash="4 4", width=1.2)
     d.line(centre, polar(centre, radius, -54), colour=GREEN, width=1.4)
     d.arrow(*arc(centre, 34, -90, -54), colour=GREEN)
-    d.text((234, 180), "*θ", colour=GREEN, size=16)
+    d.text((233, 171), "*θ", colour=GREEN, size=16)
     d.arrow(*arc(centre, 128, -90, -25), colour=RED)
     d.text((302, 100), "*θ_0", colour=RED, size=16)
     d.text((96, 168), "*N", colour=BLUE, size=16)
@@ -412,7 +466,7 @@ def ball() -> Drawing:
 DRAWINGS = (driveline, joint, along_the_shaft, tilts, views, projected, ball)
 
 
-def write(folder: Path) -> list[Path]:
+def write(folder: pathlib.Path) -> list[pathlib.Path]:
     """Write all drawings into a folder; return their files."""
     written = []
     for draw in DRAWINGS:
@@ -423,5 +477,5 @@ def write(folder: Path) -> list[Path]:
 
 
 if __name__ == "__main__":
-    for path in write(Path(__file__).parent):
+    for path in write(pathlib.Path(__file__).parent):
         print(path.name)

@@ -16,10 +16,12 @@ from typing import Any as _Any
 
 from cardan._core import __version__
 from cardan.ball_joint import BallJoint
-from cardan.check import Check, Finding
+from cardan.check import Check
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
 from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
+from cardan.finding import Finding
+from cardan.limits import Limit, Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
@@ -42,6 +44,8 @@ __all__ = [
     "EquivalentJoint",
     "Finding",
     "Harmonics",
+    "Limit",
+    "Limits",
     "Load",
     "Motion",
     "Output",

@@ -22,10 +22,17 @@ from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
 from cardan.errors import ArgumentValueError, wrong_element
 
 TORSIONAL_LIMIT, TORSIONAL_MAXIMUM = 300.0, 500.0
-"""Torsional excitation of the last shaft in rad/s²: usual limit, never above."""
+"""Torsional excitation of the last shaft of a truck in rad/s²: usual limit, never above.
+
+Dana allows at most 300 rad/s² for its axles (Spicer Drive Axles Application Guidelines AXAG-0200,
+2009); for the other figure no publication is known.
+"""
 
 INERTIA_LIMIT, INERTIA_MAXIMUM = 1000.0, 2000.0
-"""Inertia excitation of the intermediate shafts in rad/s²: usual limit, never above."""
+"""Inertia excitation of the intermediate shafts of a truck in rad/s²: usual limit, never above.
+
+No publication of these figures is known.
+"""
 
 # --- Thoma (1920) ----------------------------------------------------------------------------
 

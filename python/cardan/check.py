@@ -1,84 +1,27 @@
-"""Whether a driveline keeps the limits of the catalogues and of workshop practice."""
+"""Whether a driveline is within the limits of the catalogues and of practice."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Protocol
+import textwrap
+from dataclasses import dataclass
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import notebook
-from cardan.approximations import (
-    INERTIA_LIMIT,
-    INERTIA_MAXIMUM,
-    TORSIONAL_LIMIT,
-    TORSIONAL_MAXIMUM,
-)
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.equivalent import EquivalentJoint
+from cardan.finding import VERDICTS, Finding, counted
+from cardan.limits import CATALOGUE, Limits, limits_of
 
-_MAX_BEND_DEG = 3.0
-
-MAX_EQUIVALENT_BEND = np.radians(_MAX_BEND_DEG)
-"""Largest equivalent bend that the catalogues permit (003, section 6.4), in rad."""
-
-MAX_NON_UNIFORMITY = 0.0027
-"""The non-uniformity from which that bend is derived."""
-
-
-# Less than this share of a limit is what rounding leaves of joints that cancel each other.
-_ROUNDING = 1e-6
-
-
-@dataclass(frozen=True, eq=False)
-class Finding:
-    """One figure beside its limits.
-
-    Attributes:
-        name: what it is.
-        value: the figure, batch-shaped, in ``unit``.
-        limit: what it should not exceed.
-        maximum: what it must never exceed.
-        unit: of all three.
-        worst_at: in a study, the keys on which the largest value depends and their values there.
-    """
-
-    name: str
-    value: FloatArray
-    limit: float
-    maximum: float
-    unit: str
-    worst_at: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def passes(self) -> NDArray[np.bool_]:
-        """Whether the limit is kept; NaN does not pass."""
-        return np.asarray(self.value <= self.limit)
-
-    def __str__(self) -> str:
-        """Say it in words."""
-        worst = float(np.max(self.value)) if np.size(self.value) else 0.0
-        unit = f" {self.unit}" if self.unit != "1" else ""
-        if worst <= self.limit:
-            verdict = f"keeps the limit of {self.limit:g}{unit}"
-        elif worst > self.limit:
-            verdict = f"is above the limit of {self.limit:g}{unit}"
-            if self.maximum > self.limit:
-                side = "but below" if worst <= self.maximum else "and the maximum of"
-                verdict += f" {side} {self.maximum:g}{unit}"
-        else:
-            verdict = "is not a number"
-        if worst < _ROUNDING * self.limit:
-            worst = 0.0
-        if np.ndim(self.value) == 0:
-            return f"{self.name} {worst:.4g}{unit} {verdict}"
-        kept = f"{np.count_nonzero(self.passes)} of {np.size(self.value)} keep the limit"
-        keys = ", ".join(f"{key} = {value:.6g}" for key, value in self.worst_at.items())
-        # Rounding is as large here as there.
-        place = f" (at {keys})" if keys and worst else ""
-        return f"{self.name} up to {worst:.4g}{unit}{place} {verdict}; {kept}"
+_HEADINGS = {
+    "within": "The driveline is within the limits.",
+    "tolerable": "The driveline is tolerable: above a limit, but below every maximum.",
+    "beyond": "The driveline is beyond the limits.",
+    "unknown": "The driveline cannot be judged: a figure is not a number.",
+    "not judged": "Nothing is judged.",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,15 +33,44 @@ class Check:
 
     Attributes:
         findings: one per figure.
+        limits: what the figures are compared with.
     """
 
     findings: tuple[Finding, ...]
+    limits: Limits
+
+    @property
+    def catalogue(self) -> Check:
+        """The part that the catalogues of driveshafts judge: the equivalent bend."""
+        return self._part("catalogue")
+
+    @property
+    def practice(self) -> Check:
+        """The part that practice judges: excitations, and the difference of two bends."""
+        return self._part("practice")
+
+    def _part(self, group: Literal["catalogue", "practice"]) -> Check:
+        return Check(tuple(f for f in self.findings if f.group == group), self.limits)
+
+    @property
+    def ranks(self) -> NDArray[np.int_]:
+        """The worst verdict of all figures, as ``Finding.ranks`` has it."""
+        ranks = np.broadcast_arrays(0, *(finding.ranks for finding in self.findings))
+        return np.asarray(np.max(ranks, axis=0))
+
+    @property
+    def verdict(self) -> NDArray[np.str_]:
+        """``"within"``, ``"tolerable"`` or ``"beyond"``, the worst of all figures.
+
+        It has the shape of batch and speed. See ``Finding.verdict`` for ``"unknown"`` and ``"not
+        judged"``.
+        """
+        return np.asarray(np.array(VERDICTS)[self.ranks])
 
     @property
     def passes(self) -> NDArray[np.bool_]:
-        """Whether every limit is kept, in the shape of batch and speed."""
-        passes = np.broadcast_arrays(*(finding.passes for finding in self.findings))
-        return np.asarray(np.all(passes, axis=0))
+        """Whether no figure is beyond its maximum, in the shape of batch and speed."""
+        return np.asarray(self.ranks <= VERDICTS.index("tolerable"))
 
     def __bool__(self) -> bool:
         """Return whether it passes.
@@ -114,19 +86,52 @@ class Check:
             )
         return bool(passes)
 
+    @property
+    def heading(self) -> str:
+        """The verdict in a sentence, or how many drivelines have which."""
+        return f"{counted(self.ranks)}." if self.ranks.shape else _HEADINGS[str(self.verdict)]
+
     def __str__(self) -> str:
-        """Say it in words, the verdict first."""
-        count, all_of_them = np.count_nonzero(self.passes), self.passes.size
-        verdict = "The driveline passes." if count else "The driveline does not pass."
-        if self.passes.shape:
-            verdict = f"{count} of {all_of_them} pass."
-        return "\n".join([verdict, *(f"- {f}" for f in self.findings)])
+        """Say it in words: the verdict, the figures of catalogue and practice, the sources."""
+        lines = [self.heading]
+        for group in (self.catalogue, self.practice):
+            lines += ["", *group._lines()] if group.findings else []
+        sources: dict[str, list[str]] = {}
+        for finding in self.findings:
+            if finding.limit:
+                sources.setdefault(finding.limit.source, []).append(finding.name)
+        lines += ["", "Sources of the limits:"]
+        for source, names in sources.items():
+            text = f"- {'; '.join(names)}: {source}"
+            lines += textwrap.wrap(text, 100, subsequent_indent="  ", break_on_hyphens=False)
+        return "\n".join(lines)
+
+    def _lines(self) -> list[str]:
+        group, whose = self.findings[0].group, self.limits.preset
+        if group == "catalogue":
+            own = self.limits.figures["equivalent_bend_deg"] != CATALOGUE
+            whose = "own limit" if own else None
+        verdict = VERDICTS[int(np.max(self.ranks, initial=0))]
+        names, values = (
+            [getattr(f, part) for f in self.findings] for part in ("name", "value_text")
+        )
+        lines = [f"{group.capitalize()}{f' ({whose})' if whose else ''}: {verdict}"]
+        width, room = (max(map(len, texts)) for texts in (names, values))
+        for finding, name, value in zip(self.findings, names, values, strict=True):
+            verdict_words, *more = finding.words
+            lines.append(f"- {name:{width}}  {value:{room}}  {verdict_words}")
+            more += [f"largest at {finding.place}"] * bool(finding.place)
+            lines += [f"{'':{width + room + 6}}{words}" for words in more]
+        return lines
 
     def _repr_html_(self) -> str:
         """Show the verdict and a row for each finding."""
-        verdict, *findings = str(self).splitlines()
-        rows = [(finding.removeprefix("- "),) for finding in findings]
-        return notebook.table(verdict, ("finding",), rows)
+        rows = [
+            (f.group, f.name, f.value_text, "; ".join(f.words), f.limit.source if f.limit else "")
+            for f in self.findings
+        ]
+        heads = ("limits of", "figure", "value", "verdict", "source of the limit")
+        return notebook.table(self.heading, heads, rows)
 
 
 class Checkable(Protocol):
@@ -140,6 +145,10 @@ class Checkable(Protocol):
     def shape(self) -> tuple[int, ...]:
         """Shape of the batch."""
 
+    @property
+    def bends(self) -> FloatArray:
+        """Bends of the joints in rad."""
+
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
         """Return the joint that moves a shaft as the whole chain does."""
 
@@ -147,43 +156,52 @@ class Checkable(Protocol):
         """Return the driveline driven from its other end."""
 
 
-def check(line: Checkable, speed: ArrayLike | None = None) -> Check:
+def check(
+    line: Checkable, speed: ArrayLike | None = None, limits: str | Limits | None = None
+) -> Check:
     """Check as ``Driveline.check`` does."""
+    allowed = limits_of(limits)
     last = line.equivalent()
     findings = [
         Finding(
+            "equivalent_bend",
             "equivalent bend",
+            "catalogue",
             np.degrees(last.bend),
-            _MAX_BEND_DEG,
-            _MAX_BEND_DEG,
             "deg",
-        ),
-        Finding("non-uniformity", last.non_uniformity, MAX_NON_UNIFORMITY, MAX_NON_UNIFORMITY, "1"),
+            allowed.figures["equivalent_bend_deg"],
+        )
     ]
-    if speed is not None:
-        squared = as_float64("speed", speed) ** 2
+    difference = allowed.figures.get("bend_difference_deg")
+    if difference and line.n_joints == 2:
+        bends = np.degrees(np.abs(line.bends[..., 0] - line.bends[..., 1]))
+        findings.append(
+            Finding("bend_difference", "bend difference", "practice", bends, "deg", difference)
+        )
+    squared = None if speed is None else as_float64("speed", speed) ** 2
+    if squared is not None:
         common_shape(driveline=line.shape, speed=squared.shape)
-        findings += [
-            Finding(
-                "torsional excitation of the last shaft",
-                squared * last.max_acceleration_ratio,
-                TORSIONAL_LIMIT,
-                TORSIONAL_MAXIMUM,
-                "rad/s²",
-            ),
-            *(
-                Finding(
-                    f"inertia excitation of the shafts between, {name}",
-                    squared * _inertia_excitation(way),
-                    INERTIA_LIMIT,
-                    INERTIA_MAXIMUM,
-                    "rad/s²",
-                )
-                for name, way in (("driving", line), ("coasting", line.reversed()))
-                if line.n_joints > 1
-            ),
+    excitations = [
+        ("torsional_excitation", "torsional excitation, last shaft", last.max_acceleration_ratio)
+    ]
+    if line.n_joints > 1:
+        excitations += [
+            (f"inertia_excitation_{way}", f"inertia excitation, {way}", _inertia_excitation(driven))
+            for way, driven in (("driving", line), ("coasting", line.reversed()))
         ]
-    return Check(tuple(findings))
+    for figure, name, ratio in excitations:
+        kind = figure.partition("_")[0]
+        limit = allowed.figures.get(f"{kind}_excitation_rad_s2")
+        if squared is not None:
+            value = np.asarray(squared * ratio)
+        elif limit:
+            value = np.full(line.shape, np.nan)
+        else:
+            continue
+        findings.append(
+            Finding(figure, name, "practice", value, "rad/s²", limit, ratio, squared is None)
+        )
+    return Check(tuple(findings), allowed)
 
 
 def _inertia_excitation(line: Checkable) -> FloatArray:

@@ -20,6 +20,7 @@ from cardan.equivalent import (
     equivalent,
     harmonics,
 )
+from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
@@ -305,27 +306,29 @@ class Driveline(Batch):
         """
         return Driveline._of(self._geometry.reversed())
 
-    def check(self, speed: ArrayLike | None = None) -> Check:
-        """Check the catalogues' tolerance and, at a drive speed, the limits of practice.
+    def check(self, speed: ArrayLike | None = None, limits: str | Limits | None = None) -> Check:
+        """Compare the driveline with limits: those of the catalogues and, if you wish, of practice.
 
-        The equivalent bend must not exceed 3° (non-uniformity 0.0027; catalogue, double joint,
-        6.4). By the practice of driveshaft makers in the United States torsional excitation, the
-        exact peak acceleration of the last shaft, should not exceed 300 rad/s², and inertia
-        excitation, the second-order amplitude of the accelerations of all intermediate shafts
-        together, 1000 rad/s².
+        The equivalent bend should not exceed 3° (catalogue, double joint, 6.4); the non-uniformity
+        follows from it. That is the only limit unless ``limits`` has others. Torsional excitation
+        is the exact peak acceleration of the last shaft, inertia excitation the second-order
+        amplitude of the accelerations of all intermediate shafts together; at a speed they are
+        among the findings, without a verdict if they have no limit.
 
         Args:
             speed: drive speed in rad/s; broadcasts against the batch.
+            limits: ``"truck"`` or ``"industrial"``, or a ``cardan.Limits`` with figures of your
+                own.
 
         Returns:
-            findings with values, in the shape of batch and speed, and limits; ``print`` says it in
-                words.
+            findings with values, in the shape of batch and speed, limits and verdicts; ``print``
+                says it in words.
 
         Raises:
-            TypeError: a speed that is not a real number.
-            ValueError: shapes that do not broadcast.
+            TypeError: a speed that is not a real number, limits of another type.
+            ValueError: shapes that do not broadcast, an unknown preset.
         """
-        return check(self, speed)
+        return check(self, speed, limits)
 
     def evaluate(
         self,

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
 from click.testing import CliRunner
 
@@ -20,7 +21,11 @@ pytest.importorskip("distributed")
 parquet = pytest.importorskip("pyarrow.parquet")
 
 from cardan.command import commands  # noqa: E402
+from cardan.figures.extremes import study_data  # noqa: E402
+from cardan.figures.schema import answers_schema  # noqa: E402
+from cardan.figures.summary import drive_angles  # noqa: E402
 from cardan.scene import Scene, cluster, curves  # noqa: E402
+from cardan.words.study import study_text  # noqa: E402
 
 SCENE = """\
 [driveline]
@@ -177,13 +182,21 @@ def test_the_command_writes_a_folder_and_goes_on(
     arguments.append(client.scheduler.address)
     first = CliRunner().invoke(commands(), arguments)
     assert first.exit_code == 0, first.output
-    assert first.output.splitlines()[-1] == f"wrote {folder} (183 rows in 4 files)"
+    assert f"wrote {folder} (183 rows in 4 files)\n" in first.output
+    # Its summary is that of one process.
+    one = Scene.load(scene)
+    result = one.run().study
+    assert result
+    text = study_text(result, drive_angles(one))
+    assert "Best drivelines\n" in text
+    assert first.output.endswith(f"\n\n{text}\n")
     assert parquet.read_table(folder).equals(in_one_process(scene))
     (folder / "part-000002.parquet").unlink()
     again = CliRunner().invoke(commands(), [*arguments, "--json"])
-    assert json.loads(again.output)["files"] == [
-        {"file": str(folder), "rows": 183, "parts": 4, "found": 3}
-    ]
+    answer = json.loads(again.output)
+    assert answer["files"] == [{"file": str(folder), "rows": 183, "parts": 4, "found": 3}]
+    assert answer["study"] == study_data(result, 72)
+    jsonschema.Draft202012Validator(answers_schema()).validate(answer)
     assert parquet.read_table(folder).equals(in_one_process(scene))
 
     for line, other, differ in (
@@ -239,6 +252,20 @@ def test_what_cannot_be_done(
     assert result.exit_code == 2
     assert message in result.stderr
     assert result.stderr.count("\n") == 1
+
+
+def test_a_file_in_the_place_of_the_folder_is_noticed_first(
+    scene: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "study.parquet").write_bytes(b"theirs")
+    for name in ("run", "evaluate"):
+        monkeypatch.setattr(Scene, name, pytest.fail)
+    monkeypatch.setattr(cluster, "connect", pytest.fail)
+    arguments = ["run", str(scene), "--into", str(tmp_path), "--local", "2"]
+    result = CliRunner().invoke(commands(), arguments)
+    assert result.exit_code == 2
+    assert "study.parquet is a file; a study on a cluster writes a folder" in result.stderr
+    assert (tmp_path / "study.parquet").read_bytes() == b"theirs"
 
 
 @pytest.mark.parametrize("address", ["nonsense", "nowhere.invalid:8786", "foo://here:8786"])

@@ -15,6 +15,7 @@ import textwrap
 import time
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -22,10 +23,12 @@ from click.testing import CliRunner, Result
 import cardan
 from cardan.command import commands
 from cardan.command.files import wrote
+from cardan.figures.limits import SCHEMA, check_data, check_scene
 from cardan.files.columns import write_columns
 from cardan.scene import Scene
 from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
+from cardan.words.limits import check_text
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
@@ -90,18 +93,23 @@ def test_installed_script(into: Path) -> None:
     assert done.stdout == textwrap.dedent("""\
         Föppl's rig (Thoma 1920)
 
-        bend                        8.500 deg
-        equivalent bend             8.500 deg
-        largest angle error         0.3164 deg at 44.84 deg
-        non-uniformity U            0.02209
-        speed ratio                 0.9890 to 1.0111
-        speed, shaft 1              2967.0 to 3033.3 rpm
-        largest acceleration ratio  0.02209
-        largest acceleration        2180 rad/s²
-        largest torque, shaft 1     43.61 N m at 44.50 deg
-        largest moment, joint 0     43.85 N m at 44.00 deg
+        Driveline
+          bend, joint 0                        8.500°
+          equivalent bend, shaft 1             8.500°
+          non-uniformity U, shaft 1            0.02209
 
-        After "at": drive angle; 0 deg has the driving pin in the plane of shafts 0, 1.
+        Over a whole turn
+          largest angle error, shaft 1         0.3164° at 44.84°
+          speed ratio, shaft 1                 0.9890 to 1.0111
+          speed, shaft 1                       2967.0 to 3033.3 rpm
+          largest acceleration ratio, shaft 1  0.02209 at 44.37°
+          largest acceleration, shaft 1        2180 rad/s² at 44.37°
+          largest torque, shaft 1              43.61 N m at 44.37°
+          largest moment, joint 0              43.86 N m at 44.21°
+
+        Angles after 'at' are drive angles; at 0° the driving pin of joint 0 lies in
+        the plane of shafts 0 and 1. Each extreme recurs every 180°.
+        Accelerations are those at constant drive speed.
 
         wrote foeppl.csv (721 rows)
         wrote foeppl.svg
@@ -114,8 +122,8 @@ def test_scene_without_files(tmp_path: Path) -> None:
     path.write_text("[driveline]\nbends_deg = [8.5]\n")
     result = run("run", path, "--into", tmp_path)
     assert result.exit_code == 0
-    assert result.output.startswith("bend ")
-    assert result.output.endswith("shafts 0, 1.\n")
+    assert result.output.startswith("Driveline\n  bend, joint 0 ")
+    assert result.output.endswith("shafts 0 and 1. Each extreme recurs every 180°.\n")
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -211,19 +219,23 @@ def test_json_in_both_units(into: Path) -> None:
     foeppl = next(path for path in EXAMPLES if path.stem == "foeppl")
     degrees = json.loads(run("run", foeppl, "--into", into, "--json").output)
     radians = json.loads(run("run", foeppl, "--into", into, "--json", "--radians").output)
-    by_label = [{row["label"]: row for row in data["summary"]} for data in (degrees, radians)]
-    assert by_label[0]["bend"] == {"label": "bend", "values": [8.5], "unit": "deg"}
-    for label, in_degrees in by_label[0].items():
-        in_radians = by_label[1][label]
-        if in_degrees["unit"] == "deg":
-            assert in_radians["unit"] == "rad"
-            assert in_radians["values"] == pytest.approx(
-                list(map(math.radians, in_degrees["values"]))
-            )
-        else:
-            assert in_radians["values"] == in_degrees["values"]
-        if "at_deg" in in_degrees:
-            assert in_radians["at_rad"] == pytest.approx(math.radians(in_degrees["at_deg"]))
+    assert degrees["rows"][0] == {
+        "quantity": "bend",
+        "joint": 0,
+        "statistic": "value",
+        "of": "driveline",
+        "value_deg": 8.5,
+    }
+    for in_degrees, in_radians in zip(degrees["rows"], radians["rows"], strict=True):
+        turned = {
+            key.replace("_deg", "_rad"): math.radians(value) if key.endswith("_deg") else value
+            for key, value in in_degrees.items()
+        }
+        assert in_radians.keys() == turned.keys()
+        for key, value in turned.items():
+            assert in_radians[key] == (pytest.approx(value) if key.endswith("_rad") else value)
+    assert degrees["drive_angles"]["last_deg"] == 360
+    assert radians["drive_angles"]["last_rad"] == pytest.approx(math.tau)
     head = (into / "foeppl.csv").read_text().splitlines()[0].split(",")
     assert head[:2] == ["drive_angle_rad", "angle_error_rad"]
 
@@ -232,28 +244,63 @@ def test_study_as_json(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text("[driveline]\nbends_deg = [8]\n[study]\nbends_deg = [30, 10, 20]\n")
     study = json.loads(run("run", path, "--json").output)["study"]
-    assert (study["rows"], study["axes"]) == (3, {"bends_deg": 3})
-    bend = study["figures"]["equivalent_bend_deg"]
-    assert bend["least"] == pytest.approx(10)
-    assert bend["largest"] == pytest.approx(30)
-    assert (bend["least_at"], bend["largest_at"]) == ({"bends_deg": 10}, {"bends_deg": 30})
+    assert study["drivelines"] == 3
+    assert study["axes"] == [{"key": "bends_deg", "values": 3, "min": 10, "max": 30}]
+    bend = study["figures"][0]
+    for which, degrees in (("least", 10), ("largest", 30)):
+        at = [{"key": "bends_deg", "value": degrees}]
+        assert bend.pop(which) == {"value_deg": pytest.approx(degrees), "at": at}
+    assert bend == {
+        "column": "equivalent_bend_deg",
+        "quantity": "equivalent_bend",
+        "shaft": 1,
+        "statistic": "value",
+        "of": "turn",
+    }
 
 
 def test_run_prints_a_study(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
     path.write_text(
-        "[driveline]\nbends_deg = [8]\n[load]\nspeed_rpm = 1\n"
+        "[driveline]\nbends_deg = [8]\n[load]\nspeed_rpm = 1\noutput_torque_Nm = 10\n"
         "[study]\nbends_deg = [30, 10, 20]\nspeed_rpm = [5, 6]\n"
-        "[output]\nclosed_forms = ['equivalent_bend']\n"
+        "[output]\nclosed_forms = ['equivalent_bend']\nquantities = ['torque', 'bending_driven']\n"
+        "[sweep]\nsamples_per_turn = 36\n"
     )
-    text = run("run", path).output.split("\n\n")
-    assert text[2].splitlines() == [
-        "study                3 x 2 = 6 drivelines",
-        "bends_deg            10 to 30",
-        "speed_rpm            5 to 6",
-        "equivalent_bend_deg  10.0 (10, 5) to 30.0 (30, 5)",
+    result = run("run", path)
+    assert result.stderr == ""
+    text = result.output.split("\n\n")
+    assert text[3].splitlines() == [
+        "Study of 6 drivelines, 3 x 2",
+        "  bends_deg  10 to 30",
+        "  speed_rpm  5 to 6",
     ]
-    assert text[3] == "In brackets: bends_deg, speed_rpm.\n"
+    # What does not depend on the speed is not placed at one.
+    assert text[4].splitlines() == [
+        "equivalent_bend_deg",
+        "  least    10.0 at bends_deg = 10",
+        "  largest  30.0 at bends_deg = 30",
+        "torque_peak_Nm            10.00",
+        "bending_driven_0_peak_Nm",
+        "  least    1.76 at bends_deg = 10",
+        "  largest  5.77 at bends_deg = 30",
+    ]
+    assert text[5].splitlines() == [
+        "Best driveline",
+        "  by equivalent_bend_deg, bending_driven_0_peak_Nm:",
+        "    bends_deg = 10",
+    ]
+    assert text[6].splitlines() == [
+        "Figures that end in peak are of samples, drive angles 0.00° to 360.00°, 1 turn",
+        "of 36 samples.",
+    ]
+    # Fewer are too few.
+    path.write_text(path.read_text().replace("36", "35"))
+    warning = "cardan: only 35 samples per turn; the largest values may lie between the samples\n"
+    assert run("run", path).stderr == warning
+    # Closed forms need none.
+    path.write_text("[driveline]\nbends_deg = [8]\n[sweep]\nsamples_per_turn = 4\n")
+    assert run("run", path).stderr == ""
 
 
 TRUCK = next(path for path in EXAMPLES if path.stem == "truck")
@@ -263,52 +310,137 @@ def test_check_says_pass_or_fail(tmp_path: Path) -> None:
     """The four joints of the workshop books, whose figures test_check.py knows."""
     failed = run("check", TRUCK)
     assert failed.exit_code == 1
-    assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60)}\n"
+    assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60, 'truck')}\n"
     data = json.loads(run("check", TRUCK, "--json").output)
-    assert data["passes"] is False
-    by_name = {finding["name"]: finding for finding in data["findings"]}
-    torsional = by_name["torsional excitation of the last shaft"]
-    assert torsional["worst"] == pytest.approx(752.5, abs=0.1)
-    assert (torsional["limit"], torsional["maximum"]) == (300, 500)
-    assert [finding["passes"] for finding in data["findings"]] == [False] * 4 + [True]
+    assert (data["answer"], data["version"]) == ("check", 1)
+    assert (data["passes"], data["verdict"], data["preset"]) == (False, "beyond", "truck")
+    torsional = data["practice"]["torsional_excitation"]
+    assert torsional["value_rad_s2"] == pytest.approx(752.5, abs=0.1)
+    assert (torsional["limit_rad_s2"], torsional["maximum_rad_s2"]) == (300, 500)
+    assert torsional["within_up_to_rpm"] == pytest.approx(2500 * math.sqrt(300 / 752.5), abs=0.1)
+    assert torsional["margin_rad_s2"] == pytest.approx(300 - 752.5, abs=0.1)
+    assert data["practice"]["inertia_excitation_coasting"]["verdict"] == "within"
+    bend = data["catalogue"]["equivalent_bend"]
+    assert "section 6.4" in bend["source"]
+    assert bend["non_uniformity"] == pytest.approx(0.01098, abs=1e-5)
+    assert data["practice"]["bend_difference"] is None
 
     path = tmp_path / "a.toml"
     path.write_text("[driveline]\nbends_deg = [2]\n")
     passed = run("check", path)
     assert passed.exit_code == 0
-    assert passed.output.startswith("The driveline passes.")
+    assert passed.output.startswith("The driveline is within the limits.")
     assert json.loads(run("check", path, "--json").output)["passes"] is True
     path.write_text("[driveline]\nbends_deg = [92]\n")
     assert run("check", path).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("limit", "code", "verdict"),
+    [("3.5", 0, "within"), ("[3, 3.5]", 0, "tolerable"), ("3", 1, "beyond"), ("[3, 2]", 2, "")],
+)
+def test_exit_status_of_the_verdicts(tmp_path: Path, limit: str, code: int, verdict: str) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(f"[driveline]\nbends_deg = [3.2]\n[limits]\nequivalent_bend_deg = {limit}\n")
+    assert run("check", path).exit_code == code
+    if verdict:
+        assert json.loads(run("check", path, "--json").output)["verdict"] == verdict
+
+
+def test_catalogue_and_practice_are_judged_apart(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    text = "[driveline]\nbends_deg = [3.2]\n[load]\nspeed_rpm = 100\n"
+    path.write_text(f"{text}[limits]\npreset = 'truck'")
+    data = json.loads(run("check", path, "--json").output)
+    assert (data["catalogue"]["verdict"], data["practice"]["verdict"]) == ("beyond", "within")
+    path.write_text(text)
+    data = json.loads(run("check", path, "--json").output)
+    assert (data["catalogue"]["verdict"], data["practice"]["verdict"]) == ("beyond", "not judged")
+    assert data["practice"]["torsional_excitation"]["value_rad_s2"] > 0
+    assert data["practice"]["torsional_excitation"]["limit_rad_s2"] is None
+
+
+def test_advice_follows_the_verdict() -> None:
+    scene = Scene.load(TRUCK)
+    found = check_scene(scene)
+    assert check_text(found) == str(found)
+    assert check_text(found, ["make joint 1 14°"]) == (
+        f"{found}\n\nWhat would help:\n- make joint 1 14°"
+    )
+    assert check_data(scene, found, ["make joint 1 14°"])["advice"] == ["make joint 1 14°"]
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_answer_of_check_fits_its_schema(path: Path) -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    data = json.loads(run("check", path, "--json").output)
+    jsonschema.Draft202012Validator(SCHEMA).validate(data)
+    assert data["drivelines"][data["verdict"].replace(" ", "_")] > 0
+    # Another number of joints makes no other keys.
+    assert data["practice"].keys() == SCHEMA["properties"]["practice"]["properties"].keys()
 
 
 def test_check_of_a_study_is_of_every_driveline(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "a.toml"
-    text = "[driveline]\nbends_deg = [2]\n[load]\nspeed_rpm = 100\n[study]\n"
+    text = "[driveline]\nbends_deg = [2]\n[load]\nspeed_rpm = 100\n"
+    text += "[limits]\npreset = 'truck'\n[study]\n"
     path.write_text(f"{text}bends_deg = [1, 2, 2.9, 3.1]\nspeed_rpm = [100, 6000]")
     for block in (1 << 21, 3):
         monkeypatch.setattr("cardan.scene.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
-        assert (
-            "up to 3.1 deg (at bends_deg = 3.1) is above the limit of 3 deg; 6 of 8 keep the"
-            in (result.output)
+        assert result.output.startswith("4 of 8 within, 1 tolerable, 3 beyond.\n")
+        said = [line.strip() for line in result.output.splitlines()]
+        bend = next(i for i, line in enumerate(said) if line.startswith("- equivalent bend"))
+        assert said[bend].endswith("up to 3.1°  beyond the 3° limit by 0.1°")
+        assert said[bend + 2 : bend + 4] == [
+            "6 of 8 within, 2 beyond",
+            "largest at bends_deg = 3.1",
+        ]
+        shaken = next(i for i, line in enumerate(said) if line.startswith("- torsional"))
+        assert said[shaken].endswith(
+            "up to 1156 rad/s²  beyond the 500 rad/s² maximum by 656.2 rad/s²"
         )
-        assert "shaft up to 1156 rad/s² (at bends_deg = 3.1, speed_rpm = 6000) is" in result.output
-    bend, *_, torsional = json.loads(run("check", path, "--json").output)["findings"]
-    assert bend["worst_at"] == {"bends_deg": 3.1}
+        assert said[shaken + 1 : shaken + 4] == [
+            "within up to 3056 rpm, tolerable up to 3945 rpm",
+            "5 of 8 within, 1 tolerable, 2 beyond",
+            "largest at bends_deg = 3.1, speed_rpm = 6000",
+        ]
+    data = json.loads(run("check", path, "--json").output)
+    assert data["catalogue"]["equivalent_bend"]["worst_at"] == {"bends_deg": 3.1}
+    torsional = data["practice"]["torsional_excitation"]
     assert torsional["worst_at"] == {"bends_deg": 3.1, "speed_rpm": 6000}
+    assert torsional["drivelines"] == {
+        "not_judged": 0,
+        "within": 5,
+        "tolerable": 1,
+        "unknown": 0,
+        "beyond": 2,
+    }
     # The worst in the middle of an axis, and figures that no key varies.
     path.write_text(f"{text}bends_deg = [1, 3.1, 2]")
-    assert "up to 3.1 deg (at bends_deg = 3.1) is" in run("check", path).output
+    assert "largest at bends_deg = 3.1\n" in run("check", path).output
     path.write_text(f"{text}speed_rpm = [100, 6000, 200]")
     found = run("check", path).output
-    assert "equivalent bend up to 2 deg keeps" in found
-    assert "(at speed_rpm = 6000) is above" in found
+    assert "equivalent bend  up to 2°  within" in found
+    assert "largest at speed_rpm = 6000\n" in found
     path.write_text(f"{text}bends_deg = [1, 2, 2.9]")
     assert run("check", path).exit_code == 0
+
+
+def test_check_of_a_study_from_standstill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Blocks of drivelines at rest have the same figures as the others."""
+    monkeypatch.setattr("cardan.scene.study._BLOCK", 1)
+    path = tmp_path / "a.toml"
+    text = "[driveline]\nbends_deg = [2]\n[limits]\npreset = 'truck'\n[load]\n"
+    path.write_text(f"{text}[study]\nspeed_rpm = [0, 6000]")
+    assert "tolerable" in run("check", path).output.splitlines()[0]
+    path.write_text(f"{text}speed_rpm = 0\n[study]\nbends_deg = [1, 2]")
+    found = run("check", path).output
+    assert "torsional excitation, last shaft  unknown  not judged, no speed given\n" in found
+    assert " within up to " in found
 
 
 def test_phase_in_workshop_words() -> None:
@@ -334,11 +466,7 @@ def test_phase_in_workshop_words() -> None:
 
         The yokes have their best setting; nothing to turn. 0.951° is within the limit
         of 3°.
-        With the best setting the driveline does not pass the check:
-        - inertia excitation of the shafts between, driving 3654 rad/s² is above the
-          limit of 1000 rad/s² and the maximum of 2000 rad/s²
-        - inertia excitation of the shafts between, coasting 3642 rad/s² is above the
-          limit of 1000 rad/s² and the maximum of 2000 rad/s²
+        With the best setting the driveline passes the check.
 
         In the scene: phases_deg = [-70.8728]
         """)
@@ -603,7 +731,9 @@ def test_missing_samples(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     lines = Path("c.csv").read_text().splitlines()
     assert [i for i, line in enumerate(lines[1:]) if set(line.split(",")) == {"nan"}] == [0, 5, 36]
     assert [line for line in lines if "nan" not in line] == whole
-    assert json.loads(run("run", "gaps.toml", "--json").output)["missing_samples"] == 3
+    angles = json.loads(run("run", "gaps.toml", "--json").stdout)["drive_angles"]
+    assert (angles["samples"], angles["missing_samples"]) == (37, 3)
+    assert (angles["first_deg"], angles["last_deg"]) == (10.0, 350.0)
     assert "0 of 34" in run("check", "gaps.toml").output
     assert run("report", "gaps.toml").exit_code == 0
     page = Path("gaps.html").read_text()

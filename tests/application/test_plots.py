@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import re
 import subprocess
 import sys
@@ -21,20 +22,26 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import StepPatch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
-from mpl_toolkits.mplot3d import art3d, proj3d
 
 from cardan import plots, reference
 from cardan.approximations import thoma_moment_ratios, thoma_small_angle
+from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.summary import Row, summary
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
-from cardan.plots import plot_scene, write_picture
+from cardan.plots import plot_scene, space, write_picture
+from cardan.plots.key_figures import key_figures
+from cardan.plots.space import View
+from cardan.plots.turns import Turns
 from cardan.scene import Scene, SceneResult
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
 
+DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 
 TALL = """\
@@ -60,8 +67,13 @@ def drawn(result: SceneResult) -> Figure:
     return figure
 
 
+def panels(figure: Figure) -> list[Axes]:
+    """The axes of the page's curves, without those of its sketch."""
+    return [axes for axes in figure.axes if axes.get_label() != "driveline"]
+
+
 def headings(figure: Figure) -> list[str]:
-    return [axes.get_title(loc="left") for axes in figure.axes]
+    return [axes.get_title(loc="left") for axes in panels(figure)]
 
 
 def foeppl() -> SceneResult:
@@ -94,7 +106,7 @@ def test_title_in_characters_of_no_font(tmp_path: Path, monkeypatch: pytest.Monk
     ]
 
 
-def test_one_panel_per_quantity() -> None:
+def test_one_page_with_a_panel_per_quantity() -> None:
     result = foeppl()
     figure = drawn(result)
     assert headings(figure) == [
@@ -102,29 +114,145 @@ def test_one_panel_per_quantity() -> None:
         "speed ratio, shaft 1",
         "acceleration, shaft 1 [rad/s²]",
         "torque, shaft 1 [N m]",
-        "moment, joint 0 [N m]",
+        "moment about x, joint 0 [N m]",
+        "moment about y, joint 0 [N m]",
+        "moment about z, joint 0 [N m]",
     ]
-    assert figure.axes[-1].get_xlabel() == "drive angle [deg]"
-    assert figure.get_suptitle() == "Föppl's rig (Thoma 1920)"
-    assert figure.get_figwidth() == pytest.approx(80 / 25.4)
-    ticks = [tick for tick in figure.axes[-1].get_xticks() if 0 <= tick <= 360]
-    assert ticks == [0, 90, 180, 270, 360]
+    assert figure.get_size_inches() * 25.4 == pytest.approx([297, 210])
+    assert figure.texts[0].get_text() == "Föppl's rig (Thoma 1920)"
+    assert "drive angle 0° to 360°, 721 samples, drive at 3000 rpm" in page_texts(figure)
+    last = panels(figure)[-1]
+    assert last.get_xlabel() == "drive angle [deg]"
+    assert [tick for tick in last.get_xticks() if 0 <= tick <= 360] == [0, 90, 180, 270, 360]
+
+
+def page_texts(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.texts]
 
 
 def test_curves_are_the_values() -> None:
     result = foeppl()
     values, speed2 = result.values, (100 * np.pi) ** 2
     want = [
-        [np.degrees(values["angle_error"])],
-        [values["speed_ratio"]],
-        [values["acceleration_ratio"] * speed2],
-        [values["torque"]],
-        list(values["moment"][0].T),
+        np.degrees(values["angle_error"]),
+        values["speed_ratio"],
+        values["acceleration_ratio"] * speed2,
+        values["torque"],
+        *values["moment"][0].T,
     ]
-    for axes, curves in zip(drawn(result).axes, want, strict=True):
-        for line, curve in zip(axes.get_lines(), curves, strict=True):
-            np.testing.assert_array_equal(line.get_xdata(), result.scene.drive_angle_deg)
-            np.testing.assert_allclose(np.asarray(line.get_ydata(), float), curve, rtol=1e-14)
+    for axes, values_there in zip(panels(drawn(result)), want, strict=True):
+        (line,) = axes.get_lines()
+        np.testing.assert_array_equal(line.get_xdata(), result.scene.drive_angle_deg)
+        np.testing.assert_allclose(np.asarray(line.get_ydata(), float), values_there, rtol=1e-14)
+
+
+def many_joints(shafts: int, turns: float = 1.0) -> SceneResult:
+    bends = ", ".join(str(1 + joint / shafts) for joint in range(shafts))
+    listed = ", ".join(str(shaft) for shaft in range(1, shafts + 1))
+    return Scene.parse(
+        f"title = 'many'\n[driveline]\nbends_deg = [{bends}]\n[load]\noutput_torque_Nm = 100\n"
+        f"[sweep]\nturns = {turns}\nsamples_per_turn = 90\n[output]\nshafts = [{listed}]\n"
+        "quantities = ['angle_error', 'bending_driven', 'moment']\n"
+    ).run()
+
+
+def test_shafts_share_a_panel_and_a_scale() -> None:
+    """However many there are; at most six are drawn, those that vary most."""
+    counts = []
+    for shafts in (1, 3, 6, 64):
+        result = many_joints(shafts)
+        figure = drawn(result)
+        counts.append(len(panels(figure)))
+        errors = np.degrees(result.values["angle_error"])
+        shown = sorted(np.argsort(-np.ptp(errors, axis=1), kind="stable")[:6])
+        lines = panels(figure)[0].get_lines()
+        for line, shaft in zip(lines, shown, strict=True):
+            np.testing.assert_allclose(np.asarray(line.get_ydata(), float), errors[shaft])
+        low, high = panels(figure)[0].get_ylim()
+        assert low < errors[shown].min() < errors[shown].max() < high
+        legend = panels(figure)[0].get_legend()
+        names = [f"shaft {shown[0] + 1}", *(str(shaft + 1) for shaft in shown[1:])]
+        named = [] if legend is None else [text.get_text() for text in legend.get_texts()]
+        assert named == (names if shafts > 1 else [])
+        capped = "6 of 64" in headings(figure)[0]
+        assert capped == any("left out" in text for text in page_texts(figure)) == (shafts > 6)
+    assert counts == [5] * 4
+
+
+def test_bending_is_not_drawn_on_the_scale_of_the_torque() -> None:
+    """The axes across the driveline share a scale, the one along it has its own."""
+    for path, along in ((EXAMPLES, 0), (None, 2)):
+        if path:
+            result, whose = foeppl(), "x: along shaft 0; z: normal of the bend plane of joint 0"
+        else:
+            # Points of which the shafts follow z.
+            text = "[driveline]\npoints_mm = [[0, 0, 0], [9, 0, 300], [0, 5, 900], [0, 0, 1000]]\n"
+            text += "[load]\noutput_torque_Nm = 100\n[output]\nquantities = ['moment']\n"
+            result, whose = Scene.parse(text).run(), "x, y, z: axes of the points"
+        figure = drawn(result)
+        scales = np.array([axes.get_ylim() for axes in panels(figure)[-3:]])
+        across = np.delete(np.arange(3), along)
+        np.testing.assert_array_equal(scales[across[0]], scales[across[1]])
+        assert np.ptp(scales[across[0]]) < 0.5 * np.ptp(scales[along]) + 10
+        parts = result.values["moment"][..., across]
+        assert scales[across[0]] == pytest.approx(
+            [parts.min() - 0.05 * np.ptp(parts), parts.max() + 0.05 * np.ptp(parts)], rel=0.2
+        )
+        assert any(text.startswith(whose) for text in page_texts(figure))
+
+
+def bands(axes: Axes) -> list[StepPatch]:
+    return [patch for patch in axes.get_children() if isinstance(patch, StepPatch)]
+
+
+def test_many_turns_are_bands_of_the_extremes_of_each() -> None:
+    path = next(path for path in EXAMPLES if path.stem == "recorded_run")
+    result = Scene.load(path).run()
+    figure = drawn(result)
+    turn = np.floor((result.scene.drive_angle_deg - result.scene.drive_angle_deg[0]) / 360)
+    # What is left behind the last turn is too little for a turn of its own.
+    turn = np.minimum(turn, 7)
+    values = result.values["speed_ratio"]
+    axes = panels(figure)[1]
+    (band,) = bands(axes)
+    largest, edges, least = band.get_data()
+    (line,) = axes.get_lines()
+    assert len(largest) == 8
+    np.testing.assert_allclose(edges[:-1], np.arange(8), atol=1e-12)
+    for i in range(8):
+        own = values[turn == i]
+        assert (np.asarray(least)[i], largest[i]) == (own.min(), own.max())
+        assert np.asarray(line.get_ydata())[i] == pytest.approx(own.mean(), rel=1e-12)
+    assert axes.get_xlabel() == "turns of the drive"
+    assert any("Bands: from the least to the largest" in text for text in page_texts(figure))
+
+
+@pytest.mark.parametrize(("turns", "is_band"), [(3, False), (4, True)])
+def test_few_turns_are_curves(turns: int, is_band: bool) -> None:
+    axes = panels(drawn(many_joints(1, turns)))[0]
+    assert bool(bands(axes)) == is_band
+    assert axes.get_xlim() == pytest.approx((0, turns if is_band else 360 * turns))
+
+
+def test_turns_of_a_recording() -> None:
+    """Angles that begin anew each turn, samples that are missing, very many turns."""
+    steps = np.arange(0.0, 360 * 5 + 1, 30)
+    whole, wrapped = Turns.of(steps + 77), Turns.of(steps % 360)
+    assert whole is not None
+    assert wrapped is not None
+    np.testing.assert_array_equal(whole.turn, wrapped.turn)
+    np.testing.assert_array_equal(np.bincount(whole.turn), [12, 12, 12, 12, 13])
+    gaps = steps.copy()
+    gaps[[0, 20]] = np.nan
+    missing = Turns.of(gaps)
+    assert missing is not None
+    assert list(np.flatnonzero(missing.turn < 0)) == [0, 20]
+    values = np.arange(float(len(steps)))
+    least, largest, mean = missing.extremes(values)
+    assert (least[0], largest[0], mean[0]) == (1, 12, 6.5)
+    long = Turns.of(np.arange(0.0, 360 * 5000.0, 90))
+    assert long is not None
+    assert len(long.edges) <= 401
 
 
 def test_acceleration_is_a_ratio_without_a_speed() -> None:
@@ -141,57 +269,70 @@ def test_acceleration_is_a_ratio_without_a_speed() -> None:
 
 
 @pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in EXAMPLES), TALL])
-def test_nothing_overlaps(text: str) -> None:
+def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     figure = drawn(Scene.parse(text, folder=EXAMPLES[0].parent).run())
-
-    def tick_boxes(axes: Axes) -> list[Bbox]:
-        low, high = axes.get_ylim()
-        ticks = zip(axes.get_yticks(), axes.get_yticklabels(), strict=True)
-        return [label.get_window_extent() for tick, label in ticks if low <= tick <= high]
-
-    def heading_box(axes: Axes) -> Bbox:
-        heading = axes.get_title(loc="left")
-        (box,) = (
-            child.get_window_extent()
-            for child in axes.get_children()
-            if isinstance(child, Text) and child.get_text() == heading
-        )
-        return box
-
+    figure.set_dpi(200)
     page = figure.bbox
-    for axes in figure.axes:
-        heading, legend, ticks = heading_box(axes), axes.get_legend(), tick_boxes(axes)
-        assert len(ticks) >= 2
-        assert page.x0 <= heading.x0
-        assert heading.x1 <= page.x1
-        for one, other in pairwise(ticks):
-            assert not one.overlaps(other)
-        for box in ticks:
-            assert page.x0 <= box.x0
-            assert not box.overlaps(heading)
-        if legend is not None:
-            assert not legend.get_window_extent().overlaps(heading)
-            assert not any(legend.get_window_extent().overlaps(line) for line in ticks)
+    found = texts(figure, monkeypatch, largest=11.0)
+    assert len(found) > 40
+    for text, box in found:
+        assert page.x0 <= box.x0 <= box.x1 <= page.x1, text
+        assert page.y0 <= box.y0 <= box.y1 <= page.y1, text
+    for (one, here), (other, there) in combinations(found, 2):
+        assert not here.overlaps(there), (one, other)
+    for axes in panels(figure):
+        low, high = axes.get_ylim()
+        assert len([tick for tick in axes.get_yticks() if low <= tick <= high]) >= 2
         assert axes.yaxis.get_offset_text().get_text() == ""
-    for upper, lower in pairwise(figure.axes):
-        assert upper.get_window_extent().y0 > heading_box(lower).y1
-    title = figure.texts[0].get_window_extent()
-    assert page.x0 <= title.x0
-    assert title.x1 <= page.x1
-    assert title.y0 > heading_box(figure.axes[0]).y1
 
 
-def test_components_can_be_told_apart_in_grey() -> None:
-    lines = drawn(foeppl()).axes[-1].get_lines()
-    assert [line.get_label() for line in lines] == ["x", "y", "z"]
-    assert len({str(line._dash_pattern) for line in lines}) == 3  # type: ignore[attr-defined]
+def test_curves_of_a_page_can_be_told_apart_in_grey() -> None:
+    lines = panels(drawn(many_joints(64)))[0].get_lines()
+    assert len({str(line._dash_pattern) for line in lines}) == 6  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("ticks", [[0.99, 0.995, 1.0], [0, 2.5, 5], [0, 90], [-0.25, 0.25]])
+def test_ticks_of_an_axis_have_as_many_decimals(ticks: list[float]) -> None:
+    axes = given_axes()
+    axes.set_ylim(ticks[0], ticks[-1])
+    plots.style.value_ticks(axes.yaxis)
+    FigureCanvasAgg(axes.figure).draw()  # type: ignore[arg-type, no-untyped-call]
+    shown = [label.get_text() for label in axes.get_yticklabels()]
+    assert len({len(text.partition(".")[2]) for text in shown}) == 1
+    values = [float(text.replace("\N{MINUS SIGN}", "-")) for text in shown]
+    np.testing.assert_allclose(values, axes.get_yticks(), atol=1e-12)
+
+
+def test_key_figures_of_a_page() -> None:
+    result = foeppl()
+    figure = drawn(result)
+    written = page_texts(figure)
+    for label, value in key_figures(summary(result), 99):
+        assert label in written
+        assert value in written
+    row = Row("speed, shaft 1", (999.998, 1000.5), "rpm", is_range=True)
+    (line,) = key_figures([row], 1)
+    assert line == ("speed, shaft 1", "999.998 to 1000.500 rpm")
+    assert key_figures([Row("bends", (3.0,) * 9, "deg")], 1) == [("bends", "3° (9 values)")]
+    assert key_figures([Row("torque", (-43.2109,), "N m", 44.5)], 1) == [
+        ("torque", "\N{MINUS SIGN}43.21 N m at 44.5°")
+    ]
+
+
+def test_key_figures_that_are_too_many() -> None:
+    """Of those of each joint the largest stays; the last line counts what is left out."""
+    rows = [Row(f"largest moment, joint {j}", (float(j % 7),), "N m") for j in range(10)]
+    rows += [Row(f"figure {i}", (1.0,)) for i in range(5)]
+    assert key_figures(rows, 15)[9] == ("largest moment, joint 9", "2 N m")
+    assert key_figures(rows, 6)[0] == ("largest moment, joint 6", "6 N m")
+    assert key_figures(rows, 4)[-1] == ("and 3 more", "")
 
 
 def test_rounding_does_not_fill_a_panel() -> None:
     scene = "[driveline]\nbends_deg = [33, 33]\ntwists_deg = [10]\nphases_deg = [190]\n"
     scene += "[load]\noutput_torque_Nm = 5000\n"
     figure = drawn(Scene.parse(scene).run())
-    limits = dict(zip(headings(figure), (axes.get_ylim() for axes in figure.axes), strict=True))
+    limits = dict(zip(headings(figure), (axes.get_ylim() for axes in panels(figure)), strict=True))
     assert limits["angle error, shaft 2 [deg]"] == pytest.approx((-1, 1))
     assert limits["speed ratio, shaft 2"] == pytest.approx((0.95, 1.05))
     assert limits["torque, shaft 2 [N m]"] == pytest.approx((4750, 5250))
@@ -316,13 +457,21 @@ PICTURES: dict[str, tuple[str, Picture]] = {
     "map of U": ("rectilinear", partial(plots.plot_study, study(COMPENSATION), "non_uniformity")),
     "hodograph": ("rectilinear", partial(plots.plot_hodograph, SINGLE)),
     "loaded hodograph": ("rectilinear", partial(plots.plot_hodograph, TRUCK, 1, load=FLYWHEEL)),
-    "spatial": ("3d", partial(plots.plot_driveline, SPATIAL)),
-    "truck": ("3d", partial(plots.plot_driveline, TRUCK, 1.0, points=POINTS)),
-    "plane": ("3d", partial(plots.plot_driveline, Driveline.from_bends([10], degrees=True))),
-    "straight": ("3d", partial(plots.plot_driveline, Driveline.from_bends([0, 0, 0]))),
-    "eight": ("3d", partial(plots.plot_driveline, Driveline.from_bends([0.1] * 8))),
-    "short": ("3d", partial(plots.plot_driveline, Driveline.from_points(SHORT), points=SHORT)),
+    "spatial": ("rectilinear", partial(plots.plot_driveline, SPATIAL)),
+    "truck": ("rectilinear", partial(plots.plot_driveline, TRUCK, 1.0, points=POINTS)),
+    "plane": (
+        "rectilinear",
+        partial(plots.plot_driveline, Driveline.from_bends([10], degrees=True)),
+    ),
+    "straight": ("rectilinear", partial(plots.plot_driveline, Driveline.from_bends([0, 0, 0]))),
+    "eight": ("rectilinear", partial(plots.plot_driveline, Driveline.from_bends([0.1] * 8))),
+    "short": (
+        "rectilinear",
+        partial(plots.plot_driveline, Driveline.from_points(SHORT), points=SHORT),
+    ),
+    "ring": ("rectilinear", partial(plots.plot_driveline, Driveline.from_bends([0.087] * 64))),
 }
+IN_SPACE = ("spatial", "truck", "plane", "straight", "eight", "short", "ring")
 each_picture = pytest.mark.parametrize("name", PICTURES)
 
 
@@ -338,7 +487,9 @@ def given_axes(projection: str = "rectilinear") -> Axes:
     return axes
 
 
-def texts(figure: Figure, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, Bbox]]:
+def texts(
+    figure: Figure, monkeypatch: pytest.MonkeyPatch, largest: float = 8.0
+) -> list[tuple[str, Bbox]]:
     """Every text as it is drawn and its place; ticks out of view are not drawn."""
     found: list[tuple[str, Bbox]] = []
     draw = Text.draw
@@ -346,7 +497,7 @@ def texts(figure: Figure, monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, Bb
     def record(self: Text, renderer: RendererBase) -> None:
         draw(self, renderer)
         if self.get_visible() and self.get_text():
-            assert 5.8 < float(self.get_fontsize()) <= 8.0, self.get_text()
+            assert 5.8 < float(self.get_fontsize()) <= largest, self.get_text()
             found.append((self.get_text(), Text.get_window_extent(self, renderer)))
 
     monkeypatch.setattr(Text, "draw", record)
@@ -374,7 +525,7 @@ def test_axes_are_taken_and_returned(name: str) -> None:
 
 @each_picture
 def test_texts_can_be_read_at_80_mm(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    projection, picture = PICTURES[name]
+    picture = PICTURES[name][1]
     before = dict(matplotlib.rcParams)
     axes = picture()
     assert dict(matplotlib.rcParams) == before
@@ -383,14 +534,14 @@ def test_texts_can_be_read_at_80_mm(name: str, monkeypatch: pytest.MonkeyPatch) 
     assert figure.get_figwidth() == pytest.approx(80 / 25.4)
     figure.set_dpi(300)
     found = texts(figure, monkeypatch)
-    assert len(found) >= (4 if projection == "3d" else 8)
+    assert len(found) >= 8
     for text, box in found:
         assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, text
         assert figure.bbox.y0 <= box.y0 <= box.y1 <= figure.bbox.y1, text
     for (one, here), (other, there) in combinations(found, 2):
         assert not here.overlaps(there), (one, other)
     legend = axes.get_legend()
-    if legend is not None and projection != "3d":
+    if legend is not None:
         over = legend.get_window_extent()
         for line in axes.get_lines():
             seen = line.get_transform().transform(line.get_xydata())
@@ -417,7 +568,12 @@ def test_curves_can_be_told_apart_in_grey(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [name for name, (kind, _) in PICTURES.items() if kind == "rectilinear"]
+    "name",
+    [
+        name
+        for name, (kind, _) in PICTURES.items()
+        if kind == "rectilinear" and name not in IN_SPACE
+    ],
 )
 def test_axes_are_labelled(name: str) -> None:
     axes = PICTURES[name][1]()
@@ -753,56 +909,127 @@ def test_yoke_pins_are_those_of_the_vector_picture() -> None:
         plots.yoke_pins(SEVERAL)
 
 
-def test_driveline_in_space(monkeypatch: pytest.MonkeyPatch) -> None:
-    discs: list[Any] = []
-    set_verts = art3d.Poly3DCollection.set_verts
-
-    def record(self: Any, verts: list[Any], *closed: bool) -> None:  # noqa: ANN401
-        discs.extend(verts)
-        set_verts(self, verts, *closed)
-
-    monkeypatch.setattr(art3d.Poly3DCollection, "set_verts", record)
-    axes: Any = plots.plot_driveline(TRUCK, 1.0, points=POINTS)
-    lines = [np.transpose(line.get_data_3d()) for line in axes.get_lines()]
-    labels = [line.get_label() for line in axes.get_lines()]
-    # Shafts run from end to end, and only yokes stand in between.
-    np.testing.assert_allclose(lines[0][0], POINTS[0])
-    np.testing.assert_allclose(lines[3][1], POINTS[-1])
-    pins = plots.yoke_pins(TRUCK, 1.0)
-    for side, name in enumerate(("driving pin", "driven pin")):
-        drawn = [line for line, label in zip(lines, labels, strict=True) if label == name]
-        for joint, ends in enumerate(drawn):
-            np.testing.assert_allclose(ends.mean(axis=0), POINTS[joint + 1])
-            along = ends[0] - ends[1]
-            np.testing.assert_allclose(along / np.linalg.norm(along), pins[joint, side])
-    assert len(discs) == 3
-    for joint, disc in enumerate(discs):
-        across = (disc - np.array(POINTS[joint + 1])) @ TRUCK.normals[joint]
-        np.testing.assert_allclose(across, 0.0, atol=1e-9)
-    assert [text.get_text() for text in axes.texts] == [
-        *(f"joint {j}\n{bend:.3g}°" for j, bend in enumerate(np.degrees(TRUCK.bends))),
-        "drive",
+def lines_named(axes: Axes, name: str) -> list[FloatArray]:
+    """The lines of a label, ``(points, 2)``."""
+    return [
+        np.asarray(line.get_xydata(), float)
+        for line in axes.get_lines()
+        if line.get_label() == f"_{name}"
     ]
 
 
+@pytest.mark.parametrize("angle", [0.0, 1.0])
+def test_yokes_end_at_their_pins(angle: float) -> None:
+    axes = plots.plot_driveline(TRUCK, angle, points=POINTS)
+    assert (axes.get_aspect(), axes.get_adjustable()) == (1.0, "datalim")
+    flat = View.of(TRUCK.directions).axes[:2].T
+    sizes = []
+    joints = reference._joints(reference.from_points(POINTS, phases=[0.3, -0.7]), angle)
+    for number, joint in enumerate(joints):
+        centre = np.array(POINTS[number + 1]) @ flat
+        pins = lines_named(axes, f"pin {number}")
+        assert len(pins) == 4
+        for name, pin, along in (
+            ("driving yoke", joint.a, -TRUCK.directions[number]),
+            ("driven yoke", joint.b, TRUCK.directions[number + 1]),
+        ):
+            halves = lines_named(axes, f"{name} {number}")
+            first, last = halves if np.allclose(halves[0][-1], halves[1][0]) else halves[::-1]
+            size = float(np.linalg.norm(first[0] - centre) / np.linalg.norm(pin @ flat))
+            sizes.append(size)
+            tips, base = np.array([pin, np.negative(pin)]) @ flat, np.asarray(along) @ flat
+            np.testing.assert_allclose([first[0], last[-1]], centre + size * tips, rtol=1e-12)
+            np.testing.assert_allclose(first[-1], last[0])
+            np.testing.assert_allclose(first[-1], centre + 1.3 * size * base, rtol=1e-12)
+            for tip in centre + size * tips:
+                assert sum(bool(np.allclose(bar, [centre, tip])) for bar in pins) == 1
+    np.testing.assert_allclose(sizes, sizes[0], rtol=1e-9)
+
+
 @pytest.mark.parametrize("line", [SPATIAL, TRUCK])
-def test_space_has_one_scale_and_y_upwards(line: Driveline) -> None:
-    axes: Any = plots.plot_driveline(line)
-    axes.figure.canvas.draw()
-    points = np.vstack([np.zeros(3), np.eye(3)])
-    x, y, _ = proj3d.proj_transform(*points.T, axes.get_proj())
-    spans = np.stack([x[1:] - x[0], y[1:] - y[0]])
-    # In parallel projection the squares of each row of a rotation add up alike, and the rows
-    # are perpendicular.
-    assert spans[0] @ spans[0] == pytest.approx(spans[1] @ spans[1])
-    assert spans[0] @ spans[1] == pytest.approx(0.0, abs=1e-9 * float(spans[0] @ spans[0]))
-    assert spans[0][0] > 0.0  # x to the right
-    assert spans[0][1] == pytest.approx(0.0, abs=1e-12)
-    assert spans[1][1] > 0.0  # y upwards
-    limits = axes.viewLim
-    for ends in (np.transpose(each.get_data_3d()) for each in axes.get_lines()):
-        seen = np.array(proj3d.proj_transform(*ends.T, axes.get_proj()))
-        assert np.all((limits.x0 < seen[0]) & (seen[0] < limits.x1))
+def test_a_driveline_is_not_mirrored(line: Driveline) -> None:
+    right, up, viewer = View.of(line.directions).axes
+    np.testing.assert_allclose(np.cross(right, up), viewer, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm([right, up, viewer], axis=1), 1.0)
+    assert right[0] > 0.8  # x to the right
+    assert up[1] > 0.8  # y upwards
+    assert viewer[2] > 0.8  # z towards the reader
+    assert viewer[0] < 0.0  # who sees the drive's end
+    axes = plots.plot_driveline(line)
+    places = {text.get_text(): text.get_position() for text in axes.texts}
+    assert places["drive"][0] < places["output"][0]
+    assert "looking from the drive towards the output" in places
+    # The axes beside it have the directions of the view.
+    size = axes.bbox.size
+    origin = np.array([13.0, 11.0])
+    for i, name in enumerate("xyz"):
+        towards = np.array(places[name]) * size * 72.0 / axes.figure.dpi - origin
+        along = np.array([right[i], up[i]])
+        np.testing.assert_allclose(
+            towards / np.linalg.norm(towards), along / np.linalg.norm(along), atol=1e-9
+        )
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_any_direction_points_to_the_right(axis: int, sign: float) -> None:
+    directions = np.zeros((3, 3))
+    directions[:, axis] = sign
+    right, up, viewer = View.of(directions).axes
+    assert sign * right[axis] > 0.8
+    np.testing.assert_allclose(np.cross(right, up), viewer, atol=1e-12)
+    # Shafts that come back are seen as the drive's shaft lies.
+    back = np.concatenate([directions, -directions])
+    np.testing.assert_array_equal(View.of(back).axes, [right, up, viewer])
+    # A shaft along the line of sight can be drawn, too.
+    assert np.isfinite(
+        np.concatenate(space.tube(viewer, 3 * viewer, 1.0, View.of(directions)))
+    ).all()
+
+
+def test_labels_cover_no_part_of_a_driveline(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in IN_SPACE:
+        axes = PICTURES[name][1]()
+        figure = axes.get_figure()
+        assert isinstance(figure, Figure)
+        found = texts(figure, monkeypatch)
+        for line in axes.get_lines():
+            seen = line.get_transform().transform(line.get_xydata())
+            if not seen.size:
+                continue
+            starts, steps = seen[:-1, None], np.diff(seen, axis=0)[:, None]
+            dense = (starts + np.linspace(0, 1, 20)[:, None] * steps).reshape(-1, 2)
+            for text, box in found:
+                x, y = dense.T
+                inside = (box.x0 < x) & (x < box.x1) & (box.y0 < y) & (y < box.y1)
+                assert not inside.any(), (name, text)
+
+
+def test_bends_and_phases_are_named() -> None:
+    axes = plots.plot_driveline(TRUCK, points=POINTS)
+    named = {text.get_text() for text in axes.texts}
+    for joint, bend in enumerate(np.degrees(TRUCK.bends)):
+        assert f"joint {joint}\n{bend:.3g}°" in named
+    for shaft, phase in ((1, "17.19"), (2, "\N{MINUS SIGN}40.11")):
+        assert f"shaft {shaft}\nphase {phase}°" in named
+
+
+def test_bends_lie_in_their_planes() -> None:
+    for joint, centre in enumerate(np.array(POINTS)[1:-1]):
+        before, after = TRUCK.directions[joint : joint + 2]
+        area = space.wedge(centre, before, after, 2.0) - centre
+        np.testing.assert_allclose(area @ TRUCK.normals[joint], 0.0, atol=1e-9)
+        np.testing.assert_allclose(area[[1, -1]], 2.0 * np.array([before, after]), atol=1e-12)
+        np.testing.assert_allclose(np.linalg.norm(area[1:], axis=1), 2.0)
+
+
+def test_a_scene_of_points_is_drawn_with_its_lengths() -> None:
+    path = next(path for path in EXAMPLES if path.stem == "string_by_points")
+    result = Scene.load(path).run()
+    (axes,) = (axes for axes in drawn(result).axes if axes.get_label() == "driveline")
+    right, up = View.of(result.scene.line.directions).axes[:2]
+    centres = [lines_named(axes, f"pin {joint}")[0][0] for joint in range(3)]
+    np.testing.assert_allclose(centres, np.array(POINTS)[1:-1] @ np.stack([right, up]).T)
 
 
 def test_drivelines_that_make_no_picture() -> None:
@@ -814,8 +1041,6 @@ def test_drivelines_that_make_no_picture() -> None:
     moved[3, 1] = -100
     with pytest.raises(ValueError, match=r"points\[2\] and \[3\] do not lie along shaft 2"):
         plots.plot_driveline(TRUCK, points=moved)
-    with pytest.raises(ValueError, match="projection 'rectilinear'; this picture needs '3d'"):
-        plots.plot_driveline(TRUCK, ax=given_axes())
 
 
 @pytest.mark.parametrize("name", ["angle error", "map", "truck"])
@@ -828,3 +1053,52 @@ def test_saved_pictures_are_the_same_every_time(name: str, tmp_path: Path) -> No
     assert text == (tmp_path / "other.svg").read_bytes()
     assert b"dc:date" not in text
     assert float(re.findall(rb'width="([0-9.]+)pt"', text)[0]) == pytest.approx(80 / 25.4 * 72)
+
+
+# --- pictures of the documentation -----------------------------------------------------------
+
+DRAWINGS = DOCS / "drawings"
+
+
+def drawings() -> list[Any]:
+    sys.path.insert(0, str(DRAWINGS))
+    try:
+        return [draw() for draw in importlib.import_module("draw").DRAWINGS]
+    finally:
+        sys.path.remove(str(DRAWINGS))
+
+
+def test_labels_of_drawings_lie_in_them_and_clear_of_lines() -> None:
+    for drawing in drawings():
+        boxes = [(text, Bbox.from_extents(box)) for text, box in drawing.labels]
+        pairs = np.array([pair for line in drawing.lines for pair in pairwise(line)])
+        starts, steps = pairs[:, :1], np.diff(pairs, axis=1)
+        drawn = (starts + np.linspace(0, 1, 99)[:, None] * steps).reshape(-1, 2)
+        for text, box in boxes:
+            assert min(box.x0, box.y0) >= 0, text
+            assert box.x1 <= drawing.size[0], text
+            assert box.y1 <= drawing.size[1], text
+            x, y = drawn.T
+            inside = (box.x0 < x) & (x < box.x1) & (box.y0 < y) & (y < box.y1)
+            assert not inside.any(), text
+        for (one, here), (other, there) in combinations(boxes, 2):
+            assert not here.overlaps(there), (one, other)
+
+
+@pytest.mark.parametrize("path", sorted(DOCS.rglob("*.svg")), ids=lambda path: path.name)
+def test_letters_of_pictures_are_outlines(path: Path) -> None:
+    """What a browser sets in a font of its own could be cut."""
+    assert "<text" not in path.read_text("utf-8")
+
+
+@pytest.mark.parametrize("name", ["foeppl.svg", "pictures/driveline.svg"])
+def test_committed_pictures_are_up_to_date(name: str, tmp_path: Path) -> None:
+    committed = (DOCS / name).read_bytes()
+    if f"Matplotlib v{matplotlib.__version__}," not in committed.decode():
+        pytest.skip("they were drawn with another version of matplotlib")
+    if name == "foeppl.svg":
+        write_picture(foeppl(), tmp_path / "a.svg")
+    else:
+        axes = plots.plot_driveline(Driveline.from_points(POINTS), points=POINTS)
+        plots.save(axes.get_figure(root=True), tmp_path / "a.svg")  # type: ignore[arg-type]
+    assert (tmp_path / "a.svg").read_bytes() == committed

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import zipfile
 from pathlib import Path
@@ -132,6 +133,39 @@ def test_csv_messages(tmp_path: Path, text: str, message: str) -> None:
     assert str(caught.value).startswith(f"{path}: {message}")
     if "limit" not in message:
         assert str(caught.value) == f"{path}: {message}"
+
+
+@pytest.mark.parametrize("row", [0, 1, 4096, 4097, 9999])
+@pytest.mark.parametrize(
+    ("cells", "read"),
+    [
+        ("1e3,2", [1e3, 2.0]),
+        (",2", [np.nan, 2.0]),
+        (" ,\t", [np.nan, np.nan]),
+        ("nan,NaN", [np.nan, np.nan]),
+        ("1_0,2", "column 'angle' is '1_0'; it must be a number, without underscores"),
+        ("1,x", "column 'bend' is 'x'; it must be a number"),
+        ("1,-inf", "column 'bend' is -inf; it must be finite"),
+        ("1,٣", "column 'bend' is '٣'; it must be a number"),
+        ("1", "has 1 cell, the header 2; every row must have as many cells as the header"),
+        ("1,2,3", "has 3 cells, the header 2; every row must have as many cells as the header"),
+    ],
+)
+def test_long_csv(tmp_path: Path, row: int, cells: str, read: list[float] | str) -> None:
+    """A cell is read alike wherever it is, and the first wrong one is named."""
+    path = tmp_path / "a.csv"
+    lines = ["angle,bend", *(f"{i},{-i}" for i in range(10_000))]
+    lines[row + 1] = cells
+    if isinstance(read, str):
+        lines += ["later", "later,later"]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    if isinstance(read, str):
+        with pytest.raises(ValueError, match=rf"a\.csv: line {row + 2}[, ].*{re.escape(read)}"):
+            read_columns(path, ["angle", "bend"])
+        return
+    want = np.arange(10_000.0)[:, np.newaxis] * [1, -1]
+    want[row] = read
+    np.testing.assert_array_equal(np.stack(read_columns(path, ["angle", "bend"]), -1), want)
 
 
 def test_decimal_commas_in_a_single_column(tmp_path: Path) -> None:

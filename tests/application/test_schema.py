@@ -15,18 +15,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cardan.figures.extremes import study_data
-from cardan.figures.summary import summary, summary_data
+from cardan.figures.run import run_data
+from cardan.figures.schema import answers_schema
+from cardan.figures.summary import drive_angles, summary
 from cardan.scene import Scene
 from cardan.scene.curves import columns, study_columns
 from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
-from cardan.words.summary import study_text, summary_text
+from cardan.words.study import study_text
+from cardan.words.summary import summary_text
 from scene_values import VALUES, as_toml
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 VALIDATOR = jsonschema.Draft202012Validator(Scene.schema())
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 
 
 def test_schema_is_a_schema() -> None:
@@ -217,12 +220,13 @@ def shows(scene: Scene) -> None:
         assert "[study] at " in str(error)  # noqa: PT017 - either may be
         return
     for radians in (False, True):
-        assert summary_text(summary(result), radians=radians)
-        assert json.dumps(summary_data(summary(result), radians=radians), allow_nan=False)
+        rows, angles = summary(result), drive_angles(scene, radians=radians)
+        assert summary_text(rows, angles, radians=radians)
+        answer = run_data(scene, rows, result.study, [], radians=radians)
+        ANSWERS.validate(json.loads(json.dumps(answer, allow_nan=False)))
         assert columns(result, radians=radians)
         if result.study:
-            assert study_text(result.study, radians=radians)
-            assert json.dumps(study_data(result.study), allow_nan=False)
+            assert study_text(result.study, angles, radians=radians)
             assert study_columns(result.study, radians=radians)
 
 

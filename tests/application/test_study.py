@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from cardan.figures.extremes import study_data
+from cardan.figures.extremes import End, extremes, study_data
+from cardan.figures.summary import drive_angles
 from cardan.scene import Scene, axes, study
 from cardan.scene.curves import study_columns
 from cardan.scene.study import Axis, Column, StudyResult
-from cardan.words.summary import study_text
+from cardan.words.study import study_text
 
 TWO = "[driveline]\nbends_deg = [10, 20]\nphases_deg = [30]\n"
 SWEEP = "[sweep]\nsamples_per_turn = 24\n"
@@ -310,19 +311,47 @@ def test_extremes_leave_out_what_is_not_a_number() -> None:
         "alike": np.array([2.0, 2.0 - 1e-15, 2.0 + 1e-15, 2.0]),
         "apart": np.array([2.0, 2.0 - 1e-8, 2.0 + 1e-8, 2.0]),
     }
-    result = StudyResult((axis,), tuple(Column(name, "1") for name in values), values)
-    figures = study_data(result)["figures"]
-    at = {"least_at": {"bends_deg": 3.0}, "largest_at": {"bends_deg": 4.0}}
-    assert figures["some"] == {"least": 0.5, "largest": 7.0, **at}
-    assert figures["none"] == {"least": None, "largest": None}
-    assert (figures["endless"]["least"], figures["endless"]["largest"]) == (1.0, None)
-    assert study_text(result).splitlines()[2:8] == [
-        "some       0.50 (3) to 7.00 (4)",
-        "none       not finite",
-        "endless    not finite",
-        "same       2.000",
-        "alike      2.000",
-        "apart      2.000 (2) to 2.000 (3)",
+    columns = tuple(Column(name, "1", "k", "shaft", 1, "value") for name in values)
+    result = StudyResult((axis,), columns, values)
+    figures = {each.name: each for each in extremes(result)}
+    assert figures["some"].least == End(0.5, {"bends_deg": 3.0})
+    assert figures["some"].largest == End(7.0, {"bends_deg": 4.0})
+    assert math.isnan(figures["none"].least.value)
+    assert figures["endless"].least == End(1.0, {"bends_deg": 1.0})
+    assert figures["endless"].largest == End(math.inf, {"bends_deg": 2.0})
+    assert figures["alike"].least.at == {}
+    entries = {entry["column"]: entry for entry in study_data(result, 1)["figures"]}
+    assert entries["none"]["least"] == {"value": None, "at": []}
+    assert entries["endless"]["largest"]["value"] is None
+    assert study_text(result, {}).split("\n\n")[1].splitlines() == [
+        "some",
+        "  least    0.50 at bends_deg = 3",
+        "  largest  7.00 at bends_deg = 4",
+        "none     not finite",
+        "endless  not finite",
+        "same     2.000",
+        "alike    2.000",
+        "apart",
+        "  least    2.000 at bends_deg = 2",
+        "  largest  2.000 at bends_deg = 3",
+    ]
+
+
+def test_the_best_driveline_is_named_by_what_it_depends_on() -> None:
+    """Two joints that cancel do so at any speed, however their roundings differ."""
+    scene = Scene.parse(
+        "[driveline]\nbends_deg = [14, 9]\n[load]\nspeed_rpm = 1\ndrive_torque_Nm = 10\n"
+        "[study]\nbends_deg.0-1 = {from = 5, to = 15, steps = 3}\nspeed_rpm = [1, 2]\n"
+        "phases_deg = {from = -20, to = 0, steps = 3}\n"
+        "[output]\nquantities = ['torque', 'speed_ratio']\nreduce = ['peak', 'mean']\n"
+    )
+    result = scene.run().study
+    assert result
+    text = study_text(result, drive_angles(scene))
+    assert text.split("\n\n")[2].splitlines() == [
+        "Best driveline",
+        "  by equivalent_bend_deg, non_uniformity, max_angle_error_deg, torque_peak_Nm:",
+        "    phases_deg = 0",
     ]
 
 

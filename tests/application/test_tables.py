@@ -16,9 +16,11 @@ from pyarrow import parquet  # noqa: E402
 
 from cardan import Driveline, Load  # noqa: E402
 from cardan.command import commands  # noqa: E402
+from cardan.figures.summary import drive_angles  # noqa: E402
 from cardan.files import map_parquet, recording  # noqa: E402
 from cardan.scene import Scene, stream  # noqa: E402
 from cardan.scene.curves import write_curves  # noqa: E402
+from cardan.words.summary import angles_text, few_samples_text  # noqa: E402
 
 ROWS = 1000
 RANDOM = np.random.default_rng(6)
@@ -60,7 +62,7 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
     whole = tmp_path / "whole.parquet"
     write_curves(Scene.load(scene).run(), whole, radians=radians)
     steps: list[tuple[int, int]] = []
-    path, written, missing = stream(
+    path, written, missing, ends, turns = stream(
         scene,
         tmp_path,
         radians=radians,
@@ -68,6 +70,9 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
         progress=lambda done, total: steps.append((done, total)),
     )
     assert (path, written, missing) == (tmp_path / "out.parquet", ROWS, 0)
+    found = drive_angles(Scene.load(scene))
+    assert ends == (found["first_deg"], found["last_deg"])
+    assert turns == pytest.approx(found["turns"])
     assert parquet.read_table(path).equals(parquet.read_table(whole))
     assert steps[-1] == (ROWS, ROWS)
     assert len(steps) >= ROWS // rows
@@ -77,8 +82,11 @@ def test_the_command_says_how_fast(scene: Path, tmp_path: Path) -> None:
     result = CliRunner().invoke(commands(), ["stream", str(scene), "--into", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert result.output.startswith(f"wrote {tmp_path / 'out.parquet'} (1000 rows, ")
-    assert result.output.endswith(" million a second)\n")
-    assert result.stderr == ""
+    rate, angles = result.stdout.splitlines()
+    assert rate.endswith(" million a second)")
+    found = drive_angles(Scene.load(scene))
+    assert angles == f"drive angles {angles_text(found)}"
+    assert result.stderr == (f"cardan: {few_samples_text(found['samples_per_turn'])}\n")
 
 
 def test_a_plan_for_a_column(scene: Path, tmp_path: Path) -> None:

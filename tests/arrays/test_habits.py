@@ -140,8 +140,8 @@ def test_tables_of_notebooks() -> None:
     assert "<td>torque</td><td>N m</td><td>(25,)</td>" in html
     assert "<td>no numbers</td>" in ONE.evaluate(np.nan)._repr_html_()
     html = ONE.check(100.0)._repr_html_()
-    assert "<caption>The driveline does not pass.</caption>" in html
-    assert "<td>equivalent bend " in html
+    assert "<caption>The driveline is beyond the limits.</caption>" in html
+    assert "<td>equivalent bend</td>" in html
 
 
 # --- degrees -----------------------------------------------------------------------------------

@@ -17,6 +17,7 @@ import numpy as np
 import cardan.command.help_text as help_text
 from cardan import __version__
 from cardan.command.files import (
+    check_folder,
     check_for_cluster,
     check_output,
     missing_of,
@@ -33,17 +34,22 @@ from cardan.command.terminal import (
     say_before_files,
 )
 from cardan.errors import ArgumentValueError
-from cardan.figures.extremes import study_data
-from cardan.figures.limits import check_scene
-from cardan.figures.summary import summary, summary_data
+from cardan.figures.extremes import StudyTable
+from cardan.figures.limits import check_data, check_scene
+from cardan.figures.run import run_data
+from cardan.figures.schema import answers_schema
+from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
 from cardan.report import write_report
 from cardan.scene import starters
+from cardan.scene.cluster import StudyFolder
 from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
-from cardan.words.summary import study_text, summary_text
+from cardan.words.limits import check_text
+from cardan.words.study import study_text
+from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
 
 if TYPE_CHECKING:
@@ -150,34 +156,42 @@ def commands() -> click.Group:
         if on_cluster:
             check_for_cluster(whole, local, scheduler)
             loaded = replace(whole, study=None, table_file=None)
+            check_folder(into / str(whole.table_file))
         for name in (loaded.curves_file, loaded.table_file, loaded.picture_file):
             if name:
                 check_output(loaded, into / name)
         with progress_bar() as progress:
             result = loaded.run(progress)
         files = write_files(result, into, radians)
+        study: StudyTable | None = result.study
         if on_cluster:
+            assert whole.study
             files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
+            study = StudyFolder(whole.study, into / str(whole.table_file))
+        rows = summary(result)
+        angles = drive_angles(whole, radians=radians)
+        of_samples = whole.recording or (whole.study and whole.study.quantities)
+        warning = few_samples_text(angles["samples_per_turn"]) if of_samples else None
+        if warning:
+            say(f"cardan: {warning}", on_error=True)
         if as_json:
-            data: dict[str, Any] = {"title": loaded.title}
-            data["summary"] = summary_data(summary(result), radians=radians)
-            if loaded.missing:
-                data["missing_samples"] = loaded.missing
-            if result.study:
-                data["study"] = study_data(result.study, radians=radians)
-            say(as_json_text({**data, "files": list(files)}))
+            # The files first: of a study on a cluster they hold the figures.
+            written = list(files)
+            say(as_json_text(run_data(whole, rows, study, written, radians=radians)))
             return
-        if loaded.title:
-            say_before_files(f"{loaded.title}\n")
-        say_before_files(summary_text(summary(result), radians=radians))
-        if loaded.missing:
-            say_before_files(f"\n{missing_of(loaded)}")
+        if whole.title:
+            say_before_files(f"{whole.title}\n")
+        say_before_files(summary_text(rows, angles, radians=radians))
+        if whole.missing:
+            say_before_files(f"\n{missing_of(whole)}")
         if result.study:
-            say_before_files(f"\n{study_text(result.study, radians=radians)}")
+            say_before_files(f"\n{study_text(result.study, angles, radians=radians)}")
         for number, entry in enumerate(files):
             if number == 0:
                 say_before_files()
             say_before_files(wrote(**entry))
+        if study and not result.study:
+            say_before_files(f"\n{study_text(study, angles, radians=radians)}")
 
     @cardan.command(help=help_text.STREAM, short_help="Evaluate a recording of any length.")
     @scene_argument
@@ -187,15 +201,19 @@ def commands() -> click.Group:
         begun = time.perf_counter()
         try:
             with progress_bar("rows") as progress:
-                path, rows, missing = stream_curves(scene, into, radians=radians, progress=progress)
+                done = stream_curves(scene, into, radians=radians, progress=progress)
         except MemoryError:
             # It takes the angles by chunks already.
             hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
             raise click.ClickException(hint) from None
-        rate = rows / (time.perf_counter() - begun) / 1e6
-        say(f"wrote {path} ({rows} rows, {rate:.3g} million a second)")
-        if missing:
-            say(missing_samples(missing, rows, "the recording"))
+        rate = done.rows / (time.perf_counter() - begun) / 1e6
+        say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
+        angles = recorded_angles(done.rows, done.missing, done.ends_deg, done.turns, radians)
+        say(f"drive angles {angles_text(angles, radians=radians)}")
+        if warning := few_samples_text(angles["samples_per_turn"]):
+            say(f"cardan: {warning}", on_error=True)
+        if done.missing:
+            say(missing_samples(done.missing, done.rows, "the recording"))
 
     @cardan.command(help=help_text.EXPLAIN, short_help="Describe how a scene is evaluated.")
     @scene_argument
@@ -242,24 +260,8 @@ def commands() -> click.Group:
         loaded = Scene.load(scene)
         with progress_bar() as progress:
             found = check_scene(loaded, progress)
-        passes = bool(np.all(found.passes))
-        if as_json:
-            findings = [
-                {
-                    "name": finding.name,
-                    "worst": float(np.max(finding.value)),
-                    **({"worst_at": finding.worst_at} if finding.worst_at else {}),
-                    "limit": finding.limit,
-                    "maximum": finding.maximum,
-                    "unit": finding.unit,
-                    "passes": bool(np.all(finding.passes)),
-                }
-                for finding in found.findings
-            ]
-            say(as_json_text({"title": loaded.title, "passes": passes, "findings": findings}))
-        else:
-            say(str(found))
-        return 0 if passes else 1
+        say(as_json_text(check_data(loaded, found)) if as_json else check_text(found))
+        return 0 if np.all(found.passes) else 1
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")
     @scene_argument
@@ -269,9 +271,10 @@ def commands() -> click.Group:
         say(as_json_text(data) if as_json else yoke_text(data))
 
     @cardan.command(help=help_text.SCHEMA, short_help="Print the JSON Schema of scenes.")
+    @click.option("--answers", is_flag=True, help="The schema of the answers of --json instead.")
     @output_option("File to write; default: standard output.")
-    def schema(output: Path | None) -> None:
-        text = as_json_text(Scene.schema())
+    def schema(answers: bool, output: Path | None) -> None:
+        text = as_json_text(answers_schema() if answers else Scene.schema())
         if output is None:
             say(text)
             return

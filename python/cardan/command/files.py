@@ -79,6 +79,12 @@ def check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) ->
     import_optional("pyarrow", "table")
 
 
+def check_folder(path: Path) -> None:
+    """Refuse a file in the place of the folder of a study, before the work is done."""
+    if path.exists() and not path.is_dir():
+        raise ValueError(f"{path} is a file; a study on a cluster writes a folder of that name")
+
+
 def write_on_cluster(
     scene: Scene, into: Path, radians: bool, local: int | None, scheduler: str | None
 ) -> Iterator[dict[str, Any]]:

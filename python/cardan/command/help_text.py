@@ -19,8 +19,8 @@ that is ready to run:
 
 "cardan run --help" lists all keys of a scene. "cardan COMMAND --help" shows more examples.
 
-Exit status: 0 for success, 1 if "check" found a limit exceeded, 2 for invalid input (one line says
-what is wrong), 130 for an interrupt.
+Exit status: 0 for success, 1 if "check" found the driveline beyond a limit, 2 for invalid input (one
+line says what is wrong), 130 for an interrupt.
 """
 
 # The mark keeps click from filling a paragraph.
@@ -79,12 +79,16 @@ one key, a map over two.
 """
 
 CHECK = """\
-Check a scene against the limits of the catalogues and of practice.
+Compare a scene with the limits of driveshaft catalogues and of practice.
 
-The equivalent bend must not exceed 3 deg; with a speed given, the excitation by the last shaft and
-by the shafts between is checked as well. In a study every driveline must keep the limits, and each
-figure is the worst of them, with its place. The exit status is 0 if all limits are kept and 1 if
-not.
+By default the only limit is that of the catalogues: an equivalent bend of 3 deg. The section
+[limits] of the scene adds the limits of a kind of machine (preset = "truck" or "industrial") or
+your own figures, and each limit is printed with its source. With a speed given, the excitation by
+the last shaft and by the shafts between two joints is printed as well.
+
+A figure is within its limit, tolerable (above the limit but not above the maximum) or beyond. The
+exit status is 0 for within and tolerable, and 1 for beyond. In a study every driveline counts, and
+each figure is the worst of them, with its place.
 
 \b
 Examples:
@@ -134,8 +138,11 @@ Examples:
 SCHEMA = """\
 Print the JSON Schema of scenes, by which editors complete and check them.
 
+With "--answers": the schema of what "--json" prints.
+
 \b
 Examples:
   cardan schema
   cardan schema --output scene.schema.json
+  cardan schema --answers
 """

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.check import MAX_EQUIVALENT_BEND
 from cardan.driveline import Driveline
 from cardan.figures.rounding import ROUNDING, equivalent_bend_deg
+from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.workshop import turn
 
 ARRANGEMENTS = ("straight", "single bend", "W", "Z", "planar", "spatial")

@@ -2,12 +2,58 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Literal
 
 VERSION = 1
 """Version of the answers. It grows when a key changes its name or meaning, not for a new key."""
 
+ANGLE = ("deg", "rad")
+"""Endings of keys that hold angles: degrees, or with ``--radians`` radians."""
 
-def answer(kind: Literal["run", "check", "phase"], title: str, **fields: Any) -> dict[str, Any]:  # noqa: ANN401 - plain data
+_Kind = Literal["run", "check", "phase"]
+_Schemas = Mapping[str, Any]
+
+
+def answer(kind: _Kind, title: str, **fields: Any) -> dict[str, Any]:  # noqa: ANN401 - plain data
     """Return an answer as plain data for JSON, with what every answer begins with."""
     return {"answer": kind, "version": VERSION, "title": title, **fields}
+
+
+def answer_schema(
+    kind: _Kind, description: str, needed: _Schemas, optional: _Schemas | None = None
+) -> dict[str, Any]:
+    """Return the JSON Schema of an answer.
+
+    Args:
+        kind: which answer.
+        description: what it is.
+        needed: schemas of the keys that it always has beside those of every answer.
+        optional: schemas of the keys that it may have.
+    """
+    head = {
+        "answer": {"const": kind},
+        "version": {"const": VERSION},
+        "title": {"type": "string", "description": "heading of the scene, or empty"},
+    }
+    return {"description": description, **record({**head, **needed}, optional)}
+
+
+def record(needed: _Schemas, optional: _Schemas | None = None) -> dict[str, Any]:
+    """Return the schema of an object with these keys and no others."""
+    return {
+        "type": "object",
+        "properties": {**needed, **(optional or {})},
+        "required": list(needed),
+        "additionalProperties": False,
+    }
+
+
+def one_of(
+    needed: _Schemas, *choices: _Schemas, optional: _Schemas | None = None
+) -> dict[str, Any]:
+    """Return the schema of an object that also has exactly one key of each choice."""
+    chosen = {key: value for choice in choices for key, value in choice.items()}
+    schema = record(needed, {**chosen, **(optional or {})})
+    schema["allOf"] = [{"oneOf": [{"required": [key]} for key in choice]} for choice in choices]
+    return schema

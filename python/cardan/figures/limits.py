@@ -1,19 +1,34 @@
-"""Whether a scene, or all of its study, keeps the limits."""
+"""Whether a scene, or all of its study, is within the limits."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.check import Check
+from cardan.figures.answers import VERSION, answer
+from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
 from cardan.files.progress import Progress
+from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.scene import Scene
 from cardan.scene.study import Study
+from cardan.scene.units import RPM
+
+_ENDINGS = {"deg": "deg", "rad/s²": "rad_s2"}
+
+_PRACTICE = {
+    "bend_difference": "deg",
+    "torsional_excitation": "rad_s2",
+    "inertia_excitation_driving": "rad_s2",
+    "inertia_excitation_coasting": "rad_s2",
+}
 
 
 def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
@@ -22,19 +37,30 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
     ``progress`` is called after each block of the study with the rows done and all rows.
     """
     if scene.study is None or not scene.study.axes:
-        return scene.without_missing().line.check(scene.speed or None)
+        return scene.without_missing().line.check(scene.speed or None, scene.limits)
+    turns = scene.speed != 0.0 or any(axis.key.startswith("speed_") for axis in scene.study.axes)
     blocks = []
     rows = math.prod(scene.study.shape)
     for first, line, load in scene.study.blocks():
-        speed = load.speed if load and np.any(load.speed) else None
-        blocks.append(line.check(speed).findings)
+        speed = load.speed if load and turns else None
+        blocks.append(line.check(speed, scene.limits).findings)
         if progress:
             progress(first + line.shape[0], rows)
     findings = []
     for parts in zip(*blocks, strict=True):
-        value = np.concatenate([np.ravel(part.value) for part in parts])
-        findings.append(replace(parts[0], value=value, worst_at=_worst_at(scene.study, value)))
-    return Check(tuple(findings))
+        value = _joined([part.value for part in parts])
+        at_unit_speed = None
+        if parts[0].at_unit_speed is not None:
+            at_unit_speed = _joined([part.at_unit_speed for part in parts])
+        worst_at = {} if parts[0].needs_speed else _worst_at(scene.study, value)
+        findings.append(
+            replace(parts[0], value=value, at_unit_speed=at_unit_speed, worst_at=worst_at)
+        )
+    return Check(tuple(findings), scene.limits)
+
+
+def _joined(parts: Sequence[FloatArray | None]) -> FloatArray:
+    return np.concatenate([np.ravel(np.asarray(part)) for part in parts])
 
 
 def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
@@ -47,3 +73,139 @@ def _worst_at(study: Study, value: FloatArray) -> dict[str, float]:
         if not alike(float(np.min(along)), float(np.max(along))):
             found[axis.key] = float(axis.values[place[number]])
     return found
+
+
+def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[str, Any]:
+    """Return a check as plain data for JSON, as ``SCHEMA`` describes it.
+
+    Args:
+        scene: the scene that was checked.
+        found: its check.
+        advice: what would bring it within the limits, a sentence each.
+    """
+    by_figure = {finding.figure: finding for finding in found.findings}
+    practice = {
+        figure: _entry(by_figure[figure]) if figure in by_figure else None for figure in _PRACTICE
+    }
+    return answer(
+        "check",
+        scene.title,
+        **_verdict(found.ranks),
+        passes=bool(np.all(found.passes)),
+        preset=found.limits.preset,
+        catalogue={
+            **_verdict(found.catalogue.ranks),
+            "equivalent_bend": _entry(by_figure["equivalent_bend"]),
+        },
+        practice={**_verdict(found.practice.ranks), **practice},
+        advice=list(advice),
+    )
+
+
+def _verdict(ranks: NDArray[np.int_]) -> dict[str, Any]:
+    """The worst verdict, and how many drivelines have which."""
+    counts = {
+        name.replace(" ", "_"): int(np.count_nonzero(ranks == rank))
+        for rank, name in enumerate(VERDICTS)
+    }
+    return {"verdict": VERDICTS[int(np.max(ranks, initial=0))], "drivelines": counts}
+
+
+def _entry(finding: Finding) -> dict[str, Any]:
+    """One figure as plain data."""
+    unit, limit = _ENDINGS[finding.unit], finding.limit
+    entry = {
+        **_verdict(finding.ranks),
+        f"value_{unit}": finite_or_none(finding.worst),
+        f"limit_{unit}": limit.limit if limit else None,
+        f"maximum_{unit}": limit.maximum if limit else None,
+        f"margin_{unit}": finite_or_none(limit.limit - finding.worst) if limit else None,
+        "source": limit.source if limit else None,
+        "worst_at": dict(finding.worst_at),
+    }
+    if finding.figure == "equivalent_bend" and limit:
+        entry["non_uniformity"] = finite_or_none(non_uniformity(finding.worst))
+        entry["non_uniformity_limit"] = non_uniformity(limit.limit)
+    if finding.at_unit_speed is not None:
+        for name, speeds in (
+            ("within_up_to_rpm", finding.within_up_to),
+            ("tolerable_up_to_rpm", finding.tolerable_up_to),
+        ):
+            entry[name] = finite_or_none(float(np.min(speeds, initial=math.inf)) / RPM)
+    return entry
+
+
+def _object(properties: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+        "additionalProperties": False,
+    }
+
+
+_NUMBER = {"type": ["number", "null"]}
+_JUDGED = {
+    "verdict": {"enum": list(VERDICTS)},
+    "drivelines": _object(
+        {name.replace(" ", "_"): {"type": "integer", "minimum": 0} for name in VERDICTS}
+    ),
+}
+
+
+def _entry_schema(unit: str, more: Sequence[str]) -> dict[str, Any]:
+    return _object(
+        {
+            **_JUDGED,
+            **{f"{name}_{unit}": _NUMBER for name in ("value", "limit", "maximum", "margin")},
+            "source": {"type": ["string", "null"]},
+            "worst_at": {"type": "object", "additionalProperties": {"type": "number"}},
+            **dict.fromkeys(more, _NUMBER),
+        }
+    )
+
+
+_SPEEDS = ("within_up_to_rpm", "tolerable_up_to_rpm")
+
+SCHEMA: dict[str, Any] = {
+    "title": "Answer of cardan check",
+    **_object(
+        {
+            "answer": {"const": "check"},
+            "version": {"const": VERSION},
+            "title": {"type": "string"},
+            **_JUDGED,
+            "passes": {"type": "boolean"},
+            "preset": {"type": ["string", "null"]},
+            "catalogue": _object(
+                {
+                    **_JUDGED,
+                    "equivalent_bend": _entry_schema(
+                        "deg", ("non_uniformity", "non_uniformity_limit")
+                    ),
+                }
+            ),
+            "practice": _object(
+                {
+                    **_JUDGED,
+                    **{
+                        figure: {
+                            "oneOf": [
+                                _entry_schema(unit, _SPEEDS if unit == "rad_s2" else ()),
+                                {"type": "null"},
+                            ]
+                        }
+                        for figure, unit in _PRACTICE.items()
+                    },
+                }
+            ),
+            "advice": {"type": "array", "items": {"type": "string"}},
+        }
+    ),
+}
+"""JSON Schema (draft 2020-12) of what ``check_data`` returns.
+
+``value`` is the worst of a batch, a study or recorded bends, and ``worst_at`` the keys of a study
+at which it occurs; ``drivelines`` counts them by verdict. A figure that the driveline does not have
+is null, and so is a speed that is never reached.
+"""

@@ -11,8 +11,9 @@ from cardan.equivalent import EquivalentJoint
 ROUNDING = 1e-9
 """Values that differ by less than this share of their size differ by rounding only."""
 
-# What joints leave of each other's k below this share is rounding of the geometry, not motion.
-_CANCELLED = 1e-12
+CANCELLED = 1e-12
+"""What joints leave of each other's k, and loads of each other's moments, below this share is
+rounding of the geometry."""
 
 
 def alike(low: float, high: float) -> bool:
@@ -55,4 +56,4 @@ def equivalent_bend_deg(line: Driveline) -> float:
 
 def is_cancelled(line: Driveline, joint: EquivalentJoint) -> bool:
     """Whether what is left of a shaft's motion is rounding of joints that cancel each other."""
-    return bool(joint.k <= _CANCELLED * np.max(np.tan(line.bends / 2.0) ** 2))
+    return bool(joint.k <= CANCELLED * np.max(np.tan(line.bends / 2.0) ** 2))

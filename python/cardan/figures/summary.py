@@ -3,168 +3,282 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.equivalent import EquivalentJoint
 from cardan.figures.extremes import finite_or_none
-from cardan.figures.rounding import first_peak, is_cancelled
+from cardan.figures.rounding import CANCELLED, first_peak, is_cancelled
+from cardan.figures.turn_extremes import magnitudes, peak
+from cardan.outputs import OUTPUTS, Output
 from cardan.scene.scene import Scene, SceneResult
-from cardan.scene.units import RPM, in_degrees
+from cardan.scene.units import RPM, ending_of, in_degrees
+
+Statistic = Literal["value", "min", "max", "peak"]
+"""What a figure is: the value itself, the least, the largest, the largest magnitude."""
+
+Of = Literal["driveline", "turn", "samples"]
+"""Of what it is: of the driveline itself, of a whole turn of the drive, of recorded samples."""
+
+# What a turn repeats, and what has closed forms; of the others the extremes are searched.
+_NOT_SEARCHED = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of the table.
+    """One figure of the table.
 
     Attributes:
-        label: what it is.
-        values: a figure, or one per joint or shaft; a range if ``is_range``.
-        unit: unit of the values, "" for a ratio.
-        at_deg: drive angle in degrees where the value occurs, if it has a place.
-        is_range: whether the two values are the ends of a range.
+        quantity: what it is: the name of an output, or what the driveline has.
+        per: ``"shaft"`` or ``"joint"``.
+        item: of which.
+        statistic: what is told of the quantity.
+        value: the figure.
+        unit: its unit, "" for a ratio.
+        of: over what the statistic is.
+        at_deg: drive angle in degrees at which the value occurs, the first one of the scene;
+            ``None`` if it occurs everywhere, or not between the scene's drive angles.
     """
 
-    label: str
-    values: tuple[float, ...]
+    quantity: str
+    per: Literal["shaft", "joint"]
+    item: int
+    statistic: Statistic
+    value: float
     unit: str = ""
+    of: Of = "turn"
     at_deg: float | None = None
-    is_range: bool = False
-
-    def in_unit(self, radians: bool) -> tuple[float, ...]:
-        """Return the values, angles in radians if these are wanted."""
-        if self.unit == "deg" and radians:
-            return tuple(math.radians(value) for value in self.values)
-        return self.values
 
 
 def summary(result: SceneResult) -> list[Row]:
     """Return the table of a scene: geometry, motion of the shafts asked for, torques and moments.
 
-    Extremes of the motion are closed forms, those of torques and moments the largest samples of
-    the curves, as far as the scene evaluates them. Where the bends were recorded the motion has
-    no closed form either.
+    Extremes are of a whole turn, in closed form or found between samples, whatever part of it the
+    scene sweeps. Where the drive angles were recorded they are of the samples.
     """
-    return [*_geometry(result), *_motion(result), *_loads(result)]
+    rows = [*_geometry(result.scene), *_equivalent(result.scene)]
+    if result.scene.recording is not None:
+        return rows + list(_recorded(result))
+    return rows + list(_motion(result.scene)) + list(_searched(result.scene))
+
+
+def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
+    """Return the drive angles of a scene as plain data: where from, how many, from where to where.
+
+    ``turns`` is the way that the drive goes, forward and back.
+    """
+    degrees = scene.without_missing().drive_angle_deg
+    turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
+    ends = (float(degrees[0]), float(degrees[-1]))
+    found = recorded_angles(len(scene.drive_angle_deg), scene.missing, ends, turns, radians)
+    return found if scene.recording else {**found, "source": "sweep"}
+
+
+def recorded_angles(
+    samples: int, missing: int, ends_deg: tuple[float, float], turns: float, radians: bool
+) -> dict[str, Any]:
+    """Return recorded drive angles as plain data, from what is known of them."""
+    unit, turned = ("rad", math.radians) if radians else ("deg", float)
+    return {
+        "source": "recording",
+        "samples": samples,
+        "missing_samples": missing,
+        f"first_{unit}": turned(ends_deg[0]),
+        f"last_{unit}": turned(ends_deg[1]),
+        "turns": turns,
+        "samples_per_turn": (samples - missing - 1) / turns if turns else None,
+    }
 
 
 def summary_data(rows: Sequence[Row], *, radians: bool = False) -> list[dict[str, Any]]:
     """Return the table as plain data for JSON; what is not finite is ``None``."""
-    unit = "rad" if radians else "deg"
-    listed = []
-    for row in rows:
-        values = [finite_or_none(value) for value in row.in_unit(radians)]
-        entry: dict[str, Any] = {"label": row.label, "values": values}
-        entry["unit"] = unit if row.unit == "deg" else row.unit
-        if row.at_deg is not None:
-            entry[f"at_{unit}"] = finite_or_none(
-                math.radians(row.at_deg) if radians else row.at_deg
-            )
-        if row.is_range:
-            entry["range"] = True
-        listed.append(entry)
-    return listed
+    return [_entry(row, radians) for row in rows]
 
 
-def _geometry(result: SceneResult) -> Iterable[Row]:
-    line = result.scene.line
-    if line.shape:
-        for joint in range(line.n_joints):
-            yield _extent(f"bend, joint {joint}", np.degrees(line.bends[..., joint]), "deg")
-    else:
-        plural = "s" if line.n_joints > 1 else ""
-        yield Row(f"bend{plural}", _degrees(line.bends), "deg")
-    if line.n_joints > 1:
-        between = "shaft 1" if line.n_joints == 2 else f"shafts 1 to {line.n_joints - 1}"
+def _entry(row: Row, radians: bool) -> dict[str, Any]:
+    angle = "rad" if radians else "deg"
+    turned = math.radians if radians else float
+    entry: dict[str, Any] = {
+        "quantity": row.quantity,
+        row.per: row.item,
+        "statistic": row.statistic,
+        "of": row.of,
+    }
+    value = turned(row.value) if row.unit == "deg" else row.value
+    key = f"value_{angle}" if row.unit == "deg" else f"value{ending_of(row.unit)}"
+    entry[key] = finite_or_none(value)
+    if row.at_deg is not None:
+        entry[f"at_drive_angle_{angle}"] = turned(row.at_deg)
+    return entry
+
+
+def _geometry(scene: Scene) -> Iterator[Row]:
+    line = scene.line
+    for joint in range(line.n_joints):
+        yield from _extent("bend", "joint", joint, np.degrees(line.bends[..., joint]), "deg")
+    for name, array in (("twist", line.twists), ("phase", line.phases)):
         # Recorded bends leave the yokes as they are.
-        twists, phases = (
-            array.reshape(-1, line.n_joints - 1) for array in (line.twists, line.phases)
-        )
-        yield Row(f"twist of bend planes, {between}", _degrees(twists[0]), "deg")
-        yield Row(f"phase of forks, {between}", _degrees(phases[0]), "deg")
+        for i, angle in enumerate(array[(0,) * len(line.shape)]):
+            yield Row(name, "shaft", i + 1, "value", _within(angle), "deg", "driveline")
 
 
-def _motion(result: SceneResult) -> Iterable[Row]:
-    scene = result.scene
-    shafts = (scene.line.n_joints,) if scene.shafts is None else scene.shafts
-    named = "" if scene.shafts is None else f", shaft {shafts[0]}"
-    if scene.line.shape:
-        for shaft in shafts:
-            yield from _recorded_motion(result, shaft, named and f", shaft {shaft}")
-    elif len(shafts) == 1:
-        yield from _shaft_motion(scene, shafts[0], named)
-    else:
-        run = shafts == tuple(range(shafts[0], shafts[-1] + 1))
-        listed = f"{shafts[0]} to {shafts[-1]}" if run else ", ".join(map(str, shafts))
-        listed = f", shafts {listed}"
-        for rows in zip(*(_shaft_motion(scene, shaft, listed) for shaft in shafts), strict=True):
-            # Ranges and places of several shafts would not be read.
-            if not rows[0].is_range:
-                values = tuple(row.values[0] for row in rows)
-                yield Row(rows[0].label, values, rows[0].unit)
+def _equivalent(scene: Scene) -> Iterator[Row]:
+    joints = [(shaft, scene.line.equivalent(shaft)) for shaft in _shafts(scene)]
+    for name, unit in (("equivalent_bend", "deg"), ("non_uniformity", "")):
+        for shaft, joint in joints:
+            values = np.degrees(joint.bend) if unit else joint.non_uniformity
+            if not scene.line.shape and is_cancelled(scene.line, joint):
+                values = np.zeros(())
+            yield from _extent(name, "shaft", shaft, values, unit)
 
 
-def _recorded_motion(result: SceneResult, shaft: int, of_shaft: str) -> Iterable[Row]:
-    joint = result.scene.line.equivalent(shaft)
-    yield _extent(f"equivalent bend{of_shaft}", np.degrees(joint.bend), "deg")
-    yield _extent(f"non-uniformity U{of_shaft}", joint.non_uniformity)
+def _extent(
+    name: str, per: Literal["shaft", "joint"], item: int, values: FloatArray, unit: str
+) -> Iterator[Row]:
+    """The value, or the ends of what was recorded."""
+    if not np.ndim(values):
+        yield Row(name, per, item, "value", float(values), unit, "driveline")
+        return
+    for statistic, find in _ENDS:
+        yield Row(name, per, item, statistic, float(find(values)), unit, "samples")
+
+
+_ENDS: tuple[tuple[Statistic, Any], ...] = (("min", np.nanmin), ("max", np.nanmax))
+
+
+def _recorded(result: SceneResult) -> Iterator[Row]:
+    degrees = result.scene.drive_angle_deg
+    noise = _noise(result.scene)
     for output, item, values in result.curves():
-        if item != shaft or output.per != "shaft" or output.needs_load:
-            continue
-        yield _extent(f"{output.label}{of_shaft}", *in_degrees(values, output.unit))
+        if output.per == "shaft" and not output.needs_load:
+            shown, unit = in_degrees(values, output.unit)
+            for statistic, find in _ENDS:
+                value = float(find(shown))
+                yield Row(output.name, "shaft", item, statistic, value, unit, "samples")
+        elif output.needs_load:
+            sizes = magnitudes(output, values)
+            place, everywhere = first_peak(sizes)
+            value, at = float(np.nanmax(sizes)), None if everywhere else float(degrees[place])
+            if value <= noise:
+                value, at = 0.0, None
+            yield Row(output.name, output.per, item, "peak", value, output.unit, "samples", at)
 
 
-def _extent(label: str, values: FloatArray, unit: str = "") -> Row:
-    return Row(label, (float(np.nanmin(values)), float(np.nanmax(values))), unit, is_range=True)
+# Statistic, speed ratio, driving angle of the equivalent joint.
+_End = tuple[Statistic, float, float]
 
 
-def _shaft_motion(scene: Scene, shaft: int, of_shaft: str) -> Iterable[Row]:
+def _motion(scene: Scene) -> Iterator[Row]:
+    per_shaft = [list(_shaft_motion(scene, shaft)) for shaft in _shafts(scene)]
+    for same_quantity in zip(*per_shaft, strict=True):
+        yield from same_quantity
+
+
+def _shaft_motion(scene: Scene, shaft: int) -> Iterator[Row]:
     joint = scene.line.equivalent(shaft)
     slowest, fastest = float(joint.min_speed_ratio), float(joint.max_speed_ratio)
     acceleration = float(joint.max_acceleration_ratio)
-    error, bend = float(np.degrees(joint.max_angle_error)), float(np.degrees(joint.bend))
-    non_uniformity = float(joint.non_uniformity)
-    # Largest where tan**2 = cos(bend), counted from the equivalent joint's own plane.
-    place: float | None = float(
-        np.degrees(math.atan(math.sqrt(slowest)) - joint.angle_offset) % 180.0
-    )
-    if is_cancelled(scene.line, joint):
-        error = bend = non_uniformity = acceleration = 0.0
+    error = float(np.degrees(joint.max_angle_error))
+    still = is_cancelled(scene.line, joint)
+    if still:
+        error = acceleration = 0.0
         slowest = fastest = 1.0
-        place = None
 
-    yield Row(f"equivalent bend{of_shaft}", (bend,), "deg")
-    yield Row(f"largest angle error{of_shaft}", (error,), "deg", place)
-    yield Row(f"non-uniformity U{of_shaft}", (non_uniformity,))
-    yield Row(f"speed ratio{of_shaft}", (slowest, fastest), is_range=True)
+    def row(
+        name: str, statistic: Statistic, value: float, unit: str, driving: Sequence[float]
+    ) -> Row:
+        places = () if still else [place - float(joint.angle_offset) for place in driving]
+        return Row(
+            name, "shaft", shaft, statistic, value, unit, "turn", _first_place(scene, places)
+        )
+
+    # Driving angles of the equivalent joint; the error is largest where tan**2 = cos(bend).
+    lead, steep = math.atan(math.sqrt(slowest)), _steepest(joint)
+    ends: list[_End] = [("min", slowest, math.pi / 2), ("max", fastest, 0.0)]
+    yield row("angle_error", "peak", error, "deg", (lead, -lead))
+    for statistic, ratio, place in ends:
+        yield row("speed_ratio", statistic, ratio, "", (place,))
     speed = scene.speed
     if speed:
-        rpm = sorted(ratio * speed / RPM for ratio in (slowest, fastest))
-        yield Row(f"speed, shaft {shaft}", tuple(rpm), "rpm", is_range=True)
-    yield Row(f"largest acceleration ratio{of_shaft}", (acceleration,))
+        for statistic, ratio, place in ends if speed > 0.0 else _swapped(ends):
+            yield row("speed", statistic, ratio * speed / RPM, "rpm", (place,))
+    yield row("acceleration_ratio", "peak", acceleration, "", (steep, -steep))
     if speed:
-        steady = ", steady drive" if scene.accelerates else ""
         value = acceleration * speed * speed
-        yield Row(f"largest acceleration{of_shaft}{steady}", (value,), "rad/s²")
+        yield row("acceleration_at_steady_drive", "peak", value, "rad/s²", (steep, -steep))
 
 
-def _loads(result: SceneResult) -> Iterable[Row]:
-    for output, item, values in result.curves():
-        if output.needs_load:
-            sizes = np.linalg.norm(values, axis=-1) if output.vector else np.abs(values)
-            label = f"largest {output.label}, {output.per} {item}"
-            yield _peak(result, label, sizes)
+def _swapped(
+    ends: Iterable[tuple[Statistic, float, float]],
+) -> list[tuple[Statistic, float, float]]:
+    """The ends of a drive that turns backwards."""
+    (least, slowest, slow), (largest, fastest, fast) = ends
+    return [(least, fastest, fast), (largest, slowest, slow)]
 
 
-def _peak(result: SceneResult, label: str, sizes: FloatArray) -> Row:
-    place, all_alike = first_peak(sizes)
-    at = None if all_alike else result.scene.drive_angle_deg[place]
-    return Row(label, (float(np.nanmax(sizes)),), "N m", at)
+def _steepest(joint: EquivalentJoint) -> float:
+    """The driving angle at which the acceleration is largest.
+
+    Its cosine of twice the angle is (-p + sqrt(p**2 + 8))/2 with p = (2 - s)/s and s the square of
+    the bend's sine; multiplied through, s may be 0.
+    """
+    s = math.sin(float(joint.bend)) ** 2
+    return math.acos(min(1.0, 4.0 * s / (2.0 - s + math.hypot(2.0 - s, math.sqrt(8.0) * s)))) / 2.0
 
 
-def _degrees(angles: FloatArray) -> tuple[float, ...]:
+def _searched(scene: Scene) -> Iterator[Row]:
+    shafts = _shafts(scene)
+    joints = range(scene.line.n_joints) if scene.joints is None else scene.joints
+    noise = _noise(scene)
+    for name in scene.quantities:
+        output: Output = OUTPUTS[name]
+        if name in _NOT_SEARCHED:
+            continue
+        for item in shafts if output.per == "shaft" else joints:
+            found = peak(scene.line, name, item, scene.load_case if output.needs_load else None)
+            value, places = found.value, found.places
+            if value <= (noise if output.needs_load else CANCELLED):
+                value, places = 0.0, ()
+            if output.unit == "rad":
+                value = math.degrees(value)
+            unit = {"rad": "deg", "1": ""}.get(output.unit, output.unit)
+            at = _first_place(scene, places)
+            yield Row(name, output.per, item, "peak", value, unit, "turn", at)
+
+
+def _shafts(scene: Scene) -> tuple[int, ...]:
+    return (scene.line.n_joints,) if scene.shafts is None else scene.shafts
+
+
+def _noise(scene: Scene) -> float:
+    """Torques and moments in N m up to which all is rounding: of the load and of the geometry."""
+    load = scene.load_case
+    if load is None:
+        return 0.0
+    size = abs(float(load.torque))
+    if load.inertias is not None:
+        unevenness = np.max(np.tan(scene.line.bends / 2.0) ** 2)
+        rate = float(load.speed) ** 2 * unevenness + abs(float(load.acceleration))
+        size += float(np.sum(load.inertias)) * float(rate)
+    return CANCELLED * size
+
+
+def _first_place(scene: Scene, places: Iterable[float]) -> float | None:
+    """The first drive angle of a scene at one of some places in rad, which repeat, in degrees."""
+    first, last = scene.drive_angle_deg[[0, -1]]
+    found = []
+    for place in np.degrees(list(places)):
+        ahead = (place - first) % 180.0
+        # Just before the first angle by rounding is there.
+        found.append(first + (ahead if ahead < 180.0 - 1e-6 else ahead - 180.0))
+    at = min(found, default=math.inf)
+    return float(at) if at <= last + 1e-6 else None
+
+
+def _within(angle: float) -> float:
     """In degrees, within (-180, 180]."""
-    return tuple(180.0 - (180.0 - degrees) % 360.0 for degrees in np.degrees(angles).tolist())
+    return 180.0 - (180.0 - math.degrees(angle)) % 360.0

@@ -76,7 +76,8 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
     if line.shape:
         raise ValueError(f"{scene.name}: the bends were recorded; yokes are set for fixed bends")
     best = line.optimal_phases()
-    found = advice(line, best=best)
+    limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
+    found = advice(line, float(limit), best)
     settings = {"present": line.phases, "best": best}
     teeth: list[dict[str, Any]] = []
     if scene.teeth:
@@ -91,7 +92,7 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
         ]
     # On splines, what can be set.
     set_best = line.with_phases(settings.get("on_teeth", best))
-    check = set_best.check(scene.speed or None)
+    check = set_best.check(scene.speed or None, scene.limits)
     return answer(
         "phase",
         scene.title,

@@ -1,8 +1,9 @@
 """Pictures, drawn with matplotlib: of scenes, drivelines and what the sources show.
 
 Every ``plot_`` function but ``plot_scene`` draws on the axes that it is given as ``ax`` and returns
-them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. Curves
-differ in dashes as well as colour, so that they can be told apart in grey.
+them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the settings of ``STYLE``;
+``plot_scene`` returns a page, A4 across. Curves differ in dashes as well as colour, so that they
+can be told apart in grey.
 
 >>> import cardan.plots
 >>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)

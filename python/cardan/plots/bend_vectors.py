@@ -20,10 +20,11 @@ if TYPE_CHECKING:
 def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None) -> Axes:
     """Draw the bends at both ends of a shaft as vectors, the catalogues' Bild 18.
 
-    Seen along the shaft, with y up and z to the right where it lies along x. Each vector points
+    Looking from the drive towards the output, with y up and z to the right where the shaft lies
+    along x. Each vector points
     where its joint bends to, exactly, and is as long as the bend. Rings show where the catalogue's
     drawing puts the ends: it adds the projected bends themselves, instead of their tangents. The
-    arrow is the turn by which the output-side yoke must stand against the input-side one.
+    arrow is the turn by which the output-side yoke must be set against the input-side one.
 
     Args:
         line: one driveline.
@@ -89,7 +90,7 @@ def plot_bend_vectors(line: Driveline, shaft: int = 1, *, ax: Axes | None = None
 def _view(along: FloatArray) -> FloatArray:
     """Right and up across a shaft, seen along it."""
     up = np.array([0.0, 1.0, 0.0]) - along[1] * along
-    # A shaft that points up is seen with its travel up.
+    # Along a shaft that points up, x is up.
     up = up if np.linalg.norm(up) > 1e-6 else np.array([1.0, 0.0, 0.0]) - along[0] * along
     up /= np.linalg.norm(up)
     return np.stack([np.cross(along, up), up])

@@ -29,7 +29,7 @@ _HALF_TURN = Sweep.revolutions(721 / 1440, 1440)
 
 
 def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes:
-    """Draw Bild 10: the driven angle over the driving angle, beside that of a straight joint.
+    """Draw Bild 10: the driven angle over the drive angle, beside that of a straight joint.
 
     At bends that are in use the two could hardly be told apart.
 
@@ -55,7 +55,7 @@ def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes
 def plot_angle_error(
     bends_deg: Sequence[float] = (10.0, 20.0, 30.0), *, ax: Axes | None = None
 ) -> Axes:
-    """Draw Bild 11: the angle error over the driving angle, with the locus of its extremes.
+    """Draw Bild 11: the angle error over the drive angle, with the locus of its extremes.
 
     Args:
         bends_deg: bends in degrees, a curve for each.
@@ -114,7 +114,7 @@ def plot_non_uniformity(to_deg: float = 45.0, *, ax: Axes | None = None) -> Axes
 def _over_half_turn(axes: Axes, label: str) -> None:
     axes.set_xlim(0.0, 180.0)
     degree_ticks(axes.xaxis, 0.0, 180.0)
-    axes.set_xlabel("driving angle [deg]")
+    axes.set_xlabel("drive angle [deg]")
     axes.set_ylabel(label)
     axes.grid(visible=True)
 
@@ -125,7 +125,7 @@ def _joints(to_deg: float) -> Driveline:
 
 
 def _extremes(lines: Driveline) -> tuple[FloatArray, FloatArray]:
-    """Driving angle of the largest angle error of single joints, and its size, both in degrees."""
+    """Drive angle of the largest angle error of single joints, and its size, both in degrees."""
     joint = lines.equivalent()
     return (
         np.degrees(np.arctan(np.sqrt(joint.min_speed_ratio))),

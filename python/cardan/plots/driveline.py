@@ -1,8 +1,10 @@
-"""A driveline in space, with its yokes and bend planes."""
+"""A driveline in space, with its yokes and bends."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,17 +13,24 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
-from cardan.plots.style import LINES, MARKERS, drawing, legend_above
+from cardan.plots.labels import Labels
+from cardan.plots.space import DEPTH, View, tube, wedge, yoke
+from cardan.plots.style import THIN, drawing, legend_above, number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_HEIGHT = 48.0  # mm
-_STEPS = 48
-_PINS = ("driving pin", "driven pin")
-_DEPTH = 1.3  # of a yoke, over its half span
-_PLANE = {"facecolor": "0.75", "edgecolor": "0.5", "alpha": 0.25, "linewidth": 0.5}
-_SHAFT = {"color": "0.65", "linewidth": 2.2, "solid_capstyle": "round"}
+_HEIGHT = 52.0  # mm
+_ASIDE, _ABOVE, _BELOW = 26.0, 36.0, 38.0  # points around the drawing, for its labels
+_ARM = 2.8  # points that the arm of a yoke is wide at most
+_SIDES = ("driving yoke", "driven yoke")
+# In grey one is dark and the other light.
+_YOKES: tuple[Mapping[str, Any], ...] = (
+    {"color": "#0072B2", "solid_capstyle": "butt"},
+    {"color": "#F7C59F", "solid_capstyle": "butt"},
+)
+_BEND: Mapping[str, Any] = {"facecolor": "#D55E00", "alpha": 0.22, "linewidth": 0.0}
+_CONTINUED: Mapping[str, Any] = {"color": "0.35", "linestyle": (0, (4, 2)), "linewidth": 0.6}
 
 
 def yoke_pins(line: Driveline, angle: float = 0.0) -> FloatArray:
@@ -57,83 +66,248 @@ def plot_driveline(
     points: ArrayLike | None = None,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw a driveline in space with its yokes at a drive angle, and its bend planes as discs.
+    """Draw a driveline in space with its yokes at a drive angle, in a parallel projection.
 
-    x points to the right, y up and z towards the reader, as ``Driveline.from_points`` has them.
+    The axis that the shafts follow most points to the right, y up; small arrows show x, y and z.
+    At each joint the dashed line continues the input shaft, and the area between it and the
+    output shaft is the bend in its plane. Labels give the bend of each joint and the phase of each
+    shaft between two joints; those that find no room are left out, small bends first.
 
     Args:
         line: one driveline.
         angle: drive angle in rad.
         points: its ends and joint centres, ``(n + 2, 3)``; by default all shafts are as long.
-        ax: axes in three dimensions; by default on a new figure of pyplot, 80 mm wide.
+        ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ImportError: matplotlib is missing.
-        ValueError: a batch, points that do not lie along the shafts, axes of another projection.
+        ValueError: a batch, points that do not lie along the shafts.
     """
     _single(line)
     places = _places(line, points)
-    lengths = np.linalg.norm(np.diff(places, axis=0), axis=-1)
-    size = _yoke_size(lengths)
-    crowded = np.min(lengths[1:-1], initial=np.inf) < 0.15 * np.sum(lengths)
-    up = np.array([0.0, 1.0, 0.0])
-    with drawing(ax, "3d", height_mm=_HEIGHT) as axes:
-        from mpl_toolkits.mplot3d.art3d import Poly3DCollection
-
-        space: Any = axes
+    with drawing(ax, height_mm=_HEIGHT) as axes:
         if ax is None:
-            # Axes in three dimensions are square; these are as wide as the figure.
-            space.set_position([0.0, 0.5 - 40.0 / _HEIGHT, 1.0, 80.0 / _HEIGHT])
-        drawn = [places]
-        for shaft, along in enumerate(line.directions):
-            ends = places[shaft : shaft + 2].copy()
-            # A shaft ends where its yokes begin.
-            ends[0] += (shaft > 0) * _DEPTH * size * along
-            ends[1] -= (shaft < line.n_joints) * _DEPTH * size * along
-            space.plot(*ends.T, clip_on=False, **_SHAFT)
-        for joint, (centre, pins) in enumerate(
-            zip(places[1:-1], yoke_pins(line, angle), strict=True)
-        ):
-            before, after = line.directions[joint : joint + 2]
-            disc = centre + 2.0 * size * _round(before, np.cross(line.normals[joint], before))
-            plane = Poly3DCollection([disc], label="bend plane", clip_on=False, **_PLANE)
-            space.add_collection3d(plane)
-            for i, (pin, towards) in enumerate(zip(pins, (-before, after), strict=True)):
-                yoke = centre + size * _round(pin, _DEPTH * towards)[: _STEPS // 2 + 1]
-                space.plot(*yoke.T, color=LINES[i]["color"], linewidth=1.6, clip_on=False)
-                ends = centre + size * np.array([pin, -pin])
-                drawn += [disc, ends]
-                space.plot(*ends.T, marker=MARKERS[i], label=_PINS[i], clip_on=False, **LINES[i])
-            if joint == 0:
-                legend_above(axes, loc="lower center", bbox_to_anchor=(0.5, 0.22))
-            label = f"joint {joint}\n{np.degrees(line.bends[joint]):.3g}°"
-            side, towards = (-1.0, "top") if crowded and joint % 2 else (1.0, "bottom")
-            space.text(*(centre + 2.4 * size * side * up), label, ha="center", va=towards)
-        space.text(*(places[0] - 0.4 * size * line.directions[0]), "drive", ha="right", va="center")
-        _look(space, np.concatenate(drawn))
+            axes.set_position((0.0, 0.0, 1.0, 1.0))
+        _Sketch.begin(axes, line, places).draw(angle)
     return axes
 
 
-def _look(space: Any, drawn: FloatArray) -> None:  # noqa: ANN401 - has no types
-    """Look from the side and a little from above and behind, so near that all is just seen."""
-    from mpl_toolkits.mplot3d.proj3d import proj_transform
+@dataclass
+class _Sketch:
+    """A drawing on its way.
 
-    low, high = drawn.min(axis=0), drawn.max(axis=0)
-    space.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    space.set_proj_type("ortho")
-    space.view_init(elev=20.0, azim=-25.0, vertical_axis="y")
-    space.set_box_aspect(high - low)
-    x, y, _ = np.abs(proj_transform(*drawn.T, space.get_proj()))
-    wide, tall = space.viewLim.width / 2.0, space.viewLim.height / 2.0 * _HEIGHT / 80.0
-    space.set_box_aspect(high - low, zoom=min(0.8 * wide / x.max(), 0.55 * tall / y.max()))
-    space.set_axis_off()
+    Attributes:
+        axes: where, of ``box`` points.
+        line: what.
+        places: its ends and joint centres, ``(n + 2, 3)``.
+        view: from where it is seen.
+        size: half the span of its yokes.
+        scale: points per unit of length.
+        corner: what lies in the lower left corner, ``(2,)``.
+        box: width and height of the axes in points.
+        drawn: what no label may cover.
+    """
+
+    axes: Axes
+    line: Driveline
+    places: FloatArray
+    view: View
+    size: float
+    scale: float
+    corner: FloatArray
+    box: tuple[float, float]
+    drawn: list[FloatArray]
+
+    @classmethod
+    def begin(cls, axes: Axes, line: Driveline, places: FloatArray) -> _Sketch:
+        """Choose the view and the scale, and give the axes one scale both ways."""
+        view = View.of(line.directions)
+        size = _yoke_size(np.linalg.norm(np.diff(places, axis=0), axis=-1))
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        extent = axes.get_window_extent().transformed(figure.dpi_scale_trans.inverted())
+        box = 72.0 * extent.width, 72.0 * extent.height
+        flat = view.flat(places)
+        low, high = flat.min(axis=0) - size, flat.max(axis=0) + size
+        room = np.array(box) - (2.0 * _ASIDE, _ABOVE + _BELOW)
+        scale = float(np.min(np.maximum(room, 10.0) / (high - low)))
+        # Up as far as the labels above need, the rest below.
+        middle = np.array([box[0] / 2.0, _BELOW + max(room[1], 10.0) / 2.0])
+        corner = (low + high) / 2.0 - middle / scale
+        ends = corner + np.array(box) / scale
+        axes.set(xlim=(corner[0], ends[0]), ylim=(corner[1], ends[1]))
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_axis_off()
+        return cls(axes, line, places, view, size, scale, corner, box, [])
+
+    def draw(self, angle: float) -> None:
+        """Draw it at a drive angle."""
+        self._shafts()
+        self._bends()
+        self._joints(angle)
+        self._names()
+
+    def _points(self, points: FloatArray) -> FloatArray:
+        """Where points in space are drawn, in points from the lower left corner."""
+        return self.scale * (self.view.flat(points) - self.corner)
+
+    def _take(self, points: FloatArray) -> None:
+        self.drawn.append(self._points(points))
+
+    def _shafts(self) -> None:
+        from matplotlib.patches import Polygon
+
+        thin: dict[str, Any] = {
+            "edgecolor": "0.25",
+            "linewidth": min(0.6, 0.1 * self.size * self.scale),
+        }
+        ends = np.stack([self.places[:-1], self.places[1:]], axis=1)
+        # A shaft ends where its yokes begin.
+        base = DEPTH * self.size * self.line.directions
+        ends[1:, 0] += base[1:]
+        ends[:-1, 1] -= base[:-1]
+        for start, end in sorted(ends, key=self.view.depth):
+            outline, rim = tube(start, end, self.size, self.view)
+            for area, grey in ((outline, "0.82"), (rim, "0.93")):
+                shape = Polygon(self.view.flat(area), facecolor=grey, zorder=2.0, **thin)
+                self.axes.add_artist(shape)
+            along = np.linspace(0.0, 1.0, 80)[:, np.newaxis]
+            rise = 0.34 * self.size * self.view.axes[1]
+            for side in (-1.0, 0.0, 1.0):
+                self._take(start + along * (end - start) + side * rise)
+
+    def _bends(self) -> None:
+        from matplotlib.patches import Polygon
+
+        lengths = np.linalg.norm(np.diff(self.places, axis=0), axis=-1)
+        for joint, centre in enumerate(self.places[1:-1]):
+            before, after = self.line.directions[joint : joint + 2]
+            reach = min(5.0 * self.size, 0.6 * float(lengths[joint + 1]))
+            area = wedge(centre, before, after, reach)
+            self.axes.add_artist(Polygon(self.view.flat(area), zorder=1.5, **_BEND))
+            self.axes.plot(*self.view.flat(area[:2]).T, zorder=2.5, **_CONTINUED)
+            self.axes.plot(*self.view.flat(area[1:]).T, zorder=2.5, **THIN)
+            self._take(centre + np.linspace(0.0, 1.0, 30)[:, np.newaxis] * (area[1] - centre))
+
+    def _joints(self, angle: float) -> None:
+        width = min(_ARM, 0.27 * self.size * self.scale)
+        for side, name in enumerate(_SIDES):
+            # For the legend, which needs no yoke of a driveline that is too small to be seen.
+            self.axes.plot([], [], linewidth=_ARM - side, label=name, **_YOKES[side], **_rim(_ARM))
+        pieces: list[tuple[FloatArray, dict[str, Any]]] = []
+        for joint, pins in enumerate(yoke_pins(self.line, angle)):
+            centre = self.places[joint + 1]
+            towards = (-self.line.directions[joint], self.line.directions[joint + 1])
+            for side, pin in enumerate(pins):
+                arms = yoke(centre, pin, towards[side], self.size)
+                style = {"linewidth": width, "label": f"_{_SIDES[side]} {joint}", **_rim(width)}
+                # Cut at its base, so that its arms lie on either side of the cross.
+                middle = len(arms) // 2
+                pieces += [
+                    (half, {**style, **_YOKES[side]})
+                    for half in (arms[: middle + 1], arms[middle:])
+                ]
+                cross = {"linewidth": 0.9 * width, "color": "0.1", "label": f"_pin {joint}"}
+                eye = {"marker": "o", "markersize": 1.9 * width, "markeredgewidth": 0.5 * width}
+                eye |= {"color": "0.1", "markerfacecolor": _YOKES[side]["color"]}
+                for tip in centre + self.size * np.stack([pin, -pin]):
+                    pieces.append((np.stack([centre, tip]), cross))
+                    if width > 1.0:
+                        pieces.append((tip[np.newaxis], eye))
+                self._take(arms)
+        # Far pieces first.
+        pieces.sort(key=lambda piece: self.view.depth(piece[0]))
+        for rank, (points, style) in enumerate(pieces):
+            self.axes.plot(*self.view.flat(points).T, zorder=3.0 + rank / len(pieces), **style)
+
+    def _names(self) -> None:
+        # A grid of two points is fine enough for labels, and much less to search.
+        drawn = 2.0 * np.unique(np.round(np.concatenate(self.drawn) / 2.0), axis=0)
+        labels = Labels(self.axes, self.box, drawn)
+        away = self.size * self.scale + 3.0
+        self._ends(labels)
+        self._directions(labels)
+        legend_above(self.axes, loc="upper right", bbox_to_anchor=(0.98, 0.98), ncols=2)
+        labels.boxes.append((self.box[0] - 135.0, self.box[1] - 15.0, *self.box))
+        bends = np.degrees(self.line.bends)
+        named = [
+            labels.beside(
+                self._points(self.places[joint + 1]),
+                f"joint {joint}\n{bends[joint]:.3g}°",
+                away,
+                above=True,
+            )
+            for joint in sorted(range(self.line.n_joints), key=lambda j: (-bends[j], j))
+        ]
+        for shaft, phase in enumerate(np.degrees(self.line.phases) if all(named) else (), 1):
+            at = self._points((self.places[shaft] + self.places[shaft + 1]) / 2.0)
+            turned = 180.0 - (180.0 - float(phase)) % 360.0
+            text = f"shaft {shaft}\nphase {number(float(f'{turned:.4g}') + 0.0)}°"
+            labels.beside(at, text, 0.34 * away + 1.0, above=False)
+
+    def _ends(self, labels: Labels) -> None:
+        """Name the ends of the driveline, with arrows along the power flow."""
+        for end, along, name in (
+            (0, self.line.directions[0], "drive"),
+            (-1, self.line.directions[-1], "output"),
+        ):
+            flow = self.view.flat(along)
+            flow /= max(float(np.hypot(*flow)), 1e-9)
+            at = self._points(self.places[end])
+            near, far = (
+                (at - 3.0 * flow, at - 15.0 * flow)
+                if end == 0
+                else (at + 3.0 * flow, at + 15.0 * flow)
+            )
+            self._arrow(*((far, near) if end == 0 else (near, far)), "0.1", 1.0)
+            # On the side to which the arrow leads away, unless the driveline comes back there.
+            aside = -7.0 if far[1] < near[1] - 6.0 else 7.0
+            x, y = float(far[0]), float(far[1])
+            rises = [way * step * aside for step in (1.0, 1.6, 2.2, 2.8) for way in (1.0, -1.0)]
+            free = (rise for rise in rises if not labels.covers(x, y + rise, name))
+            labels.at(x, y + next(free, aside), name, "center")
+
+    def _directions(self, labels: Labels) -> None:
+        """Show the axes, and from where the senses of turn are meant."""
+        start = np.array([13.0, 11.0])
+        for name, axis in zip("xyz", self.view.axes[:2].T, strict=True):
+            self._arrow(start, start + 15.0 * axis, "0.35", 0.7)
+            x, y = start + 15.0 * axis + 4.5 * axis / max(float(np.hypot(*axis)), 1e-9)
+            labels.at(float(x), float(y), name, "center")
+        self._arrow(np.array([46.0, 6.0]), np.array([62.0, 6.0]), "0.1", 1.0)
+        labels.at(65.0, 6.0, "looking from the drive towards the output", "left")
+
+    def _arrow(self, tail: FloatArray, head: FloatArray, colour: str, width: float) -> None:
+        style = {"arrowstyle": "-|>,head_width=0.18,head_length=0.36", "shrinkA": 0, "shrinkB": 0}
+        box = np.array(self.box)
+        self.axes.annotate(
+            "",
+            tuple(head / box),
+            tuple(tail / box),
+            xycoords="axes fraction",
+            textcoords="axes fraction",
+            annotation_clip=False,
+            arrowprops={**style, "color": colour, "linewidth": width},
+        )
+        self._clear(tail, head)
+
+    def _clear(self, tail: FloatArray, head: FloatArray) -> None:
+        self.drawn.append(tail + np.linspace(0.0, 1.0, 9)[:, np.newaxis] * (head - tail))
+
+
+def _rim(width: float) -> dict[str, Any]:
+    """The dark rim of a line, so that it stands out from what it crosses."""
+    from matplotlib.patheffects import Normal, Stroke
+
+    stroke = Stroke(linewidth=width + min(1.0, 0.6 * width), foreground="0.1")
+    return {"path_effects": [stroke, Normal()]}
 
 
 def _yoke_size(lengths: FloatArray) -> float:
     """Half the span of a yoke that leaves some of every shaft to be seen."""
     between = float(np.min(lengths[1:-1], initial=np.inf))
     ends = float(min(lengths[0], lengths[-1]))
-    return min(0.07 * float(np.sum(lengths)), 0.3 * between, 0.6 * ends)
+    return min(0.07 * float(np.sum(lengths)), 0.33 * between, 0.5 * ends)
 
 
 def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:
@@ -154,12 +328,6 @@ def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:
             "points", f"and [{shaft + 1}] do not lie along shaft {shaft}", (shaft,)
         )
     return places
-
-
-def _round(first: FloatArray, second: FloatArray) -> FloatArray:
-    """A round from one radius over the other, which may make it an ellipse."""
-    turn = np.linspace(0.0, 2.0 * math.pi, _STEPS + 1)[:, np.newaxis]
-    return np.cos(turn) * first + np.sin(turn) * second
 
 
 def _single(line: Driveline) -> None:

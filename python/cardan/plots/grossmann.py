@@ -9,14 +9,14 @@ import numpy as np
 from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.plots.panel import TURN
-from cardan.plots.style import LINES, degree_ticks, drawing, legend_above, value_ticks
+from cardan.plots.style import LINES, degree_ticks, drawing, legend_above, number, value_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 
 def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes:
-    """Draw Abb. 3: the torque of the driven shaft over the driving angle, per unit drive torque.
+    """Draw Abb. 3: the torque of the driven shaft over the drive angle, per unit drive torque.
 
     Args:
         bend_deg: bend in degrees.
@@ -28,22 +28,23 @@ def plot_torque_ratio(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes
     line = Driveline.from_bends([bend_deg], degrees=True)
     torque = line.evaluate(TURN, "torque", load=Load(drive_torque=1.0)).torque
     with drawing(ax, height_mm=45.0) as axes:
-        axes.plot(np.degrees(TURN), torque, **LINES[0])
+        axes.plot(np.degrees(TURN), torque, label=f"bend {number(bend_deg)}°", **LINES[0])
         axes.set_xlim(0.0, 360.0)
         axes.set_ylim(bottom=0.0)
         degree_ticks(axes.xaxis, 0.0, 360.0)
         value_ticks(axes.yaxis)
-        axes.set_xlabel(r"driving angle $\alpha_1$ [deg]")
+        axes.set_xlabel(r"drive angle $\alpha_1$ [deg]")
         axes.set_ylabel("torque $D_2/D_1$")
         axes.grid(visible=True)
+        legend_above(axes)
     return axes
 
 
 def plot_bending_moments(bend_deg: float = 50.0, *, ax: Axes | None = None) -> Axes:
     """Draw Abb. 4: the bending moments as a polar diagram, per unit drive torque.
 
-    That of the driving shaft goes over the driving angle, that of the driven shaft over the driven
-    angle.
+    That of the driving shaft is drawn over the drive angle, that of the driven shaft over the
+    driven angle.
 
     Args:
         bend_deg: bend in degrees.

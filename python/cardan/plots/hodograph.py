@@ -69,7 +69,7 @@ def plot_hodograph(
                 axes.annotate(
                     f"{angle_deg[mark]:g}°",
                     (x[mark], y[mark]),
-                    xytext=(10.0 * inwards[0], 7.0 * inwards[1]),
+                    xytext=(13.0 * inwards[0], 10.5 * inwards[1]),
                     textcoords="offset points",
                     ha="center",
                     va="center",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from cardan.errors import ArgumentValueError
 from cardan.figures.rounding import flat_limits
 from cardan.outputs import Output
 from cardan.plots.style import degree_ticks, line_style, value_ticks
+from cardan.plots.turns import Turns
 from cardan.scene.units import in_degrees
 from cardan.sweep import Sweep
 
@@ -46,17 +47,54 @@ def draw(
     """
     for place, (label, curve) in enumerate(curves, len(axes.get_lines())):
         axes.plot(angle_deg, curve, label=label, **line_style(place))
-    axes.grid(visible=True)
     first, last = float(np.nanmin(angle_deg)), float(np.nanmax(angle_deg))
+    degree_ticks(axes.xaxis, first, last)
+    drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
+    _frame(axes, first, last, drawn, scale)
+
+
+def draw_bands(
+    axes: Axes, turns: Turns, curves: Iterable[tuple[str, FloatArray]], scale: float = 1.0
+) -> None:
+    """Draw curves of many turns: a band of the extremes of each turn, a line of its mean.
+
+    Args:
+        axes: where.
+        turns: the turns of the samples.
+        curves: label and values of each, ``(samples,)``.
+        scale: what values that are all 0 would be measured in.
+    """
+    from matplotlib.colors import to_rgb
+    from matplotlib.patches import StepPatch
+
+    edges, drawn = turns.edges, []
+    for place, (label, curve) in enumerate(curves):
+        least, largest, mean = turns.extremes(curve)
+        style = line_style(place)
+        colour = to_rgb(style["color"])
+        look: dict[str, Any] = {
+            "baseline": least,
+            "facecolor": (*colour, 0.22),
+            "edgecolor": colour,
+            "linewidth": 0.4,
+            "fill": True,
+        }
+        axes.add_artist(StepPatch(largest, edges, **look))
+        axes.plot((edges[:-1] + edges[1:]) / 2.0, mean, label=label, **style)
+        drawn += [least, largest]
+    value_ticks(axes.xaxis)
+    _frame(axes, float(edges[0]), float(edges[-1]), np.concatenate(drawn), scale)
+
+
+def _frame(axes: Axes, first: float, last: float, drawn: FloatArray, scale: float) -> None:
+    """Set grid, ticks of the values and both limits."""
+    axes.grid(visible=True)
     if last > first:
         axes.set_xlim(first, last)
-    degree_ticks(axes.xaxis, first, last)
     value_ticks(axes.yaxis)
-    drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
-    axes.autoscale(axis="y")
-    limits = flat_limits(float(np.nanmin(drawn)), float(np.nanmax(drawn)), scale)
-    if limits:
-        axes.set_ylim(*limits)
+    low, high = float(np.nanmin(drawn)), float(np.nanmax(drawn))
+    room = 0.05 * (high - low)
+    axes.set_ylim(flat_limits(low, high, scale) or (low - room, high + room))
 
 
 def names(

@@ -1,37 +1,48 @@
-"""The picture of a whole scene."""
+"""The picture of a whole scene: one page."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Sequence
 from os import PathLike
 from typing import TYPE_CHECKING
 
-import cardan.plots.panel as panel
-from cardan.arrays import FloatArray
+import numpy as np
+
+from cardan.figures.summary import summary
+from cardan.plots.driveline import plot_driveline
+from cardan.plots.key_figures import key_figures
+from cardan.plots.quantities import MOST, Quantity, quantities
 from cardan.plots.study import plot_study
-from cardan.plots.style import MM, STYLE, WIDTH, legend_above, matplotlib, save
-from cardan.scene.scene import SceneResult
+from cardan.plots.style import MM, STYLE, WIDTH, matplotlib, number, save, text_width, value_ticks
+from cardan.plots.turns import Turns
+from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.units import RPM
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_PANEL, _FRAME = 24.0 * MM, 14.0 * MM
-
-
-@dataclass(frozen=True)
-class _Panel:
-    heading: str
-    curves: list[tuple[str, FloatArray]]
-    scale: float = 1.0
+# Millimetres: A4 across, its margin, the sketch and the table beside it, the panels below.
+_PAGE, _MARGIN = (297.0, 210.0), 12.0
+_SKETCH, _SKETCH_HEIGHTS = 176.0, (60.0, 80.0)
+_GAP, _BESIDE, _OVER, _UNDER = 4.0, 14.0, 10.0, 5.0
+_TITLE_LINE, _LINE = 5.2, 3.4
+# Lines of the key figures that long values may take.
+_SPARE = 3
+_LOW = 8.0
+_IN_ONE_ROW = 3
 
 
 def plot_scene(result: SceneResult) -> Figure:
-    """Return a picture of everything that the scene evaluates, over the drive angle in degrees.
+    """Return a page, A4 across, of everything that the scene evaluates.
 
-    It is 80 mm wide, with one panel per quantity, or per joint where the quantity is a joint's.
-    With the speed of the drive given, acceleration is in rad/s² instead of a ratio.
+    It has a sketch of the driveline, the key figures, and a panel for each quantity, with a curve
+    for each shaft or joint on one scale: at most 6, those that vary most. The components of a
+    vector have a panel each; those across the driveline share a scale, that along it has its own.
+    Up to three turns are drawn over the drive angle in degrees; of more turns bands show the
+    extremes of each turn and lines the mean of its samples. With the speed of the drive given,
+    acceleration is in rad/s² instead of a ratio.
 
     Raises:
         ImportError: matplotlib is missing.
@@ -39,19 +50,15 @@ def plot_scene(result: SceneResult) -> Figure:
     with matplotlib().rc_context(STYLE):
         from matplotlib.figure import Figure
 
-        panels = list(_panels(result))
-        title = textwrap.fill(result.scene.title, width=48)
-        height = _FRAME + _PANEL * len(panels) + 4.0 * MM * title.count("\n")
-        figure = Figure(figsize=(WIDTH, height), layout="constrained")
-        all_axes = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
-        for axes, part in zip(all_axes, panels, strict=True):
-            panel.draw(axes, result.scene.drive_angle_deg, part.curves, part.scale)
-            axes.set_title(part.heading, loc="left")
-            if len(part.curves) > 1:
-                legend_above(axes)
-        all_axes[-1].set_xlabel("drive angle [deg]")
-        if title:
-            figure.suptitle(title, fontsize=8.0, parse_math=False)
+        figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM))
+        turns = Turns.of(result.scene.drive_angle_deg)
+        drawn = quantities(result)
+        top = _title(figure, result.scene)
+        height = _SKETCH_HEIGHTS[len(drawn) <= _IN_ONE_ROW]
+        _sketch(figure, result.scene, top, height)
+        _key_figures(figure, result, top, height)
+        foot = _notes(figure, result.scene, drawn, turns)
+        _panels(figure, result.scene, drawn, turns, top - height - _GAP, foot)
     return figure
 
 
@@ -88,14 +95,121 @@ def _study(result: SceneResult, column: str) -> Figure:
     return figure
 
 
-def _panels(result: SceneResult) -> Iterable[_Panel]:
-    speed = result.scene.speed
-    for output, item, values in result.curves():
-        heading, scale = output.label, 1.0
-        values, unit = panel.in_unit(output, values)
-        if output.name == "acceleration_ratio" and speed:
-            scale = speed * speed
-            heading, values, unit = "acceleration", values * scale, " [rad/s²]"
-            heading += " at steady drive" if result.scene.accelerates else ""
-        curves = list(zip("xyz", values.T, strict=True)) if output.vector else [("", values)]
-        yield _Panel(f"{heading}, {output.per} {item}{unit}", curves, scale)
+def _text(figure: Figure, x: float, y: float, text: str, align: str = "left", **font: str) -> None:
+    """Write at a place in millimetres from the page's lower left corner."""
+    place = x / _PAGE[0], y / _PAGE[1]
+    figure.text(*place, text, ha=align, va="baseline", parse_math=False, fontdict=dict(font))
+
+
+def _axes(figure: Figure, left: float, low: float, width: float, height: float, name: str) -> Axes:
+    """Make axes at a place in millimetres."""
+    place = (left / _PAGE[0], low / _PAGE[1], width / _PAGE[0], height / _PAGE[1])
+    return figure.add_axes(place, label=name)
+
+
+def _title(figure: Figure, scene: Scene) -> float:
+    """Write title and angles; return what is left of the page's height."""
+    y = _PAGE[1] - _MARGIN
+    for text in textwrap.wrap(scene.title or "Driveline", 100 if scene.title.isascii() else 60)[:3]:
+        _text(figure, _MARGIN, y, text, fontsize="x-large", fontweight="bold")
+        y -= _TITLE_LINE
+    angles = scene.drive_angle_deg
+    first, last = (number(round(float(find(angles)), 2)) for find in (np.nanmin, np.nanmax))
+    said = [f"drive angle {first}° to {last}°", f"{len(angles)} samples"]
+    said[1] += f" of {scene.recording.name}" if scene.recording else ""
+    said += [f"drive at {number(float(f'{scene.speed / RPM:.6g}'))} rpm"] if scene.speed else []
+    _text(figure, _MARGIN, y - 0.5, ", ".join(said))
+    return y - 5.0
+
+
+def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
+    known = scene.without_missing().line
+    line = known[0] if known.shape else known
+    axes = _axes(figure, _MARGIN, top - height, _SKETCH, height, "driveline")
+    plot_driveline(line, points=None if known.shape else scene.points, ax=axes)
+
+
+def _key_figures(figure: Figure, result: SceneResult, top: float, height: float) -> None:
+    left, right = _MARGIN + _SKETCH + _GAP, _PAGE[0] - _MARGIN
+    y, size = top - _LINE, float(STYLE["font.size"])
+    _text(figure, left, y, "Key figures", fontweight="bold")
+    for label, value in key_figures(summary(result), int(height / _LINE) - _SPARE):
+        y -= _LINE
+        _text(figure, left, y, label)
+        wide = text_width(label, size) + text_width(value, size) + 2.0 * size
+        # A value that does not fit beside its label goes below it.
+        y -= _LINE if 25.4 / 72.0 * wide > right - left else 0.0
+        _text(figure, right, y, value, "right")
+
+
+def _panels(
+    figure: Figure,
+    scene: Scene,
+    drawn: Sequence[Quantity],
+    turns: Turns | None,
+    top: float,
+    foot: float,
+) -> None:
+    """Fill the page between two heights with panels, row by row."""
+    count = len(drawn)
+    rows = 1 if count <= _IN_ONE_ROW else 2 if count <= 8 else -(-count // 4)
+    columns = -(-count // rows)
+    width = (_PAGE[0] - 2.0 * _MARGIN) / columns
+    height = (top - foot) / rows
+    by_scale: dict[str, list[Axes]] = {}
+    for i, quantity in enumerate(drawn):
+        row, column = divmod(i, columns)
+        low = top - (row + 1) * height
+        axes = _axes(
+            figure,
+            _MARGIN + column * width + _BESIDE,
+            low + _UNDER,
+            width - _BESIDE - _GAP,
+            height - _OVER - _UNDER,
+            quantity.heading,
+        )
+        quantity.draw(axes, scene.drive_angle_deg, turns, 0.8 * _BESIDE / 25.4 * 72.0)
+        if rows > 2:
+            value_ticks(axes.yaxis, 3)
+        by_scale.setdefault(quantity.scale, []).append(axes)
+        # The lowest panel of each column names what is along it.
+        if i + columns >= count:
+            axes.set_xlabel("turns of the drive" if turns else "drive angle [deg]", labelpad=1.0)
+    for sharing in by_scale.values():
+        limits = [axes.get_ylim() for axes in sharing]
+        for axes in sharing:
+            axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
+
+
+def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], turns: Turns | None) -> float:
+    """Write what the panels cannot say; return the height above it."""
+    said = []
+    if scene.line.shape:
+        said.append("The driveline is drawn with the bends of the first sample.")
+    if turns:
+        each = "turn" if turns.edges[1] - turns.edges[0] == 1.0 else "group of turns"
+        said.append(f"Bands: from the least to the largest sample of each {each}; lines: the mean.")
+    if any(quantity.left_out for quantity in drawn):
+        said.append(
+            f"Panels show the {MOST} shafts or joints that vary most; "
+            "those that their legends do not name are left out."
+        )
+    if any(quantity.vector for quantity in drawn):
+        said.append(
+            f"{_axes_named(scene)}; moments across the driveline have a scale of their own."
+        )
+    lines = textwrap.wrap(" ".join(said), 200)
+    for i, line in enumerate(reversed(lines)):
+        _text(figure, _MARGIN, _LOW + _LINE * i, line)
+    # Between the panels and the notes are the name of what is along them, and some room.
+    return _LOW + _LINE * len(lines) + 5.0
+
+
+def _axes_named(scene: Scene) -> str:
+    """Whose axes the components of vectors have."""
+    line = scene.line[0] if scene.line.shape else scene.line
+    if scene.points is not None:
+        return "x, y, z: axes of the points"
+    if np.array_equal(line.directions[0], (1, 0, 0)) and np.array_equal(line.normals[0], (0, 0, 1)):
+        return "x: along shaft 0; z: normal of the bend plane of joint 0; y: in that plane"
+    return "x, y, z: axes in which the scene gives its shafts"

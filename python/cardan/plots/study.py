@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.check import MAX_EQUIVALENT_BEND
 from cardan.errors import ArgumentValueError
 from cardan.figures.rounding import ROUNDING, flat_limits
+from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.outputs import nearest
 from cardan.plots.style import (
     LINES,
@@ -72,7 +72,7 @@ def plot_study(
     orders = [np.argsort(axis.values) for axis in varied]
     values: Any = np.ma.masked_invalid(study.values[column].squeeze()[np.ix_(*orders)])
     if limit is None and column == "equivalent_bend":
-        limit = float(MAX_EQUIVALENT_BEND)
+        limit = MAX_EQUIVALENT_BEND
     if unit == "rad":
         limit = None if limit is None else float(np.degrees(limit))
     values, unit = in_degrees(values, unit)

@@ -5,10 +5,12 @@ from __future__ import annotations
 import contextlib
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from cardan.errors import ArgumentValueError
 from cardan.files.pictures import SUFFIXES
@@ -137,16 +139,39 @@ def degree_ticks(axis: Axis, low: float, high: float) -> None:
 
 
 def value_ticks(axis: Axis, most: int = 5) -> None:
-    """Put ticks at round values in full: an offset beside the axis would cover its heading."""
+    """Put ticks at round values in full: an offset beside the axis would cover its heading.
+
+    All of an axis have as many decimals.
+    """
     from matplotlib.ticker import FuncFormatter, MaxNLocator
 
     axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
-    axis.set_major_formatter(FuncFormatter(lambda tick, _: number(tick)))
+    axis.set_major_formatter(
+        FuncFormatter(lambda tick, _: _as_others(tick, axis.get_majorticklocs()))
+    )
+
+
+def _as_others(tick: float, others: Iterable[float]) -> str:
+    """Write a tick with as many decimals as those beside it need."""
+    texts = [number(other) for other in others]
+    if any("e" in text for text in texts):
+        return number(tick)
+    decimals = max(len(text.partition(".")[2]) for text in texts)
+    return f"{tick:.{decimals}f}".replace("-", "\N{MINUS SIGN}")
 
 
 def number(value: float) -> str:
     """Return a number as labels show it."""
     return f"{value:.10g}".replace("-", "\N{MINUS SIGN}")
+
+
+def text_width(text: str, size: float) -> float:
+    """Return how wide a line of text is, in points, with room for glyphs rounded to pixels."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import TextPath
+
+    path = TextPath((0.0, 0.0), text, prop=FontProperties(size=size), usetex=False)
+    return 1.06 * float(np.max(path.vertices[:, 0], initial=0.0))
 
 
 def legend_above(axes: Axes, **options: Any) -> None:  # noqa: ANN401 - what Axes.legend takes

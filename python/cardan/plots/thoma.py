@@ -56,7 +56,7 @@ def _moments(component: str, bend_deg: float) -> tuple[FloatArray, FloatArray]:
     load = Load(speed=1.0, inertias=[0.0, 1.0])
     moment = line.evaluate(panel.TURN, "moment", joints=0, load=load).moment
     along, across = line.directions[1], line.normals[0]
-    # Thoma's axes point against the travel, hence the signs.
+    # Thoma's axes point against the power flow, hence the signs.
     axis = {"torque": along, "moment_x": -np.cross(across, along), "moment_z": -across}[component]
     small = thoma_small_angle(np.asarray(panel.TURN), line.bends[0], 1.0, 1.0)
     return moment @ axis, getattr(small, component)

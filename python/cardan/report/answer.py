@@ -2,83 +2,101 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
 from cardan.check import Check
-from cardan.figures.limits import check_scene
-from cardan.figures.rounding import equivalent_bend_deg
-from cardan.figures.yokes import yoke_settings
+from cardan.figures.advice import advice
+from cardan.finding import counted
+from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.samples import Samples
+from cardan.report.tables import motion
 from cardan.scene.scene import Scene
+from cardan.words.advice import advice_text, arrangement_text, remedies
 from cardan.words.summary import figure_text, range_ends
-from cardan.words.yokes import phases_text, yoke_lines
+from cardan.words.yokes import phases_text, tooth_lines, yoke_lines
+from cardan.workshop import SAME_YOKE
 
 # Shafts that one reads in a list.
 _MOST = 8
 
+_SMOOTH = {
+    "within": "Yes",
+    "tolerable": "Tolerably",
+    "beyond": "No",
+    "unknown": "Unknown",
+    "not judged": "Unknown",
+}
 
-def answer(scene: Scene, samples: Samples) -> dict[str, Any]:
-    """Return the three answers as plain data for ``answer.html``."""
-    return {"smooth": _smooth(scene), "bearings": _bearings(samples), "yokes": _yokes(scene)}
+_SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the nearest teeth"}
 
 
-def _smooth(scene: Scene) -> dict[str, Any]:
-    line = scene.line
-    found = check_scene(scene)
-    kept, unvaried = np.count_nonzero(found.passes), []
-    if scene.study and scene.study.axes:
-        verdict = f"{kept} of the study's {math.prod(scene.study.shape)} drivelines keep all limits"
-        unvaried = _findings(line.check(scene.speed or None))
-    elif line.shape:
-        verdict = f"{kept} of {math.prod(line.shape)} recorded samples keep all limits"
-    elif kept:
-        verdict = "It keeps all limits"
-    else:
-        wrong = sum(not finding.passes for finding in found.findings)
-        verdict = f"It is above {wrong} of {len(found.findings)} limits"
+def answer(
+    scene: Scene, samples: Samples, found: Check, yokes: dict[str, Any] | None
+) -> dict[str, Any]:
+    """Return the three answers as plain data for ``answer.html``.
+
+    Args:
+        scene: the scene.
+        samples: the same evaluated for the page.
+        found: its check, as ``check_scene`` makes it.
+        yokes: its yoke settings, as ``yoke_settings`` makes them, if it has any.
+    """
     return {
-        "good": bool(np.all(found.passes)),
-        "verdict": verdict,
-        "findings": _findings(found),
-        "unvaried": unvaried,
-        "motion": "" if line.shape else _motion(scene),
-        "speed": scene.speed,
+        "smooth": _smooth(scene, found),
+        "bearings": _bearings(samples),
+        "yokes": _yokes(yokes) if yokes else None,
+        "remedies": _of_one_joint(scene),
     }
 
 
-def _findings(found: Check) -> list[tuple[bool, str]]:
-    return [(bool(np.all(finding.passes)), str(finding)) for finding in found.findings]
+def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
+    line, verdict, unvaried = scene.line, verdict_of(found), []
+    words = f"{_SMOOTH[verdict]}. {found.heading}"
+    if scene.study and scene.study.axes:
+        words = f"Drivelines of the study: {counted(found.ranks)}."
+        unvaried = groups(line.check(scene.speed or None, scene.limits))
+    elif line.shape:
+        words = f"Recorded samples: {counted(found.ranks)}."
+    return {
+        "class": shown(verdict),
+        "verdict": words,
+        "groups": groups(found),
+        "unvaried": unvaried,
+        "motion": "" if line.shape else _motion(scene),
+    }
 
 
 def _motion(scene: Scene) -> str:
-    line = scene.line
-    if equivalent_bend_deg(line) == 0.0:
-        return "The last shaft turns at constant velocity."
-    joint = line.equivalent()
+    joint = motion(scene.line)
+    if joint.bend == 0.0:
+        return "The last shaft turns at the speed of the drive, without any variation."
     error = figure_text(float(np.degrees(joint.max_angle_error)))
     slowest, fastest = range_ends(float(joint.min_speed_ratio), float(joint.max_speed_ratio))
     return (
-        f"At steady drive the last shaft leads and lags by up to {error}°, twice per turn, at "
-        f"{slowest} to {fastest} times the speed of the drive."
+        f"At constant drive speed, the last shaft leads and lags the drive by up to {error}°, "
+        f"twice per turn. Its speed varies from {slowest} to {fastest} times that of the drive."
     )
 
 
 def _bearings(samples: Samples) -> dict[str, Any] | None:
     """The largest support moments; ``None`` where there are none."""
-    peaks = list(samples.support_peaks())
-    largest = max(peaks, key=lambda peak: peak.size)
+    peaks = samples.support_peaks()
+    by_size = sorted(peaks, key=lambda peak: -peak.size)
+    largest = by_size[0]
     if largest.size == 0.0:
         return None
-    place = "at every angle"
+    place = "at every drive angle"
     if largest.at_deg is not None:
-        place = f"at {largest.at_deg:.1f}° of drive angle"
+        at = [largest.at_deg]
         if samples.result.scene.recording is None:
-            place += " and again half a turn later"
-    listed = sorted(sorted(peaks, key=lambda peak: -peak.size)[:_MOST], key=lambda peak: peak.item)
+            # Every joint repeats its motion after half a turn.
+            at = sorted(angle % 360.0 for angle in (at[0], at[0] + 180.0))
+        place = f"at {' and '.join(f'{angle:.1f}°' for angle in at)} of drive angle"
+    listed = sorted(by_size[:_MOST], key=lambda peak: peak.item)
     return {
+        "assumed": samples.assumed,
         "shaft": largest.item,
         "size": figure_text(largest.size),
         "place": place,
@@ -87,16 +105,25 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
     }
 
 
-def _yokes(scene: Scene) -> dict[str, Any] | None:
-    """The best settings; ``None`` for a single joint and for recorded bends."""
-    if scene.line.n_joints == 1 or scene.line.shape:
-        return None
-    data = yoke_settings(scene)
+def _of_one_joint(scene: Scene) -> list[str]:
+    """What would bring a single joint within its limit; of more joints the yokes say it."""
+    if scene.line.n_joints > 1 or scene.line.shape:
+        return []
+    limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
+    return remedies(advice(scene.line, float(limit)))
+
+
+def _yokes(data: dict[str, Any]) -> dict[str, Any]:
+    bends = data["equivalent_bend_deg"]
     return {
         "view": data["view"],
+        "same": SAME_YOKE,
+        "arrangement": arrangement_text(data),
         "lines": yoke_lines(data),
-        "present": f"{data['equivalent_bend_deg']['present']:.4g}",
-        "best": f"{data['equivalent_bend_deg']['best']:.4g}",
+        # The first line is the heading of the others.
+        "teeth": [line.removeprefix("- ") for line in tooth_lines(data)],
+        "bends": [(_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items()],
+        "advice": advice_text(data),
         "above_limits": data["above_limits"],
         "phases": phases_text(data),
     }

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.report.samples import Panel
@@ -21,7 +22,8 @@ class _Frame(NamedTuple):
     bottom: int = 142
 
 
-_FRAME = _Frame()
+FRAME = _Frame()
+"""Of every chart and map, in units of its drawing."""
 
 _DEGREES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)
 
@@ -41,17 +43,16 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
             one the chart has no cursor.
     """
     low, high, flat = _extent(panel)
-    y_ticks = _ticks(low, high)
+    y_ticks = ticks(low, high)
     low, high = min(low, y_ticks[0]), max(high, y_ticks[-1])
     start, stop = float(np.min(x)), float(np.max(x))
     stop = stop if stop > start else start + 1.0
-    x_ticks = _degree_ticks(start, stop) if "deg" in x_label else _ticks(start, stop)
 
     def across(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
-        return _FRAME.left + (_FRAME.right - _FRAME.left) * (value - start) / (stop - start)
+        return FRAME.left + (FRAME.right - FRAME.left) * (value - start) / (stop - start)
 
     def up(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
-        return _FRAME.bottom - (_FRAME.bottom - _FRAME.top) * (value - low) / (high - low)
+        return FRAME.bottom - (FRAME.bottom - FRAME.top) * (value - low) / (high - low)
 
     lines = []
     for i, curve in enumerate(panel.curves, first or 0):
@@ -61,12 +62,12 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
         lines.append({"number": i, "label": curve.label, "points": text})
     heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
     return {
-        "frame": _FRAME,
+        "frame": FRAME,
         "moves": first is not None,
         "heading": heading,
         "spoken": f"{heading} over {x_label}, from {low:.4g} to {high:.4g}",
         "x_label": x_label,
-        "x_ticks": [(f"{across(t):.1f}", number(t)) for t in x_ticks if start <= t <= stop],
+        "x_ticks": [(f"{across(t):.1f}", number(t)) for t in ticks_of(x_label, start, stop)],
         "y_ticks": [(f"{up(t):.1f}", f"{up(t) + 4:.1f}", number(t)) for t in y_ticks],
         "lines": lines,
         "unit": panel.unit,
@@ -87,24 +88,38 @@ def number(value: float) -> str:
     return f"{value:.10g}".replace("-", "\N{MINUS SIGN}")
 
 
+def some(count: int, most: int) -> NDArray[np.intp]:
+    """Places from the first to the last of ``count``, evenly spread, at most ``most``."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.intp))
+
+
 def _extent(panel: Panel) -> tuple[float, float, bool]:
+    return scale_of(np.concatenate([curve.values for curve in panel.curves]), panel.scale)
+
+
+def scale_of(values: FloatArray, scale: float) -> tuple[float, float, bool]:
     """Least and largest value with some room if they are the same but for rounding, and whether."""
-    low = min(float(np.min(curve.values)) for curve in panel.curves)
-    high = max(float(np.max(curve.values)) for curve in panel.curves)
-    noise = _FLAT * max(panel.scale, abs(low), abs(high))
+    low, high = float(np.min(values)), float(np.max(values))
+    noise = _FLAT * max(scale, abs(low), abs(high))
     if high - low > noise:
         return low, high, False
     middle = (low + high) / 2.0
-    room = 0.05 * abs(middle) if abs(middle) > noise else panel.scale or 1.0
+    room = 0.05 * abs(middle) if abs(middle) > noise else scale or 1.0
     return middle - room, middle + room, True
 
 
-def _ticks(low: float, high: float) -> Sequence[float]:
-    """Round numbers from at or below ``low`` to at or above ``high``, about five of them."""
-    rough = (high - low) / 4.0
+def ticks(low: float, high: float, about: float = 4.0) -> Sequence[float]:
+    """Round numbers from at or below ``low`` to at or above ``high``, some ``about`` steps."""
+    rough = (high - low) / about
     power = 10.0 ** math.floor(math.log10(rough))
     step = next(part * power for part in (1.0, 2.0, 2.5, 5.0, 10.0) if part * power >= rough)
     return [step * i for i in range(math.floor(low / step), math.ceil(high / step) + 1)]
+
+
+def ticks_of(label: str, low: float, high: float) -> Sequence[float]:
+    """Round numbers within an axis; those of an angle divide the turn."""
+    marks = _degree_ticks(low, high) if "deg" in label and high - low > 2.0 else ticks(low, high)
+    return [mark for mark in marks if low <= mark <= high]
 
 
 def _degree_ticks(low: float, high: float) -> Sequence[float]:

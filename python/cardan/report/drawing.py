@@ -9,14 +9,17 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.report.samples import Samples
 
-# Pixels; numbers of shafts stand in the margin above.
-_WIDTH, _SIDE, _ABOVE = 1000, 16.0, 40.0
+# Pixels; numbers of shafts need the margin above, the axes the strip below.
+_WIDTH, _SIDE, _ABOVE, _STRIP = 1000, 16.0, 40.0, 184.0
 
 # Lengths beside a shaft between two joints, which is 1; scenes need not give any.
 _END, _PIN, _YOKE = 0.75, 0.19, 0.22
 
 # Pixels that such a shaft takes at most, so that a single joint does not fill the page.
 _MOST = 320.0
+
+# Pixels of an axis, of its head and from there to its name, of the arrow of view and to its words.
+_AXIS, _HEAD, _NAME, _FLOW, _WORDS = 50.0, 13.0, 20.0, 240.0, 18.0
 
 _DIGITS = 4
 
@@ -33,7 +36,7 @@ def drawing(samples: Samples) -> dict[str, Any]:
     steps = directions * lengths[:, np.newaxis]
     points = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
     return {
-        "views": [_view(name, axes, points) for name, axes in _axes(directions).items()],
+        "views": [_view(name, axes, points) for name, axes in views(directions).items()],
         "points": np.round(points, _DIGITS).tolist(),
         "pins": np.round(pins, _DIGITS).tolist(),
         "pin": _PIN,
@@ -41,8 +44,14 @@ def drawing(samples: Samples) -> dict[str, Any]:
     }
 
 
-def _axes(directions: FloatArray) -> dict[str, FloatArray]:
-    """Directions to the right, down and to the viewer for each view, by its name."""
+def views(directions: FloatArray) -> dict[str, FloatArray]:
+    """Directions to the right, down and to the viewer for each view, by its name.
+
+    In side view and top view the drive is on the left. None of them is a mirror image.
+
+    Args:
+        directions: of the shafts, ``(samples, n + 1, 3)``.
+    """
     mean = np.mean(directions, axis=(0, 1))
     place = int(np.argmax(np.abs(mean)))
     right = np.zeros(3)
@@ -58,7 +67,9 @@ def _axes(directions: FloatArray) -> dict[str, FloatArray]:
         for axis in (right, up, side)
     ]
     return {
-        "From behind, to the right and above": np.stack([across, np.cross(across, viewer), viewer]),
+        "From behind the drive, its right and above, looking from the drive towards the output": (
+            np.stack([across, np.cross(across, viewer), viewer])
+        ),
         f"Side view: {names[0]} to the right, {names[1]} up": np.stack([right, -up, side]),
         f"Top view: {names[0]} to the right, {names[2]} down": np.stack([right, side, up]),
     }
@@ -71,9 +82,51 @@ def _view(name: str, axes: FloatArray, points: FloatArray) -> dict[str, Any]:
     height = float(high[1] - low[1]) * scale + 2.0 * _ABOVE
     middle = scale * (low + high) / 2.0
     offset = np.array([_WIDTH, height]) / 2.0 - middle
+    along = np.mean(points[:, -1] - points[:, 0], axis=0) @ axes[:2].T
     return {
         "name": name,
+        "spoken": f"The driveline. {name}.",
         "axes": np.round(scale * axes, _DIGITS).tolist(),
         "offset": np.round(offset, 1).tolist(),
-        "size": [_WIDTH, round(height)],
+        "size": [_WIDTH, round(height + _STRIP)],
+        "arrows": [*_triad(axes, height + _STRIP / 2.0), _flow(along, height + _STRIP / 2.0)],
     }
+
+
+def _triad(axes: FloatArray, middle: float) -> list[dict[str, Any]]:
+    """The axes of the scene as they point in a view; one that points at the viewer is left out."""
+    foot = np.array([2.0 * _AXIS, middle])
+    arrows = []
+    for name, way in zip("xyz", axes[:2].T, strict=True):
+        length = float(np.linalg.norm(way))
+        if length > 0.1:
+            head = foot + _AXIS * way
+            at = head + _NAME * way / length
+            arrows.append(_arrow("axis", foot, head, [_text(name, at, "middle")]))
+    return arrows
+
+
+def _flow(along: FloatArray, middle: float) -> dict[str, Any]:
+    """The arrow of view, from the drive towards the output."""
+    way = _FLOW * along / np.linalg.norm(along)
+    centre = np.array([_WIDTH / 2.0, middle])
+    foot, head = centre - way / 2.0, centre + way / 2.0
+    aside = np.array([_WORDS, 0.0])
+    words = [_text("drive", foot - aside, "end"), _text("output", head + aside, "start")]
+    return _arrow("flow", foot, head, words)
+
+
+def _arrow(kind: str, foot: FloatArray, head: FloatArray, texts: list[Any]) -> dict[str, Any]:
+    way = (head - foot) / np.linalg.norm(head - foot)
+    aside = 0.5 * np.array([-way[1], way[0]])
+    barbs = [head + _HEAD * (side * aside - way) for side in (1.0, -1.0)]
+    path = f"M{_at(foot)}L{_at(head)}M{_at(barbs[0])}L{_at(head)}L{_at(barbs[1])}"
+    return {"class": kind, "path": path, "texts": texts}
+
+
+def _text(words: str, at: FloatArray, anchor: str) -> dict[str, Any]:
+    return {"words": words, "x": f"{at[0]:.1f}", "y": f"{at[1]:.1f}", "class": anchor}
+
+
+def _at(point: FloatArray) -> str:
+    return f"{point[0]:.1f} {point[1]:.1f}"

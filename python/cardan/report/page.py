@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import os
+import time
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,12 +14,15 @@ import numpy as np
 
 from cardan import __version__
 from cardan.arrays import FloatArray
+from cardan.figures.limits import check_scene
+from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
 from cardan.report.answer import answer
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
-from cardan.report.samples import NOMINAL_TORQUE, Panel, Samples, evaluated
+from cardan.report.limits import limits_table
+from cardan.report.samples import Panel, Samples, evaluated
 from cardan.report.study import study
 from cardan.scene.scene import Scene
 
@@ -29,11 +34,14 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
     """Return the whole page as HTML; arguments and errors as of ``write_report``."""
     template = environment().get_template("page.html")
     result = scene.run(progress)
-    samples = evaluated(scene)
+    samples, found = evaluated(scene), check_scene(scene)
+    # Of one joint there is nothing to set, and for recorded bends no setting.
+    fixed = scene.line.n_joints > 1 and not scene.line.shape
+    yokes = yoke_settings(scene) if fixed else None
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     return template.render(
-        answer(scene, samples),
+        answer(scene, samples, found, yokes),
         version=__version__,
         style=_part("page.css"),
         script=_part("page.js"),
@@ -42,19 +50,25 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
         joints=scene.line.n_joints,
         varied=bool(scene.study and scene.study.axes),
         recorded=scene.recording is not None,
-        nominal=f"{NOMINAL_TORQUE:g} N m" if samples.nominal else "",
+        date=_today(),
         every=samples.every,
         inputs=tables.inputs(scene),
-        results=tables.results(result, samples),
-        study=study(result.study) if result.study else None,
+        results=[limits_table(found), *tables.results(samples)],
+        study=study(result.study, found) if result.study else None,
         charts=[
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
-        plan=scene.explain(),
-        catalogue=tables.catalogue(scene),
+        catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )
+
+
+def _today() -> str:
+    """The date of the page; builds that must repeat set it in their environment."""
+    given = os.environ.get("SOURCE_DATE_EPOCH", "")
+    when = time.gmtime(int(given)) if given.isdecimal() else time.localtime()
+    return time.strftime("%Y-%m-%d", when)
 
 
 def environment() -> Environment:

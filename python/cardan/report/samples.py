@@ -5,18 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.rounding import first_peak
+from cardan.figures.turn_extremes import magnitudes, peak
 from cardan.load import Load
 from cardan.outputs import Output
 from cardan.scene.angles import Angles
 from cardan.scene.scene import Scene, SceneResult
 
 NOMINAL_TORQUE = 100.0
-"""Drive torque in N m that stands in where a scene gives neither torques nor inertias in motion."""
+"""Drive torque in N m that is assumed where a scene gives no torque and no inertia in motion."""
 
 _PER_TURN = 720
 
@@ -24,7 +28,7 @@ _PER_TURN = 720
 _MOST = 2000
 
 _MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
-_LOADED = ("torque", "support_moment", "moment")
+_LOADED = ("torque", "support_moment", "bending_driving", "bending_driven")
 
 _MOST_CURVES = 6
 
@@ -61,19 +65,21 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class Peak:
-    """Where a shaft's support moment is largest.
+    """Where a quantity of a shaft or joint is largest.
 
     Attributes:
-        item: the shaft.
-        size: of the moment in N m.
-        at_deg: drive angle in degrees of the first such sample; ``None`` where all are alike.
-        vector: the moment there, ``(3,)``.
+        output: the quantity.
+        item: the shaft or joint.
+        size: magnitude, in the unit of the output.
+        at_deg: first such drive angle in degrees; ``None`` where all are alike.
+        vector: the components there, ``(3,)``; ``None`` of a scalar.
     """
 
+    output: Output
     item: int
     size: float
     at_deg: float | None
-    vector: FloatArray
+    vector: FloatArray | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +88,7 @@ class Samples:
 
     Attributes:
         result: motion of all shafts, torques and moments at every sample.
-        nominal: whether ``NOMINAL_TORQUE`` stands in for the load.
+        nominal: whether ``NOMINAL_TORQUE`` is assumed for the load.
         shown: which of the samples the curves and the drawing show.
     """
 
@@ -105,21 +111,56 @@ class Samples:
         """Largest torque in any shaft in N m."""
         return float(np.max(np.abs(self.result.values["torque"])))
 
-    def support_peaks(self) -> Iterator[Peak]:
-        """Yield the peak of every shaft's support moment over all samples."""
-        noise = _ROUNDING * self.largest_torque
-        for shaft, moments in enumerate(self.result.values["support_moment"]):
-            sizes = np.linalg.norm(moments, axis=-1)
-            size = float(np.max(sizes))
-            # The first of equal peaks, however they are rounded.
-            place = int(np.argmax(sizes >= (1.0 - 1e-9) * size))
+    @property
+    def assumed(self) -> str:
+        """What loads are for, where the scene gives none: an ending of their headings."""
+        return (
+            f", for an assumed drive torque of {NOMINAL_TORQUE:g}\u00a0N\u00a0m"
+            if self.nominal
+            else ""
+        )
+
+    @cached_property
+    def peaks(self) -> list[Peak]:
+        """The largest magnitudes of the loads and other quantities of every shaft and joint.
+
+        They are those of a whole turn, found between the samples; of a recording those of all
+        samples. Of the motion there are closed forms.
+        """
+        return list(self._peaks())
+
+    def _peaks(self) -> Iterator[Peak]:
+        for output, item, values in self.result.curves():
+            # An angle grows without end.
+            if output.name in (*_MOTION, "angle"):
+                continue
+            noise = _ROUNDING * (self.largest_torque if output.needs_load else 1.0)
+            size, angle, there = self._peak(output, item, values)
+            vector = np.where(np.abs(there) > noise, there, 0.0) if output.vector else None
             if size <= noise:
-                yield Peak(shaft, 0.0, None, np.zeros(3))
-            else:
-                same = np.ptp(sizes) <= 1e-9 * size
-                at = None if same else float(self.result.scene.drive_angle_deg[place])
-                vector = np.where(np.abs(moments[place]) > noise, moments[place], 0.0)
-                yield Peak(shaft, size, at, vector)
+                size, angle = 0.0, None
+            yield Peak(output, item, size, angle, vector)
+
+    def _peak(
+        self, output: Output, item: int, values: FloatArray
+    ) -> tuple[float, float | None, FloatArray]:
+        """Size, drive angle in degrees if it has one, and value there."""
+        scene = self.result.scene
+        if scene.recording is not None:
+            sizes = magnitudes(output, values)
+            place, everywhere = first_peak(sizes)
+            at = None if everywhere else float(scene.drive_angle_deg[place])
+            return float(sizes[place]), at, values[place]
+        load = scene.load_case if output.needs_load else None
+        found = peak(scene.line, output.name, item, load)
+        which: dict[str, Any] = {f"{output.per}s": item}
+        first = found.places[0] if found.places else 0.0
+        there = scene.line.evaluate(first, output.name, load=load, **which)[output.name]
+        return found.value, math.degrees(first) if found.places else None, there
+
+    def support_peaks(self) -> list[Peak]:
+        """Return the peak of every shaft's support moment."""
+        return [peak for peak in self.peaks if peak.output.name == "support_moment"]
 
     def panels(self) -> list[Panel]:
         """Return the charts, a quantity each, of the samples shown."""
@@ -135,13 +176,15 @@ class Samples:
             heading, unit, factor = output.label, output.unit, 1.0
             scale = self.largest_torque if output.needs_load else 1.0
             if output.vector:
-                heading += ", size"
+                heading += ", magnitude"
             if unit == "rad":
                 unit, factor = "deg", math.degrees(1.0)
             if output.name == "acceleration_ratio" and scene.speed:
                 heading, unit, factor = "acceleration", "rad/s²", scene.speed**2
-                heading += " at steady drive" if scene.accelerates else ""
+                heading += " at constant drive speed" if scene.accelerates else ""
                 scale = factor
+            if output.needs_load:
+                heading += self.assumed
             # The last shaft is what a driveline is there for.
             always = scene.line.n_joints if output.per == "shaft" else None
             by_size = sorted(curves, key=lambda item: (item == always, np.ptp(curves[item])))

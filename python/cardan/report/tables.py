@@ -3,27 +3,52 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.figures.rounding import equivalent_bend_deg
-from cardan.figures.summary import summary
-from cardan.report.samples import NOMINAL_TORQUE, Samples
-from cardan.scene.scene import Scene, SceneResult
-from cardan.scene.units import RPM
-from cardan.words.summary import figure_text, row_text
+from cardan.equivalent import EquivalentJoint
+from cardan.figures.catalogue import fork_signs
+from cardan.figures.rounding import is_cancelled
+from cardan.report.samples import Peak, Samples
+from cardan.scene.scene import Scene
+from cardan.scene.units import RPM, in_degrees
+from cardan.words.summary import figure_text, range_ends
 from cardan.workshop import VIEW, turn
+
+# Shafts or joints that fit side by side on paper; more go below each other.
+_MOST_COLUMNS = 7
+
+
+# A low end of a range that is rounding beside the high one: bends go with the root of motions.
+_NEGLIGIBLE = 1e-6
+
+_SETTINGS = {"present": "as in the scene", "best": "best setting", "on_teeth": "on the teeth"}
+
+# A turn that would read 0.00 deg.
+_SHOWN_DEG = 0.005
+
+
+# Names and values by shaft or joint.
+_Columns = dict[str, list[tuple[str, str]]]
 
 
 class Table(NamedTuple):
-    """What the macro ``table`` takes; the first cell of a row is its heading."""
+    """What the macro ``table`` takes; the first cell of a row is its heading.
+
+    Attributes:
+        caption: what it is about.
+        head: heading of each column.
+        rows: the cells.
+        prose: whether the last column has sentences, which break.
+    """
 
     caption: str
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
+    prose: bool = False
 
 
 def inputs(scene: Scene) -> dict[str, Table]:
@@ -36,34 +61,33 @@ def inputs(scene: Scene) -> dict[str, Table]:
         twists = line.twists.reshape(-1, line.n_joints - 1)
         # Recorded bends leave the yokes as they are.
         phases = line.phases.reshape(-1, line.n_joints - 1)[0]
-        heads += [
-            "Twist of bend planes [deg]",
-            "Phase of yokes [deg]",
-            f"Yokes, {VIEW}",
-        ]
+        heads += ["Twist of bend planes [deg]", "Phase of yokes [deg]", f"Output-side yoke, {VIEW}"]
         for i, cells in enumerate(shafts):
             if 0 < i < line.n_joints:
-                words = str(turn(phases[i - 1])).split(",")[0]
-                cells += [
-                    _span(np.degrees(twists[:, i - 1])),
-                    _figure(np.degrees(phases[i - 1])),
-                    words,
-                ]
+                twist = _span(np.degrees(twists[:, i - 1]))
+                cells += [twist, _figure(np.degrees(phases[i - 1])), _setting(phases[i - 1])]
             else:
                 cells += ["", "", ""]
     if not line.shape:
-        heads += ["Direction x, y, z"]
+        heads += [f"Direction, {axis}" for axis in "xyz"]
         for cells, direction in zip(shafts, line.directions, strict=True):
-            cells += [", ".join(f"{value + 0.0:.5f}" for value in direction)]
+            cells += [f"{value + 0.0:.5f}" for value in direction]
     load = scene.load_case
     if load is not None and load.inertias is not None:
         heads += ["Inertia [kg m²]"]
         for cells, inertia in zip(shafts, load.inertias, strict=True):
             cells += [_figure(inertia)]
-    given = []
+    return {
+        "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
+        "drive": Table("Load and drive", ("Input", "Value"), _drive(scene)),
+        "shafts": Table("Shafts", heads, shafts),
+    }
+
+
+def _drive(scene: Scene) -> list[tuple[str, str]]:
+    load, given = scene.load_case, []
     if load is not None:
-        torque = float(load.torque)
-        given += [(f"Torque at the {load.end}", f"{_figure(torque)} N m")]
+        given += [(f"Torque at the {load.end}", f"{_figure(float(load.torque))} N m")]
         rpm = scene.speed / RPM
         given += [("Speed of the drive", f"{_figure(scene.speed)} rad/s, {_figure(rpm)} rpm")]
         if scene.accelerates:
@@ -72,94 +96,138 @@ def inputs(scene: Scene) -> dict[str, Table]:
     left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
     given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
     if scene.recording is not None:
-        given += [("Recorded in", scene.recording.name)]
+        given += [("Recording", scene.recording.name)]
     given += [
         (key.replace("_", " ").capitalize(), str(value)) for key, value in scene.options.items()
     ]
-    return {
-        "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
-        "drive": Table("Load and drive", ("What", "Value"), given),
-        "shafts": Table("Shafts", heads, shafts),
-    }
+    return given
 
 
-def results(result: SceneResult, samples: Samples) -> list[Table]:
-    """Return the scene's own table, the loads shaft by shaft and the harmonics."""
-    rows = [(row.label[0].upper() + row.label[1:], row_text(row)) for row in summary(result)]
-    found = [Table("Summary, as cardan run prints it", ("What", "Value"), rows)]
-    torques = samples.result.values["torque"]
-    loads = []
-    for peak, torque in zip(samples.support_peaks(), torques, strict=True):
-        at = "everywhere" if peak.at_deg is None else f"{peak.at_deg:.1f}"
-        vector = ", ".join(map(_figure, peak.vector))
-        loads.append((f"shaft {peak.item}", _span(torque), figure_text(peak.size), at, vector))
-    per = f", per {NOMINAL_TORQUE:g} N m at the drive" if samples.nominal else ""
-    caption = f"What the bearings give each shaft{per}"
-    heads = [
-        "Shaft",
-        "Torque [N m]",
-        "Largest support moment [N m]",
-        "at drive angle [deg]",
-        "its components x, y, z [N m]",
-    ]
-    found.append(Table(caption, heads, loads))
-    line = result.scene.line
-    if not line.shape:
+def results(samples: Samples) -> list[Table]:
+    """Return motion and loads of every shaft, loads of every joint, and the harmonics."""
+    scene = samples.result.scene
+    tables = [_motion(scene), _largest(samples, "shaft"), _largest(samples, "joint")]
+    if not scene.line.shape:
         orders = (2, 4, 6)
-        series = line.harmonics(orders)
+        series = scene.line.harmonics(orders)
         amplitudes = [
             (f"order {order}", f"{np.degrees(error):.3g}", f"{ratio:.3g}")
             for order, error, ratio in zip(
                 orders, series.angle_error, series.speed_ratio, strict=True
             )
         ]
-        heads = ["Order of the drive", "Angle error [deg]", "Speed ratio"]
-        found.append(Table("Amplitudes of the last shaft's motion", heads, amplitudes))
-    return found
+        heads = ["Order of the drive's rotation", "Angle error [deg]", "Speed ratio"]
+        caption = f"Harmonics of shaft {scene.line.n_joints}: amplitudes"
+        tables.append(Table(caption, heads, amplitudes))
+    return tables
 
 
-def catalogue(scene: Scene) -> Table | None:
+def motion(line: Driveline, shaft: int = -1) -> EquivalentJoint:
+    """Return the joint that moves a shaft as the chain does, straight if rounding alone is left."""
+    joint = line.equivalent(shaft)
+    if not line.shape and is_cancelled(line, joint):
+        return Driveline.from_bends([0.0]).equivalent()
+    return joint
+
+
+def _motion(scene: Scene) -> Table:
+    line, speed = scene.line, scene.speed
+    columns: _Columns = {}
+    for shaft in range(1, line.n_joints + 1):
+        joint = motion(line, shaft)
+        slowest, fastest = np.min(joint.min_speed_ratio), np.max(joint.max_speed_ratio)
+        cells = [
+            ("Equivalent bend [deg]", _span(np.degrees(joint.bend))),
+            ("Largest angle error [deg]", _span(np.degrees(joint.max_angle_error))),
+            ("Non-uniformity U", _span(joint.non_uniformity)),
+            ("Speed ratio", _ends(slowest, fastest)),
+        ]
+        if speed:
+            rpm = sorted((slowest * speed / RPM, fastest * speed / RPM))
+            cells += [("Speed [rpm]", _ends(*rpm))]
+        cells += [("Largest acceleration ratio", _span(joint.max_acceleration_ratio))]
+        if speed:
+            acceleration = joint.max_acceleration_ratio * speed * speed
+            cells += [("Largest acceleration [rad/s²]", _span(acceleration))]
+        columns[f"shaft {shaft}"] = cells
+    over = "the bends of all samples" if line.shape else "a whole turn at constant drive speed"
+    return _table(f"Motion of the shafts over {over}", columns)
+
+
+def _largest(samples: Samples, per: str) -> Table:
+    """What the samples of each shaft or joint reach; the motion of shafts has its own table."""
+    scene = samples.result.scene
+    columns: _Columns = {}
+    for peak in samples.peaks:
+        if peak.output.per == per:
+            columns.setdefault(f"{per} {peak.item}", []).extend(_cells(peak))
+    count = len(scene.drive_angle_deg)
+    over = f"of {count} recorded samples" if scene.recording else "over a whole turn"
+    return _table(f"Loads of the {per}s, largest {over}{samples.assumed}", columns)
+
+
+def _cells(peak: Peak) -> list[tuple[str, str]]:
+    size, unit = in_degrees(np.array(peak.size), peak.output.unit)
+    name = f"Largest {peak.output.label}"
+    cells = [(f"{name} [{unit}]" if unit else name, _figure(size))]
+    cells += [("at drive angle [deg]", "any" if peak.at_deg is None else f"{peak.at_deg:.1f}")]
+    if peak.vector is not None:
+        for axis, value in zip("xyz", peak.vector, strict=True):
+            cells += [(f"{axis} component there [{unit}]", _figure(value))]
+    return cells
+
+
+def _table(caption: str, columns: _Columns) -> Table:
+    """A column per shaft or joint, or a row where they are too many for the paper's width."""
+    names = [name for name, _ in next(iter(columns.values()))]
+    values = [[item, *(value for _, value in cells)] for item, cells in columns.items()]
+    if len(columns) > _MOST_COLUMNS:
+        return Table(caption, ("", *names), values)
+    head, *rows = zip(*values, strict=True)
+    return Table(
+        caption, ("", *head), [(name, *row) for name, row in zip(names, rows, strict=True)]
+    )
+
+
+def catalogue(scene: Scene, yokes: dict[str, Any] | None) -> Table | None:
     """Return the exact equivalent bend beside what the catalogues' root rule makes of it.
 
-    For one joint both are its bend, and there is no table.
+    For one joint both are its bend, and there is no table. ``yokes`` is what ``yoke_settings``
+    finds, if the scene has any.
     """
     line = scene.line
     if line.n_joints == 1:
         return None
-    settings = {"as it is": line}
-    if not line.shape:
-        settings["set best"] = line.with_phases(line.optimal_phases())
     rows = []
-    for name, set_so in settings.items():
-        exact = np.asarray(set_so.equivalent().bend)
-        if not line.shape:
-            exact = np.radians(equivalent_bend_deg(set_so))
-        signs, astray = _forks(set_so)
-        rule = set_so.catalogue_bend(signs)
-        figures = (exact, rule, rule - exact, np.max(astray))
-        rows.append((name, *(_fixed(figure) for figure in figures)))
+    if yokes:
+        for key, rule in yokes["catalogue"].items():
+            words = " ".join("+" if sign > 0 else "\N{MINUS SIGN}" for sign in rule["fork_signs"])
+            exact, by_rule = yokes["equivalent_bend_deg"][key], rule["equivalent_bend_deg"]
+            figures = (exact, by_rule, by_rule - exact, rule["off_deg"])
+            rows.append((_SETTINGS[key], *map(_fixed, figures), words))
+    else:
+        signs, off = fork_signs(line)
+        exact, by_rule = (
+            np.degrees(bend) for bend in (line.equivalent().bend, line.catalogue_bend(signs))
+        )
+        figures = (exact, by_rule, by_rule - exact, np.degrees(np.max(off)))
+        rows.append((_SETTINGS["present"], *map(_fixed, figures), ""))
     heads = (
         "Yokes",
         "Exact [deg]",
-        "Catalogue [deg]",
-        "Catalogue less exact [deg]",
-        "Forks off the rule by [deg]",
+        "Catalogue rule [deg]",
+        "Rule minus exact [deg]",
+        "Yokes differ from the rule's by up to [deg]",
+        "Signs of the rule, joint by joint",
     )
     return Table("Equivalent bend", heads, rows)
 
 
-def _forks(line: Driveline) -> tuple[FloatArray, FloatArray]:
-    """Signs of the catalogue rule, (..., n), and how far forks are from what they say, in rad.
-
-    Parallel yokes change the sign and crossed ones keep it, once the turn of the bend planes is
-    taken off.
-    """
-    turned = line.phases - line.twists
-    crossed = np.cos(2.0 * turned) < 0.0
-    signs = np.cumprod(np.where(crossed, 1.0, -1.0), axis=-1)
-    first = np.ones((*line.shape, 1))
-    off = turned - np.where(crossed, np.pi / 2.0, 0.0)
-    return np.concatenate([first, signs], axis=-1), np.abs(off - np.pi * np.round(off / np.pi))
+def _setting(phase: float) -> str:
+    """How the output-side yoke of a shaft is turned against the input-side one."""
+    found = turn(phase)
+    degrees = float(np.degrees(found.angle))
+    return f"{degrees:.2f}° {found.sense}" if degrees >= _SHOWN_DEG else "in one plane"
 
 
 def _figure(value: float | FloatArray) -> str:
@@ -168,7 +236,7 @@ def _figure(value: float | FloatArray) -> str:
 
 def _fixed(angles: FloatArray | float) -> str:
     """An angle in degrees, or the least and the largest of several; what is rounding reads 0."""
-    low, high = (f"{np.degrees(end) + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
+    low, high = (f"{end + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
     low, high = (end.removeprefix("-") if float(end) == 0.0 else end for end in (low, high))
     return low if low == high else f"{low} to {high}"
 
@@ -176,6 +244,13 @@ def _fixed(angles: FloatArray | float) -> str:
 def _span(values: FloatArray | float) -> str:
     """A figure, or the least and the largest of several."""
     low, high = float(np.min(values)), float(np.max(values))
+    if abs(low) < _NEGLIGIBLE * abs(high):
+        low = 0.0
     if high - low <= 1e-9 * max(abs(low), abs(high)):
         return _figure(high)
     return f"{_figure(low)} to {_figure(high)}"
+
+
+def _ends(low: float, high: float) -> str:
+    """Both ends of a range, with enough decimals to tell them apart."""
+    return " to ".join(range_ends(low, high)) if high > low else _figure(high)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import functools
 import hashlib
 import json
 import math
@@ -22,12 +23,14 @@ from typing import Any
 import numpy as np
 
 from cardan._core import __version__
-from cardan.arrays import import_optional
+from cardan.arrays import FloatArray, import_optional
 from cardan.files.columns import write_columns
 from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
+from cardan.scene.axes import Axis
 from cardan.scene.curves import study_columns
-from cardan.scene.study import Study
+from cardan.scene.study import Column, Study
+from cardan.scene.units import converted
 from cardan.sweep import Sweep
 
 MANIFEST = "_study.json"
@@ -53,6 +56,44 @@ class Written:
     rows: int
     files: int
     found: int
+
+
+@dataclass(frozen=True, eq=False)
+class StudyFolder:
+    """A study in the files of a folder, of which a column is read at a time.
+
+    Attributes:
+        study: the study.
+        folder: where.
+    """
+
+    study: Study
+    folder: Path
+
+    @property
+    def axes(self) -> tuple[Axis, ...]:
+        """What is varied."""
+        return self.study.axes
+
+    @functools.cached_property
+    def columns(self) -> tuple[Column, ...]:
+        """What the figures are."""
+        return self.study.part(range(1)).columns
+
+    def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
+        """Return the ending of a column's unit and its values, in the unit of the files.
+
+        Raises:
+            OSError: a file cannot be read.
+        """
+        parquet = import_optional("pyarrow.parquet", "table")
+        ending, _ = converted(np.empty(0), column.unit, radians)
+        name = f"{column.name}{ending}"
+        parts = [
+            parquet.read_table(file, columns=[name], partitioning=None)[name].to_numpy()
+            for file in sorted(self.folder.glob("part-*.parquet"))
+        ]
+        return ending, np.concatenate(parts).reshape(self.study.shape)
 
 
 @contextlib.contextmanager

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -155,4 +156,9 @@ def _meant(key: str, known: Iterable[str]) -> str:
     for name, section in FORMAT.items():
         if name and key in section.keys:
             return f"it belongs in [{name}]"
+    stem, column, _ = key.partition("_column")
+    stems = [name.partition("_column")[0] for name in known]
+    if column and not difflib.get_close_matches(stem, stems):
+        # What columns have in common would bring a column of another quantity near.
+        return f"known are {', '.join(known)}"
     return units_of(key, known) or nearest(key, known)

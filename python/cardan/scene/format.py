@@ -11,6 +11,7 @@ from typing import Any
 import cardan.scene.values as kinds
 from cardan.driveline import Driveline
 from cardan.files import columns, pictures, recording
+from cardan.limits import OWN, PRESETS
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
@@ -221,6 +222,33 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
             together=(("angle_column_deg", "angle_column_rad"), BEND_COLUMNS),
             needed=(("file",), ("angle_column_deg", "angle_column_rad")),
+        ),
+        "limits": Section(
+            "what check compares with; a figure is a number or [limit, maximum]: within up to the "
+            "limit, tolerable up to the maximum, beyond above it",
+            {
+                "preset": Key(
+                    kinds.PRESET,
+                    f"limits of a kind of machine: {' or '.join(PRESETS)}; default: the limit of "
+                    "the catalogues alone, an equivalent bend of 3 deg",
+                ),
+                "equivalent_bend_deg": Key(
+                    kinds.BEND_LIMIT,
+                    "bend of the joint that moves the last shaft as the driveline does",
+                ),
+                "bend_difference_deg": Key(
+                    kinds.BEND_LIMIT, "difference of the bends of a driveline of two joints"
+                ),
+                "torsional_excitation_rad_s2": Key(
+                    kinds.LIMIT, "largest acceleration of the last shaft"
+                ),
+                "inertia_excitation_rad_s2": Key(
+                    kinds.LIMIT,
+                    "second-order acceleration of all shafts between two joints together",
+                ),
+                "source": Key(kinds.SOURCE, "where your own figures come from", default=OWN),
+            },
+            fewest=1,
         ),
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",

@@ -17,6 +17,7 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.files.recording import read_chunks
+from cardan.limits import Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
@@ -45,6 +46,7 @@ class Scene:
         title: heading, or "".
         line: the driveline; if its bends were recorded, a batch ``(samples,)``.
         load_case: its load, if any.
+        limits: what a check compares it with.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
         angle: the same to evaluate at: a sweep, or recorded angles in rad.
         quantities: outputs to evaluate.
@@ -57,12 +59,14 @@ class Scene:
         curves_file: name of the file for the curves, if any.
         table_file: name of the file for the table of the study, if any.
         picture_file: name of the file for the picture, if any.
+        points: ends and joint centres as the scene gives them, ``(n + 2, 3)``, if it does.
     """
 
     name: str
     title: str
     line: Driveline
     load_case: Load | None
+    limits: Limits
     drive_angle_deg: FloatArray
     angle: FloatArray | Sweep
     quantities: tuple[str, ...]
@@ -75,6 +79,7 @@ class Scene:
     curves_file: str | None
     table_file: str | None
     picture_file: str | None
+    points: FloatArray | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -240,6 +245,7 @@ class Scene:
             title=given[""].get("title", ""),
             line=line,
             load_case=load,
+            limits=Limits(**given.get("limits", {})),
             drive_angle_deg=angle.degrees,
             angle=angle.drive,
             quantities=quantities,
@@ -252,6 +258,10 @@ class Scene:
             curves_file=output.get("curves"),
             table_file=output.get("table"),
             picture_file=output.get("picture"),
+            points=next(
+                (np.array(value, float) for key, value in driveline.items() if "points" in key),
+                None,
+            ),
         )
 
     @property

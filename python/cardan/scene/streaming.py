@@ -7,6 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 from numpy.typing import NDArray
 
 from cardan.files.progress import Progress
@@ -16,11 +17,16 @@ from cardan.scene.scene import Scene, SceneResult
 
 
 class Streamed(NamedTuple):
-    """A file of curves that was written, its rows, and the recorded samples that are missing."""
+    """A file of curves that was written."""
 
     path: Path
     rows: int
     missing: int
+    """Recorded samples that are missing."""
+    ends_deg: tuple[float, float]
+    """First and last drive angle in degrees."""
+    turns: float
+    """How far the drive goes, forward and back, in turns."""
 
 
 def stream(
@@ -45,7 +51,7 @@ def stream(
         progress: called after each chunk with the number of rows done and of all rows.
 
     Returns:
-        the file written, its rows, and how many recorded samples are missing.
+        the file written, its rows, and what was recorded.
 
     Raises:
         ImportError: pyarrow is missing.
@@ -59,7 +65,8 @@ def stream(
     if first.recording and path.exists() and path.samefile(first.recording):
         raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
 
-    missing = 0
+    missing, way = 0, 0.0
+    ends: list[float] = []
 
     def pieces() -> Iterable[tuple[Mapping[str, NDArray[Any]], int]]:
         yield curves(first), total
@@ -67,9 +74,16 @@ def stream(
             yield curves(part), total
 
     def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
-        nonlocal missing
+        nonlocal missing, way
         missing += part.missing
+        # From the last angle of the chunk before.
+        known = part.without_missing().drive_angle_deg
+        degrees = np.concatenate([ends[1:], known])
+        way += float(np.sum(np.abs(np.diff(degrees))))
+        if known.size:
+            ends[:] = [*(ends or known[:1].tolist())[:1], float(known[-1])]
         return columns(SceneResult(part, part.evaluate()), radians=radians)
 
     written = write_pieces(path, pieces(), progress)
-    return Streamed(path, written, missing)
+    # A recording without any number is refused.
+    return Streamed(path, written, missing, (ends[0], ends[1]), way / 360.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +23,7 @@ from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load
 from cardan.scene.reductions import CLOSED_FORMS, reduced
+from cardan.scene.units import converted
 from cardan.scene.values import VECTORS
 from cardan.sweep import Sweep
 
@@ -40,10 +41,20 @@ class Column:
     Attributes:
         name: quantity, shaft or joint, component and reduction: ``moment_0_x_mean``.
         unit: SI unit; ``"1"`` for a ratio.
+        quantity: an output or a closed form.
+        per: ``"shaft"`` or ``"joint"``.
+        item: of which.
+        statistic: how the output is reduced; ``"value"`` for a closed form.
+        component: of a vector: ``"x"``, ``"y"`` or ``"z"``; ``""`` for its length and for scalars.
     """
 
     name: str
     unit: str
+    quantity: str
+    per: Literal["shaft", "joint"]
+    item: int
+    statistic: str
+    component: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +85,10 @@ class StudyResult:
         """Return the values of every axis over the grid, by key; views, nothing is copied."""
         grids = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij", copy=False)
         return {axis.key: grid for axis, grid in zip(self.axes, grids, strict=True)}
+
+    def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
+        """Return the ending of a column's unit and its values, angles in the unit asked for."""
+        return converted(self.values[column.name], column.unit, radians)
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the figures as variables over the keys that are varied, with their units.
@@ -274,7 +289,8 @@ class Study:
             field, unit = CLOSED_FORMS[name]
             for shaft, joint in zip(shafts, equivalent, strict=True):
                 number = "" if self.shafts is None else f"_{shaft}"
-                yield Column(f"{name}{number}", unit), getattr(joint, field)[:, 0]
+                column = Column(f"{name}{number}", unit, name, "shaft", shaft, "value")
+                yield column, getattr(joint, field)[:, 0]
         if not self.quantities:
             return
         items = {"shaft": shafts, "joint": list(self.joints)}
@@ -292,12 +308,13 @@ class Study:
             output = OUTPUTS[name]
             for item, figures in zip(items[output.per], of_items, strict=True):
                 number = "" if output.per == "shaft" and self.shafts is None else f"_{item}"
+                what = (output.unit, name, output.per, item, reduction)
                 if output.vector and reduction != "peak":
                     for i, axis in enumerate("xyz"):
-                        column = Column(f"{name}{number}_{axis}_{reduction}", output.unit)
+                        column = Column(f"{name}{number}_{axis}_{reduction}", *what, axis)
                         yield column, figures[:, i]
                 else:
-                    yield Column(f"{name}{number}_{reduction}", output.unit), figures
+                    yield Column(f"{name}{number}_{reduction}", *what), figures
 
 
 def _one_row(key: str, value: ArrayLike) -> FloatArray:

@@ -78,6 +78,12 @@ def units_of(key: str, known: Iterable[str]) -> str:
     return f"the unit stands in the name: {held}" if held else ""
 
 
+def ending_of(symbol: str) -> str:
+    """Return what follows a name to say its unit: ``_rad_s2`` of ``rad/s²``; "" for a ratio."""
+    found = (f"_{ending}" for ending, unit in ENDINGS.items() if unit.symbol == symbol)
+    return next(found) if symbol else ""
+
+
 def in_degrees(values: FloatArray, unit: str) -> tuple[FloatArray, str]:
     """Return values in an SI unit with angles in degrees, and the unit to print, "" for a ratio."""
     if unit == "rad":

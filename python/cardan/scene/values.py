@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
+from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.rules import (
     FileName,
@@ -70,4 +71,8 @@ RECORDING = Kind("file", FileName(recording.SUFFIXES, folders=True))
 COLUMNS = Kind("texts", ListOf(Text(), "texts", distinct=True))
 AXIS = Kind("values", Axis())
 AXES = Kind("values", ListAxes())
+SOURCE = Kind("text", Source())
+PRESET = Kind("name", Preset())
+BEND_LIMIT = Kind("limit", LimitRule(Number(0, 90, above=True, below=True, unit="deg")))
+LIMIT = Kind("limit", LimitRule(Number(0, above=True)))
 COMPONENT_AXES = Kind("values", VectorAxes())

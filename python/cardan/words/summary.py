@@ -1,90 +1,202 @@
-"""The short tables of a scene and its study as printed text."""
+"""The short table of a scene as printed text."""
 
 from __future__ import annotations
 
 import math
 import sys
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import groupby
+from types import MappingProxyType
+from typing import Any
 
-import numpy as np
-
-from cardan.figures.extremes import study_data
-from cardan.figures.rounding import alike
 from cardan.figures.summary import Row
-from cardan.scene.study import StudyResult
+from cardan.outputs import OUTPUTS
+
+FEWEST = 36
+"""Samples per turn below which the largest of them may be far from the largest of the turn."""
+
+_LABELS: Mapping[str, str] = MappingProxyType(
+    {
+        "twist": "twist of the bend planes",
+        "phase": "phase of the yokes",
+        "non_uniformity": "non-uniformity U",
+        "acceleration_at_steady_drive": "acceleration",
+    }
+)
 
 
-def summary_text(rows: Sequence[Row], *, radians: bool = False) -> str:
-    """Return the table as aligned plain text, at most 79 characters wide."""
-    text = _aligned([(row.label, row_text(row, radians)) for row in rows])
-    if any(row.at_deg is not None for row in rows):
-        text += (
-            f'\n\nAfter "at": drive angle; 0 {"rad" if radians else "deg"} has the driving pin in '
-            "the plane of shafts 0, 1."
+def summary_text(
+    rows: Sequence[Row], drive_angles: Mapping[str, Any], *, radians: bool = False
+) -> str:
+    """Return the table as aligned plain text, at most 79 characters wide.
+
+    Args:
+        rows: the table.
+        drive_angles: over what it is, as ``figures.summary.drive_angles`` returns it.
+        radians: whether angles are in radians.
+    """
+    parts = [summary_lines(part, radians=radians) for part in _parts(rows)]
+    width = max(len(label) for lines in parts for label, _ in lines) + 4
+    headings = ("Driveline", over_text(drive_angles, radians=radians))
+    text = "\n\n".join(
+        f"{heading}\n{aligned(lines, width, '  ')}"
+        for heading, lines in zip(headings, parts, strict=True)
+        if lines
+    )
+    notes = "\n".join(notes_text(rows, drive_angles, radians=radians))
+    return f"{text}\n\n{notes}" if notes else text
+
+
+def _parts(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    own = [row for row in rows if row.of == "driveline"]
+    return own, [row for row in rows if row.of != "driveline"]
+
+
+def over_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
+    """Say over what the extremes are."""
+    if drive_angles["source"] == "sweep":
+        swept = angles_text(drive_angles, radians=radians)
+        return "Over a whole turn" + (
+            f"; the scene sweeps {swept}" if _is_short(drive_angles) else ""
         )
-    return text
+    known = drive_angles["samples"] - drive_angles["missing_samples"]
+    text = f"In these {known} samples, {angles_text(drive_angles, radians=radians)}"
+    return textwrap.fill(text, 79, subsequent_indent="  ")
 
 
-def study_text(result: StudyResult, *, radians: bool = False) -> str:
-    """Return the extent of a study and the extremes of its figures, as plain text."""
+def angles_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
+    """Say from where to where drive angles go, and in how many turns of how many samples."""
+    unit = "rad" if radians else "deg"
+    first, last = (_angle(drive_angles[f"{end}_{unit}"], radians) for end in ("first", "last"))
+    turns, per_turn = drive_angles["turns"], drive_angles["samples_per_turn"]
+    text = f"{first} to {last}, {turns:.4g} turn{'s' if turns != 1.0 else ''}"
+    return text if per_turn is None else f"{text} of {per_turn:.4g} samples"
+
+
+def _is_short(drive_angles: Mapping[str, Any]) -> bool:
+    """Whether a sweep may pass by an extreme."""
+    return bool(drive_angles["source"] == "sweep" and drive_angles["turns"] < 0.5)
+
+
+def notes_text(
+    rows: Iterable[Row], drive_angles: Mapping[str, Any], *, radians: bool = False
+) -> Iterator[str]:
+    """Say what must be known to read the table, a paragraph at a time."""
+    found = list(rows)
+    zero, half = ("0 rad", "pi rad") if radians else ("0°", "180°")
+    if any(row.at_deg is not None for row in found):
+        text = (
+            f"Angles after 'at' are drive angles; at {zero} the driving pin of joint 0 lies in the "
+            "plane of shafts 0 and 1."
+        )
+        if drive_angles["source"] == "sweep":
+            text += f" Each extreme recurs every {half}."
+        yield textwrap.fill(text, 79)
+    if _is_short(drive_angles):
+        yield "An extreme that the sweep does not reach has no angle."
+    if any(row.quantity == "acceleration_at_steady_drive" for row in found):
+        yield "Accelerations are those at constant drive speed."
+
+
+def few_samples_text(samples_per_turn: float | None) -> str | None:
+    """Warn of values that come from few samples per turn; ``None`` if they are enough."""
+    if samples_per_turn is None or samples_per_turn >= FEWEST:
+        return None
+    return (
+        f"only {samples_per_turn:.4g} samples per turn; "
+        "the largest values may lie between the samples"
+    )
+
+
+def summary_lines(rows: Iterable[Row], *, radians: bool = False) -> list[tuple[str, str]]:
+    """Return the table as pairs of what a line is about and its figures.
+
+    Several shafts share a line, without their places; ranges of several shafts are left out.
+    """
     lines = []
-    if result.axes:
-        steps = " x ".join(map(str, result.shape))
-        count = f"{steps} = {result.rows}" if len(result.axes) > 1 else steps
-        lines.append(("study", f"{count} driveline{'s' if result.rows > 1 else ''}"))
-        for axis in result.axes:
-            low, high = np.min(axis.values), np.max(axis.values)
-            lines.append((axis.key, f"{low:.6g} to {high:.6g}"))
-    placed = False
-    for name, found in study_data(result, radians=radians)["figures"].items():
-        low, high = found["least"], found["largest"]
-        if low is None or high is None or alike(low, high):
-            lines.append((name, "not finite" if low is None or high is None else figure_text(low)))
+    for (quantity, statistic), group in groupby(rows, key=_about):
+        found = list(group)
+        items = list(dict.fromkeys(row.item for row in found))
+        several = len(items) > 1
+        # A place belongs to each of the loads, which lie apart; a range to each recorded one.
+        apart = quantity in OUTPUTS and OUTPUTS[quantity].needs_load
+        apart = apart or any(row.of == "samples" for row in found)
+        if several and statistic == "range" and not apart:
             continue
-        placed = True
-        ends = zip(range_ends(low, high), ("least", "largest"), strict=True)
-        figures = [
-            f"{figure} ({', '.join(f'{at:.6g}' for at in found[f'{which}_at'].values())})"
-            for figure, which in ends
-        ]
-        lines.append((name, " to ".join(figures)))
-    text = _aligned(lines)
-    if placed:
-        keys = ", ".join(axis.key for axis in result.axes)
-        text += "\n\n" + textwrap.fill(f"In brackets: {keys}.", 79, break_on_hyphens=False)
-    return text
+        parts = [found] if not apart else [[r for r in found if r.item == item] for item in items]
+        lines += [_line(part, statistic, radians) for part in parts]
+    return lines
 
 
-def _aligned(lines: Sequence[tuple[str, str]]) -> str:
-    width = max(len(label) for label, _ in lines) + 2
-    return "\n".join(
-        textwrap.fill(
+def _about(row: Row) -> tuple[str, str]:
+    return row.quantity, "range" if row.statistic in ("min", "max") else row.statistic
+
+
+def _line(rows: Sequence[Row], statistic: str, radians: bool) -> tuple[str, str]:
+    first = rows[0]
+    label = _LABELS.get(first.quantity) or (
+        OUTPUTS[first.quantity].label
+        if first.quantity in OUTPUTS
+        else first.quantity.replace("_", " ")
+    )
+    if statistic == "peak":
+        label = f"largest {label}"
+    items = [row.item for row in rows] if statistic != "range" else [first.item]
+    label += f", {_items(first.per, items)}"
+    values = [_in_unit(row, radians) for row in rows]
+    if statistic == "range":
+        low, high = values[0], values[-1]
+        figures = list(range_ends(low, high)) if 0.0 < high - low < math.inf else [figure_text(low)]
+        return label, _with_unit(figures, " to ", first.unit, radians)
+    text = _with_unit(list(map(figure_text, values)), ", ", first.unit, radians)
+    if len(rows) == 1 and first.at_deg is not None:
+        at = math.radians(first.at_deg) if radians else first.at_deg
+        text += f" at {_angle(at, radians)}"
+    return label, text
+
+
+def _items(per: str, items: Sequence[int]) -> str:
+    if len(items) == 1:
+        return f"{per} {items[0]}"
+    if len(items) > 2 and list(items) == list(range(items[0], items[-1] + 1)):
+        return f"{per}s {items[0]} to {items[-1]}"
+    return f"{per}s {', '.join(map(str, items[:-1]))} and {items[-1]}"
+
+
+def _in_unit(row: Row, radians: bool) -> float:
+    return math.radians(row.value) if row.unit == "deg" and radians else row.value
+
+
+def _with_unit(figures: Sequence[str], between: str, unit: str, radians: bool) -> str:
+    if unit == "deg" and not radians:
+        return between.join(f"{figure}°" for figure in figures)
+    unit = "rad" if unit == "deg" else unit
+    return f"{between.join(figures)} {unit}".rstrip()
+
+
+def _angle(value: float, radians: bool) -> str:
+    # What rounds to zero has no sign.
+    return f"{round(value, 4) + 0.0:.4f} rad" if radians else f"{round(value, 2) + 0.0:.2f}°"
+
+
+def aligned(lines: Iterable[tuple[str, str]], width: int = 0, indent: str = "") -> str:
+    """Return pairs of a label and a text as two columns, filled to 79 characters."""
+    lines = list(lines)
+    width = width or max(len(label) for label, _ in lines) + len(indent) + 2
+    return "\n".join(_filled(lines, width, indent))
+
+
+def _filled(lines: Iterable[tuple[str, str]], width: int, indent: str) -> Iterator[str]:
+    for label, text in lines:
+        yield textwrap.fill(
             text,
             width=79,
-            initial_indent=f"{label:{width}}",
+            initial_indent=f"{indent + label:{width}}",
             subsequent_indent=" " * width,
             break_long_words=False,
             break_on_hyphens=False,
         )
-        for label, text in lines
-    )
-
-
-def row_text(row: Row, radians: bool = False) -> str:
-    """Return the value of a row with unit and place."""
-    values = row.in_unit(radians)
-    text = _range(values[0], values[-1]) if row.is_range else ", ".join(map(figure_text, values))
-    if row.unit:
-        text += " rad" if row.unit == "deg" and radians else f" {row.unit}"
-    if row.at_deg is not None:
-        at = f"{math.radians(row.at_deg):.4f} rad" if radians else f"{row.at_deg:.2f} deg"
-        text += f" at {at}"
-    return text
-
-
-def _range(low: float, high: float) -> str:
-    return " to ".join(range_ends(low, high)) if 0.0 < high - low < math.inf else figure_text(low)
 
 
 def range_ends(low: float, high: float) -> tuple[str, str]:
@@ -98,7 +210,7 @@ def range_ends(low: float, high: float) -> tuple[str, str]:
 def figure_text(value: float) -> str:
     """Four significant digits, without an exponent where that is readable."""
     if value == 0.0 or not math.isfinite(value):
-        return f"{value:g}"
+        return f"{value + 0.0:g}"
     exponent = math.floor(math.log10(abs(value)))
     if not -5 < exponent < 7:
         return f"{value:.3e}"

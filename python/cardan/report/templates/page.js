@@ -3,7 +3,7 @@
 const data = JSON.parse(document.getElementById("data").textContent);
 const slider = document.getElementById("sample");
 const place = document.querySelector("output[for=sample]");
-const LABEL = 34; // how far from its shaft a number stands
+const LABEL = 34; // distance of a number from its shaft
 const SVG = "http://www.w3.org/2000/svg";
 
 const shown = (value, decimals) => value.toFixed(decimals).replace("-", "\u2212");
@@ -74,19 +74,19 @@ function drawn(view, svg) {
     });
     halves.forEach((sides, joint) =>
       sides.forEach((signs, side) =>
-        signs.forEach(({ sign, yoke: fork, arm, mark }) => {
+        signs.forEach(({ sign, yoke: bow, arm, mark }) => {
           const centre = points[joint + 1];
           const back = plus(centre, along[joint + side], side === 0 ? -yoke : yoke);
           const across = pins[sample][joint][side].map((value) => sign * pin * value);
           const end = plus(centre, across, 1);
-          fork.setAttribute("d", `M${at(back)}L${at(plus(back, across, 1))}L${at(end)}`);
+          bow.setAttribute("d", `M${at(back)}L${at(plus(back, across, 1))}L${at(end)}`);
           arm.setAttribute("d", `M${at(centre)}L${at(end)}`);
           if (mark) {
             const [x, y] = flat(end);
             mark.setAttribute("cx", x);
             mark.setAttribute("cy", y);
           }
-          for (const part of [fork, arm, mark]) {
+          for (const part of [bow, arm, mark]) {
             part?.classList.toggle("far", dot(view.axes[2], across) < 0);
           }
         }),

@@ -1,0 +1,137 @@
+"""The answer of ``cardan run`` as plain data, and its JSON Schema."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from cardan.figures.answers import ANGLE, answer, answer_schema, one_of, record
+from cardan.figures.extremes import StudyTable, study_data
+from cardan.figures.summary import Row, drive_angles, summary_data
+from cardan.outputs import OUTPUTS
+from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
+from cardan.scene.scene import Scene
+
+
+def run_data(
+    scene: Scene,
+    rows: Sequence[Row],
+    study: StudyTable | None,
+    files: Iterable[Mapping[str, Any]],
+    *,
+    radians: bool = False,
+) -> dict[str, Any]:
+    """Return what ``cardan run`` found, as plain data for JSON.
+
+    Args:
+        scene: the scene.
+        rows: its table.
+        study: its study, if it was evaluated.
+        files: the files written.
+        radians: whether angles are in radians.
+    """
+    data = answer("run", scene.title, drive_angles=drive_angles(scene, radians=radians))
+    data["rows"] = summary_data(rows, radians=radians)
+    if study and scene.study:
+        data["study"] = study_data(study, len(scene.study.angle), radians=radians)
+    return {**data, "files": list(files)}
+
+
+_NUMBER = {"type": ["number", "null"], "description": "null if it is not finite"}
+_COUNT = {"type": "integer", "minimum": 0}
+_VALUE = {f"value{ending}": _NUMBER for ending in ("", "_deg", "_rad", "_rpm", "_rad_s2", "_Nm")}
+_OF_DRIVELINE = ("bend", "twist", "phase", "equivalent_bend", "non_uniformity")
+_OF_DRIVE = ("speed", "acceleration_at_steady_drive")
+_ITEM = {"shaft": _COUNT, "joint": _COUNT}
+_AT = {
+    "type": "array",
+    "description": "the keys on which the figure depends there",
+    "items": record({"key": {"type": "string"}, "value": {"type": "number"}}),
+}
+_END = one_of({"at": _AT}, _VALUE)
+
+RUN_SCHEMA: Mapping[str, Any] = answer_schema(
+    "run",
+    "what cardan run prints with --json",
+    {
+        "drive_angles": one_of(
+            {
+                "source": {"enum": ["sweep", "recording"]},
+                "samples": {**_COUNT, "minimum": 1},
+                "missing_samples": _COUNT,
+                "turns": {
+                    "type": "number",
+                    "description": "the way of the drive, forward and back",
+                },
+                "samples_per_turn": {"type": ["number", "null"]},
+            },
+            *(
+                {f"{end}_{angle}": {"type": "number"} for angle in ANGLE}
+                for end in ("first", "last")
+            ),
+        ),
+        "rows": {
+            "type": "array",
+            "items": one_of(
+                {
+                    "quantity": {"enum": [*_OF_DRIVELINE, *OUTPUTS, *_OF_DRIVE]},
+                    "statistic": {
+                        "enum": ["value", "min", "max", "peak"],
+                        "description": "peak is the largest magnitude",
+                    },
+                    "of": {"enum": ["driveline", "turn", "samples"]},
+                },
+                _ITEM,
+                _VALUE,
+                optional={
+                    f"at_drive_angle_{angle}": {
+                        "type": "number",
+                        "description": "absent if every angle has the value, or none of the scene",
+                    }
+                    for angle in ANGLE
+                },
+            ),
+        },
+        "files": {
+            "type": "array",
+            "items": record(
+                {"file": {"type": "string"}}, dict.fromkeys(("rows", "parts", "found"), _COUNT)
+            ),
+        },
+    },
+    {
+        "study": record(
+            {
+                "drivelines": _COUNT,
+                "samples": {**_COUNT, "description": "drive angles over which figures are reduced"},
+                "axes": {
+                    "type": "array",
+                    "items": record(
+                        {
+                            "key": {"type": "string"},
+                            "values": _COUNT,
+                            "min": {"type": "number"},
+                            "max": {"type": "number"},
+                        }
+                    ),
+                },
+                "figures": {
+                    "type": "array",
+                    "items": one_of(
+                        {
+                            "column": {"type": "string", "description": "its heading in the table"},
+                            "quantity": {"enum": [*CLOSED_FORMS, *OUTPUTS]},
+                            "statistic": {"enum": ["value", *REDUCTIONS]},
+                            "of": {"enum": ["turn", "samples"]},
+                            "least": _END,
+                            "largest": _END,
+                        },
+                        _ITEM,
+                        optional={"component": {"enum": ["x", "y", "z"]}},
+                    ),
+                },
+            }
+        )
+    },
+)
+"""JSON Schema of ``run_data``."""

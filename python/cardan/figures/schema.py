@@ -1,0 +1,21 @@
+"""The JSON Schema of all answers of the command."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from cardan.figures.run import RUN_SCHEMA
+from cardan.figures.yokes import PHASE_SCHEMA
+
+_ANSWERS: Mapping[str, Any] = {"run": RUN_SCHEMA, "phase": PHASE_SCHEMA}
+
+
+def answers_schema() -> dict[str, Any]:
+    """Return one schema of which each answer is a definition of its name."""
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "answers of cardan in JSON",
+        "$defs": dict(_ANSWERS),
+        "oneOf": [{"$ref": f"#/$defs/{name}"} for name in _ANSWERS],
+    }

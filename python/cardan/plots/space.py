@@ -1,0 +1,108 @@
+"""The driveline in space as points to draw: a view, tubes, yokes and wedges of bend."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+
+_STEPS = 24
+DEPTH = 1.3
+"""Depth of a yoke over half its span."""
+
+_LITTLE = 0.3
+_TUBE = 0.34  # radius over half the span of a yoke
+
+
+@dataclass(frozen=True)
+class View:
+    """A parallel projection: everything has one scale, whatever its depth.
+
+    Attributes:
+        axes: unit vectors to the right, upwards and to the viewer, ``(3, 3)``.
+    """
+
+    axes: FloatArray
+
+    @classmethod
+    def of(cls, directions: FloatArray) -> View:
+        """Look at shafts from the side, a little from above and from the drive's end.
+
+        The axis that the shafts follow most points to the right; y points up, if it is not y.
+        """
+        mean = np.mean(directions, axis=0)
+        # Shafts that turn back on themselves have no direction in the mean.
+        mean = mean if np.linalg.norm(mean) > _LITTLE else directions[0]
+        place = int(np.argmax(np.abs(mean)))
+        right = np.zeros(3)
+        right[place] = math.copysign(1.0, mean[place])
+        up = np.eye(3)[1 if place != 1 else 2]
+        viewer = -0.5 * right + 0.35 * up + np.cross(right, up)
+        viewer /= np.linalg.norm(viewer)
+        across = np.cross(up, viewer)
+        across /= np.linalg.norm(across)
+        return cls(np.stack([across, np.cross(viewer, across), viewer]))
+
+    def flat(self, points: FloatArray) -> FloatArray:
+        """Return where points are drawn, ``(..., 2)``."""
+        flat: FloatArray = points @ self.axes[:2].T
+        return flat
+
+    def depth(self, points: FloatArray) -> float:
+        """Return how near to the viewer points are in the mean."""
+        return float(np.mean(points @ self.axes[2]))
+
+
+def yoke(centre: FloatArray, pin: FloatArray, towards: FloatArray, size: float) -> FloatArray:
+    """Return a yoke as a line, ``(points, 3)``: from one end of its pin round to the other.
+
+    Args:
+        centre: of the joint.
+        pin: direction of its pin.
+        towards: direction from the joint to the shaft of the yoke.
+        size: half its span.
+    """
+    # A superellipse: straight arms, and a base across the shaft.
+    turn = np.linspace(0.0, math.pi, 2 * _STEPS + 1)[:, np.newaxis]
+    cosine, sine = np.cos(turn), np.abs(np.sin(turn))
+    sine[[0, -1]] = cosine[_STEPS] = 0.0
+    arms = np.copysign(np.sqrt(np.abs(cosine)), cosine) * pin
+    line: FloatArray = centre + size * (arms + DEPTH * np.sqrt(sine) * towards)
+    return line
+
+
+def tube(start: FloatArray, end: FloatArray, size: float, view: View) -> tuple[FloatArray, ...]:
+    """Return the outline of a shaft and its end that the viewer sees, each ``(points, 3)``."""
+    along = (end - start) / np.linalg.norm(end - start)
+    across = np.cross(along, view.axes[2])
+    # A shaft that points at the viewer is a circle, whichever way it is cut.
+    across = across if np.linalg.norm(across) > 1e-9 else view.axes[0]
+    across /= np.linalg.norm(across)
+    beyond = np.cross(across, along)
+    if view.flat(beyond) @ view.flat(along) < 0.0:
+        beyond = -beyond
+    radius = _TUBE * size
+    half = np.linspace(0.0, math.pi, _STEPS)[:, np.newaxis]
+    first = start + radius * (np.cos(half) * across - np.sin(half) * beyond)
+    last = end + radius * (np.sin(half) * beyond - np.cos(half) * across)
+    seen = start if along @ view.axes[2] < 0.0 else end
+    rim = seen + radius * (np.cos(2 * half) * across + np.sin(2 * half) * beyond)
+    return np.concatenate([first, last]), rim
+
+
+def wedge(centre: FloatArray, before: FloatArray, after: FloatArray, reach: float) -> FloatArray:
+    """Return the bend at a joint as an area, ``(points, 3)``: its centre and an arc.
+
+    The arc begins on the input shaft's line, continued, and ends on the output shaft.
+    """
+    share = np.linspace(0.0, 1.0, _STEPS)[:, np.newaxis]
+    bend = math.atan2(float(np.linalg.norm(np.cross(before, after))), float(before @ after))
+    if bend < 1e-9:
+        arc = before + share * (after - before)
+    else:
+        weights = np.sin((1.0 - share) * bend), np.sin(share * bend)
+        arc = (weights[0] * before + weights[1] * after) / math.sin(bend)
+    return np.concatenate([centre[np.newaxis], centre + reach * arc])

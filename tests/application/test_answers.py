@@ -1,0 +1,151 @@
+"""The JSON answers of the command: their schema, their keys."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from click.testing import CliRunner
+
+from cardan.command import commands
+from cardan.figures.schema import answers_schema
+from cardan.scene import Scene, starters
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
+SCHEMA = answers_schema()
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+
+
+def answer(command: str, *arguments: str | Path) -> Any:  # noqa: ANN401 - JSON
+    result = CliRunner().invoke(commands(), [command, *map(str, arguments), "--json"])
+    assert result.exit_code in (0, 1), result.output
+    return json.loads(result.stdout)
+
+
+def test_schema_is_a_schema() -> None:
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+
+
+def test_committed_copy_is_current() -> None:
+    """Make it anew with: cardan schema --answers --output docs/answers.schema.json."""
+    copy = (ROOT / "docs" / "answers.schema.json").read_text(encoding="utf-8")
+    assert json.loads(copy) == SCHEMA
+    assert json.loads(CliRunner().invoke(commands(), ["schema", "--answers"]).output) == SCHEMA
+
+
+def keys(schema: Any) -> Iterator[str]:  # noqa: ANN401 - JSON
+    if isinstance(schema, dict):
+        yield from schema.get("properties", {})
+        for value in schema.values():
+            yield from keys(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from keys(value)
+
+
+def objects(schema: Any) -> Iterator[dict[str, Any]]:  # noqa: ANN401 - JSON
+    if isinstance(schema, dict):
+        if schema.get("type") == "object":
+            yield schema
+        for value in schema.values():
+            yield from objects(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from objects(value)
+
+
+def test_no_object_has_other_keys() -> None:
+    assert all(found["additionalProperties"] is False for found in objects(SCHEMA["$defs"]))
+
+
+# A key that changes its name or goes away breaks programs: then VERSION grows.
+KEYS = {
+    "run": {
+        *("answer", "version", "title", "drive_angles", "rows", "study", "files"),
+        *("source", "samples", "missing_samples", "turns", "samples_per_turn"),
+        *("first_deg", "first_rad", "last_deg", "last_rad"),
+        *("quantity", "shaft", "joint", "component", "statistic", "of"),
+        *("value", "value_deg", "value_rad", "value_rpm", "value_rad_s2", "value_Nm"),
+        *("at_drive_angle_deg", "at_drive_angle_rad"),
+        *("drivelines", "axes", "figures", "column", "least", "largest", "at"),
+        *("key", "values", "min", "max"),
+        *("file", "rows", "parts", "found"),
+    },
+    "phase": {
+        *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),
+        *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),
+        *("shafts", "shaft", "phase_deg", "sense", "setting_deg", "setting_other_sense_deg"),
+        *("turn_deg", "turn_sense", "turn_other_sense_deg", "teeth", "turn_teeth"),
+        *("bend_ranges", "joint", "bend_deg", "from_deg", "to_deg", "off_deg"),
+    },
+}
+
+
+def test_keys_stay() -> None:
+    assert SCHEMA["$defs"].keys() == KEYS.keys()
+    for kind, names in KEYS.items():
+        assert set(keys(SCHEMA["$defs"][kind])) == names
+
+
+@pytest.mark.parametrize("options", [[], ["--radians"]], ids=["deg", "rad"])
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_examples_answer_by_the_schema(path: Path, options: list[str], tmp_path: Path) -> None:
+    data = answer("run", path, "--into", tmp_path, *options)
+    VALIDATOR.validate(data)
+    assert (data["answer"], data["version"]) == ("run", 1)
+    unit = "rad" if options else "deg"
+    assert not {key for key in _keys_of(data) if key.endswith({"rad": "_deg", "deg": "_rad"}[unit])}
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_settings_of_the_examples_answer_by_the_schema(path: Path) -> None:
+    line = Scene.load(path).line
+    if line.n_joints > 1 and not line.shape:
+        VALIDATOR.validate(answer("phase", path))
+
+
+def _keys_of(data: Any) -> Iterator[str]:  # noqa: ANN401 - JSON
+    for value in data.values() if isinstance(data, dict) else data:
+        if isinstance(value, dict | list):
+            yield from _keys_of(value)
+    if isinstance(data, dict):
+        yield from data
+
+
+@pytest.mark.parametrize("kind", starters.STARTERS)
+def test_starters_answer_by_the_schema(kind: str, tmp_path: Path) -> None:
+    starters.write_starter(kind, tmp_path / "scene.toml")
+    VALIDATOR.validate(answer("run", tmp_path / "scene.toml", "--into", tmp_path))
+
+
+def test_the_schema_refuses_other_answers(tmp_path: Path) -> None:
+    data = answer("run", ROOT / "examples" / "foeppl.toml", "--into", tmp_path)
+    for change in (
+        {"answer": "walk"},
+        {"version": 2},
+        {"more": 1},
+        {"rows": [{**data["rows"][0], "value": 1.0}]},
+        {"rows": [{key: v for key, v in data["rows"][0].items() if key != "joint"}]},
+        {"rows": [{**data["rows"][0], "statistic": "worst"}]},
+    ):
+        assert not VALIDATOR.is_valid({**data, **change})
+
+
+def test_quantities_are_one_row_each_however_many_shafts(tmp_path: Path) -> None:
+    """The keys of a row do not depend on how many shafts there are."""
+    text = (
+        "[driveline]\nbends_deg = [10, 20]\n[load]\nspeed_rpm = 60\ndrive_torque_Nm = 5\n[output]\n"
+    )
+    shapes = []
+    for shafts in ("", "shafts = [2]", "shafts = [0, 1, 2]"):
+        (tmp_path / "scene.toml").write_text(f"{text}{shafts}")
+        rows = answer("run", tmp_path / "scene.toml")["rows"]
+        last = [row for row in rows if row.get("shaft") == 2]
+        shapes.append([(row["quantity"], row["statistic"], row["of"], {*row}) for row in last])
+    assert shapes[0] == shapes[1] == shapes[2]
+    assert len(shapes[0]) == 10
