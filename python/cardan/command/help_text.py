@@ -19,8 +19,8 @@ that is ready to run:
 
 "cardan run --help" lists all keys of a scene. "cardan COMMAND --help" shows more examples.
 
-Exit status: 0 for success, 1 if "check" found the driveline beyond a limit, 2 for invalid input (one
-line says what is wrong), 130 for an interrupt.
+Exit status: 0 for success, 1 if "check" found the driveline beyond a limit, 2 for invalid input
+(one line says what is wrong), 130 for an interrupt.
 """
 
 # The mark keeps click from filling a paragraph.
