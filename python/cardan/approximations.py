@@ -150,10 +150,10 @@ def catalogue_bend(bends: ArrayLike, fork_signs: ArrayLike) -> Any:  # noqa: ANN
 
     The rule is ``sqrt|sum of +-b²|``. It is for yokes that lie in their bend planes or are
     perpendicular to them. In the copies at hand section 6.5 has lost its formula; the rule of the
-    signs is from its text. The root is the first term of the exact ``ln sec b = |sum of +-ln sec b_j|``. For two
-    joints with bends up to 10, 20 and 30° its error is at most 0.04, 0.29 and 1.02°. For three or
-    more joints it can fail completely: 20, -25, 15° gives 0, but the exact bend is 3.143°.
-    ``Driveline.equivalent`` has the exact bend at any setting of the yokes.
+    signs is from its text. The root is the first term of the exact ``ln sec b = |sum of +-ln sec
+    b_j|``. For two joints with bends up to 10, 20 and 30° its error is at most 0.04, 0.29 and
+    1.02°. For three or more joints it can fail completely: 20, -25, 15° gives 0, but the exact bend
+    is 3.143°. ``Driveline.equivalent`` has the exact bend at any setting of the yokes.
 
     Args:
         bends: bend of each joint in rad, ``(..., n)``.
