@@ -1,12 +1,15 @@
-"""What the sources and workshops compute instead of the exact motion and moments.
+"""Formulas of the sources and of workshop practice for motion and moments, each with its error.
 
-Each function is named as what it is and says how far it is off. For the exact values use
-``Driveline``, whose ``check`` has the exact counterparts of the workshop figures. Everything
-broadcasts, as NumPy's own functions do; NaN in gives NaN out at that place alone.
+For the exact values use ``Driveline``, whose ``check`` has the exact counterparts of the workshop
+figures. Everything broadcasts as in NumPy. NaN gives NaN for that element only.
 
 Sources: D. Thoma, "Das Kräftespiel im Kreuzgelenk", Schweizerische Bauzeitung 75/76 (1920), Heft
 17, with the numbers of his equations; the chapter on double joints in the catalogues of German
-driveshaft makers; the workshop figures of driveshaft makers in the United States.
+driveshaft makers; the workshop figures of driveshaft makers in the United States. The copies of the
+catalogues at hand have lost the formulas of sections 6.3 to 6.5; the documentation's page on the
+sources says what is used instead. For further kinematics the catalogues refer to the guideline VDI
+2722, "Gelenkwellen und Gelenkwellenstränge mit Kreuzgelenken - Einbaubedingungen für
+Homokinematik", which was not available.
 """
 
 from __future__ import annotations
@@ -55,17 +58,17 @@ class ThomaMomentRatios(NamedTuple):
 def thoma_small_angle(
     angle: ArrayLike, bend: ArrayLike, inertia: ArrayLike, speed: ArrayLike
 ) -> ThomaMoments:
-    """Return what accelerates a flywheel on the driven shaft, in Thoma's form for small bends.
+    """Return the moments that accelerate a flywheel on the driven shaft, by Thoma for small bends.
 
-    The three unnumbered equations after his (8), which he gives for driving at constant speed::
+    These are the three unnumbered equations after his (8), for a drive at constant speed::
 
         Mt = -2 I w² (1 - cos b) sin 2a
         Mx = -I w² sin b (1 - cos b) (sin 2a + 1/2 sin 4a)
         Mz = -1/2 I w² sin b (1 - cos b) (1 - cos 4a)
 
-    He says that they neglect ``(1 - cos b)²``. What they neglect is of that order, but they are
-    themselves of the order ``1 - cos b``, so their relative error is too: it grows with the square
-    of the bend.
+    He says that they neglect ``(1 - cos b)²``. The neglected terms are of that order, but the
+    moments themselves are of the order ``1 - cos b``. Their relative error is therefore also of the
+    order ``1 - cos b`` and grows with the square of the bend.
 
     ==========  ==================  ===================================
     bend        peaks low by        largest error over a turn, of the
@@ -75,16 +78,17 @@ def thoma_small_angle(
     30°         9, 26, 21 %         20, 31, 30 %
     ==========  ==================  ===================================
 
-    The mean of ``Mz`` comes out as ``-1/2 I w² sin b (1 - cos b)``; exactly it is ``-1/4 I w² sin b
+    The mean of ``Mz`` is then ``-1/2 I w² sin b (1 - cos b)``; the exact mean is ``-1/4 I w² sin b
     tan² b``.
 
-    **Signs.** Thoma's x and y lie in the plane of the shafts, z across it, and the driven shaft
-    along y. In right-handed axes his (1) and (2) turn both shafts the negative way, the driven one
-    about ``(0, -1, 0)`` and the driving one about ``(-sin b, -cos b, 0)``. His (8) counts the
-    torque with the rotation, and by (5) the bending moments go with it. **As a vector in
-    right-handed axes the moment on the driven shaft therefore is** ``-(Mx, Mt, Mz)``. That vector
-    is the ``moment`` of ``Driveline.evaluate``: its part along the driven shaft, which points along
-    the power flow, is ``+Mt``, but those along x and z are ``-Mx`` and ``-Mz``.
+    **Signs.** Thoma's x and y lie in the plane of the shafts, z is perpendicular to it, and the
+    driven shaft points along y. In right-handed axes his (1) and (2) turn both shafts in the
+    negative sense, the driven one about ``(0, -1, 0)`` and the driving one about ``(-sin b, -cos b,
+    0)``. In his (8) the torque is positive in the sense of the rotation, and by (5) the signs of
+    the bending moments follow from it. **As a vector in right-handed axes, the moment on the driven
+    shaft is therefore** ``-(Mx, Mt, Mz)``. That vector is the ``moment`` of ``Driveline.evaluate``.
+    Its component along the driven shaft, which points along the power flow, is ``+Mt``; those along
+    x and z are ``-Mx`` and ``-Mz``.
 
     Args:
         angle: drive angle in rad, his ``phi``; 0 with the driving pin in the plane of the shafts.
@@ -114,14 +118,14 @@ def thoma_small_angle(
 def thoma_moment_ratios(angle: ArrayLike, bend: ArrayLike) -> ThomaMomentRatios:
     """Return the bending moments on the driven shaft over its torque, Thoma's (6) and (7).
 
-    These are exact, and hold whatever the torque comes from. His forms with ``tan a`` have a pole
-    at 90°; these, multiplied through with ``cos² a``, have none::
+    These are exact for any cause of the torque. His forms with ``tan a`` have a pole at 90°;
+    multiplied by ``cos² a`` above and below they have none::
 
         Mx/Mt = sin b cos b cos² a / (cos² a cos² b + sin² a)
         Mz/Mt = sin b sin a cos a / (cos² a cos² b + sin² a)
 
-    The signs of ``thoma_small_angle`` cancel: these are the components along x and z, over the one
-    along y, of the moment as a vector in right-handed axes.
+    The signs of ``thoma_small_angle`` cancel: these are the components of the moment along x and z,
+    divided by that along y, as a vector in right-handed axes.
 
     Args:
         angle: drive angle in rad, his ``phi``; 0 with the driving pin in the plane of the shafts.
@@ -142,20 +146,21 @@ def thoma_moment_ratios(angle: ArrayLike, bend: ArrayLike) -> ThomaMomentRatios:
 
 
 def catalogue_bend(bends: ArrayLike, fork_signs: ArrayLike) -> Any:  # noqa: ANN401
-    """Return the bend of the joint that a chain amounts to by the catalogues' root rule.
+    """Return the equivalent bend of a chain by the catalogues' root rule.
 
-    The rule is ``sqrt|sum of +-b²|``, for yokes that lie in their bend planes or across them. It
-    is the first term of the exact ``ln sec b = |sum of +-ln sec b_j|``: two joints with bends up to
-    10, 20 and 30° come out wrong by up to 0.04, 0.29 and 1.02°. With three or more it can miss
-    altogether: 20, -25, 15° gives 0, exact is 3.143°. ``Driveline.equivalent`` has the exact bend
-    at any setting of the yokes.
+    The rule is ``sqrt|sum of +-b²|``. It is for yokes that lie in their bend planes or are
+    perpendicular to them. In the copies at hand section 6.5 has lost its formula; the rule of the
+    signs is from its text. The root is the first term of the exact ``ln sec b = |sum of +-ln sec
+    b_j|``. For two joints with bends up to 10, 20 and 30° its error is at most 0.04, 0.29 and
+    1.02°. For three or more joints it can fail completely: 20, -25, 15° gives 0, but the exact bend
+    is 3.143°. ``Driveline.equivalent`` has the exact bend at any setting of the yokes.
 
     Args:
         bends: bend of each joint in rad, ``(..., n)``.
-        fork_signs: +1 or -1 for each joint, ``(..., n)``: the same for joints whose forks stand the
-            same in their own bend planes at the same time. At a shaft between two joints the sign
-            stays where the yokes are crossed and changes where they are parallel (in phase), with
-            both bends in one plane.
+        fork_signs: +1 or -1 for each joint, ``(..., n)``; equal for joints whose yokes have the
+            same position relative to their own bend planes at the same time. If both bends of an
+            intermediate shaft lie in one plane, the sign stays the same for crossed yokes and
+            changes for parallel yokes (in phase).
 
     Raises:
         TypeError: values that are not real numbers.
@@ -167,11 +172,11 @@ def catalogue_bend(bends: ArrayLike, fork_signs: ArrayLike) -> Any:  # noqa: ANN
 def inertia_bend(
     bends: ArrayLike, fork_signs: ArrayLike, direction: Literal["drive", "coast"] = "drive"
 ) -> Any:  # noqa: ANN401
-    """Return the bend that ``inertia_excitation`` stands for: ``sqrt|sum of +-w b²|``.
+    """Return the bend that belongs to ``inertia_excitation``: ``sqrt|sum of +-w b²|``.
 
-    A shaft between two joints is shaken by all joints before it. Added up over these shafts, joint
-    ``i`` of ``n``, counted from 1, counts ``w = n - i`` times. On overrun the drive comes from the
-    other end, where it counts ``w = i - 1`` times.
+    All joints before an intermediate shaft excite it. In the sum over these shafts, joint ``i`` of
+    ``n``, counted from 1, counts ``w = n - i`` times. When coasting, the drive comes from the other
+    end, and the joint counts ``w = i - 1`` times.
 
     Args:
         bends: bend of each joint in rad, ``(..., n)``.
@@ -191,11 +196,10 @@ def inertia_bend(
 def torsional_excitation(bends: ArrayLike, fork_signs: ArrayLike, speed: ArrayLike) -> Any:  # noqa: ANN401
     """Return the torsional workshop figure of a chain in rad/s²: ``w² sin² catalogue_bend``.
 
-    It stands for the largest acceleration of the last shaft, which should stay near or below
-    ``TORSIONAL_LIMIT`` and never exceed ``TORSIONAL_MAXIMUM``. For a single joint it is below the
-    exact peak by 1.5 % at 10° and 15 % at 30°, and it inherits the errors of ``catalogue_bend``.
-    Practice takes the sine; with the bend itself it would be 0.4 % more at 6°. Beyond 90° the sine
-    counts as 1.
+    It approximates the largest acceleration of the last shaft, which should be near or below
+    ``TORSIONAL_LIMIT`` and never exceed ``TORSIONAL_MAXIMUM``. For a single joint it is 1.5 % below
+    the exact peak at 10° and 15 % at 30°. It also has the errors of ``catalogue_bend``. Practice
+    uses the sine; the bend itself would give 0.4 % more at 6°. Beyond 90° the sine counts as 1.
 
     Args:
         bends: bend of each joint in rad, ``(..., n)``.
@@ -217,8 +221,8 @@ def inertia_excitation(
 ) -> Any:  # noqa: ANN401
     """Return the inertia workshop figure of a chain in rad/s²: ``w² sin² inertia_bend``.
 
-    It stands for how the joints shake the shafts between them, all together. In both directions it
-    should stay below ``INERTIA_LIMIT`` and never exceed ``INERTIA_MAXIMUM``.
+    It approximates the excitation of all intermediate shafts together. In both directions it should
+    be below ``INERTIA_LIMIT`` and never exceed ``INERTIA_MAXIMUM``.
 
     Args:
         bends: bend of each joint in rad, ``(..., n)``.
@@ -248,7 +252,7 @@ def _root_sum(bends: ArrayLike, fork_signs: ArrayLike, weights: Callable[[int], 
     )
     wrong = np.abs(sign) != 1.0
     if wrong.any():
-        raise wrong_element("fork_signs", sign, wrong, "; a fork sign is +1 or -1")
+        raise wrong_element("fork_signs", sign, wrong, "; each must be +1 or -1")
     if b.shape[-1] != sign.shape[-1]:
         raise ArgumentValueError(
             "fork_signs", f"has shape {sign.shape}; {b.shape[-1]} joints need (..., {b.shape[-1]})"

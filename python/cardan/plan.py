@@ -303,7 +303,7 @@ class Plan:
             )
         for name, array in out.items():
             if name not in self.places:
-                raise ArgumentValueError("out", "is not among the outputs asked for", (name,))
+                raise ArgumentValueError("out", "is not one of the requested outputs", (name,))
             if not isinstance(array, np.ndarray) or isinstance(array, np.ma.MaskedArray):
                 raise ArgumentTypeError(
                     "out", f"is {type(array).__name__}; it must be an array", (name,)

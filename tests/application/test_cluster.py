@@ -309,10 +309,10 @@ def test_folders_of_others_are_left_alone(
     folder = tmp_path / "study.parquet"
     folder.mkdir()
     (folder / "data.parquet").write_bytes(b"theirs")
-    with pytest.raises(ValueError, match="holds other files; a study needs a folder of its own"):
+    with pytest.raises(ValueError, match="contains other files; a study needs a separate folder"):
         cluster.write_study(study, folder, client)
     (folder / "_study.json").write_text("{}")
-    with pytest.raises(ValueError, match="does not say which study the folder holds"):
+    with pytest.raises(ValueError, match="does not say to which study the folder belongs"):
         cluster.write_study(study, folder, client)
     assert sorted(os.listdir(folder)) == ["_study.json", "data.parquet"]
     file = tmp_path / "file.parquet"

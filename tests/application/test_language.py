@@ -111,10 +111,12 @@ def _files() -> Iterator[Path]:
 
 
 def _constants(source: str) -> Iterator[str]:
-    """Docstrings and all other strings; those of one f-string together."""
+    """Docstrings and all other strings; what an f-string inserts reads as 2."""
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str):
-            yield node.value
+        parts = node.values if isinstance(node, ast.JoinedStr) else [node]
+        words = [part.value if isinstance(part, ast.Constant) else "2" for part in parts]
+        if isinstance(node, ast.Constant | ast.JoinedStr):
+            yield "".join(map(str, words))
 
 
 def _documentation(source: str) -> Iterator[str]:
@@ -167,6 +169,7 @@ def test_every_kind_of_text_is_read() -> None:
         return bool(found("driving angle", [("file", " ".join(p.split())) for p in parts(source)]))
 
     assert read(_constants, 'x = f"{1} driving angle"')
+    assert "is 2 times" in _constants('x = f"is {3} times"')
     assert read(_constants, '"""Of a driving\n    angle."""')
     assert not read(_constants, "x = 1  # driving angle")
     assert read(_documentation, "    /// Of a driving\n    /// angle.\n    x();\n")

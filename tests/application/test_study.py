@@ -455,7 +455,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         (
             STUDY + "points_mm.1.y = [1]",
             "line 7: [study] points_mm is not in [driveline]; "
-            "it can vary what is there: bends_deg, phases_deg, twists_deg",
+            "a study can vary bends_deg, phases_deg, twists_deg",
         ),
         (
             f"[driveline]\npoints_mm = {POINTS}\n[study]\npoints_mm = [1]",
@@ -484,7 +484,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         (TWO + "[study]\nspeed_rpm = [1]", "line 5: [study] speed_rpm needs a section [load]"),
         (
             STUDY + "inertias_kgm2 = [1]",
-            "line 7: [study] inertias_kgm2 is not in [load]; it can vary what is there: speed_rpm",
+            "line 7: [study] inertias_kgm2 is not in [load]; a study can vary speed_rpm",
         ),
         (
             STUDY + "bend_deg = [1]",

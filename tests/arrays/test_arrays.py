@@ -415,7 +415,7 @@ def test_out_of_any_layout() -> None:
         ({"angle": np.empty(60, ">f8")}, ValueError, "has dtype >f8; it must be float64"),
         ({"angle": readonly(GRID)}, ValueError, "out['angle'] is read-only"),
         ({"angle": [0.0] * 60}, TypeError, "out['angle'] is list; it must be an array"),
-        ({"torque": np.empty(60)}, ValueError, "out['torque'] is not among the outputs asked for"),
+        ({"torque": np.empty(60)}, ValueError, "out['torque'] is not one of the requested outputs"),
         (
             {"angle": GRID, "speed_ratio": GRID},
             ValueError,

@@ -87,7 +87,7 @@ VALUES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [
         lambda: approximate.catalogue_bend([0.1, 0.2], [1, 2]),
         "fork_signs",
         (1,),
-        "is 2.0; a fork sign is +1 or -1",
+        "is 2.0; each must be +1 or -1",
     ),
     (lambda: TWO.evaluate(0.1, workers=0), "workers", (), "is 0; it must be positive"),
 ]

@@ -450,10 +450,13 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
     ),
     (lambda: catalogue_bend([0.1, 20.0], [1, 1]), f"bends[1] is 20.0 {BEND}"),
     (lambda: catalogue_bend([0.1, -0.2], [1, 1]), f"bends[1] is -0.2 {BEND}"),
-    (lambda: catalogue_bend([0.1, 0.2], [1, 2]), "fork_signs[1] is 2.0; a fork sign is +1 or -1"),
+    (
+        lambda: catalogue_bend([0.1, 0.2], [1, 2]),
+        "fork_signs[1] is 2.0; each must be +1 or -1",
+    ),
     (
         lambda: catalogue_bend([0.1, 0.2], [1, math.nan]),
-        "fork_signs[1] is nan; a fork sign is +1 or -1",
+        "fork_signs[1] is nan; each must be +1 or -1",
     ),
     (
         lambda: catalogue_bend([0.1, 0.2], [1, 1, 1]),

@@ -1,4 +1,4 @@
-"""The short table of what an engineer wants to know about a scene, as numbers."""
+"""The main results of a scene as numbers: the rows of the printed table."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def _recorded(result: SceneResult) -> Iterator[Row]:
             yield Row(output.name, output.per, item, "peak", value, output.unit, "samples", at)
 
 
-# Statistic, speed ratio, driving angle of the equivalent joint.
+# Statistic, speed ratio, input angle of the equivalent joint.
 _End = tuple[Statistic, float, float]
 
 
@@ -221,7 +221,7 @@ def _swapped(
 
 
 def _steepest(joint: EquivalentJoint) -> float:
-    """The driving angle at which the acceleration is largest.
+    """The input angle at which the acceleration is largest.
 
     Its cosine of twice the angle is (-p + sqrt(p**2 + 8))/2 with p = (2 - s)/s and s the square of
     the bend's sine; multiplied through, s may be 0.

@@ -36,7 +36,7 @@ def draw(
     curves: Iterable[tuple[str, FloatArray]],
     scale: float = 1.0,
 ) -> None:
-    """Draw curves by their labels, after those that are there.
+    """Draw curves by their labels, after those already drawn.
 
     Args:
         axes: where.

@@ -120,7 +120,7 @@ def _base(name: str, values: Mapping[str, Any] | None, section: str) -> Sequence
                     raise ArgumentValueError(name, f"does not go with {key} of [load]; vary that")
         return None
     there = ", ".join(values)
-    raise ArgumentValueError(name, f"is not in [{section}]; it can vary what is there: {there}")
+    raise ArgumentValueError(name, f"is not in [{section}]; a study can vary {there}")
 
 
 def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | None:

@@ -234,7 +234,7 @@ def _open_manifest(folder: Path, fingerprint: dict[str, Any], part_rows: int) ->
     folder.mkdir(exist_ok=True)
     if not path.exists():
         if any(not name.startswith(".") for name in os.listdir(folder)):
-            raise ValueError(f"{folder} holds other files; a study needs a folder of its own")
+            raise ValueError(f"{folder} contains other files; a study needs a separate folder")
         with whole_file(path) as file:
             file.write(
                 json.dumps({"study": fingerprint, "part_rows": part_rows}, indent=1).encode()
@@ -243,7 +243,7 @@ def _open_manifest(folder: Path, fingerprint: dict[str, Any], part_rows: int) ->
         manifest: dict[str, Any] = json.loads(path.read_bytes())
         differ = [key for key in fingerprint if manifest["study"].get(key) != fingerprint[key]]
     except (ValueError, LookupError, TypeError, AttributeError):
-        raise ValueError(f"{path} does not say which study the folder holds") from None
+        raise ValueError(f"{path} does not say to which study the folder belongs") from None
     if differ:
         raise ValueError(
             f"{folder} holds another study, of other {', '.join(differ)}; "

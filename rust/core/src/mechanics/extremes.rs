@@ -2,7 +2,7 @@
 //!
 //! Between two extremes every output of the motion is monotonic, so the smallest and the largest of
 //! a row of samples lie next to an extreme or at an end. A reduction needs no other samples. With
-//! `a` the equivalent joint's driving angle and `k = tan²(β/2)`, the extremes are at:
+//! `a` the equivalent joint's input angle and `k = tan²(β/2)`, the extremes are at:
 //!
 //! * speed ratio: `cos 2a = ±1` (catalogue, Bild 13)
 //! * angle error: `cos 2a = k`, which is `tan² a = cos β` (catalogue, Bild 12)
@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 /// The constants of a shaft's motion that determine its extremes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExtremaLocator {
-    /// `2φ`: the equivalent joint's driving angle is `α + φ`.
+    /// `2φ`: the equivalent joint's input angle is `α + φ`.
     pub(crate) double_offset: f64,
     /// `k`.
     pub(crate) k: f64,

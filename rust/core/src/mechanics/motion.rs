@@ -45,7 +45,7 @@ impl Motion {
     }
 }
 
-/// The motion behind one joint, from sine and cosine of its driving angle.
+/// The motion behind one joint, from sine and cosine of its input angle.
 pub(super) fn joint_motion(joint: &Joint, s: f64, c: f64) -> Motion {
     let constants = JointConstants::of_doubles(joint);
     let (y, x) = joint::error_tangent(&constants, s, c);

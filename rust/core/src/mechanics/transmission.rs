@@ -60,7 +60,7 @@ impl Ideal {
         turn * turn * -joint.k
     }
 
-    /// Sine and cosine of the equivalent joint's driving angle.
+    /// Sine and cosine of the equivalent joint's input angle.
     fn sin_cos(&self, angle: f64) -> (f64, f64) {
         let (s, c) = trig::sin_cos(angle);
         let Equivalent { turn_cos, turn_sin, .. } = self.equivalent;
@@ -75,7 +75,7 @@ impl Ideal {
 
     /// The derivatives of the motion with respect to `q` at a drive angle in rad.
     ///
-    /// With `a` the equivalent joint's driving angle, `1 + q u` equals
+    /// With `a` the equivalent joint's input angle, `1 + q u` equals
     /// `2 (cos β cos² a + sin² a + i (1 − cos β) sin a cos a)/(1 + cos β)`. Neither part cancels
     /// for steep bends.
     pub fn gradient(&self, angle: f64) -> MotionGradient {

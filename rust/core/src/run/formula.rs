@@ -37,7 +37,7 @@ pub(crate) trait MotionFormula<T: Real>: Copy {
     fn motion(&self, s: T, c: T) -> ((T, T), (T, T));
 }
 
-/// From sine and cosine of the joint's driving angle, up to a common factor.
+/// From sine and cosine of the joint's input angle, up to a common factor.
 impl<T: Angle> MotionFormula<T> for joint::JointConstants<T> {
     const MODERATE: bool = !T::PRECISION.costs().double_angle;
     const STEEP: bool = true;
