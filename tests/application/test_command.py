@@ -310,7 +310,9 @@ def test_check_says_pass_or_fail(tmp_path: Path) -> None:
     """The four joints of the workshop books, whose figures test_check.py knows."""
     failed = run("check", TRUCK)
     assert failed.exit_code == 1
-    assert failed.output == f"{Scene.load(TRUCK).line.check(2500 * math.tau / 60, 'truck')}\n"
+    said, _, advice = failed.output.partition("\n\nWhat would help:\n")
+    assert said == str(Scene.load(TRUCK).line.check(2500 * math.tau / 60, "truck"))
+    assert advice.startswith("- Turn the output-side yoke of shaft 1 by 81.83° clockwise or ")
     data = json.loads(run("check", TRUCK, "--json").output)
     assert (data["answer"], data["version"]) == ("check", 1)
     assert (data["passes"], data["verdict"], data["preset"]) == (False, "beyond", "truck")
@@ -394,16 +396,16 @@ def test_check_of_a_study_is_of_every_driveline(
         assert result.output.startswith("4 of 8 within, 1 tolerable, 3 beyond.\n")
         said = [line.strip() for line in result.output.splitlines()]
         bend = next(i for i, line in enumerate(said) if line.startswith("- equivalent bend"))
-        assert said[bend].endswith("up to 3.1°  beyond the 3° limit by 0.1°")
-        assert said[bend + 2 : bend + 4] == [
+        assert said[bend] == "- equivalent bend: up to 3.1°"
+        assert said[bend + 1] == "beyond the 3° limit by 0.1°"
+        assert said[bend + 3 : bend + 5] == [
             "6 of 8 within, 2 beyond",
             "largest at bends_deg = 3.1",
         ]
         shaken = next(i for i, line in enumerate(said) if line.startswith("- torsional"))
-        assert said[shaken].endswith(
-            "up to 1156 rad/s²  beyond the 500 rad/s² maximum by 656.2 rad/s²"
-        )
-        assert said[shaken + 1 : shaken + 4] == [
+        assert said[shaken] == "- torsional excitation, last shaft: up to 1156 rad/s²"
+        assert said[shaken + 1] == "beyond the 500 rad/s² maximum by 656.2 rad/s²"
+        assert said[shaken + 2 : shaken + 5] == [
             "within up to 3056 rpm, tolerable up to 3945 rpm",
             "5 of 8 within, 1 tolerable, 2 beyond",
             "largest at bends_deg = 3.1, speed_rpm = 6000",
@@ -442,7 +444,7 @@ def test_check_of_a_study_from_standstill(tmp_path: Path, monkeypatch: pytest.Mo
     assert "tolerable" in run("check", path).output.splitlines()[0]
     path.write_text(f"{text}speed_rpm = 0\n[study]\nbends_deg = [1, 2]")
     found = run("check", path).output
-    assert "torsional excitation, last shaft  unknown  not judged, no speed given\n" in found
+    assert "torsional excitation, last shaft: unknown\n    not judged, no speed given\n" in found
     assert " within up to " in found
 
 
