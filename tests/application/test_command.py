@@ -429,7 +429,7 @@ def test_check_of_a_study_is_of_every_driveline(
     assert "largest at bends_deg = 3.1\n" in run("check", path).output
     path.write_text(f"{text}speed_rpm = [100, 6000, 200]")
     found = run("check", path).output
-    assert "equivalent bend  up to 2°  within" in found
+    assert "equivalent bend: up to 2°\n    within" in found
     assert "largest at speed_rpm = 6000\n" in found
     path.write_text(f"{text}bends_deg = [1, 2, 2.9]")
     assert run("check", path).exit_code == 0
