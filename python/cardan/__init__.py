@@ -20,6 +20,12 @@ from cardan.check import Check, Finding
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
 from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
+from cardan.identification import (
+    Identification,
+    TwoJoints,
+    identify,
+    identify_two_joints,
+)
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
@@ -42,6 +48,7 @@ __all__ = [
     "EquivalentJoint",
     "Finding",
     "Harmonics",
+    "Identification",
     "Load",
     "Motion",
     "Output",
@@ -50,8 +57,11 @@ __all__ = [
     "Scene",
     "Sweep",
     "Transmission",
+    "TwoJoints",
     "__version__",
     "approximations",
+    "identify",
+    "identify_two_joints",
     "plots",
     "reference",
     "workshop",
