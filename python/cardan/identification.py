@@ -255,7 +255,7 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
         while abs(q + change) >= 1.0:
             change *= 0.5
         q += change
-        if abs(change) <= 1e-15:
+        if abs(change) <= 1e-13:
             break
     model, slope = _model(q, turned, of_angle)
     matrix = np.column_stack([slope.real, -slope.imag, beside])

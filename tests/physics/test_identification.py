@@ -85,16 +85,16 @@ def test_three_encoders_tell_both_joints_and_the_phase() -> None:
 def test_the_standard_deviation_is_that_of_many_recordings(of: str) -> None:
     noise, clean = 1e-3, MOTION[of][1]
     found = [
-        identify(ANGLES, **{of: clean + RNG.normal(0.0, noise, clean.size)}) for _ in range(400)
+        identify(ANGLES, **{of: clean + RNG.normal(0.0, noise, clean.size)}) for _ in range(100)
     ]
     bends = np.array([one.bend for one in found])
     spread = float(np.std(bends))
-    # The spread of 400 recordings is itself known to 3.5 %.
-    assert found[0].std == pytest.approx(spread, rel=0.12)
+    # The spread of 100 recordings is itself known to 7 %.
+    assert found[0].std == pytest.approx(spread, rel=0.2)
     k = float(TWO.equivalent().k)
     by_theory = noise * math.sqrt(2.0 / ANGLES.size) / (math.sqrt(k) * (1.0 + k))
     assert found[0].std == pytest.approx(by_theory * (1.0 if of == "angle" else 0.5), rel=0.05)
-    assert abs(bends.mean() - TWO.equivalent().bend) < 4.0 * spread / math.sqrt(400)
+    assert abs(bends.mean() - TWO.equivalent().bend) < 4.0 * spread / math.sqrt(100)
     assert all(one.detected for one in found)
     assert found[0].residual == pytest.approx(noise, rel=0.05)
 
@@ -154,4 +154,7 @@ def test_orders_are_those_of_the_closed_forms(of: str) -> None:
     assert found.orders[0].real == pytest.approx(0.0 if of == "angle" else 1.0, abs=1e-13)
     waves = np.exp(-1j * np.outer(ANGLES, np.arange(9)))
     shown = MOTION.angle[1] - ANGLES if of == "angle" else MOTION.speed_ratio[1]
-    assert (waves @ found.orders).real == pytest.approx(shown, abs=1e-10)
+    # Order 10 is left out.
+    assert (waves @ found.orders).real == pytest.approx(
+        shown, abs=3.0 * float(TWO.equivalent().k) ** 5
+    )
