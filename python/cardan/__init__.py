@@ -21,6 +21,12 @@ from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
 from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
 from cardan.finding import Finding
+from cardan.identification import (
+    Identification,
+    TwoJoints,
+    identify,
+    identify_two_joints,
+)
 from cardan.limits import Limit, Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
@@ -44,6 +50,7 @@ __all__ = [
     "EquivalentJoint",
     "Finding",
     "Harmonics",
+    "Identification",
     "Limit",
     "Limits",
     "Load",
@@ -54,8 +61,11 @@ __all__ = [
     "Scene",
     "Sweep",
     "Transmission",
+    "TwoJoints",
     "__version__",
     "approximations",
+    "identify",
+    "identify_two_joints",
     "plots",
     "reference",
     "workshop",

@@ -36,6 +36,7 @@ from cardan.command.terminal import (
 from cardan.errors import ArgumentValueError
 from cardan.figures.advice import scene_advice
 from cardan.figures.extremes import StudyTable
+from cardan.figures.identification import identification_data
 from cardan.figures.limits import check_data, check_scene
 from cardan.figures.run import run_data
 from cardan.figures.schema import answers_schema
@@ -49,6 +50,7 @@ from cardan.scene.cluster import StudyFolder
 from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
 from cardan.words.advice import remedies
+from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
@@ -277,6 +279,42 @@ def commands() -> click.Group:
     def phase(scene: Path, as_json: bool) -> None:
         data = yoke_settings(Scene.load(scene))
         say(as_json_text(data) if as_json else yoke_text(data))
+
+    @cardan.command(help=help_text.IDENTIFY, short_help="Find the bend in a recording.")
+    @click.argument("file", type=click.Path(path_type=Path))
+    @click.option("--drive", metavar="COLUMN", required=True, help="Angle of the drive.")
+    @click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
+    @click.option(
+        "--speed-ratio", metavar="COLUMN", help="Or: its speed over the speed of the drive."
+    )
+    @click.option("--intermediate", metavar="COLUMN", help="Angle of the shaft between two joints.")
+    @click.option(
+        "--radians/--degrees",
+        help="Angles in the file and in the answer; by default in degrees.",
+    )
+    @as_json
+    def identify(
+        file: Path,
+        drive: str,
+        driven: str | None,
+        speed_ratio: str | None,
+        intermediate: str | None,
+        radians: bool,
+        as_json: bool,
+    ) -> None:
+        if (driven is None) == (speed_ratio is None):
+            raise click.UsageError("give one of --driven and --speed-ratio")
+        if intermediate is not None and driven is None:
+            raise click.UsageError("--intermediate needs --driven")
+        data = identification_data(
+            file,
+            drive,
+            driven=driven,
+            speed_ratio=speed_ratio,
+            intermediate=intermediate,
+            radians=radians,
+        )
+        say(as_json_text(data) if as_json else identification_text(data, radians=radians))
 
     @cardan.command(help=help_text.SCHEMA, short_help="Print the JSON Schema of scenes.")
     @click.option("--answers", is_flag=True, help="The schema of the answers of --json instead.")

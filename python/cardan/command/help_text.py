@@ -135,6 +135,20 @@ Examples:
   cardan new recorded run.toml
 """
 
+IDENTIFY = """\
+Find the bend that a recording of a driveline shows.
+
+FILE is a recording in CSV, Parquet or NPZ with columns for the angles of the drive and of a driven
+shaft, or for the speed of the driven shaft over that of the drive. The angles may start anew at
+each turn. With the angle of the shaft between two joints, both bends and the phase are found.
+
+\b
+Examples:
+  cardan identify run.csv --drive crank_deg --driven axle_deg
+  cardan identify run.csv --drive crank_deg --speed-ratio ratio
+  cardan identify run.csv --drive crank_deg --intermediate shaft_deg --driven axle_deg
+"""
+
 SCHEMA = """\
 Print the JSON Schema of scenes, by which editors complete and check them.
 

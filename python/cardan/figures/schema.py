@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from cardan.figures.identification import IDENTIFY_SCHEMA
 from cardan.figures.limits import CHECK_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
 from cardan.figures.yokes import PHASE_SCHEMA
@@ -13,6 +14,7 @@ _ANSWERS: Mapping[str, Any] = {
     "run": RUN_SCHEMA,
     "check": CHECK_SCHEMA,
     "phase": PHASE_SCHEMA,
+    "identify": IDENTIFY_SCHEMA,
 }
 
 

@@ -1,0 +1,160 @@
+"""Joints found in recordings, against drivelines whose motion the pure-Python reference makes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from cardan import Driveline, identify, identify_two_joints, reference
+from cardan.arrays import FloatArray
+
+RNG = np.random.default_rng(13)
+TWO = Driveline.from_bends([14, 9], twists=30, phases=20, degrees=True)
+ANGLES = np.sort(RNG.uniform(0.0, 40.0, 3000))
+MOTION = TWO.evaluate(ANGLES, ("angle", "speed_ratio"), shafts=[1, 2])
+
+
+def test_a_joint_is_found_by_the_reference_alone() -> None:
+    angles = np.linspace(0.0, 2.0 * math.pi, 200, endpoint=False)
+    bend = math.radians(25.0)
+    joint = reference.from_bends([bend])
+    motion = [reference.motion(joint, angle, offset=0.0) for angle in angles]
+    driven = [sample.angle for sample in motion]
+    found = identify(angles, angle=driven)
+    assert found.bend == pytest.approx(bend, abs=1e-14)
+    assert found.angle_offset == pytest.approx(0.0, abs=1e-14)
+    ratio = [sample.speed_ratio for sample in motion]
+    assert identify(angles, speed_ratio=ratio).bend == pytest.approx(bend, abs=1e-14)
+    assert found.purity == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("bend_deg", [1.0, 20.0, 60.0, 80.0])
+@pytest.mark.parametrize("offset", [-1.2, 0.0, 0.4, 1.5])
+def test_bend_and_offset_of_any_joint(bend_deg: float, offset: float) -> None:
+    line = Driveline.from_bends([bend_deg], degrees=True)
+    angles = np.linspace(0.0, 21.0, 4001)
+    motion = line.evaluate(angles + offset, ("angle", "speed_ratio"))
+    for given in ({"angle": motion.angle - offset}, {"speed_ratio": motion.speed_ratio}):
+        found = identify(angles, **given)
+        assert found.bend_deg == pytest.approx(bend_deg, abs=1e-9)
+        assert found.angle_offset == pytest.approx(offset, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("drive", "driven"),
+    [
+        (ANGLES, MOTION.angle[1]),
+        (ANGLES % math.tau, MOTION.angle[1]),
+        (ANGLES, MOTION.angle[1] % math.tau),
+        (ANGLES % math.tau, (MOTION.angle[1] + 2.0) % math.tau),
+        (ANGLES, MOTION.angle[1] + 1.0 + 1e-3 * ANGLES),
+        (ANGLES + 40.0 * math.tau, MOTION.angle[1]),
+    ],
+    ids=["plain", "drive modulo", "driven modulo", "both and offset", "drift", "turns apart"],
+)
+def test_counters_offsets_and_drift_do_not_matter(drive: FloatArray, driven: FloatArray) -> None:
+    found = identify(drive, angle=driven)
+    assert abs(found.q - TWO.transmission().q) < 1e-13
+    in_degrees = identify(np.degrees(drive), angle=np.degrees(driven), degrees=True)
+    assert abs(in_degrees.q - found.q) < 1e-13
+
+
+def test_missing_samples_are_left_out() -> None:
+    driven = MOTION.angle[1].copy()
+    driven[::7] = np.nan
+    found = identify(ANGLES, angle=driven)
+    assert found.samples == np.count_nonzero(np.isfinite(driven))
+    assert abs(found.q - TWO.transmission().q) < 1e-13
+
+
+def test_three_encoders_tell_both_joints_and_the_phase() -> None:
+    found = identify_two_joints(ANGLES, MOTION.angle[0], MOTION.angle[1])
+    assert found.bends_deg == pytest.approx([14.0, 9.0], abs=1e-11)
+    assert found.phase_less_twist_deg == pytest.approx(-10.0, abs=1e-10)
+    turned = Driveline.from_bends([14, 9], twists=0, phases=70, degrees=True)
+    motion = turned.evaluate(ANGLES, "angle", shafts=[1, 2]).angle
+    # Another zero of the drive's encoder.
+    found = identify_two_joints(ANGLES + 0.3, motion[0], motion[1])
+    assert found.phase_less_twist_deg == pytest.approx(70.0, abs=1e-10)
+
+
+@pytest.mark.parametrize("of", ["angle", "speed_ratio"])
+def test_the_standard_deviation_is_that_of_many_recordings(of: str) -> None:
+    noise, clean = 1e-3, MOTION[of][1]
+    found = [
+        identify(ANGLES, **{of: clean + RNG.normal(0.0, noise, clean.size)}) for _ in range(100)
+    ]
+    bends = np.array([one.bend for one in found])
+    spread = float(np.std(bends))
+    # The spread of 100 recordings is itself known to 7 %.
+    assert found[0].std == pytest.approx(spread, rel=0.2)
+    k = float(TWO.equivalent().k)
+    by_theory = noise * math.sqrt(2.0 / ANGLES.size) / (math.sqrt(k) * (1.0 + k))
+    assert found[0].std == pytest.approx(by_theory * (1.0 if of == "angle" else 0.5), rel=0.05)
+    assert abs(bends.mean() - TWO.equivalent().bend) < 4.0 * spread / math.sqrt(100)
+    assert all(one.detected for one in found)
+    assert found[0].residual == pytest.approx(noise, rel=0.05)
+
+
+def test_noise_alone_is_no_bend() -> None:
+    found = [identify(ANGLES, angle=ANGLES + RNG.normal(0.0, 1e-3, ANGLES.size)) for _ in range(50)]
+    assert sum(one.detected for one in found) <= 2
+    assert found[0].bend > 0.0
+
+
+def test_what_is_no_joint_shows_in_the_purity() -> None:
+    assert identify(ANGLES, angle=MOTION.angle[1]).purity == pytest.approx(1.0, abs=1e-6)
+    oval = identify(ANGLES, angle=ANGLES + 0.01 * np.sin(2.0 * ANGLES + 0.3))
+    assert oval.purity < 1e-6
+    both = MOTION.angle[1] + 0.01 * np.sin(4.0 * ANGLES)
+    assert identify(ANGLES, angle=both).purity > 10.0
+
+
+def test_eccentric_encoders_do_not_reach_the_bend() -> None:
+    eccentric = 0.02 * np.sin(ANGLES + 1.0) + 0.005 * np.cos(3.0 * ANGLES)
+    found = identify(ANGLES, angle=MOTION.angle[1] + eccentric)
+    assert found.bend == pytest.approx(float(TWO.equivalent().bend), abs=1e-12)
+    assert abs(found.orders[1]) == pytest.approx(0.02, rel=1e-6)
+    assert abs(found.orders[3]) == pytest.approx(0.005, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "angle or speed_ratio must be given, and not both"),
+        ({"angle": ANGLES, "speed_ratio": ANGLES}, "angle or speed_ratio must be given, and not"),
+        ({"angle": ANGLES[:-1]}, "angle has 2999 samples and drive_angle 3000"),
+        ({"angle": [ANGLES]}, r"angle has shape \(1, 3000\); it must be \(samples,\)"),
+        ({"angle": -ANGLES}, "angle turns -1 times as fast as the drive"),
+        ({"angle": np.full(3000, np.nan)}, "drive_angle has 0 finite samples over 0.00 turns"),
+    ],
+)
+def test_refused(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        identify(ANGLES, **arguments)
+
+
+def test_less_than_a_turn_is_refused() -> None:
+    part = np.linspace(0.0, 5.0, 500)
+    with pytest.raises(ValueError, match=r"500 finite samples over 0\.80 turns"):
+        identify(part, angle=part)
+    with pytest.raises(ValueError, match="it takes at least one turn and 18 samples"):
+        identify(ANGLES[::300], angle=ANGLES[::300])
+
+
+@pytest.mark.parametrize("of", ["angle", "speed_ratio"])
+def test_orders_are_those_of_the_closed_forms(of: str) -> None:
+    found = identify(ANGLES, **{of: MOTION[of][1]})
+    series = TWO.harmonics(range(1, 9))
+    wanted = series.angle_error if of == "angle" else series.speed_ratio
+    assert np.abs(found.orders[1:]) == pytest.approx(wanted, abs=1e-13)
+    assert found.orders[0].real == pytest.approx(0.0 if of == "angle" else 1.0, abs=1e-13)
+    waves = np.exp(-1j * np.outer(ANGLES, np.arange(9)))
+    shown = MOTION.angle[1] - ANGLES if of == "angle" else MOTION.speed_ratio[1]
+    # Order 10 is left out.
+    assert (waves @ found.orders).real == pytest.approx(
+        shown, abs=3.0 * float(TWO.equivalent().k) ** 5
+    )
