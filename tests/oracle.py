@@ -258,6 +258,23 @@ class Fold:
     def k(self) -> Number:
         return abs(self.b / self.a)
 
+    def past_shaft(self, twist: float, phase: float) -> Fold:
+        """Return the map to the driving yoke of the next joint."""
+        turn = mp.expj(mp.mpf(phase) - mp.mpf(twist)) * mp.mpc(0, 1)
+        return Fold(self.a * turn, self.b * turn, self.complement)
+
+    def tilts(self, bend: float, at: Turn) -> tuple[Number, Number]:
+        """Return the tilts of the cross of a joint that the map drives: Grossmann (3) and (5)."""
+        joint, w = ExactJoint.bent(bend), mp.mpc(at.cosine, at.sine)
+        v = self.a * w + self.b * mp.conj(w)
+        v /= abs(v)
+        along = mp.hypot(mp.im(v), joint.cosine * mp.re(v))
+        driving = mp.atan2(joint.sine * mp.im(v), joint.cosine)
+        return driving, mp.atan2(joint.sine * mp.re(v), along)
+
+    def angle(self, at: Turn) -> Number:
+        return at.angle + self.angle_error(at)
+
     def angle_error(self, at: Turn) -> Number:
         w = mp.mpc(at.cosine, at.sine)
         return mp.arg(1 + self.b / self.a * mp.conj(w) ** 2)
@@ -280,3 +297,18 @@ class Fold:
         slope = 2 * mp.re(mp.conj(v) * rate) / abs(v) ** 2
         curvature = 2 * (abs(rate) ** 2 / abs(v) ** 2 - 1)
         return self.speed_ratio(at) * (2 * slope**2 - curvature)
+
+    def jerk_term(self, at: Turn) -> Number:
+        """Return the larger of the two terms whose difference the jerk ratio is.
+
+        They are those of the equivalent joint, whose driving angle the product of ``a w`` and the
+        conjugate of ``b conj(w)`` doubles.
+        """
+        w = mp.mpc(at.cosine, at.sine)
+        product, k = -self.a * mp.conj(self.b) * w**2, self.k
+        turned = mp.re(product) / abs(product) if product else mp.mpf(1)
+        sine, cosine = mp.sqrt((1 - turned) / 2), mp.sqrt((1 + turned) / 2)
+        bend = 2 * mp.atan(mp.sqrt(k))
+        least = self.complement / abs(self.a) ** 2 / (1 + k) ** 2
+        joint = ExactJoint(bend, 2 * mp.sqrt(k) / (1 + k), least, 2 * k / (1 + k))
+        return joint.jerk_term(Turn(mp.nan, sine, cosine))

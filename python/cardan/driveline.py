@@ -381,7 +381,10 @@ class Driveline(Batch):
             tolerance: permitted error, relative to each output's largest magnitude over a turn; the
                 cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
                 moments and torques), 1e-6 and more for single precision; the default is the fast
-                double, some ulp (the documentation's page Accuracy has the table).
+                double, some ulp (the documentation's page Accuracy has the table). The steeper a
+                chain, the more careful the arithmetic that is chosen. Where joints compensate each
+                other, a tolerance above 0 is relative to the largest magnitude behind one of them
+                alone.
             workers: largest number of threads, ``-1`` for all cores; default: all cores for calls
                 that are large enough. The environment variable ``RAYON_NUM_THREADS`` limits the
                 number; a forked process uses one thread. The results do not depend on it.

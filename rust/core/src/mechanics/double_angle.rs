@@ -11,6 +11,7 @@
 //! small. For steep bends `1 + k² − 2 Re p` nearly vanishes; they use the formulas of
 //! [`crate::mechanics::joint`].
 
+use crate::mechanics::joint::Joint;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
@@ -45,6 +46,12 @@ impl DoubleAngle<DoubleDouble> {
             complement: complement.scaled(0.5),
             gain: DoubleDouble::exact(-4.0) / complement,
         }
+    }
+
+    /// The constants of an equivalent joint, for its own driving angle.
+    #[inline(always)]
+    pub(crate) fn of_equivalent(joint: &Joint<DoubleDouble>) -> Self {
+        Self::new([joint.k, DoubleDouble::exact(0.0)], joint.k.square(), joint.complement())
     }
 
     /// The constants for a joint on the drive shaft.
@@ -109,7 +116,7 @@ impl<T: Angle, const PARTS: usize> DoubleAngle<T, PARTS> {
         let [re, im] = self.q;
         let (neg_im, p) = match PARTS {
             0 => (s, c),
-            1 => (re * s, re * c),
+            1 => (re.times(s), re * c),
             _ => (re.mul_add(s, -(im * c)), re.mul_add(c, im * s)),
         };
         DoubleAngleTerms {
@@ -130,10 +137,10 @@ impl<T: Angle> DoubleAngleTerms<T> {
         if T::PRECISION.costs().double_angle {
             // With one reciprocal, two quotients cost less than one quotient and products.
             let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
-            return (ratio, (swing * ratio).scaled(-2.0));
+            return (ratio, swing.scaled(-2.0).times(ratio));
         }
         let ratio = self.complement / self.mean_minus_re;
-        (ratio, (self.neg_im * ratio) * (self.gain * ratio))
+        (ratio, (self.neg_im * ratio).times(self.gain * ratio))
     }
 
     /// Jerk ratio, `4 r (2 (Im p)² − Re p · across)/across²` with `across = (1 + k²)/2 − Re p`.
@@ -142,6 +149,6 @@ impl<T: Angle> DoubleAngleTerms<T> {
         let across = self.mean_minus_re;
         let [ratio, swing] = T::both_over(self.complement, self.neg_im, across);
         let real = self.re / across;
-        ratio * (swing.square().scaled(2.0) - real).scaled(4.0)
+        ratio.times((swing.square().scaled(2.0) - real).scaled(4.0))
     }
 }

@@ -35,6 +35,13 @@ impl DoubleDouble {
         Self { high, low: -0.0 }
     }
 
+    /// The same number with an error term.
+    #[inline(always)]
+    pub(crate) fn of<T: Real>(number: T) -> Self {
+        let [high, low] = number.words();
+        Self { high: high.into(), low: low.into() }
+    }
+
     /// The nearest double.
     #[inline(always)]
     pub fn value(self) -> f64 {
@@ -68,6 +75,14 @@ impl DoubleDouble {
     #[must_use]
     pub fn rounded(self) -> Self {
         Self::fast_two_sum(self.high, self.low)
+    }
+
+    /// The same after a sum that cancels, whose error term may exceed its high word. Products drop
+    /// the product of the error terms, which is small only if the words do not overlap.
+    #[inline(always)]
+    #[must_use]
+    pub fn renormalized(self) -> Self {
+        Self::two_sum(self.high, self.low)
     }
 
     /// Multiplies by a power of two, exactly.
@@ -169,6 +184,12 @@ impl Real for DoubleDouble {
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
         self * a + b
+    }
+
+    #[inline(always)]
+    fn times(self, a: Self) -> Self {
+        let Self { high, low } = self * a;
+        Self { high: high + 0.0, low }
     }
 
     #[inline(always)]

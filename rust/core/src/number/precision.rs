@@ -17,6 +17,11 @@ impl Precision {
     /// measured errors by a margin.
     pub(crate) const SINGLE_ERROR: f64 = 1e-6;
     pub(crate) const DOUBLE_ERROR: f64 = 4e-15;
+
+    /// By how much a chain may amplify the errors of double precision by default: 2.5 where the
+    /// cosines of its bends multiply to 1/10, as with one joint at 84°. Beyond, its errors near the
+    /// fastest position exceed the limits of one joint, and error terms are carried.
+    pub(crate) const STEEPEST: f64 = 2.5;
 }
 
 /// The measured facts that decide between routes and loops for a number type.
@@ -24,6 +29,7 @@ impl Precision {
 pub(crate) struct Costs {
     /// Moderate bends are cheaper from sine and cosine of twice the drive angle. That saves
     /// double-double arithmetic a fifth of the time and costs the other types an eighth more.
+    /// Behind more than one joint these are of the equivalent joint's own driving angle.
     pub(crate) double_angle: bool,
     /// At moderate bends, angles are cheaper to reduce to fixed-point fractions of a turn, because
     /// the numbers are shorter than the angles.
