@@ -86,6 +86,16 @@ KEYS = {
         *("value_rad_s2", "limit_rad_s2", "maximum_rad_s2", "margin_rad_s2"),
         *("source", "worst_at", "key", "value", "within_up_to_rpm", "tolerable_up_to_rpm"),
     },
+    "identify": {
+        *("answer", "version", "title", "samples", "missing_samples", "turns"),
+        *("equivalent_joint", "equivalent_bend_deg", "equivalent_bend_rad"),
+        *("standard_deviation_deg", "standard_deviation_rad", "detected"),
+        *("detection_limit_deg", "detection_limit_rad", "angle_offset_deg", "angle_offset_rad"),
+        *("purity", "residual", "residual_deg", "residual_rad"),
+        *("orders", "order", "amplitude", "amplitude_deg", "amplitude_rad"),
+        *("two_joints", "joints", "joint", "bend_deg", "bend_rad"),
+        *("phase_less_twist_deg", "phase_less_twist_rad"),
+    },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),
         *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),
