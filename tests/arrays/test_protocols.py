@@ -175,6 +175,8 @@ OBJECTS = [
     LINE.transmission(),
     BATCH.transmission(1).motion(0.3),
     BATCH.harmonics([2, 4]),
+    cardan.identify(GRID, angle=GRID),
+    cardan.identify_two_joints(GRID, GRID, GRID),
     BATCH.check(3.0),
     BATCH.check(3.0, "truck").findings[0],
     cardan.Limits("industrial", equivalent_bend_deg=(4, 5), source="a book"),
