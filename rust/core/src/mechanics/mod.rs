@@ -1,9 +1,10 @@
-//! The physics of one sample: geometry, joints, chains, transmissions, moments and phasing. No
+//! The physics of one sample: geometry, frames, joints, chains, transmissions, moments and phasing. No
 //! slices, no threads.
 
 pub mod chain;
 pub(crate) mod double_angle;
 pub(crate) mod extremes;
+pub(crate) mod frame;
 pub mod general;
 pub mod geometry;
 pub mod joint;

@@ -13,7 +13,7 @@
 //! are running sums of the power that the inertias absorb.
 
 use crate::mechanics::chain::Transfer;
-use crate::mechanics::geometry::Vector;
+use crate::mechanics::frame::Frame;
 use crate::mechanics::joint::Joint;
 use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
@@ -118,18 +118,17 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// The pose of a joint that `transfer` drives, behind the shaft along `u_in`. Vectors
+    /// The pose of a joint that `transfer` drives, in the frame of its driving shaft. Vectors
     /// perpendicular to the driven shaft are computed from the bend, because that shaft's direction
-    /// is rounded.
+    /// may be rounded.
     pub(crate) fn new(
         transfer: &Transfer,
         joint: &Joint<DoubleDouble>,
-        u_in: Vector,
-        normal: Vector,
+        Frame { shaft, in_plane, normal }: Frame,
     ) -> Self {
         let tangent = joint.sin / joint.cos;
-        let (e_in, sin_cos) = (cross(normal, u_in), joint.sin * joint.cos);
-        let out_plane = |i: usize| e_in[i] * sin_cos - joint.sin2 * DoubleDouble::exact(u_in[i]);
+        let sin_cos = joint.sin * joint.cos;
+        let out_plane = |i: usize| in_plane[i] * sin_cos - joint.sin2 * shaft[i];
         let times = |vector: [DoubleDouble; 3], factor: DoubleDouble| {
             vector.map(|x| T::from_double_double(x * factor))
         };
@@ -138,9 +137,9 @@ impl<T: Real> Pose<T> {
             sine: T::from_double_double(joint.sin),
             cosine: T::from_double_double(joint.cos),
             tangent: T::from_double_double(tangent),
-            shaft_axis: [u_in.x, u_in.y, u_in.z].map(T::from_f64),
-            in_plane: times(e_in, tangent),
-            plane_normal: times([normal.x, normal.y, normal.z].map(DoubleDouble::exact), -tangent),
+            shaft_axis: shaft.map(T::from_double_double),
+            in_plane: times(in_plane, tangent),
+            plane_normal: times(normal, -tangent),
             out_plane: [out_plane(0), out_plane(1), out_plane(2)].map(T::from_double_double),
         }
     }
@@ -204,13 +203,6 @@ impl<T: Atan> Pose<T> {
         let along = across.mul_add(across, sine.square()).sqrt();
         T::atan_any(self.sine * cosine, along)
     }
-}
-
-fn cross(a: Vector, b: Vector) -> [DoubleDouble; 3] {
-    let part = |i: usize, j: usize| {
-        DoubleDouble::two_product(a[i], b[j]) - DoubleDouble::two_product(a[j], b[i])
-    };
-    [part(1, 2), part(2, 0), part(0, 1)]
 }
 
 /// The power that the inertia of a shaft absorbs, divided by the drive's speed:

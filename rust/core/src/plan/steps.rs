@@ -268,6 +268,12 @@ impl Plan {
         (0..self.joint_count).any(|joint| self.needs_pose(joint))
     }
 
+    /// Whether any output is a vector, which needs the frames of the joints.
+    pub(crate) fn needs_frames(&self) -> bool {
+        let moment = |step: &JointStep| step.planes.get(Output::Moment).is_some();
+        self.joints.iter().any(|step| moment(step) || step.needs_support())
+    }
+
     /// Whether every output has its extremes at known angles.
     pub(crate) fn has_closed_extremes(&self) -> bool {
         self.load.is_none() && !self.needs_poses() && !self.needs_angle()

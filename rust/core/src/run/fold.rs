@@ -5,6 +5,7 @@
 
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
+use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 use crate::mechanics::moment::Pose;
@@ -26,6 +27,8 @@ pub(crate) struct Folded<T: Angle> {
     pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
     /// Per joint; empty if the plan does not need it.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
+    /// The frames of the drivelines that are folded together, if vectors need their error terms.
+    frames: Vec<Frame>,
     maps: Maps,
     turns: Turns,
 }
@@ -74,7 +77,7 @@ impl<T: Angle> Folded<T> {
             let bound = plan.range(step.shaft);
             shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample, routes.splits()));
         }
-        Self { shafts, poses: vec![vec![]; plan.joint_count], maps, turns }
+        Self { shafts, poses: vec![vec![]; plan.joint_count], frames: vec![], maps, turns }
     }
 
     /// The route of a shaft in a chunk with this geometry, and its range of tangents.
@@ -117,7 +120,7 @@ impl<T: Angle> Folded<T> {
         line_of: impl Fn(usize) -> usize,
     ) {
         let n = plan.joint_count;
-        let Self { shafts, poses, maps, turns } = self;
+        let Self { shafts, poses, frames, maps, turns } = self;
         let mut bends = [0.0; LANES];
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let first = line_of(0);
@@ -131,6 +134,11 @@ impl<T: Angle> Folded<T> {
                 *x = data[line_of(i) * each + j];
             }
         };
+        let stored = |i: usize, j: usize| {
+            let line = line_of(i);
+            let shaft = vector(lines.directions, line * (n + 1) + j);
+            Frame::stored(shaft, vector(lines.normals, line * n + j))
+        };
         for j in 0..plan.reach() {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
@@ -142,14 +150,22 @@ impl<T: Angle> Folded<T> {
                 turns.find(&phases[..length], &twists[..length]);
                 maps.update(length, &turns.read(length));
             }
+            if T::LOW && plan.needs_frames() {
+                if j == 0 {
+                    frames.clear();
+                    frames.extend((0..length).map(|i| stored(i, 0).orthonormal()));
+                } else {
+                    for (frame, &twist) in frames.iter_mut().zip(&twists[..length]) {
+                        frame.pass_shaft(twist);
+                    }
+                }
+            }
             if plan.needs_pose(j) {
                 let maps = maps.read(length);
                 poses[j].extend((0..length).map(|i| {
-                    let line = line_of(i);
-                    let u_in = vector(lines.directions, line * (n + 1) + j);
-                    let normal = vector(lines.normals, line * n + j);
+                    let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
                     let joint = Joint::with_error_terms(bends[i]);
-                    Pose::new(&maps.at(i), &joint, u_in, normal)
+                    Pose::new(&maps.at(i), &joint, frame)
                 }));
             }
             if j == 0
@@ -165,6 +181,9 @@ impl<T: Angle> Folded<T> {
                 return;
             }
             maps.update(length, &PassJoint(bends));
+            for (frame, &bend) in frames.iter_mut().zip(bends) {
+                frame.pass_joint(&Joint::with_error_terms(bend));
+            }
             if j > 0
                 && let Some(shaft) = &mut shafts[j + 1]
             {
