@@ -38,11 +38,7 @@ impl Complex {
     /// sum that cancels.
     #[inline(always)]
     fn renormalized(self) -> Self {
-        let Self { re, im } = self;
-        Self {
-            re: DoubleDouble::two_sum(re.high, re.low),
-            im: DoubleDouble::two_sum(im.high, im.low),
-        }
+        Self { re: self.re.renormalized(), im: self.im.renormalized() }
     }
 
     #[inline(always)]
@@ -109,16 +105,16 @@ impl Transfer {
     /// Appends an intermediate shaft, given its turn.
     #[inline(always)]
     pub(crate) fn pass_shaft(&mut self, turn: Complex) {
-        self.a = self.a * turn;
-        self.b = self.b * turn;
+        self.a = (self.a * turn).renormalized();
+        self.b = (self.b * turn).renormalized();
     }
 
     /// Appends a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
     #[inline(always)]
     pub(crate) fn pass_joint(&mut self, joint: &Joint<DoubleDouble>) {
         let (a, b) = (self.a, self.b);
-        self.a = a - b.conj().times(joint.k);
-        self.b = b - a.conj().times(joint.k);
+        self.a = (a - b.conj().times(joint.k)).renormalized();
+        self.b = (b - a.conj().times(joint.k)).renormalized();
         self.complement = self.complement * joint.complement();
     }
 
@@ -154,7 +150,7 @@ impl Transfer {
     /// joint's own driving angle, multiplied by the same positive length.
     pub(crate) fn matrix(&self) -> [DoubleDouble; 4] {
         let (a, b) = (self.a, self.b);
-        [a.re + b.re, b.im - a.im, a.im + b.im, a.re - b.re]
+        [a.re + b.re, b.im - a.im, a.im + b.im, a.re - b.re].map(DoubleDouble::renormalized)
     }
 }
 

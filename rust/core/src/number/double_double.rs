@@ -70,6 +70,14 @@ impl DoubleDouble {
         Self::fast_two_sum(self.high, self.low)
     }
 
+    /// The same after a sum that cancels, whose error term may exceed its high word. Products drop
+    /// the product of the error terms, which is small only if the words do not overlap.
+    #[inline(always)]
+    #[must_use]
+    pub fn renormalized(self) -> Self {
+        Self::two_sum(self.high, self.low)
+    }
+
     /// Multiplies by a power of two, exactly.
     #[inline(always)]
     #[must_use]
