@@ -48,9 +48,8 @@ def unit(v: Vector) -> Vector:
     return scaled(1 / length(v), v)
 
 
-def turned(v: Vector, axis: Vector, angle: float) -> Vector:
+def turned(v: Vector, axis: Vector, at: Turn) -> Vector:
     """Turn a vector about a unit vector perpendicular to it."""
-    at = Turn.by(angle)
     return plus(scaled(at.cosine, v), scaled(at.sine, cross(axis, v)))
 
 
@@ -75,22 +74,22 @@ class Frames:
         normals = [unit(across(normal, directions[0]))]
         for j, bend in enumerate(bends):
             if j > 0:
-                normals.append(turned(normals[-1], directions[-1], twists[j - 1]))
-            directions.append(turned(directions[-1], normals[-1], bend))
+                normals.append(turned(normals[-1], directions[-1], Turn.by(twists[j - 1])))
+            directions.append(turned(directions[-1], normals[-1], Turn.by(bend)))
         n = range(len(bends) + 1)
         folds = [Fold.of(bends[:i], twists[: max(i - 1, 0)], phases[: max(i - 1, 0)]) for i in n]
         return cls(bends, phases, directions, normals, folds)
 
-    def pins(self, angle: float) -> list[tuple[Vector, Vector]]:
+    def pins(self, at: Turn) -> list[tuple[Vector, Vector]]:
         """Return the driving and the driven pin of each joint."""
-        driving = turned(cross(self.normals[0], self.directions[0]), self.directions[0], angle)
+        driving = turned(cross(self.normals[0], self.directions[0]), self.directions[0], at)
         pins = []
         for j, (before, after) in enumerate(pairwise(self.directions)):
             driven = unit(cross(after, driving))
             assert abs(dot(driving, before)) < 1e-40
             pins.append((driving, driven))
             if j < len(self.phases):
-                driving = turned(driven, after, self.phases[j])
+                driving = turned(driven, after, Turn.by(self.phases[j]))
         return pins
 
 
@@ -108,7 +107,7 @@ class Loads:
     def of(
         cls,
         frames: Frames,
-        angle: float,
+        at: Turn,
         *,
         drive_torque: float | None = None,
         output_torque: float | None = None,
@@ -116,10 +115,11 @@ class Loads:
         speed: float = 0.0,
         acceleration: float = 0.0,
     ) -> Loads:
-        at = Turn.by(angle)
         ratios = [fold.speed_ratio(at) for fold in frames.folds]
         absorbed = [
-            mp.mpf(inertia) * (mp.mpf(speed) ** 2 * fold.acceleration_ratio(at) + acceleration * r) * r
+            mp.mpf(inertia)
+            * (mp.mpf(speed) ** 2 * fold.acceleration_ratio(at) + acceleration * r)
+            * r
             for inertia, fold, r in zip(
                 inertias or [0.0] * len(ratios), frames.folds, ratios, strict=True
             )
@@ -134,7 +134,7 @@ class Loads:
             for taken in reversed(absorbed):
                 power.insert(0, power[0] + taken)
         moments = []
-        for j, (a, b) in enumerate(frames.pins(angle)):
+        for j, (a, b) in enumerate(frames.pins(at)):
             along = cross(a, b)
             torsion = power[j + 1] / ratios[j]
             moments.append(scaled(torsion / dot(along, frames.directions[j]), along))
@@ -148,10 +148,6 @@ class Loads:
                     frames.directions, pairwise([none, *moments, none]), strict=True
                 )
             ],
-            [
-                length(across(m, u)) for m, u in zip(moments, frames.directions, strict=False)
-            ],
-            [
-                length(across(m, u)) for m, u in zip(moments, frames.directions[1:], strict=True)
-            ],
+            [length(across(m, u)) for m, u in zip(moments, frames.directions, strict=False)],
+            [length(across(m, u)) for m, u in zip(moments, frames.directions[1:], strict=True)],
         )
