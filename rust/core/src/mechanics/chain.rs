@@ -14,7 +14,7 @@ use crate::mechanics::joint::Joint;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction;
-use crate::number::trig;
+use crate::number::{series, trig};
 
 /// A complex number.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -172,6 +172,30 @@ pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
 pub(crate) fn near_shaft_turn(phase: f64, twist: f64) -> Complex {
     let reduced = reduction::reduce_double_double(DoubleDouble::two_sum(phase, -twist));
     let (sine, cosine) = trig::sin_cos_double_double(reduced);
+    Complex::new(-sine, cosine)
+}
+
+/// The same with nearly all digits of a double-double.
+pub(crate) fn wide_shaft_turn(phase: f64, twist: f64) -> Complex {
+    if trig::any_too_large([phase, twist].into_iter()) {
+        let turn = |angle: f64| {
+            let (sine, cosine) = series::sin_cos(reduction::reduce_any(angle));
+            Complex::new(cosine, sine)
+        };
+        let Complex { re, im } = turn(phase) * turn(-twist);
+        return Complex::new(-im, re);
+    }
+    near_wide_shaft_turn(phase, twist)
+}
+
+/// The same, branch-free, for angles below the limit of [`trig::any_too_large`].
+#[inline(always)]
+pub(crate) fn near_wide_shaft_turn(phase: f64, twist: f64) -> Complex {
+    let DoubleDouble { high, low } = DoubleDouble::two_sum(phase, -twist);
+    let (remainder, quadrant) = reduction::reduce_double_double(DoubleDouble::exact(high));
+    // The error term of a large difference may exceed the remainder.
+    let remainder = (remainder + DoubleDouble::exact(low)).renormalized();
+    let (sine, cosine) = series::sin_cos((remainder, quadrant));
     Complex::new(-sine, cosine)
 }
 

@@ -8,8 +8,7 @@ use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
-use crate::number::reduction;
-use crate::number::trig;
+use crate::number::{reduction, series};
 
 type Wide = [DoubleDouble; 3];
 
@@ -44,7 +43,7 @@ impl Frame {
     /// Turns to the next joint of the same shaft.
     #[inline(always)]
     pub(crate) fn pass_shaft(&mut self, twist: f64) {
-        let (sine, cosine) = trig::sin_cos_double_double(reduction::reduce_any(twist));
+        let (sine, cosine) = series::sin_cos(reduction::reduce_any(twist));
         (self.in_plane, self.normal) = rotated(self.in_plane, self.normal, sine, cosine);
     }
 

@@ -7,6 +7,7 @@ use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::HALF_PI;
+use crate::number::series;
 use crate::number::trig;
 
 /// The constants of one joint with a given bend.
@@ -46,13 +47,28 @@ impl Joint<DoubleDouble> {
     /// The joint with a bend in `[0, π/2)`, in rad.
     #[inline(always)]
     pub fn with_error_terms(bend: f64) -> Self {
+        Self::by(bend, 0.0, trig::sin_cos_of_remainder)
+    }
+
+    /// The same with nearly all digits of a double-double, for the map of a chain.
+    #[inline(always)]
+    pub(crate) fn of_chain(bend: f64) -> Self {
+        Self::by(bend, HALF_PI[2], series::sin_cos_of_remainder)
+    }
+
+    #[inline(always)]
+    fn by(
+        bend: f64,
+        third: f64,
+        sin_cos: impl Fn(DoubleDouble) -> (DoubleDouble, DoubleDouble),
+    ) -> Self {
         let steep = bend > 0.5 * HALF_PI[0];
         // The difference is exact: the bend is more than half of π/2.
-        let complement = DoubleDouble::fast_two_sum(HALF_PI[0] - bend, HALF_PI[1]);
-        let (s, c) =
-            trig::sin_cos_of_remainder(if steep { complement } else { DoubleDouble::exact(bend) });
+        let mut complement = DoubleDouble::fast_two_sum(HALF_PI[0] - bend, HALF_PI[1]);
+        complement.low += third;
+        let (s, c) = sin_cos(if steep { complement } else { DoubleDouble::exact(bend) });
         let (sin, cos) = if steep { (c, s) } else { (s, c) };
-        let (half_sine, _) = trig::sin_cos_of_remainder(DoubleDouble::exact(0.5 * bend));
+        let (half_sine, _) = sin_cos(DoubleDouble::exact(0.5 * bend));
         let versine = half_sine.square().scaled(2.0);
         Self {
             cos,

@@ -12,3 +12,4 @@ pub(crate) mod moment;
 pub mod motion;
 pub mod phasing;
 pub mod transmission;
+pub(crate) mod turning;

@@ -15,6 +15,7 @@
 use crate::mechanics::chain::Transfer;
 use crate::mechanics::frame::Frame;
 use crate::mechanics::joint::Joint;
+use crate::mechanics::turning::turned;
 use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
@@ -148,8 +149,7 @@ impl<T: Real> Pose<T> {
     /// and cosine of the drive angle.
     #[inline(always)]
     fn turn(&self, s: T, c: T) -> (T, T) {
-        let [cc, cs, sc, ss] = self.matrix;
-        (sc.mul_add(c, ss * s), cc.mul_add(c, cs * s))
+        turned(self.matrix, s, c)
     }
 
     /// The parts of a torsion, from unnormalised sine and cosine of the drive angle.

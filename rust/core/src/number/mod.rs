@@ -5,6 +5,7 @@ pub mod double_double;
 pub mod float;
 pub mod precision;
 pub(crate) mod reduction;
+pub(crate) mod series;
 pub(crate) mod storage;
 pub mod trig;
 

@@ -5,10 +5,12 @@
 
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
+use crate::mechanics::chain::Transfer;
 use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 use crate::mechanics::moment::Pose;
+use crate::mechanics::turning::Turning;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::storage::columns;
@@ -27,6 +29,8 @@ pub(crate) struct Folded<T: Angle> {
     pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
     /// Per joint; empty if the plan does not need it.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
+    /// Per shaft; empty unless the load needs its speed with all digits of a double-double.
+    pub(crate) turnings: Vec<Vec<Turning<T>>>,
     /// The frames of the drivelines that are folded together, if vectors need their error terms.
     frames: Vec<Frame>,
     maps: Maps,
@@ -77,7 +81,9 @@ impl<T: Angle> Folded<T> {
             let bound = plan.range(step.shaft);
             shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample, routes.splits()));
         }
-        Self { shafts, poses: vec![vec![]; plan.joint_count], frames: vec![], maps, turns }
+        let poses = vec![vec![]; plan.joint_count];
+        let turnings = vec![vec![]; plan.joint_count + 1];
+        Self { shafts, poses, turnings, frames: vec![], maps, turns }
     }
 
     /// The route of a shaft in a chunk with this geometry, and its range of tangents.
@@ -104,6 +110,7 @@ impl<T: Angle> Folded<T> {
         line_of: impl Fn(usize) -> usize,
     ) {
         self.poses.iter_mut().for_each(Vec::clear);
+        self.turnings.iter_mut().for_each(Vec::clear);
         for start in (0..count).step_by(LANES) {
             let length = LANES.min(count - start);
             self.fold_lanes(plan, lines, start, length, |i| line_of(start + i));
@@ -120,7 +127,7 @@ impl<T: Angle> Folded<T> {
         line_of: impl Fn(usize) -> usize,
     ) {
         let n = plan.joint_count;
-        let Self { shafts, poses, frames, maps, turns } = self;
+        let Self { shafts, poses, turnings, frames, maps, turns } = self;
         let mut bends = [0.0; LANES];
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let first = line_of(0);
@@ -147,7 +154,7 @@ impl<T: Angle> Folded<T> {
             } else if j > 0 {
                 gather(lines.phases, n - 1, j - 1, &mut phases[..length]);
                 gather(lines.twists, n - 1, j - 1, &mut twists[..length]);
-                turns.find(&phases[..length], &twists[..length]);
+                turns.find(&phases[..length], &twists[..length], T::LOW);
                 maps.update(length, &turns.read(length));
             }
             if T::LOW && plan.needs_frames() {
@@ -164,7 +171,11 @@ impl<T: Angle> Folded<T> {
                 let maps = maps.read(length);
                 poses[j].extend((0..length).map(|i| {
                     let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
-                    let joint = Joint::with_error_terms(bends[i]);
+                    let joint = if T::LOW {
+                        Joint::of_chain(bends[i])
+                    } else {
+                        Joint::with_error_terms(bends[i])
+                    };
                     Pose::new(&maps.at(i), &joint, frame)
                 }));
             }
@@ -177,12 +188,28 @@ impl<T: Angle> Folded<T> {
                     shaft.set(start, length, &FirstJoint(bends));
                 }
             }
+            let turns_load = T::LOW && plan.needs_wide_pins() && plan.needs_rates(j + 1);
+            if turns_load && j == 0 {
+                turnings[1].extend(bends.iter().map(|&bend| {
+                    let mut transfer = Transfer::default();
+                    transfer.pass_joint(&Joint::of_chain(bend));
+                    Turning::new(&transfer)
+                }));
+            }
             if plan.reach() == 1 {
                 return;
             }
-            maps.update(length, &PassJoint(bends));
+            if T::LOW {
+                maps.update(length, &PassJoint::<true>(bends));
+            } else {
+                maps.update(length, &PassJoint::<false>(bends));
+            }
             for (frame, &bend) in frames.iter_mut().zip(bends) {
-                frame.pass_joint(&Joint::with_error_terms(bend));
+                frame.pass_joint(&Joint::of_chain(bend));
+            }
+            if turns_load && j > 0 {
+                let maps = maps.read(length);
+                turnings[j + 1].extend((0..length).map(|i| Turning::new(&maps.at(i))));
             }
             if j > 0
                 && let Some(shaft) = &mut shafts[j + 1]

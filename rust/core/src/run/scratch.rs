@@ -41,7 +41,8 @@ impl<T: Number> Scratch<T> {
             ]
         });
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let needs_pins = !routes.splits() || steep || plan.needs_poses();
+        let wide = T::LOW && plan.needs_wide_pins();
+        let needs_pins = !routes.splits() || steep || plan.needs_poses() || wide;
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
         let supports = plan.joints.iter().any(JointStep::needs_support);

@@ -7,6 +7,7 @@ use crate::input::sweep::{AngleReduction, Sweep};
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::{self, LargeAngleFlag};
+use crate::number::series;
 use crate::number::storage::{View, ViewMut};
 use crate::number::trig::{self, Angle};
 
@@ -118,6 +119,19 @@ impl SinCosKind for PinSense {
     #[inline(always)]
     fn sin_cos<T: Angle>(reduced: (T, u64)) -> (T, T) {
         trig::directed_pin(reduced)
+    }
+}
+
+/// Sine and cosine with nearly all digits of a double-double.
+pub(crate) struct WideSinCos;
+
+impl SinCosKind for WideSinCos {
+    #[inline(always)]
+    fn sin_cos<T: Angle>((remainder, quadrant): (T, u64)) -> (T, T) {
+        let [high, low] = remainder.words();
+        let remainder = DoubleDouble::new(high.into(), low.into());
+        let (sine, cosine) = series::sin_cos((remainder, quadrant));
+        (T::from_double_double(sine), T::from_double_double(cosine))
     }
 }
 

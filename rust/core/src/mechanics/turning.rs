@@ -1,0 +1,55 @@
+//! Speed and acceleration of a shaft behind a chain, with all digits of a double-double.
+//!
+//! Torques of drive and inertias, and the moments of a shaft's two joints, may cancel. Their terms
+//! then need more digits than the result.
+
+use crate::mechanics::chain::Transfer;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Real;
+
+/// The motion of a shaft from sine and cosine of the drive angle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turning<T> {
+    /// The map of the chain as a matrix on `(cos α, sin α)`.
+    matrix: [T; 4],
+    /// Its determinant.
+    complement: T,
+}
+
+impl<T: Real> Turning<T> {
+    pub(crate) fn new(transfer: &Transfer) -> Self {
+        Self {
+            matrix: transfer.matrix().map(T::from_double_double),
+            complement: T::from_double_double(transfer.complement),
+        }
+    }
+
+    /// Speed ratio and acceleration ratio: the determinant over the squared length of the mapped
+    /// vector, and the derivative of that quotient.
+    #[inline(always)]
+    pub(crate) fn rates(&self, s: T, c: T) -> (T, T) {
+        let ((y, x), (y_rate, x_rate)) = (turned(self.matrix, s, c), turned(self.matrix, c, -s));
+        let square = x.mul_add(x, y.square());
+        let ratio = self.complement / square;
+        let half_slope = apart(x.mul_add(x_rate, y * y_rate));
+        (ratio, (ratio * half_slope / square).scaled(-2.0))
+    }
+}
+
+/// Sine and cosine of the angle to which a matrix maps a unit vector, multiplied by a common
+/// length.
+#[inline(always)]
+pub(crate) fn turned<T: Real>([cc, cs, sc, ss]: [T; 4], s: T, c: T) -> (T, T) {
+    (apart(sc.mul_add(c, ss * s)), apart(cc.mul_add(c, cs * s)))
+}
+
+/// The same number in words that do not overlap, as they do after a sum that cancels. Products drop
+/// the product of both error terms, which is then too large.
+#[inline(always)]
+fn apart<T: Real>(number: T) -> T {
+    if !T::LOW {
+        return number;
+    }
+    let [high, low] = number.words();
+    T::from_double_double(DoubleDouble::two_sum(high.into(), low.into()))
+}
