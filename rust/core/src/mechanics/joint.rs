@@ -7,6 +7,7 @@ use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::HALF_PI;
+use crate::number::series;
 use crate::number::trig;
 
 /// The constants of one joint with a given bend.
@@ -46,13 +47,28 @@ impl Joint<DoubleDouble> {
     /// The joint with a bend in `[0, π/2)`, in rad.
     #[inline(always)]
     pub fn with_error_terms(bend: f64) -> Self {
+        Self::by(bend, 0.0, trig::sin_cos_of_remainder)
+    }
+
+    /// The same with nearly all digits of a double-double, for the map of a chain.
+    #[inline(always)]
+    pub(crate) fn of_chain(bend: f64) -> Self {
+        Self::by(bend, HALF_PI[2], series::sin_cos_of_remainder)
+    }
+
+    #[inline(always)]
+    fn by(
+        bend: f64,
+        third: f64,
+        sin_cos: impl Fn(DoubleDouble) -> (DoubleDouble, DoubleDouble),
+    ) -> Self {
         let steep = bend > 0.5 * HALF_PI[0];
         // The difference is exact: the bend is more than half of π/2.
-        let complement = DoubleDouble::fast_two_sum(HALF_PI[0] - bend, HALF_PI[1]);
-        let (s, c) =
-            trig::sin_cos_of_remainder(if steep { complement } else { DoubleDouble::exact(bend) });
+        let mut complement = DoubleDouble::fast_two_sum(HALF_PI[0] - bend, HALF_PI[1]);
+        complement.low += third;
+        let (s, c) = sin_cos(if steep { complement } else { DoubleDouble::exact(bend) });
         let (sin, cos) = if steep { (c, s) } else { (s, c) };
-        let (half_sine, _) = trig::sin_cos_of_remainder(DoubleDouble::exact(0.5 * bend));
+        let (half_sine, _) = sin_cos(DoubleDouble::exact(0.5 * bend));
         let versine = half_sine.square().scaled(2.0);
         Self {
             cos,
@@ -239,7 +255,7 @@ impl Joint {
 /// `c² cos β + s²`. A common factor of sine and cosine cancels.
 #[inline(always)]
 pub(crate) fn error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
-    (joint.versine * (s * c), c.square().mul_add(joint.cos, s.square()))
+    (joint.versine.times(s * c), c.square().mul_add(joint.cos, s.square()))
 }
 
 /// The same fraction divided by `1 − cos β`: `s c` over `a (s² + c²) + s²` with the inverse
@@ -256,11 +272,11 @@ pub(crate) fn steep_error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T
 #[inline(always)]
 pub(crate) fn motion<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> ((T, T), (T, T)) {
     let (s2, c2, product) = (s.square(), c.square(), s * c);
-    let tangent = (joint.versine * product, c2.mul_add(joint.cos, s2));
+    let tangent = (joint.versine.times(product), c2.mul_add(joint.cos, s2));
     let denominator = c2.mul_add(joint.cos2, s2);
     let inverse = denominator.recip();
     let ratio = (joint.cos * (c2 + s2)).over(denominator, inverse);
-    let rates = (ratio, T::from_f64(-2.0) * joint.sin2 * (product * inverse) * ratio);
+    let rates = (ratio, (T::from_f64(-2.0) * joint.sin2 * (product * inverse)).times(ratio));
     (tangent, rates)
 }
 
@@ -277,7 +293,7 @@ pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let denominator = c_cos.mul_add(c_cos, s2);
     let inverse = denominator.recip();
     let ratio = (joint.cos * c.mul_add(c, s2)).over(denominator, inverse);
-    (ratio, T::from_f64(-2.0) * joint.sin2 * (s * c * inverse) * ratio)
+    (ratio, (T::from_f64(-2.0) * joint.sin2 * (s * c * inverse)).times(ratio))
 }
 
 /// Jerk ratio, the derivative of the acceleration ratio with respect to the drive angle (derived
@@ -306,5 +322,5 @@ pub(crate) fn jerk_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
         // Before the product, which single precision may not hold.
         length = length.mul_add(T::from_f64(3.0) * off, length);
     }
-    (joint.cos * joint.sin2).scaled(2.0) * (bracket * inverse * inverse) * length
+    ((joint.cos * joint.sin2).scaled(2.0) * (bracket * inverse * inverse)).times(length)
 }

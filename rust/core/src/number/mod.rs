@@ -2,9 +2,11 @@
 
 pub mod atan;
 pub mod double_double;
+pub(crate) mod fixed;
 pub mod float;
 pub mod precision;
 pub(crate) mod reduction;
+pub(crate) mod series;
 pub(crate) mod storage;
 pub mod trig;
 

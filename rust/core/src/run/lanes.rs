@@ -79,6 +79,13 @@ impl Lane<Transfer> for MapsView<'_> {
     }
 }
 
+impl Lane<Equivalent<DoubleDouble>> for Transfer {
+    #[inline(always)]
+    fn at(&self, _: usize) -> Equivalent<DoubleDouble> {
+        self.equivalent()
+    }
+}
+
 impl Lane<DoubleAngle<DoubleDouble>> for MapsView<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
@@ -122,13 +129,15 @@ impl Step for Reset {
     }
 }
 
-/// Appends a joint, given its bend.
-pub(super) struct PassJoint<'a>(pub(super) &'a [f64]);
+/// Appends a joint, given its bend. A `WIDE` one has nearly all digits of a double-double.
+pub(super) struct PassJoint<'a, const WIDE: bool>(pub(super) &'a [f64]);
 
-impl Step for PassJoint<'_> {
+impl<const WIDE: bool> Step for PassJoint<'_, WIDE> {
     #[inline(always)]
     fn take(&self, i: usize, transfer: &mut Transfer) {
-        transfer.pass_joint(&Joint::with_error_terms(self.0[i]));
+        let bend = self.0[i];
+        let joint = if WIDE { Joint::of_chain(bend) } else { Joint::with_error_terms(bend) };
+        transfer.pass_joint(&joint);
     }
 }
 
@@ -148,21 +157,27 @@ impl Step for PassShaft<'_> {
 pub(super) struct Turns(pub(super) [Column<DoubleDouble>; 2]);
 
 impl Turns {
+    /// Turns, which have nearly all digits of a double-double if `wide`.
     #[inline(always)]
-    pub(super) fn find(&mut self, phases: &[f64], twists: &[f64]) {
+    pub(super) fn find(&mut self, phases: &[f64], twists: &[f64], wide: bool) {
         let length = phases.len();
         let (phases, twists) = (&phases[..length], &twists[..length]);
         let [re, im] = views_mut(&mut self.0, 0, length);
         let (mut re, mut im) = (re.cut(length), im.cut(length));
         let far = trig::any_too_large(phases.iter().chain(twists).copied());
         for i in 0..length {
-            let turn = chain::near_shaft_turn(phases[i], twists[i]);
+            let turn = if wide {
+                chain::near_wide_shaft_turn(phases[i], twists[i])
+            } else {
+                chain::near_shaft_turn(phases[i], twists[i])
+            };
             re.set(i, turn.re);
             im.set(i, turn.im);
         }
         if far {
             for i in 0..length {
-                let turn = chain::shaft_turn(phases[i], twists[i]);
+                let far = if wide { chain::wide_shaft_turn } else { chain::shaft_turn };
+                let turn = far(phases[i], twists[i]);
                 re.set(i, turn.re);
                 im.set(i, turn.im);
             }
