@@ -96,7 +96,8 @@ pub(crate) struct NativePlan {
 #[pymethods]
 impl NativePlan {
     /// The end of the load is `"drive"` or `"output"`; its arrays are read when the plan runs.
-    /// Without a tolerance the arithmetic is that of the results, single or double precision.
+    /// Without a tolerance the arithmetic is that of the results, single or double precision,
+    /// unless the driveline is too steep for it.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call, named by the caller")]
     fn new(
@@ -134,11 +135,7 @@ impl NativePlan {
             inertias: &inertias,
         };
         let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
-        let precision = match tolerance {
-            Some(tolerance) => plan.precision(tolerance),
-            None if single => Precision::Single,
-            None => Precision::Double,
-        };
+        let precision = plan.precision(tolerance, single);
         let reduction = reduction.map(self::reduction).transpose()?;
         let results = reduction.map_or(plan.planes(), |reduction| reduction.results(&plan));
         let constants = if lines.get().is_one() {

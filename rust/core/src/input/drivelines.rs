@@ -1,6 +1,7 @@
 //! Batches of drivelines as flat arrays.
 
 use crate::error::{Error, Result};
+use crate::mechanics::exact::Chains;
 
 /// A batch of drivelines with the same number `n` of joints, as flat arrays in C order.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +39,11 @@ impl Drivelines<'_> {
             return Err(Error::new("bends", &[], "has no driveline"));
         }
         Ok(count)
+    }
+
+    /// The joints and intermediate shafts of the drivelines, `joints` each.
+    pub(crate) fn chains(&self, joints: usize) -> Chains<'_> {
+        Chains { joints, bends: self.bends, twists: self.twists, phases: self.phases }
     }
 
     /// The largest bend of each of the `joints` over the batch, in rad. Zero means that the joint

@@ -11,9 +11,10 @@ use std::ops::{Mul, Sub};
 
 use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::joint::Joint;
+use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
-use crate::number::reduction;
+use crate::number::reduction::{self, HALF_PI, ROUNDING};
 use crate::number::{series, trig};
 
 /// A complex number.
@@ -146,6 +147,24 @@ impl Transfer {
         DoubleAngle::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
     }
 
+    /// Cosine and sine of the joint's own driving angle, up to a common factor.
+    pub(crate) fn waves(&self) -> [Wave; 2] {
+        let [cc, cs, sc, ss] = self.matrix();
+        [Wave::new(cc, cs), Wave::new(sc, ss)]
+    }
+
+    /// Whether cancellation left too few digits of the map, given the sum of `tan²(β/2)` of its
+    /// joints and the product of `1 + tan²(β/2)`, or bounds on them.
+    #[inline(always)]
+    pub(crate) fn loses_digits(&self, sum: f64, product: f64) -> bool {
+        let part = |size: f64, x: Complex| x.norm_squared().high < (Self::LEAST * size).powi(2);
+        // Squares of smaller numbers underflow.
+        sum > 1e-140 && (part(product, self.a) || part(product * sum.min(1.0), self.b))
+    }
+
+    /// The part of the terms of a sum that cancellation may leave.
+    const LEAST: f64 = 1.0 / (1_u64 << 16) as f64;
+
     /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`. The rows give cosine and sine of the
     /// joint's own driving angle, multiplied by the same positive length.
     pub(crate) fn matrix(&self) -> [DoubleDouble; 4] {
@@ -217,6 +236,88 @@ fn half_turn(cos_2: DoubleDouble, sin_2: DoubleDouble) -> (DoubleDouble, DoubleD
     if cos_2.high >= 0.0 { (large, small.copysign(sin_2)) } else { (small, large.copysign(sin_2)) }
 }
 
+/// An angle in `(−90°, 90°]` as a multiple of a quarter turn and a remainder.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Offset {
+    pub(crate) remainder: DoubleDouble,
+    /// −1, 0 or 1.
+    pub(crate) quarters: f64,
+}
+
+impl Default for Offset {
+    fn default() -> Self {
+        Self { remainder: DoubleDouble::default(), quarters: 0.0 }
+    }
+}
+
+impl Offset {
+    /// A reduced angle so near to a multiple of a quarter turn that its error terms do not suffice.
+    const NEAR: f64 = 1.0 / (1_u64 << 24) as f64;
+
+    /// Whether the sum with this angle has lost digits that its sine or cosine needs.
+    #[inline(always)]
+    pub(crate) fn loses_digits(self, (remainder, _): (DoubleDouble, u64)) -> bool {
+        (remainder.high.abs() < Self::NEAR) & (self.remainder.high != 0.0)
+    }
+
+    /// The angle with this cosine, which is not negative, and sine; branch-free.
+    #[inline(always)]
+    fn new(cosine: DoubleDouble, sine: DoubleDouble) -> Self {
+        let quarters = if sine.abs().exceeds(cosine) { 1_f64.copysign(sine.high) } else { 0.0 };
+        let turned = DoubleDouble::exact(quarters);
+        let (y, x) =
+            if quarters == 0.0 { (sine, cosine) } else { (-(cosine * turned), sine * turned) };
+        // One step of Newton's method doubles the digits.
+        let near = DoubleDouble::exact(f64::atan_one(y.high, x.high));
+        let (s, c) = series::sin_cos_of_remainder(near);
+        let remainder = (near + (y * c - x * s).renormalized()).renormalized();
+        Self { remainder, quarters }
+    }
+
+    /// The sum of a reduced angle and this one, multiplied by 2 if `double`, reduced again.
+    #[inline(always)]
+    pub(crate) fn after(
+        self,
+        (remainder, quadrant): (DoubleDouble, u64),
+        double: bool,
+    ) -> (DoubleDouble, u64) {
+        let sum = (remainder + self.remainder).renormalized();
+        let quadrant = quadrant.wrapping_add((self.quarters + ROUNDING).to_bits());
+        let (sum, quadrant) =
+            if double { (sum.scaled(2.0), quadrant.wrapping_mul(2)) } else { (sum, quadrant) };
+        let (remainder, more) = reduction::reduce_double_double(sum);
+        (remainder, quadrant.wrapping_add(more))
+    }
+
+    /// The angle in rad.
+    pub(crate) fn value(self) -> f64 {
+        self.quarters.mul_add(HALF_PI[0], self.remainder.value())
+    }
+}
+
+/// A linear combination of cosine and sine of an angle `α`, as `H sin(α + χ)`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wave {
+    /// `H`.
+    pub(crate) height: DoubleDouble,
+    /// `χ`.
+    pub(crate) offset: Offset,
+}
+
+impl Wave {
+    pub(crate) fn new(of_cosine: DoubleDouble, of_sine: DoubleDouble) -> Self {
+        let height = (of_cosine.square() + of_sine.square()).sqrt();
+        let height = height.copysign(of_sine);
+        Self { height, offset: Offset::new(of_sine / height, of_cosine / height) }
+    }
+
+    /// Whether cancellation left too few digits of the combination, as
+    /// [`Transfer::loses_digits`].
+    pub(crate) fn loses_digits(&self, product: f64) -> bool {
+        self.height.high.abs() < Transfer::LEAST * product
+    }
+}
+
 /// A joint whose driving angle is the drive angle plus an offset `φ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equivalent<T = f64> {
@@ -229,6 +330,12 @@ pub struct Equivalent<T = f64> {
 }
 
 impl Equivalent<DoubleDouble> {
+    /// `φ`.
+    #[inline(always)]
+    pub(crate) fn offset(&self) -> Offset {
+        Offset::new(self.turn_cos, self.turn_sin)
+    }
+
     pub(crate) const STRAIGHT: Self = Self {
         joint: Joint::STRAIGHT,
         turn_cos: DoubleDouble::ONE,

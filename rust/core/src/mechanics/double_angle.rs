@@ -11,6 +11,7 @@
 //! small. For steep bends `1 + k² − 2 Re p` nearly vanishes; they use the formulas of
 //! [`crate::mechanics::joint`].
 
+use crate::mechanics::joint::Joint;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
@@ -45,6 +46,12 @@ impl DoubleAngle<DoubleDouble> {
             complement: complement.scaled(0.5),
             gain: DoubleDouble::exact(-4.0) / complement,
         }
+    }
+
+    /// The constants of an equivalent joint, for its own driving angle.
+    #[inline(always)]
+    pub(crate) fn of_equivalent(joint: &Joint<DoubleDouble>) -> Self {
+        Self::new([joint.k, DoubleDouble::exact(0.0)], joint.k.square(), joint.complement())
     }
 
     /// The constants for a joint on the drive shaft.
@@ -133,7 +140,7 @@ impl<T: Angle> DoubleAngleTerms<T> {
             return (ratio, (swing * ratio).scaled(-2.0));
         }
         let ratio = self.complement / self.mean_minus_re;
-        (ratio, (self.neg_im * ratio) * (self.gain * ratio))
+        (ratio, (self.neg_im * ratio).times(self.gain * ratio))
     }
 
     /// Jerk ratio, `4 r (2 (Im p)² − Re p · across)/across²` with `across = (1 + k²)/2 − Re p`.

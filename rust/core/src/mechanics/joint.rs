@@ -255,7 +255,7 @@ impl Joint {
 /// `c² cos β + s²`. A common factor of sine and cosine cancels.
 #[inline(always)]
 pub(crate) fn error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
-    (joint.versine * (s * c), c.square().mul_add(joint.cos, s.square()))
+    (joint.versine.times(s * c), c.square().mul_add(joint.cos, s.square()))
 }
 
 /// The same fraction divided by `1 − cos β`: `s c` over `a (s² + c²) + s²` with the inverse
@@ -272,11 +272,11 @@ pub(crate) fn steep_error_tangent<T: Real>(joint: &JointConstants<T>, s: T, c: T
 #[inline(always)]
 pub(crate) fn motion<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> ((T, T), (T, T)) {
     let (s2, c2, product) = (s.square(), c.square(), s * c);
-    let tangent = (joint.versine * product, c2.mul_add(joint.cos, s2));
+    let tangent = (joint.versine.times(product), c2.mul_add(joint.cos, s2));
     let denominator = c2.mul_add(joint.cos2, s2);
     let inverse = denominator.recip();
     let ratio = (joint.cos * (c2 + s2)).over(denominator, inverse);
-    let rates = (ratio, T::from_f64(-2.0) * joint.sin2 * (product * inverse) * ratio);
+    let rates = (ratio, (T::from_f64(-2.0) * joint.sin2 * (product * inverse)).times(ratio));
     (tangent, rates)
 }
 
@@ -293,7 +293,7 @@ pub(crate) fn rates<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> (T, T) {
     let denominator = c_cos.mul_add(c_cos, s2);
     let inverse = denominator.recip();
     let ratio = (joint.cos * c.mul_add(c, s2)).over(denominator, inverse);
-    (ratio, T::from_f64(-2.0) * joint.sin2 * (s * c * inverse) * ratio)
+    (ratio, (T::from_f64(-2.0) * joint.sin2 * (s * c * inverse)).times(ratio))
 }
 
 /// Jerk ratio, the derivative of the acceleration ratio with respect to the drive angle (derived
@@ -322,5 +322,5 @@ pub(crate) fn jerk_ratio<T: Real>(joint: &JointConstants<T>, s: T, c: T) -> T {
         // Before the product, which single precision may not hold.
         length = length.mul_add(T::from_f64(3.0) * off, length);
     }
-    (joint.cos * joint.sin2).scaled(2.0) * (bracket * inverse * inverse) * length
+    ((joint.cos * joint.sin2).scaled(2.0) * (bracket * inverse * inverse)).times(length)
 }

@@ -3,6 +3,7 @@
 
 pub mod chain;
 pub(crate) mod double_angle;
+pub(crate) mod exact;
 pub(crate) mod extremes;
 pub(crate) mod frame;
 pub mod general;

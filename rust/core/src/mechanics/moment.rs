@@ -145,6 +145,13 @@ impl<T: Real> Pose<T> {
         }
     }
 
+    /// The pose for sine and cosine of the joint's own driving angle.
+    #[inline(always)]
+    pub(crate) fn by_own_pins(self) -> Self {
+        let [zero, one] = [0.0, 1.0].map(T::from_f64);
+        Self { matrix: [one, zero, zero, one], ..self }
+    }
+
     /// Sine and cosine of the joint's own driving angle, multiplied by a common length, from sine
     /// and cosine of the drive angle.
     #[inline(always)]

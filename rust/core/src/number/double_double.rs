@@ -35,6 +35,13 @@ impl DoubleDouble {
         Self { high, low: -0.0 }
     }
 
+    /// The same number with an error term.
+    #[inline(always)]
+    pub(crate) fn of<T: Real>(number: T) -> Self {
+        let [high, low] = number.words();
+        Self { high: high.into(), low: low.into() }
+    }
+
     /// The nearest double.
     #[inline(always)]
     pub fn value(self) -> f64 {
@@ -177,6 +184,12 @@ impl Real for DoubleDouble {
     #[inline(always)]
     fn mul_add(self, a: Self, b: Self) -> Self {
         self * a + b
+    }
+
+    // The error term of a zero is positive, so the value is.
+    #[inline(always)]
+    fn times(self, a: Self) -> Self {
+        self * a
     }
 
     #[inline(always)]

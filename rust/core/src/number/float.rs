@@ -91,6 +91,10 @@ pub trait Real:
     #[must_use]
     fn fast_add(self, other: Self) -> Self;
 
+    /// `self · a`; a product of zero is positive.
+    #[must_use]
+    fn times(self, a: Self) -> Self;
+
     /// Multiplies by a power of two.
     #[must_use]
     fn scaled(self, power: f64) -> Self;
@@ -155,6 +159,11 @@ macro_rules! plain {
             #[inline(always)]
             fn mul_add(self, a: Self, b: Self) -> Self {
                 $float::mul_add(self, a, b)
+            }
+
+            #[inline(always)]
+            fn times(self, a: Self) -> Self {
+                $float::mul_add(self, a, 0.0)
             }
 
             #[inline(always)]

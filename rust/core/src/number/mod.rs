@@ -2,6 +2,7 @@
 
 pub mod atan;
 pub mod double_double;
+pub(crate) mod fixed;
 pub mod float;
 pub mod precision;
 pub(crate) mod reduction;

@@ -17,6 +17,11 @@ impl Precision {
     /// measured errors by a margin.
     pub(crate) const SINGLE_ERROR: f64 = 1e-6;
     pub(crate) const DOUBLE_ERROR: f64 = 4e-15;
+
+    /// By how much a chain may amplify the errors of double precision by default: 2.5 where the
+    /// cosines of its bends multiply to 1/10, as with one joint at 84°. Beyond, its errors near the
+    /// fastest position exceed the limits of one joint, and error terms are carried.
+    pub(crate) const STEEPEST: f64 = 2.5;
 }
 
 /// The measured facts that decide between routes and loops for a number type.
@@ -31,21 +36,33 @@ pub(crate) struct Costs {
     /// Reduction and tangent are cheaper in two loops. A vector holds more single-precision numbers
     /// than angles, and one double-double loop is too long for a core to overlap its iterations.
     pub(crate) separate_reduction: bool,
+    /// Shafts behind more than one joint have sines of their own equivalent angle, because those
+    /// rotated from the drive's lose digits next to their zeros.
+    pub(crate) own_sines: bool,
 }
 
 impl Precision {
     /// The costs of the number type of this arithmetic.
     pub(crate) const fn costs(self) -> Costs {
         match self {
-            Self::Single => {
-                Costs { double_angle: false, turn_fractions: true, separate_reduction: true }
-            }
-            Self::Double => {
-                Costs { double_angle: false, turn_fractions: false, separate_reduction: false }
-            }
-            Self::DoubleDouble => {
-                Costs { double_angle: true, turn_fractions: false, separate_reduction: true }
-            }
+            Self::Single => Costs {
+                double_angle: false,
+                turn_fractions: true,
+                separate_reduction: true,
+                own_sines: false,
+            },
+            Self::Double => Costs {
+                double_angle: false,
+                turn_fractions: false,
+                separate_reduction: false,
+                own_sines: false,
+            },
+            Self::DoubleDouble => Costs {
+                double_angle: true,
+                turn_fractions: false,
+                separate_reduction: true,
+                own_sines: true,
+            },
         }
     }
 }

@@ -66,9 +66,12 @@ impl Routes {
         let long = table.row_length() >= LONG_ROW && period.is_none();
         let Some(sweep) = table.sweep.as_ref().filter(|_| long) else { return routes };
         let is_moderate = |shaft: usize| plan.range(shaft).is_moderate();
-        let moderate = !per_sample && plan.moving().any(|step| is_moderate(step.shaft));
-        let steep = plan.moving().any(|step| !is_moderate(step.shaft));
-        let needs_pins = plan.needs_poses() || steep || !moderate && plan.moving().next().is_some();
+        // Behind more than one joint, numbers with error terms have sines of their own.
+        let shared =
+            || plan.moving().filter(|step| step.shaft == 1 || !precision.costs().own_sines);
+        let moderate = !per_sample && shared().any(|step| is_moderate(step.shaft));
+        let steep = shared().any(|step| !is_moderate(step.shaft));
+        let needs_pins = plan.needs_poses() || steep || !moderate && shared().next().is_some();
         if moderate && has_rotations(sweep) {
             routes.rotations = true;
             if routes.moderate == Route::Tangent {

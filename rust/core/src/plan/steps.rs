@@ -209,13 +209,19 @@ impl Plan {
     }
 
     /// The cheapest arithmetic whose errors are within a tolerance, relative to the largest value
-    /// of each output over a turn.
+    /// of each output over a turn. Without a tolerance it is that of the results, unless the chain
+    /// is so steep that it would exceed the limits of that arithmetic.
     ///
     /// The arithmetic rounds the turn between the drive shaft and a chain's equivalent joint. A
-    /// steep chain amplifies that error by the reciprocal of its cosine.
-    pub fn precision(&self, tolerance: f64) -> Precision {
+    /// steep chain amplifies that error by the reciprocal of its cosine. Error terms are exempt:
+    /// with them the sum of the two angles is reduced instead.
+    pub fn precision(&self, tolerance: Option<f64>, single: bool) -> Precision {
         let reach = self.reach();
         let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(1.0) } else { 1.0 };
+        let tolerance = tolerance.unwrap_or(match single {
+            true => Precision::SINGLE_ERROR,
+            false => Precision::DOUBLE_ERROR * Precision::STEEPEST,
+        });
         if tolerance >= Precision::SINGLE_ERROR * stretch {
             Precision::Single
         } else if tolerance >= Precision::DOUBLE_ERROR * stretch {

@@ -339,7 +339,16 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         compiled_for!(
             level,
             motion::run_motion(
-                plan, routes, drive, rotations, folded, geometry, scratch, &mut views, size,
+                plan,
+                routes,
+                drive,
+                rotations,
+                folded,
+                table.lines.chains(plan.joint_count),
+                geometry,
+                scratch,
+                &mut views,
+                size,
                 row_offset
             )
         );

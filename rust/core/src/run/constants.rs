@@ -1,7 +1,7 @@
 //! The constants of one shaft for a series of drivelines, and which of them a chunk uses.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
-use crate::mechanics::chain::Equivalent;
+use crate::mechanics::chain::{Equivalent, Offset};
 use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::extremes::ExtremaLocator;
 use crate::mechanics::joint::JointConstants;
@@ -88,12 +88,32 @@ pub(crate) struct FoldedShaft<T: Angle> {
     pub(super) bound: AtanRange,
     double_angles: [Column<T>; 5],
     equivalents: [Column<T>; 7],
+    /// Remainder and quarters of the equivalent joint's offset, for shafts with sines of their own.
+    offsets: [Column<DoubleDouble>; 2],
+}
+
+/// A read-only series of offsets.
+#[derive(Clone, Copy)]
+pub(crate) struct OffsetColumns<'a>([View<'a, DoubleDouble>; 2]);
+
+impl OffsetColumns<'_> {
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> Offset {
+        let [remainder, quarters] = self.0.each_ref().map(|view| view.get(i));
+        Offset { remainder, quarters: quarters.high }
+    }
 }
 
 impl<T: Angle> FoldedShaft<T> {
     /// Allocates the constants of `length` drivelines. If `splits`, moderate bends have their own
     /// constants. A geometry `by_sample` has one kind of constants for all samples.
-    pub(super) fn new(bound: AtanRange, length: usize, by_sample: bool, splits: bool) -> Self {
+    pub(super) fn new(
+        bound: AtanRange,
+        length: usize,
+        by_sample: bool,
+        splits: bool,
+        has_offsets: bool,
+    ) -> Self {
         let moderate = bound.is_moderate();
         let steep = !splits || !moderate;
         let double_angle = splits && (moderate || !by_sample);
@@ -102,6 +122,7 @@ impl<T: Angle> FoldedShaft<T> {
             bound,
             double_angles: columns(size(double_angle)),
             equivalents: columns(size(steep)),
+            offsets: columns(size(has_offsets)),
         }
     }
 
@@ -123,13 +144,47 @@ impl<T: Angle> FoldedShaft<T> {
         !self.double_angles[0].is_empty()
     }
 
+    /// Whether the shaft has sines of its own, of the equivalent joint's driving angle.
+    #[inline(always)]
+    pub(crate) fn has_offsets(&self) -> bool {
+        !self.offsets[0].is_empty()
+    }
+
+    /// `tan²(β/2)` of an equivalent joint.
+    pub(crate) fn k(
+        &self,
+        steep: bool,
+        geometry: GeometryIndex,
+        index: usize,
+        size: usize,
+    ) -> DoubleDouble {
+        if steep {
+            let (joint, _) = self.equivalents(geometry, size).get(index);
+            let [versine, cos] = [joint.versine, joint.cos].map(DoubleDouble::of);
+            versine / (DoubleDouble::ONE + cos)
+        } else {
+            DoubleDouble::of(self.double_angles(geometry, size).get(index).q[0])
+        }
+    }
+
+    /// The offsets of the equivalent joints.
+    #[inline(always)]
+    pub(crate) fn offsets(&self, geometry: GeometryIndex, size: usize) -> OffsetColumns<'_> {
+        OffsetColumns(views(&self.offsets, geometry.count(size)))
+    }
+
     /// The constants that determine the extremes for one driveline.
     pub(crate) fn extrema_locator(&self, index: usize) -> ExtremaLocator {
         let geometry = GeometryIndex::Shared(index);
         if self.has_double_angles() {
             let [re, im]: [f64; 2] =
                 self.double_angles(geometry, 0).get(index).q.map(|x| x.value().into());
-            return ExtremaLocator { double_offset: -im.atan2(re), k: re.hypot(im) };
+            let double_offset = if self.has_offsets() {
+                2.0 * self.offsets(geometry, 0).get(index).value()
+            } else {
+                -im.atan2(re)
+            };
+            return ExtremaLocator { double_offset, k: re.hypot(im) };
         }
         let (joint, turn) = self.equivalents(geometry, 0).get(index);
         let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
@@ -170,6 +225,24 @@ impl<T: Angle> FoldedShaft<T> {
             cos2.set(i, joint.cos2);
             sin2.set(i, joint.sin2);
             versine.set(i, joint.versine);
+        }
+    }
+
+    /// Sets equivalent joints and their offsets.
+    #[inline(always)]
+    pub(super) fn set_with_offsets(
+        &mut self,
+        start: usize,
+        length: usize,
+        source: &impl Lane<Equivalent<DoubleDouble>>,
+    ) {
+        self.set(start, length, &OwnAngle(source));
+        let [remainders, quarters] = views_mut(&mut self.offsets, start, length);
+        let (mut remainders, mut quarters) = (remainders.cut(length), quarters.cut(length));
+        for i in 0..length {
+            let offset = source.at(i).offset();
+            remainders.set(i, offset.remainder);
+            quarters.set(i, DoubleDouble::exact(offset.quarters));
         }
     }
 
@@ -214,5 +287,22 @@ impl<T: Angle> FoldedShaft<T> {
             turn_cos.set(i, T::from_double_double(equivalent.turn_cos));
             turn_sin.set(i, T::from_double_double(equivalent.turn_sin));
         }
+    }
+}
+
+/// Equivalent joints without their offsets, for the driving angle of each.
+struct OwnAngle<'a, L>(&'a L);
+
+impl<L: Lane<Equivalent<DoubleDouble>>> Lane<Equivalent<DoubleDouble>> for OwnAngle<'_, L> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> Equivalent<DoubleDouble> {
+        self.0.at(i)
+    }
+}
+
+impl<L: Lane<Equivalent<DoubleDouble>>> Lane<DoubleAngle<DoubleDouble>> for OwnAngle<'_, L> {
+    #[inline(always)]
+    fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {
+        DoubleAngle::of_equivalent(&self.0.at(i).joint)
     }
 }

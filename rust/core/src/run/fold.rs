@@ -5,7 +5,8 @@
 
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
-use crate::mechanics::chain::Transfer;
+use crate::mechanics::chain::{Transfer, Wave};
+use crate::mechanics::exact::{ExactMap, To};
 use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
@@ -29,6 +30,11 @@ pub(crate) struct Folded<T: Angle> {
     pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
     /// Per joint; empty if the plan does not need it.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
+    /// Per joint behind the first, if tilts need them and numbers have error terms: cosine and sine
+    /// of the joint's own driving angle, up to a common factor, as functions of the drive angle.
+    pub(crate) waves: Vec<Vec<[Wave; 2]>>,
+    /// The number of each driveline in the batch, if numbers have error terms.
+    pub(crate) lines: Vec<usize>,
     /// Per shaft; empty unless the load needs its speed with all digits of a double-double.
     pub(crate) turnings: Vec<Vec<Turning<T>>>,
     /// The frames of the drivelines that are folded together, if vectors need their error terms.
@@ -79,11 +85,17 @@ impl<T: Angle> Folded<T> {
         let mut shafts: Vec<_> = (0..=plan.joint_count).map(|_| None).collect();
         for step in plan.shafts.iter().filter(|step| step.shaft > 0) {
             let bound = plan.range(step.shaft);
-            shafts[step.shaft] = Some(FoldedShaft::new(bound, longest, by_sample, routes.splits()));
+            shafts[step.shaft] = Some(FoldedShaft::new(
+                bound,
+                longest,
+                by_sample,
+                routes.splits(),
+                T::LOW && step.shaft > 1,
+            ));
         }
-        let poses = vec![vec![]; plan.joint_count];
+        let (poses, waves) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
         let turnings = vec![vec![]; plan.joint_count + 1];
-        Self { shafts, poses, turnings, frames: vec![], maps, turns }
+        Self { shafts, poses, waves, turnings, lines: vec![], frames: vec![], maps, turns }
     }
 
     /// The route of a shaft in a chunk with this geometry, and its range of tangents.
@@ -111,6 +123,8 @@ impl<T: Angle> Folded<T> {
     ) {
         self.poses.iter_mut().for_each(Vec::clear);
         self.turnings.iter_mut().for_each(Vec::clear);
+        self.waves.iter_mut().for_each(Vec::clear);
+        self.lines.clear();
         for start in (0..count).step_by(LANES) {
             let length = LANES.min(count - start);
             self.fold_lanes(plan, lines, start, length, |i| line_of(start + i));
@@ -127,8 +141,12 @@ impl<T: Angle> Folded<T> {
         line_of: impl Fn(usize) -> usize,
     ) {
         let n = plan.joint_count;
-        let Self { shafts, poses, turnings, frames, maps, turns } = self;
+        let Self { shafts, poses, waves, turnings, lines: numbers, frames, maps, turns } = self;
         let mut bends = [0.0; LANES];
+        let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
+        if T::LOW {
+            numbers.extend((0..length).map(&line_of));
+        }
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let first = line_of(0);
         let contiguous = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
@@ -179,6 +197,19 @@ impl<T: Angle> Folded<T> {
                     Pose::new(&maps.at(i), &joint, frame)
                 }));
             }
+            if T::LOW && j > 0 && plan.joints[j].needs_tilt {
+                let maps = maps.read(length);
+                waves[j].extend((0..length).map(|i| {
+                    let map: Transfer = maps.at(i);
+                    let near = map.waves();
+                    if !near.iter().any(|wave| wave.loses_digits(products[i])) {
+                        return near;
+                    }
+                    let [cc, cs, sc, ss] =
+                        ExactMap::new(lines.chains(n), line_of(i), To::Joint(j)).matrix();
+                    [Wave::new(cc, cs), Wave::new(sc, ss)]
+                }));
+            }
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
@@ -200,6 +231,12 @@ impl<T: Angle> Folded<T> {
                 return;
             }
             if T::LOW {
+                for i in 0..length {
+                    // A bound on tan²(β/2).
+                    let bound = 0.41 * bends[i] * bends[i];
+                    sums[i] += bound;
+                    products[i] *= 1.0 + bound;
+                }
                 maps.update(length, &PassJoint::<true>(bends));
             } else {
                 maps.update(length, &PassJoint::<false>(bends));
@@ -214,7 +251,19 @@ impl<T: Angle> Folded<T> {
             if j > 0
                 && let Some(shaft) = &mut shafts[j + 1]
             {
-                shaft.set(start, length, &maps.read(length));
+                if T::LOW {
+                    let maps = maps.read(length);
+                    shaft.set_with_offsets(start, length, &maps);
+                    for i in 0..length {
+                        let map: Transfer = maps.at(i);
+                        if map.loses_digits(sums[i], products[i]) {
+                            let map = ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
+                            shaft.set_with_offsets(start + i, 1, &map.transfer());
+                        }
+                    }
+                } else {
+                    shaft.set(start, length, &maps.read(length));
+                }
             }
         }
     }

@@ -79,6 +79,13 @@ impl Lane<Transfer> for MapsView<'_> {
     }
 }
 
+impl Lane<Equivalent<DoubleDouble>> for Transfer {
+    #[inline(always)]
+    fn at(&self, _: usize) -> Equivalent<DoubleDouble> {
+        self.equivalent()
+    }
+}
+
 impl Lane<DoubleAngle<DoubleDouble>> for MapsView<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> DoubleAngle<DoubleDouble> {

@@ -22,3 +22,4 @@ mod sweep_tables;
 #[cfg(test)]
 mod taken;
 pub mod threads;
+mod turned;

@@ -1,5 +1,6 @@
 //! The motion of shafts for one chunk, over slices that fit in the first-level cache.
 
+use crate::mechanics::exact::Chains;
 use crate::mechanics::moment::Pose;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
@@ -7,7 +8,7 @@ use crate::number::float::Float;
 use crate::number::storage::{Column, ViewMut, views_mut};
 use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
-use crate::plan::steps::{Plan, ShaftStep};
+use crate::plan::steps::{JointStep, Plan, ShaftStep};
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
 use crate::run::formula::MotionFormula;
@@ -15,7 +16,8 @@ use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::{ArrayAngleSink, SteppedAngleSink, SweepAngleSink};
-use crate::sincos::array::{self, DriveAngles, SinCosBlocks};
+use crate::run::turned::{self, ChunkLines};
+use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::rotation::{RotatedSinCos, Rotations};
 
 /// Motion of every shaft of the plan and tilts of every joint, for one chunk.
@@ -27,15 +29,18 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     drive: DriveAngles<'_>,
     rotations: Option<&Rotations<T>>,
     folded: &Folded<T>,
+    chains: Chains<'_>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [&mut [W]],
     size: usize,
     row_offset: usize,
 ) {
-    let Scratch { pins, double_sin_cos, groups, rotated_pins, rates, errors, .. } = scratch;
+    let Scratch { pins, double_sin_cos, groups, rotated_pins, turned_pins, rates, errors, .. } =
+        scratch;
     let pins = pins_of(pins, size);
     let double_sin_cos = pins_of(double_sin_cos, size);
+    let lines = ChunkLines { chains, numbers: &folded.lines, geometry };
     let mut errors = errors.iter_mut();
     for step in &plan.shafts {
         let mut none = Column::new(0);
@@ -51,6 +56,25 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             run_drive_shaft::<T, W>(step, drive, rates, planes, size);
             continue;
         };
+        if T::LOW && shaft.has_offsets() {
+            turned::find_own_pins(shaft, step.shaft, route, lines, drive, rotated_pins, size);
+            let own = pins_of(rotated_pins, size);
+            if route == Route::Tangent {
+                let equivalents = shaft.equivalents(geometry, size);
+                with_constants!(geometry, |i| equivalents.get(i).0, at => {
+                    run_shaft(step, range, at, drive, own, rates, errors, planes, size);
+                });
+            } else {
+                let double_angles = shaft.double_angles(geometry, size);
+                with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
+                    run_shaft(step, range, at, drive, own, rates, errors, planes, size);
+                });
+            }
+            if let Some(plane) = step.planes.get(Output::Angle) {
+                turned::mend_angles(shaft, step.shaft, route, lines, drive, &mut *planes[plane]);
+            }
+            continue;
+        }
         if route == Route::Tangent {
             let equivalents = shaft.equivalents(geometry, size);
             with_constants!(geometry, |i| equivalents.get(i), at => {
@@ -68,15 +92,9 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         let double_angles = shaft.double_angles(geometry, size);
         // Each number type uses one of the two routes, so only that one is compiled for it.
         if T::PRECISION.costs().double_angle {
-            if step.shaft == 1 {
-                with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
-                    run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
-                });
-            } else {
-                with_constants!(geometry, |i| double_angles.get(i), at => {
-                    run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
-                });
-            }
+            with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
+                run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
+            });
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
             let double_angle = double_angles.get(index);
             let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
@@ -84,19 +102,39 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
         }
     }
-    for (step, poses) in plan.joints.iter().zip(&folded.poses) {
+    for (joint, (step, poses)) in plan.joints.iter().zip(&folded.poses).enumerate() {
         if !step.needs_tilt {
             continue;
         }
         let poses = &poses[..geometry.count(size)];
+        if T::LOW && joint > 0 {
+            let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
+            turned::find_turned(waves, joint, lines, drive, buffers, size);
+            let pins = pins_of(turned_pins, size);
+            with_constants!(geometry, |i: usize| poses[i].by_own_pins(), at => {
+                run_tilts(step, at, pins, planes);
+            });
+            continue;
+        }
         with_constants!(geometry, |i: usize| poses[i], at => {
-            if let Some(plane) = step.planes.get(Output::TiltDriving) {
-                map::formula(Pose::tilt_driving, at, pins, &mut *planes[plane]);
-            }
-            if let Some(plane) = step.planes.get(Output::TiltDriven) {
-                map::formula(Pose::tilt_driven, at, pins, &mut *planes[plane]);
-            }
+            run_tilts(step, at, pins, planes);
         });
+    }
+}
+
+/// The tilts of one joint.
+#[inline(always)]
+fn run_tilts<T: Number, W: Float>(
+    step: &JointStep,
+    at: impl Fn(usize) -> Pose<T> + Copy,
+    pins: SinCos<'_, T>,
+    planes: &mut [&mut [W]],
+) {
+    if let Some(plane) = step.planes.get(Output::TiltDriving) {
+        map::formula(Pose::tilt_driving, at, pins, &mut *planes[plane]);
+    }
+    if let Some(plane) = step.planes.get(Output::TiltDriven) {
+        map::formula(Pose::tilt_driven, at, pins, &mut *planes[plane]);
     }
 }
 

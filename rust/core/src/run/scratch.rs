@@ -19,6 +19,8 @@ pub(crate) struct Scratch<T: Number> {
     /// The groups that replace `double_sin_cos` in a long sweep.
     pub(crate) groups: Vec<rotation::RotationGroup<T>>,
     pub(crate) rotated_pins: [Column<T>; 2],
+    /// Sine and cosine of a joint's own driving angle, up to a common factor.
+    pub(crate) turned_pins: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
     pub(crate) rates: Vec<[Column<T>; 2]>,
     pub(crate) power: Column<T>,
@@ -43,6 +45,7 @@ impl<T: Number> Scratch<T> {
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
         let wide = T::LOW && plan.needs_wide_pins();
         let needs_pins = !routes.splits() || steep || plan.needs_poses() || wide;
+        let tilts = T::LOW && plan.joints.iter().any(|step| step.needs_tilt);
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);
         let supports = plan.joints.iter().any(JointStep::needs_support);
@@ -52,7 +55,10 @@ impl<T: Number> Scratch<T> {
             pins: columns(size(needs_pins)),
             double_sin_cos: columns(size(routes.has_double_angle())),
             groups: vec![],
-            rotated_pins: columns(size(needs_pins && plan.moving().any(|step| step.shaft > 1))),
+            rotated_pins: columns(size(
+                tilts || (needs_pins || T::LOW) && plan.moving().any(|step| step.shaft > 1),
+            )),
+            turned_pins: columns(size(tilts)),
             rates: rates.collect(),
             power: Column::new(size(loaded)),
             torsion: Column::new(size(moments)),

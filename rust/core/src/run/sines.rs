@@ -4,7 +4,7 @@ use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::Plan;
-use crate::run::constants::GeometryIndex;
+use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::fold::Folded;
 use crate::run::scratch::Scratch;
 use crate::sincos::array::{
@@ -73,7 +73,9 @@ pub(crate) fn sines_needed<T: Number>(
 ) -> [bool; 2] {
     let mut needed = [plan.needs_poses() || T::LOW && plan.needs_wide_pins(), false];
     for step in &plan.shafts {
+        let own = folded.shafts[step.shaft].as_ref().is_some_and(FoldedShaft::has_offsets);
         match folded.route(routes, step.shaft, geometry).0 {
+            _ if own => {}
             Route::Drive => {}
             Route::Tangent => needed[0] = true,
             Route::DoubleAngle | Route::Rotation => needed[1] = true,

@@ -4,6 +4,8 @@
 use std::iter::once;
 
 use crate::input::sweep::{AngleReduction, Sweep};
+use crate::mechanics::chain::Offset;
+use crate::mechanics::exact::ExactAngle;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::{self, LargeAngleFlag};
@@ -135,6 +137,16 @@ impl SinCosKind for WideSinCos {
     }
 }
 
+/// Sine and cosine.
+pub(crate) struct PlainSinCos;
+
+impl SinCosKind for PlainSinCos {
+    #[inline(always)]
+    fn sin_cos<T: Angle>(reduced: (T, u64)) -> (T, T) {
+        trig::sin_cos_reduced(reduced)
+    }
+}
+
 /// Sine and cosine of twice the drive angle.
 pub(crate) struct DoubleAngleSinCos;
 
@@ -231,6 +243,88 @@ pub(crate) fn fill_sin_cos<K: SinCosKind, T: Angle>(
         for i in 0..length {
             let reduced = (sine.get(i), cosine.get_high(i).bits());
             set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
+        }
+    }
+}
+
+/// Sine and cosine of the sum of each drive angle and an offset, whose relative error stays small
+/// next to their zeros. Returns whether any sum lost too many digits for that.
+#[inline(always)]
+pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
+    at: impl Fn(usize) -> Offset,
+    drive: DriveAngles<'_>,
+    sine: ViewMut<'_, T>,
+    cosine: ViewMut<'_, T>,
+) -> bool {
+    let length = sine.len();
+    let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
+    let mut near = false;
+    let mut set = |i: usize, reduced: (DoubleDouble, u64)| {
+        let offset = at(i);
+        let (r, quadrant) = offset.after(reduced, K::DOUBLE_ANGLE);
+        near |= offset.loses_digits((r, quadrant));
+        let (s, c) = K::sin_cos((T::from_double_double(r), quadrant));
+        sine.set(i, s);
+        cosine.set(i, c);
+    };
+    match drive {
+        DriveAngles::Array(angle) => {
+            let angle = &angle[..length];
+            let mut too_large = LargeAngleFlag::for_quadrants();
+            for i in 0..length {
+                let reduced = reduction::reduce_double_double(DoubleDouble::exact(angle[i]));
+                too_large.accumulate(reduced.1);
+                set(i, reduced);
+            }
+            if too_large.any() {
+                for i in 0..length {
+                    set(i, reduction::reduce_any(angle[i]));
+                }
+            }
+        }
+        DriveAngles::Sweep(sweep, first) => {
+            let reduction = sweep.reduction();
+            for i in 0..length {
+                set(i, reduction.of(sample_number(first, i)));
+            }
+        }
+        DriveAngles::Selected(sweep, samples) => {
+            let (reduction, samples) = (sweep.reduction(), &samples[..length]);
+            for i in 0..length {
+                set(i, reduction.of(samples[i]));
+            }
+        }
+    }
+    near
+}
+
+impl DriveAngles<'_> {
+    /// The angle of a sample, reduced.
+    pub(crate) fn reduced(&self, i: usize) -> (DoubleDouble, u64) {
+        match self {
+            Self::Array(angle) => reduction::reduce_any(angle[i]),
+            Self::Sweep(sweep, first) => sweep.reduction().of(sample_number(*first, i)),
+            Self::Selected(sweep, samples) => sweep.reduction().of(samples[i]),
+        }
+    }
+
+    /// The angle of a sample in rad; NaN if it is not finite.
+    pub(crate) fn angle(&self, i: usize) -> f64 {
+        match self {
+            Self::Array(angle) => angle[i].mul_add(0.0, angle[i]),
+            Self::Sweep(sweep, first) => sweep.angle(sample_number(*first, i)).value(),
+            Self::Selected(sweep, samples) => sweep.angle(samples[i]).value(),
+        }
+    }
+
+    /// The angle of a sample with all its digits.
+    pub(crate) fn exact(&self, i: usize) -> ExactAngle {
+        match self {
+            Self::Array(angle) => ExactAngle { parts: [angle[i], 0.0], quarters: 0 },
+            _ => {
+                let (DoubleDouble { high, low }, quarters) = self.reduced(i);
+                ExactAngle { parts: [high, low], quarters }
+            }
         }
     }
 }

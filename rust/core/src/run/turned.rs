@@ -1,0 +1,214 @@
+//! Shafts and joints with sines of their own, which carry error terms.
+//!
+//! Sine and cosine of a chain's own driving angle could be rotated from those of the drive. Next to
+//! their zeros the rotation cancels, and a steep chain is fast there. The sum of the drive angle and
+//! the chain's offset is reduced instead. The few samples whose sum cancels as well are computed
+//! with as many digits as it takes.
+
+use crate::mechanics::chain::{Offset, Wave};
+use crate::mechanics::exact::{Chains, ExactSamples, To};
+use crate::number::Number;
+use crate::number::atan::Atan;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
+use crate::number::series;
+use crate::number::storage::{Column, ViewMut, views_mut};
+use crate::plan::route::Route;
+use crate::run::constants::{FoldedShaft, GeometryIndex, with_constants};
+use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, PlainSinCos};
+
+/// The drivelines of a chunk, in the batch.
+#[derive(Clone, Copy)]
+pub(crate) struct ChunkLines<'a> {
+    pub(crate) chains: Chains<'a>,
+    /// The number of each folded driveline.
+    pub(crate) numbers: &'a [usize],
+    pub(crate) geometry: GeometryIndex,
+}
+
+impl<'a> ChunkLines<'a> {
+    fn of(self, i: usize) -> usize {
+        match self.geometry {
+            GeometryIndex::Shared(index) => self.numbers[index],
+            GeometryIndex::PerSample => self.numbers[i],
+        }
+    }
+
+    fn samples(self, to: To) -> ExactSamples<'a> {
+        ExactSamples::new(self.chains, to)
+    }
+}
+
+/// Sine and cosine of a shaft's equivalent driving angle, or of twice that angle.
+#[inline(always)]
+pub(crate) fn find_own_pins<T: Number>(
+    shaft: &FoldedShaft<T>,
+    number: usize,
+    route: Route,
+    lines: ChunkLines<'_>,
+    drive: DriveAngles<'_>,
+    pins: &mut [Column<T>; 2],
+    size: usize,
+) {
+    let [sine, cosine] = views_mut(pins, 0, size);
+    let (geometry, steep) = (lines.geometry, route == Route::Tangent);
+    let offsets = shaft.offsets(geometry, size);
+    let near = with_constants!(geometry, |i| offsets.get(i), at => {
+        if steep {
+            array::fill_turned::<PinLine, T>(at, drive, sine, cosine)
+        } else {
+            array::fill_turned::<DoubleAngleSinCos, T>(at, drive, sine, cosine)
+        }
+    });
+    if near {
+        let at = |i: usize| match geometry {
+            GeometryIndex::Shared(index) => offsets.get(index),
+            GeometryIndex::PerSample => offsets.get(i),
+        };
+        let [sine, cosine] = views_mut(pins, 0, size);
+        mend_pins(lines, number, steep, at, drive, sine, cosine);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn mend_pins<T: Number>(
+    lines: ChunkLines<'_>,
+    shaft: usize,
+    steep: bool,
+    at: impl Fn(usize) -> Offset,
+    drive: DriveAngles<'_>,
+    mut sine: ViewMut<'_, T>,
+    mut cosine: ViewMut<'_, T>,
+) {
+    let mut samples = lines.samples(To::Shaft(shaft));
+    for i in 0..sine.len() {
+        let offset = at(i);
+        if offset.loses_digits(offset.after(drive.reduced(i), !steep)) {
+            let (line, angle) = (lines.of(i), drive.exact(i));
+            let [c, s] =
+                if steep { samples.pin(line, angle) } else { samples.double_angle(line, angle) };
+            sine.set(i, T::from_double_double(s));
+            cosine.set(i, T::from_double_double(c));
+        }
+    }
+}
+
+/// The part of an angle error below which the shaft's angle has lost digits: it is the difference
+/// of drive angle and error.
+const SMALL_ANGLE: f64 = 0.25;
+
+/// The part of a turn below which that angle needs more digits than a double-double has.
+const SMALLEST_ANGLE: f64 = 1.0 / (1_u64 << 36) as f64;
+
+/// Corrects angles of a shaft that are small because drive angle and angle error cancel.
+#[inline(always)]
+pub(crate) fn mend_angles<T: Number, W: Float>(
+    shaft: &FoldedShaft<T>,
+    number: usize,
+    route: Route,
+    lines: ChunkLines<'_>,
+    drive: DriveAngles<'_>,
+    out: &mut [W],
+) {
+    let is_small = |i: usize, angle: W| {
+        let (drive, angle): (f64, f64) = (drive.angle(i).abs(), angle.into());
+        (angle.abs() < SMALL_ANGLE * drive) & (drive < 2.0)
+    };
+    let mut any = false;
+    for (i, &angle) in out.iter().enumerate() {
+        any |= is_small(i, angle);
+    }
+    if any {
+        mend_small_angles(shaft, number, route, lines, drive, is_small, out);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn mend_small_angles<T: Number, W: Float>(
+    shaft: &FoldedShaft<T>,
+    number: usize,
+    route: Route,
+    lines: ChunkLines<'_>,
+    drive: DriveAngles<'_>,
+    is_small: impl Fn(usize, W) -> bool,
+    out: &mut [W],
+) {
+    let size = out.len();
+    let mut samples = lines.samples(To::Shaft(number));
+    let offsets = shaft.offsets(lines.geometry, size);
+    for (i, angle) in out.iter_mut().enumerate().filter(|(i, angle)| is_small(*i, **angle)) {
+        let index = match lines.geometry {
+            GeometryIndex::Shared(index) => index,
+            GeometryIndex::PerSample => i,
+        };
+        let k = shaft.k(route == Route::Tangent, lines.geometry, index, size);
+        let (offset, reduced) = (offsets.get(index), drive.reduced(i));
+        // The shaft's angle is that of w − k e^{−2iφ} w̄.
+        let (s, c) = series::sin_cos(reduced);
+        let (r, quadrant) = offset.after(reduced, false);
+        let (other_s, other_c) = series::sin_cos(offset.after((r, quadrant), false));
+        let y = (s + k * other_s).renormalized();
+        let x = (c - k * other_c).renormalized();
+        let [x, y] = if y.high.abs() < SMALLEST_ANGLE {
+            samples.shaft_angle(lines.of(i), drive.exact(i))
+        } else {
+            [x, y]
+        };
+        *angle = W::near(DoubleDouble::atan_any(y, x).value());
+    }
+}
+
+/// Cosine and sine of a joint's own driving angle, multiplied by a positive length.
+#[inline(always)]
+pub(crate) fn find_turned<T: Number>(
+    waves: &[[Wave; 2]],
+    joint: usize,
+    lines: ChunkLines<'_>,
+    drive: DriveAngles<'_>,
+    [turned, spare]: [&mut [Column<T>; 2]; 2],
+    size: usize,
+) {
+    let mut near = false;
+    for (which, column) in [1, 0].into_iter().zip(&mut *turned) {
+        let [sine, cosine] = views_mut(spare, 0, size);
+        with_constants!(lines.geometry, |i: usize| waves[i][which], at => {
+            near |= array::fill_turned::<PlainSinCos, T>(|i| at(i).offset, drive, sine, cosine);
+            let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
+            for i in 0..size {
+                out.set(i, T::from_double_double(at(i).height) * sine.get(i));
+            }
+        });
+    }
+    if near {
+        let [sine, cosine] = views_mut(turned, 0, size);
+        mend_turned(waves, joint, lines, drive, sine, cosine);
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn mend_turned<T: Number>(
+    waves: &[[Wave; 2]],
+    joint: usize,
+    lines: ChunkLines<'_>,
+    drive: DriveAngles<'_>,
+    mut sine: ViewMut<'_, T>,
+    mut cosine: ViewMut<'_, T>,
+) {
+    let mut samples = lines.samples(To::Joint(joint));
+    for i in 0..sine.len() {
+        let index = match lines.geometry {
+            GeometryIndex::Shared(index) => index,
+            GeometryIndex::PerSample => i,
+        };
+        let reduced = drive.reduced(i);
+        let loses = |wave: &Wave| wave.offset.loses_digits(wave.offset.after(reduced, false));
+        if waves[index].iter().any(loses) {
+            let [c, s] = samples.turned(lines.of(i), drive.exact(i));
+            sine.set(i, T::from_double_double(s));
+            cosine.set(i, T::from_double_double(c));
+        }
+    }
+}
