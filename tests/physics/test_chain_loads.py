@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load, Result, Sweep
-from limits import TABLE
-from oracle import Doubles, Exact, Turn, mp
+from limits import OUTPUTS, TABLE
+from oracle import Doubles, Exact, ExactJoint, Turn, mp
 from vectors import Frames, Loads
 
 LIMITS: dict[str, float] = {name: row["tolerance_0"] for name, row in TABLE["chain"].items()}
@@ -184,3 +184,28 @@ def test_batches() -> None:
         ):
             off = errors(lines[i], got, map(Turn.by, at.tolist()), load).max(axis=0)
             assert np.all(off <= list(LIMITS.values())), f"{off} ulp"
+
+
+def test_drive_and_inertia_that_nearly_cancel() -> None:
+    """The default is as exact as each term: its unit is the ulp of the larger one."""
+    rng = np.random.default_rng(29)
+    bends, angles = rng.uniform(0, RIGHT - 1e-3, 300), rng.uniform(-4, 4, 300)
+    speed, inertia = rng.uniform(0.5, 3, 300), rng.uniform(0.1, 1, 300)
+    terms = [
+        mp.mpf(w) ** 2 * mp.mpf(i) * ExactJoint.bent(bend).acceleration_ratio(Turn.by(angle))
+        for bend, angle, w, i in zip(
+            *(x.tolist() for x in (bends, angles, speed, inertia)), strict=True
+        )
+    ]
+    term = Exact.of(terms)
+    output = -term.high * (1 + 10 ** rng.uniform(-12, -1, 300))
+    want = Exact.of(x + mp.mpf(y) for x, y in zip(terms, output.tolist(), strict=True))
+    inertias = np.stack([np.zeros(300), inertia], axis=-1)
+    load = Load(output_torque=output, inertias=inertias, speed=speed)
+    line = Driveline.from_bends(bends[:, None])
+    for tolerance, unit, limit in (
+        (None, term.ulp, OUTPUTS["torque of a flywheel"]["worst"]),
+        (0, want.ulp, LIMITS["torque"]),
+    ):
+        got = line.evaluate(angles, "torque", load=load, shafts=1, tolerance=tolerance).torque
+        assert np.max(want.distance(got) / unit) <= limit
