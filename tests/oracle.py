@@ -258,6 +258,23 @@ class Fold:
     def k(self) -> Number:
         return abs(self.b / self.a)
 
+    def past_shaft(self, twist: float, phase: float) -> Fold:
+        """Return the map to the driving yoke of the next joint."""
+        turn = mp.expj(mp.mpf(phase) - mp.mpf(twist)) * mp.mpc(0, 1)
+        return Fold(self.a * turn, self.b * turn, self.complement)
+
+    def tilts(self, bend: float, at: Turn) -> tuple[Number, Number]:
+        """Return the tilts of the cross of a joint that the map drives: Grossmann (3) and (5)."""
+        joint, w = ExactJoint.bent(bend), mp.mpc(at.cosine, at.sine)
+        v = self.a * w + self.b * mp.conj(w)
+        v /= abs(v)
+        along = mp.hypot(mp.im(v), joint.cosine * mp.re(v))
+        driving = mp.atan2(joint.sine * mp.im(v), joint.cosine)
+        return driving, mp.atan2(joint.sine * mp.re(v), along)
+
+    def angle(self, at: Turn) -> Number:
+        return at.angle + self.angle_error(at)
+
     def angle_error(self, at: Turn) -> Number:
         w = mp.mpc(at.cosine, at.sine)
         return mp.arg(1 + self.b / self.a * mp.conj(w) ** 2)
@@ -280,3 +297,10 @@ class Fold:
         slope = 2 * mp.re(mp.conj(v) * rate) / abs(v) ** 2
         curvature = 2 * (abs(rate) ** 2 / abs(v) ** 2 - 1)
         return self.speed_ratio(at) * (2 * slope**2 - curvature)
+
+    def jerk_term(self, at: Turn) -> Number:
+        """Return the larger of the two terms whose difference the jerk ratio is."""
+        w = mp.mpc(at.cosine, at.sine)
+        square = abs(self.a * w + self.b * mp.conj(w)) ** 2
+        product = 4 * self.a * mp.conj(self.b) * w**2 / square
+        return self.speed_ratio(at) * 2 * max(mp.im(product) ** 2, abs(mp.re(product)))

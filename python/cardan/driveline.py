@@ -368,7 +368,8 @@ class Driveline(Batch):
             tolerance: permitted error, relative to each output's largest magnitude over a turn; the
                 cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
                 moments and torques), 1e-6 and more for single precision; the default is the fast
-                double, some ulp (the documentation's page Accuracy has the table).
+                double, some ulp (the documentation's page Accuracy has the table). The steeper a
+                chain, the more careful the arithmetic that keeps a tolerance.
             workers: at most so many threads, ``-1`` for all cores; by default all where the work
                 repays them. The environment variable ``RAYON_NUM_THREADS`` says how many that are;
                 a forked process uses one. The results do not depend on it.

@@ -1,22 +1,21 @@
 //! Chains: many joints, near-straight, compensated, steep.
 //!
-//! A chain turns its equivalent joint by an angle of its own, so near a zero an error cannot be held
-//! against the result alone. The unit is what one joint may be off if its drive angle and its `B/A`
-//! are only known as well as they are carried:
+//! With `tolerance=0` errors are in ulp of the result, of the jerk ratio in ulp of the larger of its
+//! two terms. Otherwise a chain turns its equivalent joint by an angle that is rounded, so near a
+//! zero an error cannot be held against the result alone. The unit is then what one joint may be off
+//! if its drive angle and its `B/A` are only known as well as they are carried:
 //!
-//! `ulp(f) + e |∂f/∂α| + n 2⁻⁶⁰ K/|A| |∂f/∂q|`,
+//! `ulp(f) + e |∂f/∂α| + n d K/|A| |∂f/∂q|`,
 //!
-//! `n` joints, `K` the sum of their `tan²(β/2)`, at most 1, whose sines and cosines are within 2⁻⁶²,
-//! `A` with the lengths of the pins left in, so that `1/|A|` is what steep joints stretch a rounding
-//! by, and `|∂f/∂q|` at most `1/(1 − k)`, `4/(1 − k)²`, `32/(1 − k)³` and `384/(1 − k)⁴` for angle, speed
-//! ratio, acceleration ratio and jerk ratio. The angle is known to `e = 2⁻⁵²`, with `tolerance=0` to 2⁻⁵⁸, in single
-//! precision to 2⁻²³.
+//! `n` joints, `K` the sum of their `tan²(β/2)`, at most 1, whose sines and cosines are within
+//! `d = 2⁻⁶⁰`, `A` with the lengths of the pins left in, so that `1/|A|` is what steep joints stretch
+//! a rounding by, and `|∂f/∂q|` at most `1/(1 − k)`, `4/(1 − k)²`, `32/(1 − k)³` and `384/(1 − k)⁴`
+//! for angle, speed ratio, acceleration ratio and jerk ratio. The angle is known to `e = 2⁻⁵²`, in
+//! single precision to 2⁻²³. With `tolerance=0` both are 2⁻⁹⁴, as well as the oracle knows them.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use cardan::{
-    Angles, Drivelines, Execution, Output, Plan, Planes, Precision, Request, Samples, Source,
-};
+use cardan::{Angles, Drivelines, Execution, Output, Plan, Planes, Request, Samples, Source};
 
 use crate::exact::{Chain, Turn};
 use crate::judge::{Quantity, Tier};
@@ -45,18 +44,20 @@ struct Line {
 pub(crate) enum ChainShape {
     NearStraight,
     Compensated,
+    OneSteep,
     Steep,
     Mixed,
 }
 
 impl ChainShape {
-    pub(crate) const ALL: [Self; 4] =
-        [Self::NearStraight, Self::Compensated, Self::Steep, Self::Mixed];
+    pub(crate) const ALL: [Self; 5] =
+        [Self::NearStraight, Self::Compensated, Self::OneSteep, Self::Steep, Self::Mixed];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::NearStraight => "64 joints, bends of 1e-12 to 0.01",
             Self::Compensated => "compensated pairs, in and out of line, 2 to 64 joints",
+            Self::OneSteep => "2 or 3 joints, one of them 1e-4° to 3° from 90°",
             Self::Steep => "2 to 4 joints, bends to 1e-9 from 90°",
             Self::Mixed => "2 to 64 joints: straight, near-straight and up to 69°",
         }
@@ -66,6 +67,7 @@ impl ChainShape {
         let n = match self {
             Self::NearStraight => 64,
             Self::Compensated => 2 * (1 + random.below(32)),
+            Self::OneSteep => 2 + random.below(2),
             Self::Steep => 2 + random.below(3),
             Self::Mixed => 2 + random.below(63),
         };
@@ -73,6 +75,7 @@ impl ChainShape {
             .map(|_| match self {
                 Self::NearStraight => random.power(-12.0, -2.0),
                 Self::Compensated => random.between(0.0, 0.8),
+                Self::OneSteep => random.between(0.0, 1.2),
                 Self::Steep => FRAC_PI_2 - random.power(-9.0, 0.0),
                 // A few joints are bent at all, so that the whole is not beyond every number.
                 Self::Mixed => match random.below(2 * n) {
@@ -82,6 +85,9 @@ impl ChainShape {
                 },
             })
             .collect();
+        if self == Self::OneSteep {
+            bends[random.below(n)] = FRAC_PI_2 - random.power(-5.76, -1.281);
+        }
         let mut angles = || (1..n).map(|_| random.between(-PI, PI)).collect::<Vec<f64>>();
         let (twists, mut phases) = (angles(), angles());
         if self == Self::Compensated {
@@ -143,9 +149,9 @@ fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     let angle = Angles::Array(Source { data: angles, strides: &[1] });
     let samples = Samples { shape: &[angles.len()], lines, line_strides: &[0], angle, load: None };
     let precision = match tier {
-        Tier::Faithful => Precision::DoubleDouble,
-        Tier::Default => Precision::Double,
-        Tier::Loose | Tier::Float32 => Precision::Single,
+        Tier::Faithful => plan.precision(Some(0.0), false),
+        Tier::Default => plan.precision(None, false),
+        Tier::Loose | Tier::Float32 => plan.precision(None, true),
     };
     let mut planes = vec![vec![f64::NAN; angles.len()]; MOTION.len()];
     let mut views: Vec<_> = planes.iter_mut().map(Vec::as_mut_slice).collect();
@@ -159,7 +165,7 @@ fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
     let n = line.bends.len() as f64;
     let angles: Vec<f64> = (0..ANGLES).map(|_| Kind::Random.angle(random, 0.0, &[])).collect();
     let (gap, k) = (chain.gap(), chain.k);
-    let fold = n * 2_f64.powi(-60) * chain.total.min(1.0) / chain.length();
+    let fold = n * chain.total.min(1.0) / chain.length();
     let [slow, fast, faster] =
         [(4.0, 2), (32.0, 3), (384.0, 4)].map(|(x, n)| x * fold / gap.powi(n));
     let folds = [fold / gap, fold / gap, slow, fast, faster];
@@ -171,22 +177,29 @@ fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
             continue;
         }
         let planes = evaluate(line, &angles, tier);
-        let turned = match tier {
-            Tier::Faithful => 2_f64.powi(-58),
-            Tier::Default => 2_f64.powi(-52),
-            Tier::Loose | Tier::Float32 => 2_f64.powi(-23),
-        };
+        let [turned, folded] = match tier {
+            Tier::Faithful => [-94, -94],
+            Tier::Default => [-52, -60],
+            Tier::Loose | Tier::Float32 => [-23, -60],
+        }
+        .map(|power| 2_f64.powi(power));
         for (q, plane) in planes.iter().enumerate() {
             for ((&angle, (motion, rates)), &got) in angles.iter().zip(&exact).zip(plane) {
                 let want =
                     [motion.angle, motion.error, motion.ratio, motion.acceleration, motion.jerk][q];
                 // The angle may be small where the drive and the error cancel.
-                let ulp = if q == 0 { want.ulp().max(motion.error.ulp()) } else { want.ulp() };
+                let ulp = match (q, tier) {
+                    (0, Tier::Default) => want.ulp().max(motion.error.ulp()),
+                    (4, Tier::Faithful) => {
+                        want.ulp().max(chain.jerk_term(&Turn::by(&[angle])).ulp())
+                    }
+                    _ => want.ulp(),
+                };
                 let unit = if tier.is_single() {
-                    let rounding = turned * rates[q] + folds[q];
+                    let rounding = turned * rates[q] + folded * folds[q];
                     largest[q].max(if q == 0 { angle.abs() } else { 0.0 }) + rounding * 1e6 + 1e-30
                 } else {
-                    ulp + turned * rates[q] + folds[q]
+                    ulp + turned * rates[q] + folded * folds[q]
                 };
                 let off = want.distance(got) / unit;
                 let (tier, off) = (tier as usize, if off.is_nan() { f64::INFINITY } else { off });

@@ -188,6 +188,17 @@ impl Chain {
         (self.determinant / self.a.norm_squared()).high / (1.0 + self.k)
     }
 
+    /// The larger of the two terms whose difference is the jerk ratio.
+    pub(crate) fn jerk_term(&self, at: &Turn) -> Wide {
+        let w = WideComplex { re: at.c, im: at.s };
+        let (aw, bw) = (self.a * w, self.b * w.conj());
+        let (square, side) = ((aw + bw).norm_squared(), aw.conj() * bw);
+        let (slope, curvature) = (side.im.scaled(4.0) / square, side.re.abs().scaled(8.0) / square);
+        let plus = slope.square().scaled(2.0);
+        let larger = if plus.high > curvature.high { plus } else { curvature };
+        self.determinant / square * larger
+    }
+
     /// Motion of the last shaft, and how fast each quantity changes with the drive angle (the
     /// angle's part is that of its error).
     pub(crate) fn motion(&self, at: &Turn) -> (ExactMotion, [f64; 5]) {

@@ -116,7 +116,7 @@ impl<T: Angle, const PARTS: usize> DoubleAngle<T, PARTS> {
         let [re, im] = self.q;
         let (neg_im, p) = match PARTS {
             0 => (s, c),
-            1 => (re * s, re * c),
+            1 => (re.times(s), re * c),
             _ => (re.mul_add(s, -(im * c)), re.mul_add(c, im * s)),
         };
         DoubleAngleTerms {
@@ -137,7 +137,7 @@ impl<T: Angle> DoubleAngleTerms<T> {
         if T::PRECISION.costs().double_angle {
             // With one reciprocal, two quotients cost less than one quotient and products.
             let [ratio, swing] = T::both_over(self.complement, self.neg_im, self.mean_minus_re);
-            return (ratio, (swing * ratio).scaled(-2.0));
+            return (ratio, swing.scaled(-2.0).times(ratio));
         }
         let ratio = self.complement / self.mean_minus_re;
         (ratio, (self.neg_im * ratio).times(self.gain * ratio))
@@ -149,6 +149,6 @@ impl<T: Angle> DoubleAngleTerms<T> {
         let across = self.mean_minus_re;
         let [ratio, swing] = T::both_over(self.complement, self.neg_im, across);
         let real = self.re / across;
-        ratio * (swing.square().scaled(2.0) - real).scaled(4.0)
+        ratio.times((swing.square().scaled(2.0) - real).scaled(4.0))
     }
 }

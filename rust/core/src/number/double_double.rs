@@ -186,10 +186,10 @@ impl Real for DoubleDouble {
         self * a + b
     }
 
-    // The error term of a zero is positive, so the value is.
     #[inline(always)]
     fn times(self, a: Self) -> Self {
-        self * a
+        let Self { high, low } = self * a;
+        Self { high: high + 0.0, low }
     }
 
     #[inline(always)]
