@@ -235,7 +235,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "tolerance": Key(
                     kinds.TOLERANCE,
                     "error permitted, relative to the largest magnitude of each quantity; 0 for "
-                    "every result within 1 ulp; default: the fast double",
+                    "every result within 1 ulp, of loads within 2; default: the fast double",
                 ),
                 "dtype": Key(kinds.DTYPE, "float64 or float32; default: float64"),
                 "workers": Key(
