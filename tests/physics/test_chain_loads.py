@@ -89,7 +89,8 @@ def from_points(rng: np.random.Generator, line: Driveline) -> Driveline:
 
 
 def from_slopes(rng: np.random.Generator, line: Driveline) -> Driveline:
-    return Driveline.from_slopes(*rng.uniform(-0.4, 0.4, (2, line.n_joints + 1)), line.phases)
+    up, right = rng.uniform(-0.4, 0.4, (2, line.n_joints + 1))
+    return Driveline.from_slopes(up, right, line.phases)
 
 
 WAYS: dict[str, Callable[[np.random.Generator, Driveline], Driveline]] = {
