@@ -157,6 +157,16 @@ def test_beside_zeros(n: int) -> None:
         judge(line, [low + d for d in (1e-3, -1e-5, 1e-7, -1e-8)], {"drive_torque": 3.0})
 
 
+def test_inertias_behind_small_and_compensated_bends() -> None:
+    """Their accelerations are far smaller than the terms of the map that they come from."""
+    rng = np.random.default_rng(12)
+    load = {"drive_torque": 0.0, "inertias": [0.0, 0.0, 0.3], "speed": 20.0}
+    for bends in ([1e-12, 3e-10], [1e-7, 1e-9], [0.4, 0.4], [1e-5, 0.9]):
+        for turn in (0.3, 0.3 + 1e-9):
+            line = Driveline.from_bends(bends, [0.3], [turn])
+            judge(line, rng.uniform(-4, 4, 4).tolist(), load)
+
+
 def test_sweeps() -> None:
     rng = np.random.default_rng(3)
     for n in (2, 5):

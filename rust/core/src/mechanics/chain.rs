@@ -31,7 +31,7 @@ impl Complex {
     }
 
     #[inline(always)]
-    fn conj(self) -> Self {
+    pub(crate) fn conj(self) -> Self {
         Self { re: self.re, im: -self.im }
     }
 

@@ -7,32 +7,38 @@ use crate::mechanics::chain::Transfer;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
-/// The motion of a shaft from sine and cosine of the drive angle.
+/// The motion of a shaft from sine and cosine of the drive angle. With `w = e^{iα}` the squared
+/// length of `A w + B w̄` is `|A|² + |B|² + 2 Re(A B̄ w²)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turning<T> {
     /// The map of the chain as a matrix on `(cos α, sin α)`.
     matrix: [T; 4],
-    /// Its determinant.
+    /// `|A|² − |B|²`.
     complement: T,
+    /// `8 Re(A B̄)` and `4 Im(A B̄)`.
+    swing: [T; 2],
 }
 
 impl<T: Real> Turning<T> {
     pub(crate) fn new(transfer: &Transfer) -> Self {
+        let product = transfer.a * transfer.b.conj();
         Self {
             matrix: transfer.matrix().map(T::from_double_double),
             complement: T::from_double_double(transfer.complement),
+            swing: [product.re.scaled(8.0), product.im.scaled(4.0)]
+                .map(|x| apart(T::from_double_double(x))),
         }
     }
 
-    /// Speed ratio and acceleration ratio: the determinant over the squared length of the mapped
-    /// vector, and the derivative of that quotient.
+    /// Speed ratio, `(|A|² − |B|²)/|A w + B w̄|²`, and its derivative, the acceleration ratio.
     #[inline(always)]
     pub(crate) fn rates(&self, s: T, c: T) -> (T, T) {
-        let ((y, x), (y_rate, x_rate)) = (turned(self.matrix, s, c), turned(self.matrix, c, -s));
+        let (y, x) = turned(self.matrix, s, c);
         let square = x.mul_add(x, y.square());
         let ratio = self.complement / square;
-        let half_slope = apart(x.mul_add(x_rate, y * y_rate));
-        (ratio, (ratio * half_slope / square).scaled(-2.0))
+        let [re, im] = self.swing;
+        let slope = apart(re.mul_add(s * c, im * apart((c - s) * (c + s))));
+        (ratio, ratio * slope / square)
     }
 }
 

@@ -246,7 +246,14 @@ impl<T: Angle> Folded<T> {
             }
             if turns_load && j > 0 {
                 let maps = maps.read(length);
-                turnings[j + 1].extend((0..length).map(|i| Turning::new(&maps.at(i))));
+                turnings[j + 1].extend((0..length).map(|i| {
+                    let map: Transfer = maps.at(i);
+                    if map.loses_digits(sums[i], products[i]) {
+                        let map = ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
+                        return Turning::new(&map.transfer());
+                    }
+                    Turning::new(&map)
+                }));
             }
             if j > 0
                 && let Some(shaft) = &mut shafts[j + 1]
