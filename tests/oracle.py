@@ -299,8 +299,16 @@ class Fold:
         return self.speed_ratio(at) * (2 * slope**2 - curvature)
 
     def jerk_term(self, at: Turn) -> Number:
-        """Return the larger of the two terms whose difference the jerk ratio is."""
+        """Return the larger of the two terms whose difference the jerk ratio is.
+
+        They are those of the equivalent joint, whose driving angle the product of ``a w`` and the
+        conjugate of ``b conj(w)`` doubles.
+        """
         w = mp.mpc(at.cosine, at.sine)
-        square = abs(self.a * w + self.b * mp.conj(w)) ** 2
-        product = 4 * self.a * mp.conj(self.b) * w**2 / square
-        return self.speed_ratio(at) * 2 * max(mp.im(product) ** 2, abs(mp.re(product)))
+        product, k = -self.a * mp.conj(self.b) * w**2, self.k
+        turned = mp.re(product) / abs(product) if product else mp.mpf(1)
+        sine, cosine = mp.sqrt((1 - turned) / 2), mp.sqrt((1 + turned) / 2)
+        bend = 2 * mp.atan(mp.sqrt(k))
+        least = self.complement / abs(self.a) ** 2 / (1 + k) ** 2
+        joint = ExactJoint(bend, 2 * mp.sqrt(k) / (1 + k), least, 2 * k / (1 + k))
+        return joint.jerk_term(Turn(mp.nan, sine, cosine))

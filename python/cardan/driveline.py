@@ -369,11 +369,12 @@ class Driveline(Batch):
                 cheapest arithmetic that keeps it is chosen. 0 asks for results within 1 ulp (2 for
                 moments and torques), 1e-6 and more for single precision; the default is the fast
                 double, some ulp (the documentation's page Accuracy has the table). The steeper a
-                chain, the more careful the arithmetic that keeps a tolerance. The results are those
-                of the doubles in ``bends``, ``twists`` and ``phases``; vectors are laid out from
-                the first of ``directions`` and of ``normals``. With 0, loads lose digits only where
-                their terms cancel to less than 1e-13 of themselves, or where the cosines of all
-                bends multiply to less than 1e-13.
+                chain, the more careful the arithmetic that keeps a tolerance. Where joints
+                compensate each other, a tolerance above 0 is relative to the largest magnitude
+                behind one of them alone. The results are those of the doubles in ``bends``,
+                ``twists`` and ``phases``; vectors are laid out from the first of ``directions`` and
+                of ``normals``. With 0, loads lose digits only where their terms cancel to less than
+                1e-13 of themselves, or where the cosines of all bends multiply to less than 1e-13.
             workers: at most so many threads, ``-1`` for all cores; by default all where the work
                 repays them. The environment variable ``RAYON_NUM_THREADS`` says how many that are;
                 a forked process uses one. The results do not depend on it.

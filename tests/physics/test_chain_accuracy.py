@@ -20,12 +20,13 @@ import pytest
 
 from cardan import Driveline, Sweep
 from limits import limits
-from oracle import Doubles, Exact, Fold, Number, Turn, mp
+from oracle import Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
 
 DIGITS = 260
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 TILTS = ("tilt_driving", "tilt_driven")
 FAITHFUL = limits("tolerance_0")
+COARSE = limits("single_chain")
 LAST = math.nextafter(math.pi / 2, 0.0)
 
 
@@ -153,8 +154,11 @@ class Samples:
         unit = want.ulp
         if name == "jerk_ratio":
             unit = np.maximum(unit, self.exact("jerk_term")[i].ulp)
-        # Products of smaller numbers underflow on the way, of larger ones overflow.
-        counts = ((np.abs(want.high) > 1e-280) | (want.high == 0)) & (np.abs(want.high) < 1e300)
+        # What is left of an exact zero is smaller than the last digit of the oracle.
+        zero = np.abs(want.high) < 1e-200
+        assert (np.abs(got[zero]) < 1e-200).all(), (where, name, self.chains[i])
+        # Products of larger numbers overflow on the way.
+        counts = ~zero & (np.abs(want.high) < 1e300)
         ulps = np.where(counts, want.distance(got) / unit, 0.0)
         worst = int(np.nanargmax(np.where(np.isnan(ulps), np.inf, ulps)))
         assert ulps[worst] <= FAITHFUL[name], (
@@ -273,8 +277,9 @@ def test_every_tolerance_is_kept(kind: str, tolerance: float) -> None:
             dtype=np.float32 if single else np.float64,
             tolerance=None if single else tolerance,
         )
-        k = chain.fold.k
         with mp.workdps(DIGITS):
+            # Joints that compensate each other leave the errors of the joints.
+            k = max(chain.fold.k, *(ExactJoint.bent(bend).k for bend in chain.bends))
             gap = chain.fold.complement / abs(chain.fold.a) ** 2 / (1 + k)
             largest = {
                 "angle_error": mp.asin(min(k, mp.mpf(1))),
@@ -286,7 +291,8 @@ def test_every_tolerance_is_kept(kind: str, tolerance: float) -> None:
             if not 1e-30 < most < 1e37:
                 continue
             error = of.exact(name)[i].distance(got[name].astype(np.float64)) / float(most)
-            assert error.max() <= tolerance, (name, error.max(), chain)
+            limit = COARSE.get(name, tolerance) if single else tolerance
+            assert error.max() <= limit, (name, error.max(), chain)
 
 
 def test_steep_chains_carry_error_terms_by_default() -> None:

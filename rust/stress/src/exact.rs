@@ -188,15 +188,24 @@ impl Chain {
         (self.determinant / self.a.norm_squared()).high / (1.0 + self.k)
     }
 
-    /// The larger of the two terms whose difference is the jerk ratio.
+    /// The larger of the two terms whose difference is the jerk ratio: those of the equivalent joint.
     pub(crate) fn jerk_term(&self, at: &Turn) -> Wide {
         let w = WideComplex { re: at.c, im: at.s };
         let (aw, bw) = (self.a * w, self.b * w.conj());
         let (square, side) = ((aw + bw).norm_squared(), aw.conj() * bw);
-        let (slope, curvature) = (side.im.scaled(4.0) / square, side.re.abs().scaled(8.0) / square);
-        let plus = slope.square().scaled(2.0);
-        let larger = if plus.high > curvature.high { plus } else { curvature };
-        self.determinant / square * larger
+        let size = side.norm_squared().sqrt();
+        // Twice the squares of sine and cosine of the equivalent joint's driving angle: the product
+        // points against the real axis where the joint is fastest.
+        let cosine = if size.high > 0.0 { -side.re / size } else { Wide::ONE };
+        let (s2, c2) = ((Wide::ONE - cosine).scaled(0.5), (Wide::ONE + cosine).scaled(0.5));
+        let a2 = self.a.norm_squared();
+        let sum = (a2.sqrt() + self.b.norm_squared().sqrt()).square();
+        let (cos, sin2) = (self.determinant / sum, size.scaled(4.0) / sum);
+        let plus = s2 * (s2 + sin2 * c2 * 3.0);
+        let minus = (cos * c2).square();
+        let larger = if plus.high > minus.high { plus } else { minus };
+        let across = square / sum;
+        (cos * sin2 * larger).scaled(2.0) / (across * across.square())
     }
 
     /// Motion of the last shaft, and how fast each quantity changes with the drive angle (the

@@ -106,17 +106,24 @@ impl Transfer {
     /// Appends an intermediate shaft, given its turn.
     #[inline(always)]
     pub(crate) fn pass_shaft(&mut self, turn: Complex) {
-        self.a = (self.a * turn).renormalized();
-        self.b = (self.b * turn).renormalized();
+        self.a = self.a * turn;
+        self.b = self.b * turn;
     }
 
     /// Appends a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
     #[inline(always)]
     pub(crate) fn pass_joint(&mut self, joint: &Joint<DoubleDouble>) {
         let (a, b) = (self.a, self.b);
-        self.a = (a - b.conj().times(joint.k)).renormalized();
-        self.b = (b - a.conj().times(joint.k)).renormalized();
+        self.a = a - b.conj().times(joint.k);
+        self.b = b - a.conj().times(joint.k);
         self.complement = self.complement * joint.complement();
+    }
+
+    /// The same map in words that do not overlap. Without this, steep joints magnify what the
+    /// products drop.
+    #[inline(always)]
+    pub(crate) fn renormalized(self) -> Self {
+        Self { a: self.a.renormalized(), b: self.b.renormalized(), complement: self.complement }
     }
 
     /// The joint that moves the shaft exactly as the whole chain does; branch-free.
@@ -257,7 +264,7 @@ impl Offset {
     /// Whether the sum with this angle has lost digits that its sine or cosine needs.
     #[inline(always)]
     pub(crate) fn loses_digits(self, (remainder, _): (DoubleDouble, u64)) -> bool {
-        (remainder.high.abs() < Self::NEAR) & (self.remainder.high != 0.0)
+        remainder.high.abs() < Self::NEAR && self.remainder.high != 0.0
     }
 
     /// The angle with this cosine, which is not negative, and sine; branch-free.

@@ -229,3 +229,57 @@ impl<'a> ExactSamples<'a> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::chain;
+
+    fn chains<'a>(bends: &'a [f64], twists: &'a [f64], phases: &'a [f64]) -> Chains<'a> {
+        Chains { joints: bends.len(), bends, twists, phases }
+    }
+
+    #[test]
+    fn ordinary_chains_have_the_same_map_in_double_doubles() {
+        let (bends, twists, phases) = ([0.3, 1.2, 0.7], [0.4, -2.0], [1.1, 3e13]);
+        let mut near = Transfer::default();
+        for (j, &bend) in bends.iter().enumerate() {
+            if j > 0 {
+                near.pass_shaft(chain::wide_shaft_turn(phases[j - 1], twists[j - 1]));
+            }
+            near.pass_joint(&Joint::of_chain(bend));
+        }
+        let exact = ExactMap::new(chains(&bends, &twists, &phases), 0, To::Shaft(3)).transfer();
+        let [near, exact] = [near, exact].map(|map| map.equivalent());
+        let pairs = [
+            (near.joint.k, exact.joint.k),
+            (near.joint.cos, exact.joint.cos),
+            (near.turn_cos, exact.turn_cos),
+            (near.turn_sin, exact.turn_sin),
+        ];
+        for (near, exact) in pairs {
+            assert!((near - exact).value().abs() < 2_f64.powi(-95));
+        }
+    }
+
+    #[test]
+    fn joints_that_undo_each_other_leave_nothing() {
+        let last = std::f64::consts::FRAC_PI_2.next_down();
+        for bend in [0.3, last] {
+            let map = ExactMap::new(chains(&[bend; 2], &[0.7], &[0.7]), 0, To::Shaft(2));
+            assert!(map.b.is_zero());
+        }
+    }
+
+    #[test]
+    fn turns_of_any_size_lie_on_the_circle() {
+        for x in [0.0, 1e-300, -0.7, 3.0, 1e5, -7e22, 1e300] {
+            let FixedComplex { re, im } = FixedComplex::turn(&[x], 4);
+            let (s, c) = crate::number::trig::sin_cos(x);
+            assert!((im.scaled(0).value() - s).abs() < 2_f64.powi(-52), "{x:e}");
+            assert!((re.scaled(0).value() - c).abs() < 2_f64.powi(-52), "{x:e}");
+            let ones = &(&re * &re) + &(&im * &im);
+            assert!((ones.scaled(0) - DoubleDouble::ONE).value().abs() < 1e-30, "{x:e}");
+        }
+    }
+}

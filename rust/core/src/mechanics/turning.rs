@@ -4,6 +4,7 @@
 //! then need more digits than the result.
 
 use crate::mechanics::chain::Transfer;
+use crate::mechanics::joint::Joint;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
@@ -28,6 +29,13 @@ impl<T: Real> Turning<T> {
             swing: [product.re.scaled(8.0), product.im.scaled(4.0)]
                 .map(|x| apart(T::from_double_double(x))),
         }
+    }
+
+    /// Behind a joint on the drive shaft.
+    pub(crate) fn of_joint(bend: f64) -> Self {
+        let mut transfer = Transfer::default();
+        transfer.pass_joint(&Joint::of_chain(bend));
+        Self::new(&transfer)
     }
 
     /// Speed ratio, `(|A|² − |B|²)/|A w + B w̄|²`, and its derivative, the acceleration ratio.

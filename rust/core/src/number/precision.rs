@@ -29,6 +29,7 @@ impl Precision {
 pub(crate) struct Costs {
     /// Moderate bends are cheaper from sine and cosine of twice the drive angle. That saves
     /// double-double arithmetic a fifth of the time and costs the other types an eighth more.
+    /// Behind more than one joint these are of the equivalent joint's own driving angle.
     pub(crate) double_angle: bool,
     /// At moderate bends, angles are cheaper to reduce to fixed-point fractions of a turn, because
     /// the numbers are shorter than the angles.
@@ -36,33 +37,21 @@ pub(crate) struct Costs {
     /// Reduction and tangent are cheaper in two loops. A vector holds more single-precision numbers
     /// than angles, and one double-double loop is too long for a core to overlap its iterations.
     pub(crate) separate_reduction: bool,
-    /// Shafts behind more than one joint have sines of their own equivalent angle, because those
-    /// rotated from the drive's lose digits next to their zeros.
-    pub(crate) own_sines: bool,
 }
 
 impl Precision {
     /// The costs of the number type of this arithmetic.
     pub(crate) const fn costs(self) -> Costs {
         match self {
-            Self::Single => Costs {
-                double_angle: false,
-                turn_fractions: true,
-                separate_reduction: true,
-                own_sines: false,
-            },
-            Self::Double => Costs {
-                double_angle: false,
-                turn_fractions: false,
-                separate_reduction: false,
-                own_sines: false,
-            },
-            Self::DoubleDouble => Costs {
-                double_angle: true,
-                turn_fractions: false,
-                separate_reduction: true,
-                own_sines: true,
-            },
+            Self::Single => {
+                Costs { double_angle: false, turn_fractions: true, separate_reduction: true }
+            }
+            Self::Double => {
+                Costs { double_angle: false, turn_fractions: false, separate_reduction: false }
+            }
+            Self::DoubleDouble => {
+                Costs { double_angle: true, turn_fractions: false, separate_reduction: true }
+            }
         }
     }
 }

@@ -68,7 +68,7 @@ impl Routes {
         let is_moderate = |shaft: usize| plan.range(shaft).is_moderate();
         // Behind more than one joint, numbers with error terms have sines of their own.
         let shared =
-            || plan.moving().filter(|step| step.shaft == 1 || !precision.costs().own_sines);
+            || plan.moving().filter(|step| step.shaft == 1 || !precision.costs().double_angle);
         let moderate = !per_sample && shared().any(|step| is_moderate(step.shaft));
         let steep = shared().any(|step| !is_moderate(step.shaft));
         let needs_pins = plan.needs_poses() || steep || !moderate && shared().next().is_some();

@@ -217,14 +217,9 @@ impl Plan {
     /// with them the sum of the two angles is reduced instead.
     pub fn precision(&self, tolerance: Option<f64>, single: bool) -> Precision {
         let reach = self.reach();
-        // The rounded turn costs the third derivative more than the other outputs.
-        let jerk = self.moving().any(|step| step.planes.get(Output::JerkRatio).is_some());
-        let least = if jerk { 2.0 } else { 1.0 };
-        let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(least) } else { 1.0 };
-        let tolerance = tolerance.unwrap_or(match single {
-            true => Precision::SINGLE_ERROR,
-            false => Precision::DOUBLE_ERROR * Precision::STEEPEST,
-        });
+        let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(1.0) } else { 1.0 };
+        let double = Precision::DOUBLE_ERROR * Precision::STEEPEST;
+        let tolerance = tolerance.unwrap_or(if single { Precision::SINGLE_ERROR } else { double });
         if tolerance >= Precision::SINGLE_ERROR * stretch {
             Precision::Single
         } else if tolerance >= Precision::DOUBLE_ERROR * stretch {

@@ -283,8 +283,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let loads = self.load_columns();
         let Self { shared, scratch, .. } = self;
         let &Shared { plan, table, level, ref routes, ref tables, .. } = *shared;
-        let rotations = tables.rotations.as_ref();
-        let size = samples.len();
+        let (rotations, size) = (tables.rotations.as_ref(), samples.len());
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
         let drive = match (&table.sweep, selected) {
@@ -329,7 +328,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             Target::Planes(planes) => T::direct(planes),
             Target::Reduced(..) => None,
         };
-        let is_direct = direct.is_some();
+        let (is_direct, chains) = (direct.is_some(), table.lines.chains(plan.joint_count));
         let mut views: Vec<&mut [T::Plane]> = match direct {
             Some(planes) => {
                 planes.iter_mut().map(|plane| &mut plane[first..first + size]).collect()
@@ -339,17 +338,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         compiled_for!(
             level,
             motion::run_motion(
-                plan,
-                routes,
-                drive,
-                rotations,
-                folded,
-                table.lines.chains(plan.joint_count),
-                geometry,
-                scratch,
-                &mut views,
-                size,
-                row_offset
+                plan, routes, drive, rotations, folded, chains, geometry, scratch, &mut views,
+                size, row_offset
             )
         );
         if let Some(load) = &plan.load {

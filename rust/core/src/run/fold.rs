@@ -159,11 +159,7 @@ impl<T: Angle> Folded<T> {
                 *x = data[line_of(i) * each + j];
             }
         };
-        let stored = |i: usize, j: usize| {
-            let line = line_of(i);
-            let shaft = vector(lines.directions, line * (n + 1) + j);
-            Frame::stored(shaft, vector(lines.normals, line * n + j))
-        };
+        let stored = |i: usize, j: usize| stored_frame(lines, n, line_of(i), j);
         for j in 0..plan.reach() {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
@@ -173,59 +169,37 @@ impl<T: Angle> Folded<T> {
                 gather(lines.phases, n - 1, j - 1, &mut phases[..length]);
                 gather(lines.twists, n - 1, j - 1, &mut twists[..length]);
                 turns.find(&phases[..length], &twists[..length], T::LOW);
-                maps.update(length, &turns.read(length));
+                if T::LOW {
+                    maps.update(length, &turns.read::<true>(length));
+                } else {
+                    maps.update(length, &turns.read::<false>(length));
+                }
             }
             if T::LOW && plan.needs_frames() {
-                if j == 0 {
-                    frames.clear();
-                    frames.extend((0..length).map(|i| stored(i, 0).orthonormal()));
-                } else {
-                    for (frame, &twist) in frames.iter_mut().zip(&twists[..length]) {
-                        frame.pass_shaft(twist);
-                    }
-                }
+                let first = || (0..length).map(|i| stored(i, 0).orthonormal());
+                pass_shafts(frames, j, first, &twists[..length]);
             }
             if plan.needs_pose(j) {
                 let maps = maps.read(length);
                 poses[j].extend((0..length).map(|i| {
                     let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
-                    let joint = if T::LOW {
-                        Joint::of_chain(bends[i])
-                    } else {
-                        Joint::with_error_terms(bends[i])
-                    };
-                    Pose::new(&maps.at(i), &joint, frame)
+                    Pose::new(&maps.at(i), &joint::<T>(bends[i]), frame)
                 }));
             }
             if T::LOW && j > 0 && plan.joints[j].needs_tilt {
                 let maps = maps.read(length);
-                waves[j].extend((0..length).map(|i| {
-                    let map: Transfer = maps.at(i);
-                    let near = map.waves();
-                    if !near.iter().any(|wave| wave.loses_digits(products[i])) {
-                        return near;
-                    }
-                    let [cc, cs, sc, ss] =
-                        ExactMap::new(lines.chains(n), line_of(i), To::Joint(j)).matrix();
-                    [Wave::new(cc, cs), Wave::new(sc, ss)]
-                }));
+                let exact = |i: usize| ExactMap::new(lines.chains(n), line_of(i), To::Joint(j));
+                let lane = |i: usize| waves_of(&maps.at(i), products[i], || exact(i));
+                waves[j].extend((0..length).map(lane));
             }
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                if shaft.bound.is_moderate() && !shaft.has_double_angles() {
-                    shaft.set_moderate(start, bends);
-                } else {
-                    shaft.set(start, length, &FirstJoint(bends));
-                }
+                set_first(shaft, start, bends);
             }
             let turns_load = T::LOW && plan.needs_wide_pins() && plan.needs_rates(j + 1);
             if turns_load && j == 0 {
-                turnings[1].extend(bends.iter().map(|&bend| {
-                    let mut transfer = Transfer::default();
-                    transfer.pass_joint(&Joint::of_chain(bend));
-                    Turning::new(&transfer)
-                }));
+                turnings[1].extend(bends.iter().map(|&bend| Turning::of_joint(bend)));
             }
             if plan.reach() == 1 {
                 return;
@@ -244,36 +218,81 @@ impl<T: Angle> Folded<T> {
             for (frame, &bend) in frames.iter_mut().zip(bends) {
                 frame.pass_joint(&Joint::of_chain(bend));
             }
-            if turns_load && j > 0 {
-                let maps = maps.read(length);
+            if j == 0 {
+                continue;
+            }
+            let (maps, shaft) = (maps.read(length), &mut shafts[j + 1]);
+            let exact = |i: usize| ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
+            let lost = |i: usize| Transfer::loses_digits(&maps.at(i), sums[i], products[i]);
+            if turns_load {
                 turnings[j + 1].extend((0..length).map(|i| {
-                    let map: Transfer = maps.at(i);
-                    if map.loses_digits(sums[i], products[i]) {
-                        let map = ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
-                        return Turning::new(&map.transfer());
-                    }
-                    Turning::new(&map)
+                    Turning::new(&if lost(i) { exact(i).transfer() } else { maps.at(i) })
                 }));
             }
-            if j > 0
-                && let Some(shaft) = &mut shafts[j + 1]
-            {
-                if T::LOW {
-                    let maps = maps.read(length);
+            match shaft {
+                Some(shaft) if T::LOW => {
                     shaft.set_with_offsets(start, length, &maps);
-                    for i in 0..length {
-                        let map: Transfer = maps.at(i);
-                        if map.loses_digits(sums[i], products[i]) {
-                            let map = ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
-                            shaft.set_with_offsets(start + i, 1, &map.transfer());
-                        }
+                    for i in (0..length).filter(|&i| lost(i)) {
+                        shaft.set_with_offsets(start + i, 1, &exact(i).transfer());
                     }
-                } else {
-                    shaft.set(start, length, &maps.read(length));
                 }
+                Some(shaft) => shaft.set(start, length, &maps),
+                None => {}
             }
         }
     }
+}
+
+/// Cosine and sine of a joint's own driving angle, from an exact map if this one has lost digits.
+#[inline(always)]
+fn waves_of(map: &Transfer, product: f64, exact: impl Fn() -> ExactMap) -> [Wave; 2] {
+    let near = map.waves();
+    if !near.iter().any(|wave| wave.loses_digits(product)) {
+        return near;
+    }
+    let [cc, cs, sc, ss] = exact().matrix();
+    [Wave::new(cc, cs), Wave::new(sc, ss)]
+}
+
+/// A joint with the digits that poses of this number type need.
+#[inline(always)]
+fn joint<T: Angle>(bend: f64) -> Joint<DoubleDouble> {
+    if T::LOW { Joint::of_chain(bend) } else { Joint::with_error_terms(bend) }
+}
+
+/// Takes the frames of a series of drivelines from one joint to the next, or to the first.
+#[inline(always)]
+fn pass_shafts<I: Iterator<Item = Frame>>(
+    frames: &mut Vec<Frame>,
+    joint: usize,
+    first: impl Fn() -> I,
+    twists: &[f64],
+) {
+    if joint == 0 {
+        frames.clear();
+        frames.extend(first());
+    } else {
+        for (frame, &twist) in frames.iter_mut().zip(twists) {
+            frame.pass_shaft(twist);
+        }
+    }
+}
+
+/// Sets the constants of the shafts behind first joints.
+#[inline(always)]
+fn set_first<T: Angle>(shaft: &mut FoldedShaft<T>, start: usize, bends: &[f64]) {
+    if shaft.bound.is_moderate() && !shaft.has_double_angles() {
+        shaft.set_moderate(start, bends);
+    } else {
+        shaft.set(start, bends.len(), &FirstJoint(bends));
+    }
+}
+
+/// The frame of a joint, from the vectors that a driveline of `joints` joints stores.
+#[inline(always)]
+fn stored_frame(lines: &Drivelines<'_>, joints: usize, line: usize, joint: usize) -> Frame {
+    let shaft = vector(lines.directions, line * (joints + 1) + joint);
+    Frame::stored(shaft, vector(lines.normals, line * joints + joint))
 }
 
 fn vector(flat: &[f64], index: usize) -> Vector {

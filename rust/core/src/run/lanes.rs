@@ -138,17 +138,23 @@ impl<const WIDE: bool> Step for PassJoint<'_, WIDE> {
         let bend = self.0[i];
         let joint = if WIDE { Joint::of_chain(bend) } else { Joint::with_error_terms(bend) };
         transfer.pass_joint(&joint);
+        if WIDE {
+            *transfer = transfer.renormalized();
+        }
     }
 }
 
 /// Appends a shaft, given its turn.
-pub(super) struct PassShaft<'a>([View<'a, DoubleDouble>; 2]);
+pub(super) struct PassShaft<'a, const WIDE: bool>([View<'a, DoubleDouble>; 2]);
 
-impl Step for PassShaft<'_> {
+impl<const WIDE: bool> Step for PassShaft<'_, WIDE> {
     #[inline(always)]
     fn take(&self, i: usize, transfer: &mut Transfer) {
         let [re, im] = self.0.each_ref().map(|view| view.get(i));
         transfer.pass_shaft(Complex::new(re, im));
+        if WIDE {
+            *transfer = transfer.renormalized();
+        }
     }
 }
 
@@ -185,7 +191,7 @@ impl Turns {
     }
 
     #[inline(always)]
-    pub(super) fn read(&self, length: usize) -> PassShaft<'_> {
+    pub(super) fn read<const WIDE: bool>(&self, length: usize) -> PassShaft<'_, WIDE> {
         PassShaft(views(&self.0, length))
     }
 }

@@ -113,7 +113,7 @@ pub(crate) fn mend_angles<T: Number, W: Float>(
 ) {
     let is_small = |i: usize, angle: W| {
         let (drive, angle): (f64, f64) = (drive.angle(i).abs(), angle.into());
-        (angle.abs() < SMALL_ANGLE * drive) & (drive < 2.1)
+        angle.abs() < SMALL_ANGLE * drive && drive < 2.1
     };
     let mut any = false;
     for (i, &angle) in out.iter().enumerate() {

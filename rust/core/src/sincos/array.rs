@@ -319,13 +319,11 @@ impl DriveAngles<'_> {
 
     /// The angle of a sample with all its digits.
     pub(crate) fn exact(&self, i: usize) -> ExactAngle {
-        match self {
-            Self::Array(angle) => ExactAngle { parts: [angle[i], 0.0], quarters: 0 },
-            _ => {
-                let (DoubleDouble { high, low }, quarters) = self.reduced(i);
-                ExactAngle { parts: [high, low], quarters }
-            }
+        if let Self::Array(angle) = self {
+            return ExactAngle { parts: [angle[i], 0.0], quarters: 0 };
         }
+        let (DoubleDouble { high, low }, quarters) = self.reduced(i);
+        ExactAngle { parts: [high, low], quarters }
     }
 }
 
