@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline
+from cardan import Driveline, reference
 from oracle import EPS, mp, read
 
 CHAINS = read("chains.json")["cases"]
@@ -112,6 +112,14 @@ def test_straight_joints_take_the_plane_of_their_neighbours() -> None:
     assert first.bends.tolist()[:2] == [0, 0]
     assert first.normals.tolist() == [[0, 0, 1]] * 3
     assert first.twists.tolist() == [0, 0]
+    # Of two bends out of one plane the next counts, or the drive angle's zero would move.
+    for spatial in (
+        Driveline.from_directions([u, u, v, [1, 1, 1]]),
+        reference.from_directions([u, u, v, [1, 1, 1]]),
+    ):
+        assert np.array(spatial.normals)[:2].tolist() == [[0, 0, 1]] * 2
+        assert abs(spatial.twists[0]) == 0
+        assert abs(spatial.twists[1]) > 1
     last = Driveline.from_directions([v, u, u], 0.0)
     assert last.normals.tolist() == [[0, 0, -1]] * 2
     assert Driveline.from_directions([u, u]).normals.tolist() == [[0, 0, 1]]

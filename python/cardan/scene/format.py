@@ -293,7 +293,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "tolerance": Key(
                     kinds.TOLERANCE,
                     "permitted error, relative to the largest magnitude of each quantity; 0 for "
-                    "every result within 1 ulp; default: fast double precision",
+                    "every result within 1 ulp, for loads within 2; default: fast double precision",
                 ),
                 "dtype": Key(kinds.DTYPE, "float64 or float32; default: float64"),
                 "workers": Key(

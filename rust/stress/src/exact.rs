@@ -194,7 +194,7 @@ impl Chain {
         let (aw, bw) = (self.a * w, self.b * w.conj());
         let (square, side) = ((aw + bw).norm_squared(), aw.conj() * bw);
         let size = side.norm_squared().sqrt();
-        // Twice the squares of sine and cosine of the equivalent joint's driving angle: the product
+        // Twice the squares of sine and cosine of the equivalent joint's input angle: the product
         // points against the real axis where the joint is fastest.
         let cosine = if size.high > 0.0 { -side.re / size } else { Wide::ONE };
         let (s2, c2) = ((Wide::ONE - cosine).scaled(0.5), (Wide::ONE + cosine).scaled(0.5));

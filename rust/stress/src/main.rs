@@ -7,6 +7,7 @@ mod chains;
 mod exact;
 mod joints;
 mod judge;
+mod loads;
 mod points;
 mod report;
 mod samples;
@@ -88,7 +89,14 @@ fn stress(options: &Options) -> Result<bool, String> {
     let seconds = began.elapsed().as_secs_f64();
     let chains = chains::run(options.seed, (options.samples / 20).max(5000));
     let points = points::run(options.seed, (options.samples / 20).max(5000));
-    let report = report::Report { ledger: &ledger, chains: &chains, points: &points, seconds };
+    let loads = loads::run(options.seed, (options.samples / 20).max(5000));
+    let report = report::Report {
+        ledger: &ledger,
+        chains: &chains,
+        loads: &loads,
+        points: &points,
+        seconds,
+    };
     print!("{}", report.summary());
     let write = |file: &Option<String>, text: &dyn Fn() -> String| match file {
         Some(file) => fs::write(file, text()).map_err(|error| format!("{file}: {error}")),

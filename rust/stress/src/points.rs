@@ -97,14 +97,14 @@ pub(crate) fn run(seed: u64, count: u64) -> Vec<Points> {
         .collect()
 }
 
-type Span = [Wide; 3];
+pub(crate) type Span = [Wide; 3];
 
-fn cross(a: Span, b: Span) -> Span {
+pub(crate) fn cross(a: Span, b: Span) -> Span {
     let part = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
     [part(1, 2), part(2, 0), part(0, 1)]
 }
 
-fn dot(a: Span, b: Span) -> Wide {
+pub(crate) fn dot(a: Span, b: Span) -> Wide {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

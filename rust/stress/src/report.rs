@@ -6,6 +6,7 @@ use crate::angle::sin_cos;
 use crate::chains::{Chains, MOTION};
 use crate::exact::{Chain, ExactJoint, Turn};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
+use crate::loads::{self, Loads};
 use crate::points::{self, Points};
 use crate::samples::{Kind, Random};
 use crate::wide::Wide;
@@ -13,6 +14,7 @@ use crate::wide::Wide;
 pub(crate) struct Report<'a> {
     pub(crate) ledger: &'a Ledger,
     pub(crate) chains: &'a [Chains],
+    pub(crate) loads: &'a [Loads],
     pub(crate) points: &'a [Points],
     pub(crate) seconds: f64,
 }
@@ -91,6 +93,13 @@ impl Report<'_> {
                 }
             }
         }
+        for found in self.loads {
+            for (q, limit) in loads::limits().into_iter().enumerate() {
+                if found.off[q] > limit {
+                    lines.push(format!("{:.3} ulp: {}", found.off[q], found.place[q]));
+                }
+            }
+        }
         for points in self.points {
             for (which, limit) in points::limits().into_iter().enumerate() {
                 if points.off[which] > limit {
@@ -135,6 +144,13 @@ impl Report<'_> {
                 let off = chains.off[*tier as usize].map(|off| shown(*tier, off));
                 writeln!(text, "{:>30} {}", tier.name(), off.join("  ")).expect("text grows");
             }
+        }
+        writeln!(text, "\nloads of chains with tolerance=0, in ulp: {}", loads::names().join(", "))
+            .expect("text grows");
+        for found in self.loads {
+            let off = found.off.map(|off| shown(Tier::Faithful, off)).join("  ");
+            writeln!(text, "{:50} {off} ({} samples)", found.shape.name(), found.judged)
+                .expect("text grows");
         }
         text.push_str("\npoints: bends and twists, in the units of the documentation\n");
         for points in self.points {
@@ -202,6 +218,15 @@ impl Report<'_> {
                 text.push_str(&row(chains.shape.name(), cells));
             }
         }
+        text.push_str("\n## Loads of chains\n\n");
+        text.push_str(include_str!("../loads.md"));
+        text.push('\n');
+        text.push_str(&head("chains", loads::names().map(String::from)));
+        for found in self.loads {
+            let off = found.off.map(|off| shown(Tier::Faithful, off));
+            text.push_str(&row(found.shape.name(), off));
+        }
+        text.push_str(&row("limit", loads::limits().map(|limit| limit.to_string())));
         text.push_str("\n## Points\n\n");
         text.push_str(include_str!("../points.md"));
         text.push('\n');

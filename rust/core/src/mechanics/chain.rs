@@ -31,7 +31,7 @@ impl Complex {
     }
 
     #[inline(always)]
-    fn conj(self) -> Self {
+    pub(crate) fn conj(self) -> Self {
         Self { re: self.re, im: -self.im }
     }
 
@@ -154,7 +154,7 @@ impl Transfer {
         DoubleAngle::new([q.re, q.im], q.norm_squared(), self.complement * inverse)
     }
 
-    /// Cosine and sine of the joint's own driving angle, up to a common factor.
+    /// Cosine and sine of the joint's input angle, up to a common factor.
     pub(crate) fn waves(&self) -> [Wave; 2] {
         let [cc, cs, sc, ss] = self.matrix();
         [Wave::new(cc, cs), Wave::new(sc, ss)]
@@ -173,7 +173,7 @@ impl Transfer {
     const LEAST: f64 = 1.0 / (1_u64 << 16) as f64;
 
     /// `w → A w + B w̄` as a matrix on `(cos α, sin α)`. The rows give cosine and sine of the
-    /// joint's own driving angle, multiplied by the same positive length.
+    /// joint's input angle, multiplied by the same positive length.
     pub(crate) fn matrix(&self) -> [DoubleDouble; 4] {
         let (a, b) = (self.a, self.b);
         [a.re + b.re, b.im - a.im, a.im + b.im, a.re - b.re].map(DoubleDouble::renormalized)
@@ -325,7 +325,7 @@ impl Wave {
     }
 }
 
-/// A joint whose driving angle is the drive angle plus an offset `φ`.
+/// A joint whose input angle is the drive angle plus an offset `φ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Equivalent<T = f64> {
     /// The joint with the equivalent bend.
@@ -388,7 +388,7 @@ impl Equivalent {
         }
     }
 
-    /// `φ` in rad, in `(−π/2, π/2]`: the joint's driving angle is `α + φ`.
+    /// `φ` in rad, in `(−π/2, π/2]`: the joint's input angle is `α + φ`.
     pub fn angle_offset(&self) -> f64 {
         self.turn_sin.atan2(self.turn_cos)
     }

@@ -48,7 +48,7 @@ impl DoubleAngle<DoubleDouble> {
         }
     }
 
-    /// The constants of an equivalent joint, for its own driving angle.
+    /// The constants of an equivalent joint, for its input angle.
     #[inline(always)]
     pub(crate) fn of_equivalent(joint: &Joint<DoubleDouble>) -> Self {
         Self::new([joint.k, DoubleDouble::exact(0.0)], joint.k.square(), joint.complement())

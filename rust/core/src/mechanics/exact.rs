@@ -198,7 +198,7 @@ impl<'a> ExactSamples<'a> {
         }
     }
 
-    /// Cosine and sine of twice the equivalent joint's driving angle.
+    /// Cosine and sine of twice the equivalent joint's input angle.
     pub(crate) fn double_angle(&mut self, line: usize, angle: ExactAngle) -> [DoubleDouble; 2] {
         let [x, y] = self.parts(line, angle, |map, w| {
             let turn = &(w * w) * &(&map.b.conj() * &map.a);
@@ -208,7 +208,7 @@ impl<'a> ExactSamples<'a> {
         [x / length, y / length]
     }
 
-    /// Cosine and sine of the equivalent joint's driving angle, up to a sign of both.
+    /// Cosine and sine of the equivalent joint's input angle, up to a sign of both.
     pub(crate) fn pin(&mut self, line: usize, angle: ExactAngle) -> [DoubleDouble; 2] {
         let [x, y] = self.double_angle(line, angle);
         let large = (DoubleDouble::ONE + x.abs()).scaled(0.5).sqrt();

@@ -1,6 +1,6 @@
 //! One universal joint: the constants of its bend, its extremes in closed form, and its motion.
 //!
-//! The functions for one angle take sine and cosine of the joint's driving angle; the kernels call
+//! The functions for one angle take sine and cosine of the joint's input angle; the kernels call
 //! them in loops.
 
 use crate::number::atan::AtanRange;
@@ -229,7 +229,7 @@ impl Joint {
         1.0 / self.cos
     }
 
-    /// Cosine and sine of the driving angle with the largest acceleration ratio, from
+    /// Cosine and sine of the input angle with the largest acceleration ratio, from
     /// `cos 2α = (−p + √(p² + 8))/2` with `p = (2 − sin² β)/sin² β`.
     ///
     /// That cosine vanishes for small bends, its distance from 1 for bends near 90°. Both are

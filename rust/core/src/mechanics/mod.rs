@@ -1,10 +1,11 @@
-//! The physics of one sample: geometry, joints, chains, transmissions, moments and phasing. No
+//! The physics of one sample: geometry, frames, joints, chains, transmissions, moments and phasing. No
 //! slices, no threads.
 
 pub mod chain;
 pub(crate) mod double_angle;
 pub(crate) mod exact;
 pub(crate) mod extremes;
+pub(crate) mod frame;
 pub mod general;
 pub mod geometry;
 pub mod joint;
@@ -12,3 +13,4 @@ pub(crate) mod moment;
 pub mod motion;
 pub mod phasing;
 pub mod transmission;
+pub(crate) mod turning;

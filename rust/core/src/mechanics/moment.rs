@@ -1,7 +1,7 @@
 //! The moment vector that a joint transmits, and the torques of a loaded driveline.
 //!
 //! A frictionless, massless cross transmits only a moment normal to both pins (D. Thoma 1920). With
-//! the torsion `D` of the driving shaft and the joint's own driving angle `α`:
+//! the torsion `D` of the driving shaft and the joint's input angle `α`:
 //!
 //! `M = D [u_in + tan β sin α (sin α e_in − cos α m)]`, `e_in = m × u_in`.
 //!
@@ -13,16 +13,17 @@
 //! are running sums of the power that the inertias absorb.
 
 use crate::mechanics::chain::Transfer;
-use crate::mechanics::geometry::Vector;
+use crate::mechanics::frame::Frame;
 use crate::mechanics::joint::Joint;
+use crate::mechanics::turning::turned;
 use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
-/// One joint of a driveline in space, and the map from the drive angle to its driving angle.
+/// One joint of a driveline in space, and the map from the drive angle to its input angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pose<T> {
-    /// The map from `(cos α, sin α)` of the drive to cosine and sine of this joint's driving angle,
+    /// The map from `(cos α, sin α)` of the drive to cosine and sine of this joint's input angle,
     /// multiplied by a positive length.
     matrix: [T; 4],
     /// `sin β`.
@@ -42,7 +43,7 @@ pub(crate) struct Pose<T> {
 }
 
 /// A torsion `D` multiplied by the squares and the product of sine and cosine of the joint's own
-/// driving angle. Every moment at the joint is a combination of these.
+/// input angle. Every moment at the joint is a combination of these.
 #[derive(Clone, Copy)]
 pub(crate) struct TorsionParts<T> {
     /// `D sin² α`.
@@ -118,18 +119,17 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// The pose of a joint that `transfer` drives, behind the shaft along `u_in`. Vectors
+    /// The pose of a joint that `transfer` drives, in the frame of its driving shaft. Vectors
     /// perpendicular to the driven shaft are computed from the bend, because that shaft's direction
-    /// is rounded.
+    /// may be rounded.
     pub(crate) fn new(
         transfer: &Transfer,
         joint: &Joint<DoubleDouble>,
-        u_in: Vector,
-        normal: Vector,
+        Frame { shaft, in_plane, normal }: Frame,
     ) -> Self {
         let tangent = joint.sin / joint.cos;
-        let (e_in, sin_cos) = (cross(normal, u_in), joint.sin * joint.cos);
-        let out_plane = |i: usize| e_in[i] * sin_cos - joint.sin2 * DoubleDouble::exact(u_in[i]);
+        let sin_cos = joint.sin * joint.cos;
+        let out_plane = |i: usize| in_plane[i] * sin_cos - joint.sin2 * shaft[i];
         let times = |vector: [DoubleDouble; 3], factor: DoubleDouble| {
             vector.map(|x| T::from_double_double(x * factor))
         };
@@ -138,26 +138,25 @@ impl<T: Real> Pose<T> {
             sine: T::from_double_double(joint.sin),
             cosine: T::from_double_double(joint.cos),
             tangent: T::from_double_double(tangent),
-            shaft_axis: [u_in.x, u_in.y, u_in.z].map(T::from_f64),
-            in_plane: times(e_in, tangent),
-            plane_normal: times([normal.x, normal.y, normal.z].map(DoubleDouble::exact), -tangent),
+            shaft_axis: shaft.map(T::from_double_double),
+            in_plane: times(in_plane, tangent),
+            plane_normal: times(normal, -tangent),
             out_plane: [out_plane(0), out_plane(1), out_plane(2)].map(T::from_double_double),
         }
     }
 
-    /// The pose for sine and cosine of the joint's own driving angle.
+    /// The pose for sine and cosine of the joint's input angle.
     #[inline(always)]
     pub(crate) fn by_own_pins(self) -> Self {
         let [zero, one] = [0.0, 1.0].map(T::from_f64);
         Self { matrix: [one, zero, zero, one], ..self }
     }
 
-    /// Sine and cosine of the joint's own driving angle, multiplied by a common length, from sine
+    /// Sine and cosine of the joint's input angle, multiplied by a common length, from sine
     /// and cosine of the drive angle.
     #[inline(always)]
     fn turn(&self, s: T, c: T) -> (T, T) {
-        let [cc, cs, sc, ss] = self.matrix;
-        (sc.mul_add(c, ss * s), cc.mul_add(c, cs * s))
+        turned(self.matrix, s, c)
     }
 
     /// The parts of a torsion, from unnormalised sine and cosine of the drive angle.
@@ -211,13 +210,6 @@ impl<T: Atan> Pose<T> {
         let along = across.mul_add(across, sine.square()).sqrt();
         T::atan_any(self.sine * cosine, along)
     }
-}
-
-fn cross(a: Vector, b: Vector) -> [DoubleDouble; 3] {
-    let part = |i: usize, j: usize| {
-        DoubleDouble::two_product(a[i], b[j]) - DoubleDouble::two_product(a[j], b[i])
-    };
-    [part(1, 2), part(2, 0), part(0, 1)]
 }
 
 /// The power that the inertia of a shaft absorbs, divided by the drive's speed:

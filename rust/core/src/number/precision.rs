@@ -29,7 +29,7 @@ impl Precision {
 pub(crate) struct Costs {
     /// Moderate bends are cheaper from sine and cosine of twice the drive angle. That saves
     /// double-double arithmetic a fifth of the time and costs the other types an eighth more.
-    /// Behind more than one joint these are of the equivalent joint's own driving angle.
+    /// Behind more than one joint these are of the equivalent joint's input angle.
     pub(crate) double_angle: bool,
     /// At moderate bends, angles are cheaper to reduce to fixed-point fractions of a turn, because
     /// the numbers are shorter than the angles.

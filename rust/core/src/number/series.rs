@@ -16,10 +16,12 @@ struct Series {
 impl Series {
     #[inline(always)]
     fn of(&self, z: DoubleDouble) -> DoubleDouble {
-        let tail = DoubleDouble::exact(polynomial(z.high, &self.tail));
-        self.head.iter().rev().fold(tail, |sum, &(high, low)| {
-            DoubleDouble::new(high, low).fast_add(sum * z).rounded()
-        })
+        let mut sum = DoubleDouble::exact(polynomial(z.high, &self.tail));
+        // A closure of this size would be compiled without the instruction set of its caller.
+        for &(high, low) in self.head.iter().rev() {
+            sum = DoubleDouble::new(high, low).fast_add(sum * z).rounded();
+        }
+        sum
     }
 }
 

@@ -13,7 +13,7 @@ use crate::plan::steps::Plan;
 pub enum Route {
     /// The shaft turns with the drive, because no joint before it is bent.
     Drive,
-    /// From unnormalised sine and cosine (tangent form) of the equivalent joint's driving angle.
+    /// From unnormalised sine and cosine (tangent form) of the equivalent joint's input angle.
     Tangent,
     /// From sine and cosine of twice the drive angle.
     DoubleAngle,

@@ -272,6 +272,24 @@ impl Plan {
         (0..self.joint_count).any(|joint| self.needs_pose(joint))
     }
 
+    /// Whether torques or moments are sums of several terms, which may cancel, or belong to joints
+    /// whose pins a chain has turned. Numbers with error terms then need all their digits.
+    pub(crate) fn needs_wide_pins(&self) -> bool {
+        let absorbs = |load: &LoadStep| load.stations.iter().any(|station| station.absorbs);
+        self.load.as_ref().is_some_and(|load| self.reach() > 1 || absorbs(load))
+    }
+
+    /// Whether the load needs the speed of the shaft.
+    pub(crate) fn needs_rates(&self, shaft: usize) -> bool {
+        self.shafts.iter().any(|step| step.shaft == shaft && step.keep_ratio)
+    }
+
+    /// Whether any output is a vector, which needs the frames of the joints.
+    pub(crate) fn needs_frames(&self) -> bool {
+        let moment = |step: &JointStep| step.planes.get(Output::Moment).is_some();
+        self.joints.iter().any(|step| moment(step) || step.needs_support())
+    }
+
     /// Whether every output has its extremes at known angles.
     pub(crate) fn has_closed_extremes(&self) -> bool {
         self.load.is_none() && !self.needs_poses() && !self.needs_angle()

@@ -144,7 +144,7 @@ impl<T: Angle> FoldedShaft<T> {
         !self.double_angles[0].is_empty()
     }
 
-    /// Whether the shaft has sines of its own, of the equivalent joint's driving angle.
+    /// Whether the shaft has sines of its own, of the equivalent joint's input angle.
     #[inline(always)]
     pub(crate) fn has_offsets(&self) -> bool {
         !self.offsets[0].is_empty()
@@ -290,7 +290,7 @@ impl<T: Angle> FoldedShaft<T> {
     }
 }
 
-/// Equivalent joints without their offsets, for the driving angle of each.
+/// Equivalent joints without their offsets, for the input angle of each.
 struct OwnAngle<'a, L>(&'a L);
 
 impl<L: Lane<Equivalent<DoubleDouble>>> Lane<Equivalent<DoubleDouble>> for OwnAngle<'_, L> {

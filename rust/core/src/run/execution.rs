@@ -106,7 +106,7 @@ impl Plan {
             Some(0) => GROUP,
             _ => CHUNK,
         };
-        let of_joint = 768 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
+        let of_joint = 896 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
         let of_planes = (16 * CHUNK).saturating_mul(self.planes);
         let of_thread = (self.joint_count + 1).saturating_mul(of_joint).saturating_add(of_planes);
         let total = samples.shape.iter().fold(1_usize, |total, &n| total.saturating_mul(n));

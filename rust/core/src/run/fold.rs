@@ -7,9 +7,11 @@ use crate::error::Result;
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::chain::{Transfer, Wave};
 use crate::mechanics::exact::{ExactMap, To};
+use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 use crate::mechanics::moment::Pose;
+use crate::mechanics::turning::Turning;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::storage::columns;
@@ -29,10 +31,14 @@ pub(crate) struct Folded<T: Angle> {
     /// Per joint; empty if the plan does not need it.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
     /// Per joint behind the first, if tilts need them and numbers have error terms: cosine and sine
-    /// of the joint's own driving angle, up to a common factor, as functions of the drive angle.
+    /// of the joint's input angle, up to a common factor, as functions of the drive angle.
     pub(crate) waves: Vec<Vec<[Wave; 2]>>,
     /// The number of each driveline in the batch, if numbers have error terms.
     pub(crate) lines: Vec<usize>,
+    /// Per shaft; empty unless the load needs its speed with all digits of a double-double.
+    pub(crate) turnings: Vec<Vec<Turning<T>>>,
+    /// The frames of the drivelines that are folded together, if vectors need their error terms.
+    frames: Vec<Frame>,
     maps: Maps,
     turns: Turns,
 }
@@ -88,7 +94,8 @@ impl<T: Angle> Folded<T> {
             ));
         }
         let (poses, waves) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
-        Self { shafts, poses, waves, lines: vec![], maps, turns }
+        let turnings = vec![vec![]; plan.joint_count + 1];
+        Self { shafts, poses, waves, turnings, lines: vec![], frames: vec![], maps, turns }
     }
 
     /// The route of a shaft in a chunk with this geometry, and its range of tangents.
@@ -115,6 +122,7 @@ impl<T: Angle> Folded<T> {
         line_of: impl Fn(usize) -> usize,
     ) {
         self.poses.iter_mut().for_each(Vec::clear);
+        self.turnings.iter_mut().for_each(Vec::clear);
         self.waves.iter_mut().for_each(Vec::clear);
         self.lines.clear();
         for start in (0..count).step_by(LANES) {
@@ -133,7 +141,7 @@ impl<T: Angle> Folded<T> {
         line_of: impl Fn(usize) -> usize,
     ) {
         let n = plan.joint_count;
-        let Self { shafts, poses, waves, lines: numbers, maps, turns } = self;
+        let Self { shafts, poses, waves, turnings, lines: numbers, frames, maps, turns } = self;
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
         if T::LOW {
@@ -151,6 +159,7 @@ impl<T: Angle> Folded<T> {
                 *x = data[line_of(i) * each + j];
             }
         };
+        let stored = |i: usize, j: usize| stored_frame(lines, n, line_of(i), j);
         for j in 0..plan.reach() {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
@@ -166,37 +175,31 @@ impl<T: Angle> Folded<T> {
                     maps.update(length, &turns.read::<false>(length));
                 }
             }
+            if T::LOW && plan.needs_frames() {
+                let first = || (0..length).map(|i| stored(i, 0).orthonormal());
+                pass_shafts(frames, j, first, &twists[..length]);
+            }
             if plan.needs_pose(j) {
                 let maps = maps.read(length);
                 poses[j].extend((0..length).map(|i| {
-                    let line = line_of(i);
-                    let u_in = vector(lines.directions, line * (n + 1) + j);
-                    let normal = vector(lines.normals, line * n + j);
-                    let joint = Joint::with_error_terms(bends[i]);
-                    Pose::new(&maps.at(i), &joint, u_in, normal)
+                    let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
+                    Pose::new(&maps.at(i), &joint::<T>(bends[i]), frame)
                 }));
             }
             if T::LOW && j > 0 && plan.joints[j].needs_tilt {
                 let maps = maps.read(length);
-                waves[j].extend((0..length).map(|i| {
-                    let map: Transfer = maps.at(i);
-                    let near = map.waves();
-                    if !near.iter().any(|wave| wave.loses_digits(products[i])) {
-                        return near;
-                    }
-                    let [cc, cs, sc, ss] =
-                        ExactMap::new(lines.chains(n), line_of(i), To::Joint(j)).matrix();
-                    [Wave::new(cc, cs), Wave::new(sc, ss)]
-                }));
+                let exact = |i: usize| ExactMap::new(lines.chains(n), line_of(i), To::Joint(j));
+                let lane = |i: usize| waves_of(&maps.at(i), products[i], || exact(i));
+                waves[j].extend((0..length).map(lane));
             }
             if j == 0
                 && let Some(shaft) = &mut shafts[1]
             {
-                if shaft.bound.is_moderate() && !shaft.has_double_angles() {
-                    shaft.set_moderate(start, bends);
-                } else {
-                    shaft.set(start, length, &FirstJoint(bends));
-                }
+                set_first(shaft, start, bends);
+            }
+            let turns_load = T::LOW && plan.needs_wide_pins() && plan.needs_rates(j + 1);
+            if turns_load && j == 0 {
+                turnings[1].extend(bends.iter().map(|&bend| Turning::of_joint(bend)));
             }
             if plan.reach() == 1 {
                 return;
@@ -212,25 +215,84 @@ impl<T: Angle> Folded<T> {
             } else {
                 maps.update(length, &PassJoint::<false>(bends));
             }
-            if j > 0
-                && let Some(shaft) = &mut shafts[j + 1]
-            {
-                if T::LOW {
-                    let maps = maps.read(length);
+            for (frame, &bend) in frames.iter_mut().zip(bends) {
+                frame.pass_joint(&Joint::of_chain(bend));
+            }
+            if j == 0 {
+                continue;
+            }
+            let (maps, shaft) = (maps.read(length), &mut shafts[j + 1]);
+            let exact = |i: usize| ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
+            let lost = |i: usize| Transfer::loses_digits(&maps.at(i), sums[i], products[i]);
+            if turns_load {
+                turnings[j + 1].extend((0..length).map(|i| {
+                    Turning::new(&if lost(i) { exact(i).transfer() } else { maps.at(i) })
+                }));
+            }
+            match shaft {
+                Some(shaft) if T::LOW => {
                     shaft.set_with_offsets(start, length, &maps);
-                    for i in 0..length {
-                        let map: Transfer = maps.at(i);
-                        if map.loses_digits(sums[i], products[i]) {
-                            let map = ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
-                            shaft.set_with_offsets(start + i, 1, &map.transfer());
-                        }
+                    for i in (0..length).filter(|&i| lost(i)) {
+                        shaft.set_with_offsets(start + i, 1, &exact(i).transfer());
                     }
-                } else {
-                    shaft.set(start, length, &maps.read(length));
                 }
+                Some(shaft) => shaft.set(start, length, &maps),
+                None => {}
             }
         }
     }
+}
+
+/// Cosine and sine of a joint's input angle, from an exact map if this one has lost digits.
+#[inline(always)]
+fn waves_of(map: &Transfer, product: f64, exact: impl Fn() -> ExactMap) -> [Wave; 2] {
+    let near = map.waves();
+    if !near.iter().any(|wave| wave.loses_digits(product)) {
+        return near;
+    }
+    let [cc, cs, sc, ss] = exact().matrix();
+    [Wave::new(cc, cs), Wave::new(sc, ss)]
+}
+
+/// A joint with the digits that poses of this number type need.
+#[inline(always)]
+fn joint<T: Angle>(bend: f64) -> Joint<DoubleDouble> {
+    if T::LOW { Joint::of_chain(bend) } else { Joint::with_error_terms(bend) }
+}
+
+/// Takes the frames of a series of drivelines from one joint to the next, or to the first.
+#[inline(always)]
+fn pass_shafts<I: Iterator<Item = Frame>>(
+    frames: &mut Vec<Frame>,
+    joint: usize,
+    first: impl Fn() -> I,
+    twists: &[f64],
+) {
+    if joint == 0 {
+        frames.clear();
+        frames.extend(first());
+    } else {
+        for (frame, &twist) in frames.iter_mut().zip(twists) {
+            frame.pass_shaft(twist);
+        }
+    }
+}
+
+/// Sets the constants of the shafts behind first joints.
+#[inline(always)]
+fn set_first<T: Angle>(shaft: &mut FoldedShaft<T>, start: usize, bends: &[f64]) {
+    if shaft.bound.is_moderate() && !shaft.has_double_angles() {
+        shaft.set_moderate(start, bends);
+    } else {
+        shaft.set(start, bends.len(), &FirstJoint(bends));
+    }
+}
+
+/// The frame of a joint, from the vectors that a driveline of `joints` joints stores.
+#[inline(always)]
+fn stored_frame(lines: &Drivelines<'_>, joints: usize, line: usize, joint: usize) -> Frame {
+    let shaft = vector(lines.directions, line * (joints + 1) + joint);
+    Frame::stored(shaft, vector(lines.normals, line * joints + joint))
 }
 
 fn vector(flat: &[f64], index: usize) -> Vector {

@@ -2,6 +2,7 @@
 
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
+use crate::mechanics::turning::Turning;
 use crate::number::Number;
 use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
@@ -30,6 +31,14 @@ pub(crate) fn run_load<T: Number, W: Float>(
     let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
     let column = |index: usize| &gathered[index][..size];
     let pins = pins_of(pins, size);
+    if T::LOW {
+        for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
+            if !turnings.is_empty() {
+                let turnings = &turnings[..geometry.count(size)];
+                with_constants!(geometry, |i: usize| turnings[i], at => run_rates(at, pins, rates));
+            }
+        }
+    }
     let ratio = |shaft: usize| rates[shaft][0].view(size);
     let bent = plan.first_bent();
     let first = match load.end {
@@ -92,6 +101,22 @@ pub(crate) fn run_load<T: Number, W: Float>(
         if load.end == End::Drive {
             absorb(-1.0, power.view_mut(size));
         }
+    }
+}
+
+/// Speed ratio and acceleration ratio of a shaft, instead of those with fewer digits.
+#[inline(always)]
+fn run_rates<T: Number>(
+    at: impl Fn(usize) -> Turning<T> + Copy,
+    pins: SinCos<'_, T>,
+    [ratio, acceleration]: &mut [Column<T>; 2],
+) {
+    let ratio = ratio.view_mut(pins.len());
+    if acceleration.is_empty() {
+        map::formula(|turning, s, c| Turning::rates(turning, s, c).0, at, pins, ratio);
+    } else {
+        let rates = (ratio, acceleration.view_mut(pins.len()));
+        map::formula(Turning::rates, at, pins, rates);
     }
 }
 

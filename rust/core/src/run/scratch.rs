@@ -19,7 +19,7 @@ pub(crate) struct Scratch<T: Number> {
     /// The groups that replace `double_sin_cos` in a long sweep.
     pub(crate) groups: Vec<rotation::RotationGroup<T>>,
     pub(crate) rotated_pins: [Column<T>; 2],
-    /// Sine and cosine of a joint's own driving angle, up to a common factor.
+    /// Sine and cosine of a joint's input angle, up to a common factor.
     pub(crate) turned_pins: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
     pub(crate) rates: Vec<[Column<T>; 2]>,
@@ -43,7 +43,8 @@ impl<T: Number> Scratch<T> {
             ]
         });
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let needs_pins = !routes.splits() || steep || plan.needs_poses();
+        let wide = T::LOW && plan.needs_wide_pins();
+        let needs_pins = !routes.splits() || steep || plan.needs_poses() || wide;
         let tilts = T::LOW && plan.joints.iter().any(|step| step.needs_tilt);
         let loaded = plan.load.is_some();
         let moments = plan.joints.iter().any(JointStep::needs_torsion);

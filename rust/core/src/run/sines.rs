@@ -7,7 +7,9 @@ use crate::plan::steps::Plan;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::fold::Folded;
 use crate::run::scratch::Scratch;
-use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, PinSense, SinCos};
+use crate::sincos::array::{
+    self, DoubleAngleSinCos, DriveAngles, PinLine, PinSense, SinCos, WideSinCos,
+};
 use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
 
@@ -23,6 +25,9 @@ pub(crate) fn find_pins<T: Number>(
     let [sine, cosine] = views_mut(&mut scratch.pins, 0, size);
     let coarse = plan.moderate;
     match (drive, group) {
+        _ if T::LOW && plan.needs_wide_pins() => {
+            array::fill_sin_cos::<WideSinCos, T>(drive, coarse, sine, cosine);
+        }
         (DriveAngles::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
         _ if plan.needs_sense() => array::fill_sin_cos::<PinSense, T>(drive, coarse, sine, cosine),
         _ => array::fill_sin_cos::<PinLine, T>(drive, coarse, sine, cosine),
@@ -66,7 +71,7 @@ pub(crate) fn sines_needed<T: Number>(
     folded: &Folded<T>,
     geometry: GeometryIndex,
 ) -> [bool; 2] {
-    let mut needed = [plan.needs_poses(), false];
+    let mut needed = [plan.needs_poses() || T::LOW && plan.needs_wide_pins(), false];
     for step in &plan.shafts {
         let own = folded.shafts[step.shaft].as_ref().is_some_and(FoldedShaft::has_offsets);
         match folded.route(routes, step.shaft, geometry).0 {

@@ -1,6 +1,6 @@
 //! Shafts and joints with sines of their own, which carry error terms.
 //!
-//! Sine and cosine of a chain's own driving angle could be rotated from those of the drive. Next to
+//! Sine and cosine of a chain's input angle could be rotated from those of the drive. Next to
 //! their zeros the rotation cancels, and a steep chain is fast there. The sum of the drive angle and
 //! the chain's offset is reduced instead. The few samples whose sum cancels as well are computed
 //! with as many digits as it takes.
@@ -39,7 +39,7 @@ impl<'a> ChunkLines<'a> {
     }
 }
 
-/// Sine and cosine of a shaft's equivalent driving angle, or of twice that angle.
+/// Sine and cosine of a shaft's equivalent input angle, or of twice that angle.
 #[inline(always)]
 pub(crate) fn find_own_pins<T: Number>(
     shaft: &FoldedShaft<T>,
@@ -160,7 +160,7 @@ fn mend_small_angles<T: Number, W: Float>(
     }
 }
 
-/// Cosine and sine of a joint's own driving angle, multiplied by a positive length.
+/// Cosine and sine of a joint's input angle, multiplied by a positive length.
 #[inline(always)]
 pub(crate) fn find_turned<T: Number>(
     waves: &[[Wave; 2]],

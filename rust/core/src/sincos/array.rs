@@ -9,6 +9,7 @@ use crate::mechanics::exact::ExactAngle;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction::{self, LargeAngleFlag};
+use crate::number::series;
 use crate::number::storage::{View, ViewMut};
 use crate::number::trig::{self, Angle};
 
@@ -120,6 +121,19 @@ impl SinCosKind for PinSense {
     #[inline(always)]
     fn sin_cos<T: Angle>(reduced: (T, u64)) -> (T, T) {
         trig::directed_pin(reduced)
+    }
+}
+
+/// Sine and cosine with nearly all digits of a double-double.
+pub(crate) struct WideSinCos;
+
+impl SinCosKind for WideSinCos {
+    #[inline(always)]
+    fn sin_cos<T: Angle>((remainder, quadrant): (T, u64)) -> (T, T) {
+        let [high, low] = remainder.words();
+        let remainder = DoubleDouble::new(high.into(), low.into());
+        let (sine, cosine) = series::sin_cos((remainder, quadrant));
+        (T::from_double_double(sine), T::from_double_double(cosine))
     }
 }
 
@@ -367,7 +381,7 @@ fn set_pin<K: SinCosKind, T: Angle>(
     cosine.set(i, c);
 }
 
-/// Sine and cosine of the equivalent joint's driving angle `α + φ`, given cosine and sine of `φ`.
+/// Sine and cosine of the equivalent joint's input angle `α + φ`, given cosine and sine of `φ`.
 #[inline(always)]
 pub(crate) fn rotate<T: Real>(
     at: impl Fn(usize) -> [T; 2],
