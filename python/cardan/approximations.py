@@ -6,10 +6,10 @@ figures. Everything broadcasts as in NumPy. NaN gives NaN for that element only.
 Sources: D. Thoma, "Das Kräftespiel im Kreuzgelenk", Schweizerische Bauzeitung 75/76 (1920), Heft
 17, with the numbers of his equations; the chapter on double joints in the catalogues of German
 driveshaft makers; the workshop figures of driveshaft makers in the United States. The copies of the
-catalogues at hand have lost the formulas of sections 6.3 to 6.5; the documentation's page on the
-sources says what is used instead. For further kinematics the catalogues refer to the guideline VDI
-2722, "Gelenkwellen und Gelenkwellenstränge mit Kreuzgelenken - Einbaubedingungen für
-Homokinematik", which was not available.
+catalogues at hand have lost the formulas of sections 6.3 to 6.5; under Sources, the documentation
+says what is used instead. For further kinematics the catalogues refer to the guideline VDI 2722,
+"Gelenkwellen und Gelenkwellenstränge mit Kreuzgelenken - Einbaubedingungen für Homokinematik",
+which was not available.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 
 from cardan import notebook
 from cardan.arrays import adapter, import_optional
+from cardan.arrays.libraries import picture_of
 from cardan.outputs import OUTPUTS
 from cardan.sweep import Sweep
 
@@ -173,8 +173,7 @@ class Result(Mapping[str, NDArray[Any]]):
             ImportError: matplotlib is missing.
             ValueError: a result without a row of drive angles, more curves than can be told apart.
         """
-        # The library does not need its own pictures.
-        made: Figure = importlib.import_module("cardan.plots").plot_result(self)
+        made: Figure = picture_of(self)
         return made
 
     def compute(self, **options: Any) -> Result:  # noqa: ANN401 - those of dask

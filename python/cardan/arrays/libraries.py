@@ -47,6 +47,8 @@ LIBRARIES: Mapping[str, Library] = MappingProxyType(
 )
 """The libraries that are handled beside NumPy, by name."""
 
+_PICTURES = "cardan.plots.result"
+
 
 def array_namespace_of(value: object) -> str:
     """Return the name of the library in ``LIBRARIES`` that an array is of, or "".
@@ -65,6 +67,11 @@ def array_namespace_of(value: object) -> str:
 def adapter(name: str) -> Any:  # noqa: ANN401 - a module
     """Return the module that evaluates at the arrays of a library."""
     return importlib.import_module(LIBRARIES[name].adapter)
+
+
+def picture_of(result: Any) -> Any:  # noqa: ANN401 - a result, a figure of matplotlib
+    """Draw a result: pictures are built upon the library, so they are imported only then."""
+    return importlib.import_module(_PICTURES).plot_result(result)
 
 
 def import_optional(name: str, extra: str) -> Any:  # noqa: ANN401 - a module
