@@ -10,7 +10,7 @@ from cardan.workshop import VIEW, both_senses
 _NAMES = {
     "straight": "All joints are straight.",
     "single bend": "Only one joint is bent.",
-    "W": "W arrangement: the bends lie in one plane, and the outer shafts meet.",
+    "W": "W arrangement: the bends lie in one plane, in the same direction.",
     "Z": "Z arrangement: the bends lie in one plane, in opposite directions.",
     "planar": "Planar arrangement: all bends lie in one plane.",
     "spatial": "Spatial arrangement: the bends lie in different planes.",
@@ -59,16 +59,31 @@ def remedies(data: dict[str, Any]) -> list[str]:
     """Say what would bring a driveline within its limit, a sentence each; nothing if it is."""
     if data["cause"] == "none":
         return []
-    best = f"{data['equivalent_bend_deg']['best']:.3f}°"
+    bends = data["equivalent_bend_deg"]
+    best = f"{bends['best']:.3f}°"
+    settable = bends.get("on_teeth", bends["best"])
+    if data["cause"] == "phases" and settable > data["limit_deg"]:
+        return [
+            f"No teeth of the splines bring it within the limit of {data['limit_deg']:.4g}°: the "
+            f"best teeth leave {settable:.3f}°. The exact setting would leave {best}."
+        ]
     if data["cause"] == "phases":
         turns = ", of ".join(
-            f"shaft {shaft['shaft']} by {turn_text(shaft)}"
-            for shaft in data["shafts"]
+            f"shaft {shaft['shaft']} by "
+            + (teeth_text(shaft) if shaft.get("turn_teeth") else turn_text(shaft))
+            for shaft in data.get("teeth") or data["shafts"]
             if shaft["turn_deg"] >= SHOWN
         )
-        return [f"Turn the output-side yoke of {turns}, {VIEW}; that leaves {best}."]
+        return [f"Turn the output-side yoke of {turns}, {VIEW}; that leaves {settable:.3f}°."]
     left = f": the best setting leaves {best}" if data["shafts"] else ""
     return [f"{_too_different(data)}{left}.", _changes(data)]
+
+
+def teeth_text(shaft: dict[str, Any]) -> str:
+    """Say by how many teeth to turn a yoke on its spline."""
+    count = shaft["turn_teeth"]
+    teeth = "tooth" if count == 1 else "teeth"
+    return f"{count} {teeth} {shaft['turn_sense']} ({shaft['turn_deg']:.2f}°)"
 
 
 def turn_text(shaft: dict[str, Any]) -> str:
