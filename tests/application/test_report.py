@@ -316,10 +316,10 @@ def test_remedies_for_a_single_joint(tmp_path: Path) -> None:
     for bend, said in ((8.5, True), (2.5, False)):
         text = f"[driveline]\nbends_deg = [{bend}]\n"
         page = Text(written(scene(text), tmp_path)).text
-        assert ("make joint 0 at most 3.00°, or add a second one" in page) == said
+        assert ("make joint 0 at most 3.00°, or add a second joint" in page) == said
         text += "[limits]\nequivalent_bend_deg = 2\n"
         page = Text(written(scene(text), tmp_path)).text
-        assert "make joint 0 at most 2.00°, or add a second one" in page
+        assert "make joint 0 at most 2.00°, or add a second joint" in page
 
 
 def test_yokes_on_splines(tmp_path: Path) -> None:

@@ -292,9 +292,9 @@ def test_remedies_for_a_check() -> None:
     ]
     assert ", of shaft 2 by " in words(9, 8, 7, phases=[60, 50])[0]
     assert words(15, phases=[]) == [
-        "One joint alone cannot make up for its bend.",
-        "To come within the limit of 3°, make joint 0 at most 3.00°, or add a second one bent as "
-        "much.",
+        "A single joint cannot cancel its own unevenness.",
+        "To come within the limit of 3°, make joint 0 at most 3.00°, or add a second joint "
+        "with the same bend.",
     ]
     assert len(words(14, 9, phases=[0])) == 2
 

@@ -97,7 +97,7 @@ def turn_text(shaft: dict[str, Any]) -> str:
 def _too_different(data: dict[str, Any]) -> str:
     bent = _bent(data)
     if not data["shafts"]:
-        return "One joint alone cannot make up for its bend"
+        return "A single joint cannot cancel its own unevenness"
     if len(bent) == 1:
         return "One bend alone cannot cancel; no phase can fix that"
     if len(bent) == 2:
@@ -121,7 +121,9 @@ def _changes(data: dict[str, Any]) -> str:
     changes = ", or ".join(
         f"joint {found['joint']} {_range(found['from_deg'], found['to_deg'])}" for found in changed
     )
-    then = ", then set the yokes anew" if data["shafts"] else ", or add a second one bent as much"
+    then = ", then set the yokes anew"
+    if not data["shafts"]:
+        then = ", or add a second joint with the same bend"
     return f"To come within the limit of {data['limit_deg']:.4g}°, make {changes}{then}."
 
 
