@@ -15,6 +15,8 @@ from cardan.equivalent import EquivalentJoint
 from cardan.finding import VERDICTS, Finding, counted
 from cardan.limits import CATALOGUE, Limits, limits_of
 
+_INDENT = " " * 4
+
 _HEADINGS = {
     "within": "The driveline is within the limits.",
     "tolerable": "The driveline is tolerable: above a limit, but below every maximum.",
@@ -117,7 +119,10 @@ class Check:
             verdict_words, *more = finding.words
             lines.append(f"- {finding.name}: {finding.value_text}")
             more += [f"largest at {finding.place}"] * bool(finding.place)
-            lines += [f"    {words}" for words in (verdict_words, *more)]
+            for words in (verdict_words, *more):
+                lines += textwrap.wrap(
+                    words, 79, initial_indent=_INDENT, subsequent_indent=_INDENT + "  "
+                )
         return lines
 
     def _repr_html_(self) -> str:

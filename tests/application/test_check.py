@@ -186,6 +186,10 @@ def test_figures_of_your_own() -> None:
     )
     assert joints(5).check(limits=limits).verdict == "tolerable"
     assert "Catalogue (own limit): tolerable" in str(joints(5).check(limits=limits))
+    # With a speed some sentences are longer than a line of a terminal.
+    said = str(Driveline.from_bends([6, 5], [180], degrees=True).check(350.0, Limits("truck")))
+    assert "tolerable, " in said
+    assert max(map(len, said.splitlines())) <= 79
     assert "works rule 7" in str(joints(5).check(limits=limits))
     assert Limits(equivalent_bend_deg=4).figures["equivalent_bend_deg"].source == "own figure"
 

@@ -752,7 +752,7 @@ def test_missing_samples_of_a_stream(tmp_path: Path, monkeypatch: pytest.MonkeyP
     write_columns("angles.parquet", {"angle_deg": np.array([0.0, np.nan, 1.0])})
     result = run("stream", "long.toml")
     assert result.exit_code == 0, result.output
-    said = "1 of 3 samples are missing in the recording; their results are NaN."
+    said = "1 of 3 samples is missing in the recording; their results are NaN."
     assert result.output.splitlines()[-1] == said
 
 

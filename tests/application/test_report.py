@@ -316,10 +316,10 @@ def test_remedies_for_a_single_joint(tmp_path: Path) -> None:
     for bend, said in ((8.5, True), (2.5, False)):
         text = f"[driveline]\nbends_deg = [{bend}]\n"
         page = Text(written(scene(text), tmp_path)).text
-        assert ("make joint 0 at most 3.00°, or add a second one" in page) == said
+        assert ("make joint 0 at most 3.00°, or add a second joint" in page) == said
         text += "[limits]\nequivalent_bend_deg = 2\n"
         page = Text(written(scene(text), tmp_path)).text
-        assert "make joint 0 at most 2.00°, or add a second one" in page
+        assert "make joint 0 at most 2.00°, or add a second joint" in page
 
 
 def test_yokes_on_splines(tmp_path: Path) -> None:
@@ -331,8 +331,9 @@ def test_yokes_on_splines(tmp_path: Path) -> None:
     left = np.degrees(line.equivalent().bend)
     assert "shaft 1 (16 teeth): 2.50° counter-clockwise" in said
     assert "turn it 1 tooth counter-clockwise (22.50°)" in said
-    assert f"on the nearest teeth {left:.3f}°." in said
+    assert f"on the best teeth {left:.3f}°." in said
     assert "To use it in the scene: phases_deg = [-2.5]" in said
+    assert "On these teeth the driveline is still beyond limits:" in said
 
 
 @pytest.mark.parametrize("signs", [[1, 1, -1], [1, -1, -1], [1, 1, 1]])
@@ -1075,3 +1076,11 @@ def test_print(browser: webdriver.Chrome, folder: Path) -> None:
     document = base64.b64decode(printed["data"])
     assert document.startswith(b"%PDF")
     assert 3 <= len(re.findall(rb"/Type\s*/Page\b", document)) <= 8
+
+
+def test_twists_lie_within_half_a_turn(tmp_path: Path) -> None:
+    """A twist of -180 deg is printed as the 180 deg that cardan run prints."""
+    text = "[driveline]\nbends_deg = [8, 8]\ntwists_deg = [-180]\nphases_deg = [350]\n"
+    said = Text(written(scene(text), tmp_path)).text
+    assert "-180" not in said
+    assert "350" not in said

@@ -438,7 +438,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         "[driveline] bends_deg[0] is 1e+41; it must lie within ±1e+40",
     ),
     (section("sweep") + "turns = 0", 4, "[sweep] turns is 0; it must be positive"),
-    (section("limits"), 3, "[limits] it is empty; it needs a key at least"),
+    (section("limits"), 3, "[limits] is empty; give at least one key"),
     (
         section("limits") + "preset = 'steering'",
         4,

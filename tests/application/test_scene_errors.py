@@ -100,7 +100,7 @@ CASES: list[tuple[str, int | None, str, str, tuple[int | str, ...], str, str]] =
     ),
     ("[drivelin]\nbends_deg = [8]\n", 1, "", "drivelin", (), "drivelin", "unknown section"),
     ("driveline = 3\n", 1, "", "driveline", (), "driveline", "is 3; it must be a section"),
-    (f"{TWO}[study]\n", 3, "study", "", (), "study", "it is empty; it needs a key"),
+    (f"{TWO}[study]\n", 3, "study", "", (), "study", "is empty; give at least one key"),
     ("[driveline", None, "", "", (), "", "not TOML: "),
 ]
 

@@ -397,7 +397,11 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
             "line 8: [study] phases_deg makes the study 900 x 1000 x 100 = 90000000 rows; it takes "
             "at most 10000000: give fewer steps or vary fewer keys",
         ),
-        (TWO + "[study]\n", "line 4: [study] it is empty; it needs a key at least"),
+        (TWO + "[study]\n", "line 4: [study] is empty; give at least one key"),
+        (
+            STUDY + '"bends_deg.1" = [1, 2]',
+            "line 6: [study] unknown key 'bends_deg.1'; write it without quotes",
+        ),
         (
             STUDY + "bends_deg = 3",
             "line 7: [study] bends_deg is 3; "

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from cardan import Driveline, approximations, workshop
 from cardan.command import commands
 from cardan.figures import yokes
-from cardan.figures.advice import advice, arrangement
+from cardan.figures.advice import advice, arrangement, scene_advice
 from cardan.figures.catalogue import fork_signs
 from cardan.scene import Scene
 from cardan.scene.starters import STARTERS
@@ -292,9 +292,9 @@ def test_remedies_for_a_check() -> None:
     ]
     assert ", of shaft 2 by " in words(9, 8, 7, phases=[60, 50])[0]
     assert words(15, phases=[]) == [
-        "One joint alone cannot make up for its bend.",
-        "To come within the limit of 3°, make joint 0 at most 3.00°, or add a second one bent as "
-        "much.",
+        "A single joint cannot cancel its own unevenness.",
+        "To come within the limit of 3°, make joint 0 at most 3.00°, or add a second joint "
+        "with the same bend.",
     ]
     assert len(words(14, 9, phases=[0])) == 2
 
@@ -454,3 +454,18 @@ def test_teeth_are_not_for_a_study(tmp_path: Path) -> None:
     assert (
         CliRunner().invoke(commands(), ["run", str(path), "--into", str(tmp_path)]).exit_code == 0
     )
+
+
+def test_a_check_advises_what_the_teeth_allow(tmp_path: Path) -> None:
+    """A check names the same teeth as cardan phase, and none where no teeth help."""
+    text = "bends_deg = [9, 9]\nphases_deg = [20]\nteeth = "
+    loaded = scene_advice(Scene.load(scene(tmp_path, f"{text}36")))
+    assert loaded is not None
+    assert remedies(loaded) == [
+        f"Turn the output-side yoke of shaft 1 by 2 teeth counter-clockwise (20.00°), {VIEW}; "
+        "that leaves 0.000°."
+    ]
+    path = scene(tmp_path, f"{text}1")
+    said = CliRunner().invoke(commands(), ["check", str(path)]).output
+    assert "No teeth of the splines bring it within the limit of 3°" in said
+    assert "Turn the output-side yoke" not in said

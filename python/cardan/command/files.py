@@ -46,7 +46,8 @@ def missing_of(scene: Scene) -> str:
 
 def missing_samples(missing: int, count: int, where: str) -> str:
     """Return the line that says how many samples are missing where."""
-    return f"{missing} of {count} samples are missing in {where}; their results are NaN."
+    verb = "is" if missing == 1 else "are"
+    return f"{missing} of {count} samples {verb} missing in {where}; their results are NaN."
 
 
 def wrote(file: str, rows: int = 0, parts: int = 0, found: int = 0) -> str:

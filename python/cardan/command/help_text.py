@@ -67,7 +67,7 @@ Example:
 """
 
 PLOT = f"""\
-Draw a scene into a file that ends in {", ".join(SUFFIXES)}.
+Draw a scene and write the picture to a file that ends in {", ".join(SUFFIXES)}.
 
 \b
 Examples:
@@ -150,7 +150,7 @@ Examples:
 """
 
 SCHEMA = """\
-Print the JSON Schema of scenes, by which editors complete and check them.
+Print the JSON Schema of scenes. Editors use it to complete and check them.
 
 With "--answers": the schema of what "--json" prints.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from cardan.figures.answers import record
 from cardan.figures.rounding import ROUNDING, equivalent_bend_deg
 from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.scene.scene import Scene
+from cardan.teeth import tooth_turns
 from cardan.workshop import turn
 
 ARRANGEMENTS = ("straight", "single bend", "W", "Z", "planar", "spatial")
@@ -97,10 +99,38 @@ def advice(
 
 
 def scene_advice(scene: Scene) -> dict[str, Any] | None:
-    """Return ``advice`` for a scene; ``None`` where a study or a recording varies the bends."""
-    if scene.line.shape or (scene.study is not None and scene.study.axes):
+    """Return ``advice`` for a scene; ``None`` where a study or a recording varies the bends.
+
+    With teeth in the scene, ``"teeth"`` are the best of them, as in ``yoke_settings``.
+    """
+    line = scene.line
+    if line.shape or (scene.study is not None and scene.study.axes):
         return None
-    return advice(scene.line, limit_of(scene))
+    best = line.optimal_phases()
+    found = advice(line, limit_of(scene), best)
+    if scene.teeth:
+        phases, found["teeth"] = on_teeth(line, scene.teeth, best)
+        found["equivalent_bend_deg"]["on_teeth"] = equivalent_bend_deg(line.with_phases(phases))
+    return found
+
+
+def on_teeth(
+    line: Driveline, teeth: Sequence[int], best: FloatArray
+) -> tuple[FloatArray, list[dict[str, Any]]]:
+    """Return the best phases on splines in rad, and how to set each shaft as plain data."""
+    turns = tooth_turns(line, teeth, best)
+    phases = line.phases + 2.0 * np.pi * turns / np.asarray(teeth)
+    return phases, [
+        {
+            "shaft": i + 1,
+            "teeth": count,
+            "turn_teeth": abs(int(turns[i])),
+            "turn_deg": abs(int(turns[i])) * 360.0 / count,
+            "turn_sense": ("counter-clockwise", "none", "clockwise")[int(np.sign(turns[i])) + 1],
+            **setting(float(phases[i])),
+        }
+        for i, count in enumerate(teeth)
+    ]
 
 
 def limit_of(scene: Scene) -> float:

@@ -123,7 +123,7 @@ def _geometry(scene: Scene) -> Iterator[Row]:
     for name, array in (("twist", line.twists), ("phase", line.phases)):
         # Recorded bends leave the yokes as they are.
         for i, angle in enumerate(array[(0,) * len(line.shape)]):
-            yield Row(name, "shaft", i + 1, "value", _within(angle), "deg", "driveline")
+            yield Row(name, "shaft", i + 1, "value", float(within_turn(angle)), "deg", "driveline")
 
 
 def _equivalent(scene: Scene) -> Iterator[Row]:
@@ -279,6 +279,6 @@ def _first_place(scene: Scene, places: Iterable[float]) -> float | None:
     return float(at) if at <= last + 1e-6 else None
 
 
-def _within(angle: float) -> float:
+def within_turn(angle: float | FloatArray) -> FloatArray:
     """In degrees, within (-180, 180]."""
-    return 180.0 - (180.0 - math.degrees(angle)) % 360.0
+    return np.asarray(180.0 - (180.0 - np.degrees(angle)) % 360.0)

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from cardan.figures.advice import ADVICE_KEYS, advice, limit_of, listed, setting
+from cardan.figures.advice import ADVICE_KEYS, advice, limit_of, listed, on_teeth
 from cardan.figures.answers import answer, answer_schema, record
 from cardan.figures.catalogue import CATALOGUE_SCHEMA, root_rule
 from cardan.figures.rounding import equivalent_bend_deg
 from cardan.scene.scene import Scene
-from cardan.teeth import tooth_turns
 from cardan.workshop import VIEW
 
 _NUMBER = {"type": "number"}
@@ -68,15 +65,10 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
     settings = {"present": line.phases, "best": best}
     teeth: list[dict[str, Any]] = []
     if scene.teeth:
-        turns = tooth_turns(line, scene.teeth, best)
-        settings["on_teeth"] = line.phases + 2.0 * np.pi * turns / np.asarray(scene.teeth)
+        settings["on_teeth"], teeth = on_teeth(line, scene.teeth, best)
         found["equivalent_bend_deg"]["on_teeth"] = equivalent_bend_deg(
             line.with_phases(settings["on_teeth"])
         )
-        teeth = [
-            _tooth(i + 1, count, int(turns[i]), float(settings["on_teeth"][i]))
-            for i, count in enumerate(scene.teeth)
-        ]
     # On splines, what can be set.
     set_best = line.with_phases(settings.get("on_teeth", best))
     check = set_best.check(scene.speed or None, scene.limits)
@@ -89,14 +81,3 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
         catalogue={key: root_rule(line.with_phases(phases)) for key, phases in settings.items()},
         above_limits=[str(finding) for finding in check.findings if not finding.passes],
     )
-
-
-def _tooth(shaft: int, teeth: int, turned: int, phase: float) -> dict[str, Any]:
-    return {
-        "shaft": shaft,
-        "teeth": teeth,
-        "turn_teeth": abs(turned),
-        "turn_deg": abs(turned) * 360.0 / teeth,
-        "turn_sense": ("counter-clockwise", "none", "clockwise")[int(np.sign(turned)) + 1],
-        **setting(phase),
-    }

@@ -195,9 +195,7 @@ def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], turns: Turns
             "those that their legends do not name are left out."
         )
     if any(quantity.vector for quantity in drawn):
-        said.append(
-            f"{_axes_named(scene)}; moments across the driveline have a scale of their own."
-        )
+        said.append(f"{_axes_named(scene)}. Moments across the driveline have a separate scale.")
     lines = textwrap.wrap(" ".join(said), 200)
     for i, line in enumerate(reversed(lines)):
         _text(figure, _MARGIN, _LOW + _LINE * i, line)

@@ -29,7 +29,7 @@ _SMOOTH = {
     "not judged": "Unknown",
 }
 
-_SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the nearest teeth"}
+_SETTINGS = {"present": "now", "best": "with this setting", "on_teeth": "on the best teeth"}
 
 
 def answer(
@@ -124,6 +124,7 @@ def _yokes(data: dict[str, Any]) -> dict[str, Any]:
         "teeth": [line.removeprefix("- ") for line in tooth_lines(data)],
         "bends": [(_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items()],
         "advice": advice_text(data),
+        "tried": "On these teeth" if data["teeth"] else "With this setting",
         "above_limits": data["above_limits"],
         "phases": phases_text(data),
     }

@@ -12,6 +12,7 @@ from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
 from cardan.figures.catalogue import fork_signs
 from cardan.figures.rounding import is_cancelled
+from cardan.figures.summary import within_turn
 from cardan.report.samples import Peak, Samples
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
@@ -64,8 +65,8 @@ def inputs(scene: Scene) -> dict[str, Table]:
         heads += ["Twist of bend planes [deg]", "Phase of yokes [deg]", f"Output-side yoke, {VIEW}"]
         for i, cells in enumerate(shafts):
             if 0 < i < line.n_joints:
-                twist = _span(np.degrees(twists[:, i - 1]))
-                cells += [twist, _figure(np.degrees(phases[i - 1])), _setting(phases[i - 1])]
+                twist = _span(within_turn(twists[:, i - 1]))
+                cells += [twist, _figure(within_turn(phases[i - 1])), _setting(phases[i - 1])]
             else:
                 cells += ["", "", ""]
     if not line.shape:

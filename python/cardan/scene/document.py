@@ -64,7 +64,10 @@ class Document:
         for key, value in values.items():
             with self.within(name, key):
                 if key not in section.keys:
-                    raise ValueError(f"unknown key {shown(key)}; {_meant(key, section.keys)}")
+                    hint = _meant(key, section.keys)
+                    if name == "study" and key.partition(".")[0] in section.keys:
+                        hint = "write it without quotes"
+                    raise ValueError(f"unknown key {shown(key)}; {hint}")
                 checked[key] = section.keys[key].kind.rule.read(Location(key), value)
         for one, other in section.together:
             with self.within(name):
@@ -77,7 +80,7 @@ class Document:
                     raise ArgumentValueError(keys[0], f"is missing{others}")
         with self.within(name):
             if len(values) < section.fewest:
-                raise ValueError("it is empty; it needs a key at least")
+                raise ValueError("is empty; give at least one key")
         return checked
 
     @contextmanager

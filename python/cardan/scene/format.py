@@ -288,7 +288,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "table": Key(kinds.TABLE_FILE, "file for the table of the study; same endings"),
                 "picture": Key(
                     kinds.PICTURE_FILE,
-                    f"file for it; its name ends in {', '.join(pictures.SUFFIXES)}",
+                    f"file for the picture; its name ends in {', '.join(pictures.SUFFIXES)}",
                 ),
                 "tolerance": Key(
                     kinds.TOLERANCE,
@@ -298,7 +298,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "dtype": Key(kinds.DTYPE, "float64 or float32; default: float64"),
                 "workers": Key(
                     kinds.WORKERS,
-                    "most threads to use, -1 for all cores; default: as many as help",
+                    "most threads to use, -1 for all cores; default: as many as are useful",
                 ),
             },
         ),

@@ -10,7 +10,7 @@ from cardan.workshop import VIEW, both_senses
 _NAMES = {
     "straight": "All joints are straight.",
     "single bend": "Only one joint is bent.",
-    "W": "W arrangement: the bends lie in one plane, and the outer shafts meet.",
+    "W": "W arrangement: the bends lie in one plane, in the same direction.",
     "Z": "Z arrangement: the bends lie in one plane, in opposite directions.",
     "planar": "Planar arrangement: all bends lie in one plane.",
     "spatial": "Spatial arrangement: the bends lie in different planes.",
@@ -59,16 +59,31 @@ def remedies(data: dict[str, Any]) -> list[str]:
     """Say what would bring a driveline within its limit, a sentence each; nothing if it is."""
     if data["cause"] == "none":
         return []
-    best = f"{data['equivalent_bend_deg']['best']:.3f}°"
+    bends = data["equivalent_bend_deg"]
+    best = f"{bends['best']:.3f}°"
+    settable = bends.get("on_teeth", bends["best"])
+    if data["cause"] == "phases" and settable > data["limit_deg"]:
+        return [
+            f"No teeth of the splines bring it within the limit of {data['limit_deg']:.4g}°: the "
+            f"best teeth leave {settable:.3f}°. The exact setting would leave {best}."
+        ]
     if data["cause"] == "phases":
         turns = ", of ".join(
-            f"shaft {shaft['shaft']} by {turn_text(shaft)}"
-            for shaft in data["shafts"]
+            f"shaft {shaft['shaft']} by "
+            + (teeth_text(shaft) if shaft.get("turn_teeth") else turn_text(shaft))
+            for shaft in data.get("teeth") or data["shafts"]
             if shaft["turn_deg"] >= SHOWN
         )
-        return [f"Turn the output-side yoke of {turns}, {VIEW}; that leaves {best}."]
+        return [f"Turn the output-side yoke of {turns}, {VIEW}; that leaves {settable:.3f}°."]
     left = f": the best setting leaves {best}" if data["shafts"] else ""
     return [f"{_too_different(data)}{left}.", _changes(data)]
+
+
+def teeth_text(shaft: dict[str, Any]) -> str:
+    """Say by how many teeth to turn a yoke on its spline."""
+    count = shaft["turn_teeth"]
+    teeth = "tooth" if count == 1 else "teeth"
+    return f"{count} {teeth} {shaft['turn_sense']} ({shaft['turn_deg']:.2f}°)"
 
 
 def turn_text(shaft: dict[str, Any]) -> str:
@@ -82,7 +97,7 @@ def turn_text(shaft: dict[str, Any]) -> str:
 def _too_different(data: dict[str, Any]) -> str:
     bent = _bent(data)
     if not data["shafts"]:
-        return "One joint alone cannot make up for its bend"
+        return "A single joint cannot cancel its own unevenness"
     if len(bent) == 1:
         return "One bend alone cannot cancel; no phase can fix that"
     if len(bent) == 2:
@@ -106,7 +121,9 @@ def _changes(data: dict[str, Any]) -> str:
     changes = ", or ".join(
         f"joint {found['joint']} {_range(found['from_deg'], found['to_deg'])}" for found in changed
     )
-    then = ", then set the yokes anew" if data["shafts"] else ", or add a second one bent as much"
+    then = ", then set the yokes anew"
+    if not data["shafts"]:
+        then = ", or add a second joint with the same bend"
     return f"To come within the limit of {data['limit_deg']:.4g}°, make {changes}{then}."
 
 

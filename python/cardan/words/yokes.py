@@ -6,7 +6,13 @@ import textwrap
 from collections.abc import Iterable
 from typing import Any
 
-from cardan.words.advice import SHOWN, advice_text, arrangement_text, turn_text
+from cardan.words.advice import (
+    SHOWN,
+    advice_text,
+    arrangement_text,
+    teeth_text,
+    turn_text,
+)
 from cardan.workshop import ARROW, SAME_YOKE, VIEW, both_senses
 
 _WIDTH = 79
@@ -57,11 +63,7 @@ def tooth_lines(data: dict[str, Any]) -> list[str]:
     cost = f"{bend['on_teeth'] - bend['best']:.3f}°"
     lines = [f"On the splines, whose teeth cost {cost} of equivalent bend:"]
     for tooth in data["teeth"]:
-        count = tooth["turn_teeth"]
-        change = "nothing to turn"
-        if count:
-            teeth = "tooth" if count == 1 else "teeth"
-            change = f"turn it {count} {teeth} {tooth['turn_sense']} ({tooth['turn_deg']:.2f}°)"
+        change = f"turn it {teeth_text(tooth)}" if tooth["turn_teeth"] else "nothing to turn"
         spline = "cannot be turned" if tooth["teeth"] < 3 else f"{tooth['teeth']} teeth"
         lines.append(f"- shaft {tooth['shaft']} ({spline}): {_setting(tooth)}; {change}")
     return lines
