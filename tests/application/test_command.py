@@ -164,6 +164,14 @@ def test_examples_of_the_help_work(
     if name == "stream":
         write_columns("angles.parquet", {"angle_deg": np.array([0.0, 0.5, 1.0])})
         Path("long.toml").write_text(LONG)
+    if name == "identify":
+        angles = np.linspace(0.0, 720.0, 200)
+        columns = [angles, angles + 1.0, angles + 2.0, np.ones_like(angles)]
+        rows = [
+            "crank,shaft,axle,ratio",
+            *(",".join(map(str, row)) for row in zip(*columns, strict=True)),
+        ]
+        Path("encoders.csv").write_text("\n".join(rows))
     assert all(example.split()[0] == name for example in examples)
     for example in [*others, *examples]:
         result = run(*example.split())

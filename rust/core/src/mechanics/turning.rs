@@ -38,7 +38,13 @@ impl<T: Real> Turning<T> {
         Self::new(&transfer)
     }
 
-    /// Speed ratio, `(|A|² − |B|²)/|A w + B w̄|²`, and its derivative, the acceleration ratio.
+    /// Speed ratio, `(|A|² − |B|²)/|A w + B w̄|²`.
+    #[inline(always)]
+    pub(crate) fn ratio(&self, s: T, c: T) -> T {
+        self.rates(s, c).0
+    }
+
+    /// Speed ratio and its derivative, the acceleration ratio.
     #[inline(always)]
     pub(crate) fn rates(&self, s: T, c: T) -> (T, T) {
         let (y, x) = turned(self.matrix, s, c);

@@ -113,7 +113,7 @@ fn run_rates<T: Number>(
 ) {
     let ratio = ratio.view_mut(pins.len());
     if acceleration.is_empty() {
-        map::formula(|turning, s, c| Turning::rates(turning, s, c).0, at, pins, ratio);
+        map::formula(Turning::ratio, at, pins, ratio);
     } else {
         let rates = (ratio, acceleration.view_mut(pins.len()));
         map::formula(Turning::rates, at, pins, rates);

@@ -259,14 +259,6 @@ pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
     let length = sine.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     let mut near = false;
-    let mut set = |i: usize, reduced: (DoubleDouble, u64)| {
-        let offset = at(i);
-        let (r, quadrant) = offset.after(reduced, K::DOUBLE_ANGLE);
-        near |= offset.loses_digits((r, quadrant));
-        let (s, c) = K::sin_cos((T::from_double_double(r), quadrant));
-        sine.set(i, s);
-        cosine.set(i, c);
-    };
     match drive {
         DriveAngles::Array(angle) => {
             let angle = &angle[..length];
@@ -274,28 +266,49 @@ pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
             for i in 0..length {
                 let reduced = reduction::reduce_double_double(DoubleDouble::exact(angle[i]));
                 too_large.accumulate(reduced.1);
-                set(i, reduced);
+                let (s, c, lost) = turned::<K, T>(at(i), reduced);
+                near |= lost;
+                sine.set(i, s);
+                cosine.set(i, c);
             }
             if too_large.any() {
                 for i in 0..length {
-                    set(i, reduction::reduce_any(angle[i]));
+                    let (s, c, lost) = turned::<K, T>(at(i), reduction::reduce_any(angle[i]));
+                    near |= lost;
+                    sine.set(i, s);
+                    cosine.set(i, c);
                 }
             }
         }
         DriveAngles::Sweep(sweep, first) => {
             let reduction = sweep.reduction();
             for i in 0..length {
-                set(i, reduction.of(sample_number(first, i)));
+                let (s, c, lost) = turned::<K, T>(at(i), reduction.of(sample_number(first, i)));
+                near |= lost;
+                sine.set(i, s);
+                cosine.set(i, c);
             }
         }
         DriveAngles::Selected(sweep, samples) => {
             let (reduction, samples) = (sweep.reduction(), &samples[..length]);
             for i in 0..length {
-                set(i, reduction.of(samples[i]));
+                let (s, c, lost) = turned::<K, T>(at(i), reduction.of(samples[i]));
+                near |= lost;
+                sine.set(i, s);
+                cosine.set(i, c);
             }
         }
     }
     near
+}
+
+/// Sine and cosine of the sum of a reduced angle and an offset, and whether it has lost digits. As
+/// a closure of the loops it would be compiled without their instruction set.
+#[inline(always)]
+fn turned<K: SinCosKind, T: Angle>(offset: Offset, reduced: (DoubleDouble, u64)) -> (T, T, bool) {
+    let (r, quadrant) = offset.after(reduced, K::DOUBLE_ANGLE);
+    let (s, c) = K::sin_cos((T::from_double_double(r), quadrant));
+    (s, c, offset.loses_digits((r, quadrant)))
 }
 
 impl DriveAngles<'_> {
@@ -309,6 +322,7 @@ impl DriveAngles<'_> {
     }
 
     /// The angle of a sample in rad; NaN if it is not finite.
+    #[inline(always)]
     pub(crate) fn angle(&self, i: usize) -> f64 {
         match self {
             Self::Array(angle) => angle[i].mul_add(0.0, angle[i]),
