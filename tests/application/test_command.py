@@ -171,7 +171,7 @@ def test_examples_of_the_help_work(
             "crank,shaft,axle,ratio",
             *(",".join(map(str, row)) for row in zip(*columns, strict=True)),
         ]
-        Path("encoders.csv").write_text("\n".join(rows))
+        Path("run.csv").write_text("\n".join(rows))
     assert all(example.split()[0] == name for example in examples)
     for example in [*others, *examples]:
         result = run(*example.split())

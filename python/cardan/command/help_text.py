@@ -144,9 +144,9 @@ each turn. With the angle of the shaft between two joints, both bends and the ph
 
 \b
 Examples:
-  cardan identify encoders.csv --drive crank --driven axle
-  cardan identify encoders.csv --drive crank --speed-ratio ratio
-  cardan identify encoders.csv --drive crank --intermediate shaft --driven axle
+  cardan identify run.csv --drive crank --driven axle
+  cardan identify run.csv --drive crank --speed-ratio ratio
+  cardan identify run.csv --drive crank --intermediate shaft --driven axle
 """
 
 SCHEMA = """\
