@@ -168,7 +168,7 @@ def test_examples_of_the_help_work(
         angles = np.linspace(0.0, 720.0, 200)
         columns = [angles, angles + 1.0, angles + 2.0, np.ones_like(angles)]
         rows = [
-            "crank,shaft,axle,ratio",
+            "crank,mid,axle,ratio",
             *(",".join(map(str, row)) for row in zip(*columns, strict=True)),
         ]
         Path("run.csv").write_text("\n".join(rows))

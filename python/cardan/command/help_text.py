@@ -138,15 +138,15 @@ Examples:
 IDENTIFY = """\
 Find the bend that a recording of a driveline shows.
 
-FILE is a recording in CSV, Parquet or NPZ with columns for the angles of the drive and of a driven
-shaft, or for the speed of the driven shaft over that of the drive. The angles may start anew at
-each turn. With the angle of the shaft between two joints, both bends and the phase are found.
+FILE is a recording in CSV, Parquet or NPZ. It has columns for the angles of the drive and of a
+driven shaft, or for the speed ratio of the driven shaft. The angles may start anew at each turn.
+With the angle of the shaft between two joints, both bends and the phase are found.
 
 \b
 Examples:
   cardan identify run.csv --drive crank --driven axle
   cardan identify run.csv --drive crank --speed-ratio ratio
-  cardan identify run.csv --drive crank --intermediate shaft --driven axle
+  cardan identify run.csv --drive crank --intermediate mid --driven axle
 """
 
 SCHEMA = """\
