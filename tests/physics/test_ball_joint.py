@@ -687,3 +687,15 @@ def test_refusals(call: Callable[[], Any], message: str) -> None:
 def test_what_is_not_a_real_number(call: Callable[[], Any], name: str) -> None:
     with pytest.raises(TypeError, match=f"{name} has dtype .*; it must hold real numbers"):
         call()
+
+
+def test_nodes_of_the_rule_are_those_of_gauss() -> None:
+    nodes = ball_joint.contact._GAUSS
+    assert len(nodes) == 12
+    with mp.workdps(40):
+        for found, weight in nodes:
+            node = mp.findroot(lambda x: mp.legendre(24, x), mp.mpf(found))
+            slope = 24 * (mp.legendre(23, node) - node * mp.legendre(24, node)) / (1 - node**2)
+            assert found == float(node)
+            assert weight == float(2 / ((1 - node**2) * slope**2))
+    assert len({node for node, _ in nodes}) == 12
