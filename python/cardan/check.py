@@ -94,7 +94,7 @@ class Check:
         return f"{counted(self.ranks)}." if self.ranks.shape else _HEADINGS[str(self.verdict)]
 
     def __str__(self) -> str:
-        """Say it in words: the verdict, the figures of catalogue and practice, the sources."""
+        """Return the verdict, the figures of catalogue and practice, and the sources as text."""
         lines = [self.heading]
         for group in (self.catalogue, self.practice):
             lines += ["", *group._lines()] if group.findings else []

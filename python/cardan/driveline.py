@@ -322,7 +322,7 @@ class Driveline(Batch):
 
         Returns:
             findings with values, in the shape of batch and speed, limits and verdicts; ``print``
-                says it in words.
+                shows them as text.
 
         Raises:
             TypeError: a speed that is not a real number, limits of another type.

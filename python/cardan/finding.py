@@ -180,7 +180,7 @@ class Finding:
         return f"{value:.4g}°" if self.unit == "deg" else f"{value:.4g} {self.unit}"
 
     def __str__(self) -> str:
-        """Say it in words."""
+        """Return the figure with its verdict and source as text."""
         place = f" (at {self.place})" if self.place else ""
         source = f" ({self.limit.source})" if self.limit else ""
         return f"{self.name} {self.value_text}{place} is {'; '.join(self.words)}{source}"

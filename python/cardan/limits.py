@@ -54,7 +54,7 @@ CATALOGUE = Limit(
     3.0,
     "driveshaft catalogues, section 6.4; Elbe, calculation data, section 3",
 )
-"""The limit of the equivalent bend where nothing else is said."""
+"""The default limit of the equivalent bend."""
 
 _US_MAKERS = "practice of driveshaft makers in the United States, no publication known"
 

@@ -39,7 +39,7 @@ class Turn:
     sense: NDArray[np.str_]
 
     def __str__(self) -> str:
-        """Say it in words and in both senses, one line per turn."""
+        """Return the turn in both senses as text, one line per turn."""
         pairs = zip(np.degrees(self.angle).flat, self.sense.flat, strict=True)
         return "\n".join(
             _IN_PLACE.get(str(sense)) or f"{both_senses(angle, str(sense))}, {VIEW}"

@@ -29,7 +29,7 @@ _HALF_TURN = Sweep.revolutions(721 / 1440, 1440)
 
 
 def plot_driven_angle(bend_deg: float = 60.0, *, ax: Axes | None = None) -> Axes:
-    """Draw Bild 10: the driven angle over the drive angle, beside that of a straight joint.
+    """Draw Bild 10: the driven angle over the drive angle, compared with a straight joint.
 
     At bends that are in use the two could hardly be told apart.
 

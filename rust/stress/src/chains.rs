@@ -103,7 +103,7 @@ impl ChainShape {
 
 /// The worst errors of a kind of chain, tier by tier, in units and (single) parts of the largest.
 #[derive(Clone, Debug)]
-pub(crate) struct Chains {
+pub(crate) struct ChainErrors {
     pub(crate) shape: ChainShape,
     pub(crate) judged: u64,
     pub(crate) off: [[f64; 5]; 4],
@@ -111,13 +111,13 @@ pub(crate) struct Chains {
 }
 
 /// At least so many samples of each kind.
-pub(crate) fn run(seed: u64, samples: u64) -> Vec<Chains> {
+pub(crate) fn run(seed: u64, samples: u64) -> Vec<ChainErrors> {
     let mut random = Random::new(seed ^ 0xc4a1);
     ChainShape::ALL
         .into_iter()
         .map(|shape| {
             let mut found =
-                Chains { shape, judged: 0, off: [[0.0; 5]; 4], place: Default::default() };
+                ChainErrors { shape, judged: 0, off: [[0.0; 5]; 4], place: Default::default() };
             while found.judged < samples {
                 let line = shape.line(&mut random);
                 judge(&line, &mut random, &mut found);
@@ -160,7 +160,7 @@ fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     planes
 }
 
-fn judge(line: &Line, random: &mut Random, found: &mut Chains) {
+fn judge(line: &Line, random: &mut Random, found: &mut ChainErrors) {
     let chain = Chain::of(&line.bends, &line.twists, &line.phases);
     let n = line.bends.len() as f64;
     let angles: Vec<f64> = (0..ANGLES).map(|_| Kind::Random.angle(random, 0.0, &[])).collect();

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::angle::sin_cos;
-use crate::chains::{Chains, MOTION};
+use crate::chains::{ChainErrors, MOTION};
 use crate::exact::{Chain, ExactJoint, Turn};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
 use crate::loads::{self, Loads};
@@ -13,7 +13,7 @@ use crate::wide::Wide;
 
 pub(crate) struct Report<'a> {
     pub(crate) ledger: &'a Ledger,
-    pub(crate) chains: &'a [Chains],
+    pub(crate) chains: &'a [ChainErrors],
     pub(crate) loads: &'a [Loads],
     pub(crate) points: &'a [Points],
     pub(crate) seconds: f64,

@@ -183,14 +183,23 @@ impl Transfer {
 /// `e^{ip}` of an intermediate shaft, `p = δ − τ + 90°`.
 pub(crate) fn shaft_turn(phase: f64, twist: f64) -> Complex {
     if trig::any_too_large([phase, twist].into_iter()) {
-        let turn = |angle: f64| {
-            let (sine, cosine) = trig::sin_cos_double_double(reduction::reduce_any(angle));
-            Complex::new(cosine, sine)
-        };
-        let Complex { re, im } = turn(phase) * turn(-twist);
-        return Complex::new(-im, re);
+        return far_shaft_turn(phase, twist, trig::sin_cos_double_double);
     }
     near_shaft_turn(phase, twist)
+}
+
+/// The same for any angles, as a product of the turns by phase and twist.
+fn far_shaft_turn(
+    phase: f64,
+    twist: f64,
+    sin_cos: impl Fn((DoubleDouble, u64)) -> (DoubleDouble, DoubleDouble),
+) -> Complex {
+    let turn = |angle: f64| {
+        let (sine, cosine) = sin_cos(reduction::reduce_any(angle));
+        Complex::new(cosine, sine)
+    };
+    let Complex { re, im } = turn(phase) * turn(-twist);
+    Complex::new(-im, re)
 }
 
 /// The same, branch-free, for angles below the limit of [`trig::any_too_large`].
@@ -204,12 +213,7 @@ pub(crate) fn near_shaft_turn(phase: f64, twist: f64) -> Complex {
 /// The same with nearly all digits of a double-double.
 pub(crate) fn wide_shaft_turn(phase: f64, twist: f64) -> Complex {
     if trig::any_too_large([phase, twist].into_iter()) {
-        let turn = |angle: f64| {
-            let (sine, cosine) = series::sin_cos(reduction::reduce_any(angle));
-            Complex::new(cosine, sine)
-        };
-        let Complex { re, im } = turn(phase) * turn(-twist);
-        return Complex::new(-im, re);
+        return far_shaft_turn(phase, twist, series::sin_cos);
     }
     near_wide_shaft_turn(phase, twist)
 }

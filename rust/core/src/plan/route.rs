@@ -66,7 +66,7 @@ impl Routes {
         let long = table.row_length() >= LONG_ROW && period.is_none();
         let Some(sweep) = table.sweep.as_ref().filter(|_| long) else { return routes };
         let is_moderate = |shaft: usize| plan.range(shaft).is_moderate();
-        // Behind more than one joint, numbers with error terms have sines of their own.
+        // Behind more than one joint, numbers with error terms use separate sines.
         let shared =
             || plan.moving().filter(|step| step.shaft == 1 || !precision.costs().double_angle);
         let moderate = !per_sample && shared().any(|step| is_moderate(step.shaft));

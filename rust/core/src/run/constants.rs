@@ -88,7 +88,7 @@ pub(crate) struct FoldedShaft<T: Angle> {
     pub(super) bound: AtanRange,
     double_angles: [Column<T>; 5],
     equivalents: [Column<T>; 7],
-    /// Remainder and quarters of the equivalent joint's offset, for shafts with sines of their own.
+    /// Remainder and quarters of the equivalent joint's offset, for shafts with separate sines.
     offsets: [Column<DoubleDouble>; 2],
 }
 
@@ -144,7 +144,7 @@ impl<T: Angle> FoldedShaft<T> {
         !self.double_angles[0].is_empty()
     }
 
-    /// Whether the shaft has sines of its own, of the equivalent joint's input angle.
+    /// Whether the shaft has separate sines, those of the equivalent joint's input angle.
     #[inline(always)]
     pub(crate) fn has_offsets(&self) -> bool {
         !self.offsets[0].is_empty()

@@ -1,4 +1,4 @@
-//! Shafts and joints with sines of their own, which carry error terms.
+//! Shafts and joints with separate sines, which carry error terms.
 //!
 //! Sine and cosine of a chain's input angle could be rotated from those of the drive. Next to
 //! their zeros the rotation cancels, and a steep chain is fast there. The sum of the drive angle and
