@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::number::float::Real;
+use crate::number::float::{Float, Real};
 
 /// Bytes of a cache line. Loading or storing a vector that crosses one takes twice as long.
 const CACHE_LINE: usize = 64;
@@ -120,6 +120,20 @@ pub(crate) fn views<T: Real, const N: usize>(
     views
 }
 
+/// A part of several columns, for reading.
+#[inline(always)]
+pub(crate) fn parts<'a, T: Real, const N: usize>(
+    columns: &[View<'a, T>; N],
+    start: usize,
+    length: usize,
+) -> [View<'a, T>; N] {
+    let mut parts = [View::EMPTY; N];
+    for (part, column) in parts.iter_mut().zip(columns) {
+        *part = column.part(start, length);
+    }
+    parts
+}
+
 /// `length` numbers of several columns from `start` on, for writing.
 #[inline(always)]
 pub(crate) fn views_mut<T: Real, const N: usize>(
@@ -217,6 +231,16 @@ impl<T: Real> ViewMut<'_, T> {
         self.high[i] = high;
         if T::LOW {
             self.low[i] = low;
+        }
+    }
+
+    /// Sets a strip of numbers, given their words.
+    #[inline(always)]
+    pub(crate) fn set_strip(&mut self, first: usize, high: &[T::Float], low: &[T::Float]) {
+        let length = T::Float::STRIP;
+        self.high[first..first + length].copy_from_slice(&high[..length]);
+        if T::LOW {
+            self.low[first..first + length].copy_from_slice(&low[..length]);
         }
     }
 

@@ -4,6 +4,8 @@ use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use cardan_memory::Plane;
+
 use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
@@ -20,7 +22,9 @@ use crate::run::load;
 use crate::run::motion;
 use crate::run::scratch::Scratch;
 use crate::run::sines;
+use crate::run::sink::Outputs;
 use crate::run::stores_as::StoresAs;
+use crate::run::strips::strip;
 use crate::run::sweep_tables::SweepTables;
 use crate::sincos::array::DriveAngles;
 
@@ -36,10 +40,14 @@ const LONG_CHUNK: usize = 16 * CHUNK;
 /// The most rows whose drivelines are folded together.
 pub(crate) const GROUP: usize = 64;
 
+/// The most samples of a row that are computed in a padded buffer if they are no whole strips. The
+/// last samples of longer rows are a chunk by themselves.
+const PADDED: usize = 128;
+
 /// The destination of a block's results.
 pub(crate) enum Target<'a, 'b, W> {
     /// These parts of the planes.
-    Planes(&'a mut [&'b mut [W]]),
+    Planes(&'a mut [Plane<'b, W>]),
     /// A reduction of each row, one number per group of planes.
     Reduced(Reduction, &'a [usize], &'a mut [DoubleDouble]),
 }
@@ -53,6 +61,8 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) tables: SweepTables<T>,
     /// The only driveline, if it was folded before.
     pub(crate) folded: Option<&'a Folded<T>>,
+    /// Whether the results exceed the caches, so that strips are stored past them.
+    pub(crate) past_caches: bool,
     /// Skips the remaining chunks when set.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
@@ -66,9 +76,11 @@ pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     /// Samples per chunk.
     chunk_length: usize,
     scratch: Scratch<T>,
-    /// Planes for one chunk, if the results are converted or reduced afterwards.
+    /// Whether the results are converted or reduced afterwards.
+    staged: bool,
+    /// Planes for one such chunk, or for one that is not made of whole strips.
     staging: Vec<Vec<T::Plane>>,
-    /// The angles of a chunk, if they are not contiguous in the samples.
+    /// The angles of a chunk, if they are not contiguous in the samples or no whole strips.
     angles: Vec<f64>,
     /// First angle, step and length of the chunks for which `scratch` holds pins and double angles.
     pins_key: Option<(usize, usize, usize)>,
@@ -80,6 +92,14 @@ struct RowPart {
     row: usize,
     samples: Range<usize>,
     offset: usize,
+}
+
+impl<T: Number> Shared<'_, '_, T> {
+    /// Whether chunks begin where results begin a cache line. Those of a rotated sweep begin with
+    /// a strip.
+    fn aligns_chunks(&self) -> bool {
+        self.past_caches && !self.routes.has_rotation() && self.routes.period.is_none()
+    }
 }
 
 impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
@@ -100,7 +120,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         } else {
             CHUNK
         };
-        let longest = chunk_length.min(row_length);
+        let longest = chunk_length.min(row_length).next_multiple_of(strip::<T>());
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
@@ -116,11 +136,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             rows: 0..0,
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
-            staging: if staging {
-                vec![vec![T::Plane::default(); longest]; plan.planes]
-            } else {
-                vec![]
-            },
+            staged: staging,
+            staging: vec![],
             angles: vec![],
             pins_key: None,
             double_angles_key: None,
@@ -194,7 +211,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         }
     }
 
-    /// Runs a part of one row, chunk by chunk. Chunks begin at multiples of their length.
+    /// Runs a part of one row, chunk by chunk.
     fn row(&mut self, part: &RowPart, row_in_block: usize, target: &mut Target<'_, '_, W>) {
         let Range { start, end } = part.samples;
         let stop = match self.period(part, target) {
@@ -208,13 +225,15 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             && let Some(selected) = self.extreme_samples(part.row, start..stop, *reduction)
         {
             for samples in selected.chunks(self.chunk_length) {
-                self.chunk(part, 0..samples.len(), Some(samples), row_in_block, target);
+                let mut strips = samples.to_vec();
+                strips.resize(samples.len().next_multiple_of(strip::<T>()), samples[0]);
+                self.chunk(part, 0..samples.len(), Some(&strips), row_in_block, target);
             }
             return;
         }
         let mut at = start;
         while at < stop && !self.stopped() {
-            let next = stop.min((at / self.chunk_length + 1) * self.chunk_length);
+            let next = self.chunk_end(part, at, stop, target);
             self.chunk(part, at..next, None, row_in_block, target);
             at = next;
         }
@@ -231,6 +250,31 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 }
             }
         }
+    }
+
+    /// The end of the chunk that begins at sample `at` of a row. Chunks begin at multiples of their
+    /// length, or where the results begin a cache line.
+    fn chunk_end(
+        &self,
+        part: &RowPart,
+        at: usize,
+        stop: usize,
+        target: &mut Target<'_, '_, W>,
+    ) -> usize {
+        let whole = strip::<T>();
+        let first = if at.is_multiple_of(whole) { at - at % self.chunk_length } else { at };
+        let end = stop.min(first + self.chunk_length);
+        if self.staged || end - at <= PADDED {
+            return end;
+        }
+        if let (Target::Planes(planes), true) = (target, self.shared.aligns_chunks()) {
+            let first = part.offset + at - part.samples.start;
+            let before = planes[0].part(first..first + whole).words_before_cache_line();
+            if (1..whole).contains(&before) {
+                return at + before;
+            }
+        }
+        end - (end - at) % whole
     }
 
     /// The number of samples after which the results of a row repeat, if they are to be copied.
@@ -283,18 +327,21 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let loads = self.load_columns();
         let Self { shared, scratch, .. } = self;
         let &Shared { plan, table, level, ref routes, ref tables, .. } = *shared;
-        let (rotations, size) = (tables.rotations.as_ref(), samples.len());
+        let rotations = tables.rotations.as_ref();
+        // The samples of the last strip that are too many repeat or follow others and are dropped.
+        let (count, size) = (samples.len(), samples.len().next_multiple_of(strip::<T>()));
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
         let drive = match (&table.sweep, selected) {
             (Some(sweep), Some(selected)) => DriveAngles::Selected(sweep, selected),
             (Some(sweep), None) => DriveAngles::Sweep(sweep, begin),
-            (None, _) if step == 1 => {
+            (None, _) if step == 1 && count == size => {
                 DriveAngles::Array(&table.columns[ANGLE].data[begin..begin + size])
             }
             (None, _) => {
+                self.angles.clear();
                 self.angles.resize(size, 0.0);
-                gather(table.columns[ANGLE].data, begin, step, &mut self.angles);
+                gather(table.columns[ANGLE].data, begin, step, &mut self.angles[..count]);
                 DriveAngles::Array(&self.angles)
             }
         };
@@ -303,7 +350,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             GeometryVariation::ByRow => GeometryIndex::Shared(part.row - self.rows.start),
             GeometryVariation::BySample => {
                 let (line, step) = table.locate(&table.line, part.row);
-                let line_of = |i: usize| line + (samples.start + i) * step;
+                let line_of = |i: usize| line + (samples.start + i.min(count - 1)) * step;
                 let folded = self.folded.to_mut();
                 compiled_for!(level, folded.fold(plan, &table.lines, size, line_of));
                 GeometryIndex::PerSample
@@ -325,41 +372,51 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let row_offset = if selected.is_some() { 0 } else { samples.start - part.samples.start };
         let first = part.offset + row_offset;
         let direct = match target {
-            Target::Planes(planes) => T::direct(planes),
-            Target::Reduced(..) => None,
+            Target::Planes(planes) if count == size => T::direct(planes),
+            _ => None,
         };
         let (is_direct, chains) = (direct.is_some(), table.lines.chains(plan.joint_count));
-        let mut views: Vec<&mut [T::Plane]> = match direct {
+        let mut planes: Vec<Plane<'_, T::Plane>> = match direct {
             Some(planes) => {
-                planes.iter_mut().map(|plane| &mut plane[first..first + size]).collect()
+                planes.iter_mut().map(|plane| plane.part(first..first + size)).collect()
             }
-            None => self.staging.iter_mut().map(|plane| &mut plane[..size]).collect(),
+            None => {
+                self.staging.resize(plan.planes, vec![]);
+                let parts = self.staging.iter_mut().map(|words| {
+                    if words.len() < size {
+                        words.resize(size, T::Plane::default());
+                    }
+                    Plane::cached(&mut words[..size])
+                });
+                parts.collect()
+            }
         };
-        compiled_for!(
-            level,
+        compiled_for!(level, stores => {
+            let outputs = &mut Outputs { planes: &mut planes, stores };
             motion::run_motion(
-                plan, routes, drive, rotations, folded, chains, geometry, scratch, &mut views,
-                size, row_offset
-            )
-        );
+                plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
+                row_offset,
+            );
+        });
         if let Some(load) = &plan.load {
             for index in loads {
                 let (origin, step) = scratch.cursors[index];
                 if step != 0 {
                     let (data, buffer) = (table.columns[index].data, &mut scratch.gathered[index]);
-                    gather(data, origin + samples.start * step, step, &mut buffer[..size]);
+                    gather(data, origin + samples.start * step, step, &mut buffer[..count]);
                 }
             }
-            compiled_for!(
-                level,
-                load::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
-            );
+            compiled_for!(level, stores => {
+                let outputs = &mut Outputs { planes: &mut planes, stores };
+                load::run_load(plan, load, table, folded, geometry, scratch, outputs, size);
+            });
         }
         match target {
             _ if is_direct => {}
             Target::Planes(planes) => {
                 for (plane, words) in planes.iter_mut().zip(&self.staging) {
-                    compiled_for!(level, convert(&words[..size], &mut plane[first..first + size]));
+                    let plane = &mut plane.words()[first..first + count];
+                    compiled_for!(level, convert(&words[..count], plane));
                 }
             }
             Target::Reduced(reduction, groups, partials) => {
@@ -368,7 +425,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let mut plane = 0;
                 for (partial, &group) in own.iter_mut().zip(*groups) {
                     let planes = &self.staging[plane..plane + group];
-                    compiled_for!(level, reduction.take(partial, planes, size));
+                    compiled_for!(level, reduction.take(partial, planes, count));
                     plane += group;
                 }
             }
@@ -376,11 +433,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     }
 
     /// Copies the first period of a row to the rest of it.
-    fn repeat(&mut self, part: &RowPart, period: usize, planes: &mut [&mut [W]]) {
+    fn repeat(&mut self, part: &RowPart, period: usize, planes: &mut [Plane<'_, W>]) {
         let length = part.samples.len();
         for (i, plane) in planes.iter_mut().enumerate() {
             if !self.shared.plan.is_angle(i) {
-                let row = &mut plane[part.offset..part.offset + length];
+                let row = &mut plane.words()[part.offset..part.offset + length];
                 let (first, rest) = row.split_at_mut(period);
                 for copy in rest.chunks_mut(period) {
                     if self.stopped() {
@@ -403,7 +460,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let place = part.offset + at..part.offset + at + size;
                 let (scratch, level) = (&self.scratch, self.shared.level);
                 if let Some(direct) = T::direct(planes) {
-                    let out = &mut direct[plane][place];
+                    let out = &mut direct[plane].words()[place];
                     compiled_for!(
                         level,
                         motion::repeat_angle(scratch, slot, in_period, drive, out)
@@ -414,7 +471,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                         level,
                         motion::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
                     );
-                    compiled_for!(level, convert(angles, &mut planes[plane][place]));
+                    compiled_for!(level, convert(angles, &mut planes[plane].words()[place]));
                 }
                 at += size;
             }

@@ -8,19 +8,19 @@ use crate::mechanics::joint::JointConstants;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
-use crate::number::storage::{Column, View, columns, views, views_mut};
+use crate::number::storage::{Column, View, columns, parts, views, views_mut};
 use crate::number::trig::Angle;
 use crate::run::lanes::Lane;
+use crate::run::strips::{At, Strips};
 
-/// Runs the body with `at(i)`, the constants of sample `i`. The body is compiled twice: for
-/// constants that all samples share, which stay in registers, and for constants per sample.
+/// Runs the body with `at`, the constants of the samples. The body is compiled twice: for constants
+/// that all samples share, which stay in registers, and for constants per sample.
 macro_rules! with_constants {
     ($geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
         let constants = $constants;
         match $geometry {
             GeometryIndex::Shared(index) => {
-                let shared = constants(index);
-                let $at = move |_: usize| shared;
+                let $at = Same(constants.at(index));
                 $body
             }
             GeometryIndex::PerSample => {
@@ -58,25 +58,46 @@ impl GeometryIndex {
 #[derive(Clone, Copy)]
 pub(crate) struct DoubleAngleColumns<'a, T: Real>([View<'a, T>; 5]);
 
-impl<T: Real> DoubleAngleColumns<'_, T> {
+impl<T: Real> At for DoubleAngleColumns<'_, T> {
+    type Value = DoubleAngle<T>;
+
     #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> DoubleAngle<T> {
+    fn at(&self, i: usize) -> DoubleAngle<T> {
         let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
         DoubleAngle { q: [re, im], mean, complement, gain }
     }
 }
 
-/// A read-only series of equivalent joints.
+impl<T: Real> Strips for DoubleAngleColumns<'_, T> {
+    type Strip = Self;
+
+    #[inline(always)]
+    fn strip(&self, first: usize, length: usize) -> Self {
+        Self(parts(&self.0, first, length))
+    }
+}
+
+/// A read-only series of equivalent joints: constants, and cosine and sine of the offset.
 #[derive(Clone, Copy)]
 pub(crate) struct EquivalentColumns<'a, T: Real>([View<'a, T>; 7]);
 
-impl<T: Real> EquivalentColumns<'_, T> {
-    /// The constants of the joint, and cosine and sine of its offset.
+impl<T: Real> At for EquivalentColumns<'_, T> {
+    type Value = (JointConstants<T>, [T; 2]);
+
     #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
+    fn at(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
         let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
             self.0.each_ref().map(|view| view.get(i));
         (JointConstants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
+    }
+}
+
+impl<T: Real> Strips for EquivalentColumns<'_, T> {
+    type Strip = Self;
+
+    #[inline(always)]
+    fn strip(&self, first: usize, length: usize) -> Self {
+        Self(parts(&self.0, first, length))
     }
 }
 
@@ -96,11 +117,22 @@ pub(crate) struct FoldedShaft<T: Angle> {
 #[derive(Clone, Copy)]
 pub(crate) struct OffsetColumns<'a>([View<'a, DoubleDouble>; 2]);
 
-impl OffsetColumns<'_> {
+impl At for OffsetColumns<'_> {
+    type Value = Offset;
+
     #[inline(always)]
-    pub(crate) fn get(&self, i: usize) -> Offset {
+    fn at(&self, i: usize) -> Offset {
         let [remainder, quarters] = self.0.each_ref().map(|view| view.get(i));
         Offset { remainder, quarters: quarters.high }
+    }
+}
+
+impl Strips for OffsetColumns<'_> {
+    type Strip = Self;
+
+    #[inline(always)]
+    fn strip(&self, first: usize, length: usize) -> Self {
+        Self(parts(&self.0, first, length))
     }
 }
 
@@ -131,9 +163,9 @@ impl<T: Angle> FoldedShaft<T> {
     pub(super) fn range(&self, geometry: GeometryIndex) -> AtanRange {
         match geometry {
             GeometryIndex::Shared(index) if self.has_double_angles() => {
-                self.double_angles(geometry, 0).get(index).range().min(self.bound)
+                self.double_angles(geometry, 0).at(index).range().min(self.bound)
             }
-            GeometryIndex::Shared(index) => self.equivalents(geometry, 0).get(index).0.range(),
+            GeometryIndex::Shared(index) => self.equivalents(geometry, 0).at(index).0.range(),
             GeometryIndex::PerSample => self.bound,
         }
     }
@@ -159,11 +191,11 @@ impl<T: Angle> FoldedShaft<T> {
         size: usize,
     ) -> DoubleDouble {
         if steep {
-            let (joint, _) = self.equivalents(geometry, size).get(index);
+            let (joint, _) = self.equivalents(geometry, size).at(index);
             let [versine, cos] = [joint.versine, joint.cos].map(DoubleDouble::of);
             versine / (DoubleDouble::ONE + cos)
         } else {
-            DoubleDouble::of(self.double_angles(geometry, size).get(index).q[0])
+            DoubleDouble::of(self.double_angles(geometry, size).at(index).q[0])
         }
     }
 
@@ -178,15 +210,15 @@ impl<T: Angle> FoldedShaft<T> {
         let geometry = GeometryIndex::Shared(index);
         if self.has_double_angles() {
             let [re, im]: [f64; 2] =
-                self.double_angles(geometry, 0).get(index).q.map(|x| x.value().into());
+                self.double_angles(geometry, 0).at(index).q.map(|x| x.value().into());
             let double_offset = if self.has_offsets() {
-                2.0 * self.offsets(geometry, 0).get(index).value()
+                2.0 * self.offsets(geometry, 0).at(index).value()
             } else {
                 -im.atan2(re)
             };
             return ExtremaLocator { double_offset, k: re.hypot(im) };
         }
-        let (joint, turn) = self.equivalents(geometry, 0).get(index);
+        let (joint, turn) = self.equivalents(geometry, 0).at(index);
         let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
         let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
         ExtremaLocator { double_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }

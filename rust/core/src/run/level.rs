@@ -3,30 +3,35 @@
 pub use fearless_simd::Level;
 use fearless_simd::Simd;
 
-/// Runs the expression compiled for the level. Levels before AVX2 have no fused multiply-add and
-/// gain nothing over the baseline of the machine. Outside x86 the baseline has everything that the
-/// kernels need.
+/// Runs the expression compiled for the level; `stores` is how it stores strips. Levels before AVX2
+/// have no fused multiply-add and gain nothing over the baseline of the machine. Outside x86 the
+/// baseline has everything that the kernels need.
 macro_rules! compiled_for {
-    ($level:expr, $run:expr) => {{
+    ($level:expr, $run:expr) => {
+        compiled_for!($level, _stores => $run)
+    };
+    ($level:expr, $stores:ident => $run:expr) => {{
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
             use fearless_simd::Simd;
-            if let Some(simd) = $level.as_avx512() {
-                simd.vectorize(
+            if let Some($stores) = $level.as_avx512() {
+                $stores.vectorize(
                     #[inline(always)]
                     || $run,
                 )
-            } else if let Some(simd) = $level.as_avx2() {
-                simd.vectorize(
+            } else if let Some($stores) = $level.as_avx2() {
+                $stores.vectorize(
                     #[inline(always)]
                     || $run,
                 )
             } else {
+                let $stores = cardan_memory::Ordinary;
                 $run
             }
         }
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         {
+            let $stores = cardan_memory::Ordinary;
             $run
         }
     }};

@@ -1,5 +1,7 @@
 //! Torques and moments for one chunk, over slices that fit in the first-level cache.
 
+use cardan_memory::Stores;
+
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
@@ -13,19 +15,21 @@ use crate::run::fold::Folded;
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
+use crate::run::sink::Outputs;
+use crate::run::strips::{At, Same, Strips, mapped};
 use crate::sincos::array::SinCos;
 
 /// Torques and moments for one chunk, in order from the end where the torque is given.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_load<T: Number, W: Float>(
+pub(crate) fn run_load<T: Number, W: Float, L: Stores>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
     folded: &Folded<T>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
     size: usize,
 ) {
     let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
@@ -35,7 +39,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
         for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
             if !turnings.is_empty() {
                 let turnings = &turnings[..geometry.count(size)];
-                with_constants!(geometry, |i: usize| turnings[i], at => run_rates(at, pins, rates));
+                with_constants!(geometry, turnings, at => run_rates(at, pins, rates));
             }
         }
     }
@@ -58,7 +62,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
             absorb(1.0, power.view_mut(size));
         }
         if let Some(plane) = station.torque {
-            let torque = &mut *planes[plane];
+            let torque = outputs.plane(plane);
             if station.shaft > bent {
                 map::divide::<T>(power.view(size), ratio(station.shaft), torque);
             } else {
@@ -75,8 +79,8 @@ pub(crate) fn run_load<T: Number, W: Float>(
             };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
-            with_constants!(geometry, |i: usize| poses[i], at => {
-                run_bending(step, at, pins, torsion, planes);
+            with_constants!(geometry, poses, at => {
+                run_bending(step, at, pins, torsion, outputs);
                 if step.needs_support() {
                     map::parts(at, pins, torsion, views_mut(parts, 0, size));
                 }
@@ -86,15 +90,15 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 GeometryIndex::PerSample => None,
             };
             if let Some(axes) = plane {
-                let at = |i: usize| poses[i].with_axes(axes);
-                with_constants!(geometry, at, at => {
-                    run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
-                    run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
+                let poses = mapped(poses, |pose: Pose<T>| pose.with_axes(axes));
+                with_constants!(geometry, poses, at => {
+                    run_moment::<true, T, W, L>(step, at, axes, pins, torsion, outputs);
+                    run_supports::<true, T, W, L>(step, at, axes, parts, support, outputs, size);
                 });
             } else {
-                with_constants!(geometry, |i: usize| poses[i], at => {
-                    run_moment::<false, T, W>(step, at, AXES, pins, torsion, planes);
-                    run_supports::<false, T, W>(step, at, AXES, parts, support, planes, size);
+                with_constants!(geometry, poses, at => {
+                    run_moment::<false, T, W, L>(step, at, AXES, pins, torsion, outputs);
+                    run_supports::<false, T, W, L>(step, at, AXES, parts, support, outputs, size);
                 });
             }
         }
@@ -107,7 +111,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
 /// Speed ratio and acceleration ratio of a shaft, instead of those with fewer digits.
 #[inline(always)]
 fn run_rates<T: Number>(
-    at: impl Fn(usize) -> Turning<T> + Copy,
+    at: impl Strips<Value = Turning<T>>,
     pins: SinCos<'_, T>,
     [ratio, acceleration]: &mut [Column<T>; 2],
 ) {
@@ -122,19 +126,19 @@ fn run_rates<T: Number>(
 
 /// Magnitudes of a joint's bending moments.
 #[inline(always)]
-fn run_bending<T: Number, W: Float>(
+fn run_bending<T: Number, W: Float, L: Stores>(
     step: &JointStep,
-    at: impl Fn(usize) -> Pose<T> + Copy,
+    at: impl Strips<Value = Pose<T>>,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
 ) {
     if let Some(plane) = step.planes.get(Output::BendingDriving) {
-        let out = &mut *planes[plane];
+        let out = outputs.plane(plane);
         map::magnitude::<T>(at, Pose::bending_driving, pins, torsion, out);
     }
     if let Some(plane) = step.planes.get(Output::BendingDriven) {
-        let out = &mut *planes[plane];
+        let out = outputs.plane(plane);
         map::magnitude::<T>(at, Pose::bending_driven, pins, torsion, out);
     }
 }
@@ -143,29 +147,29 @@ const AXES: [usize; 3] = [0, 1, 2];
 
 /// The moment vector that a joint transmits, from a pose with its components in the order `axes`.
 #[inline(always)]
-fn run_moment<const PLANAR: bool, T: Number, W: Float>(
+fn run_moment<const PLANAR: bool, T: Number, W: Float, L: Stores>(
     step: &JointStep,
-    at: impl Fn(usize) -> Pose<T>,
+    at: impl Strips<Value = Pose<T>>,
     axes: [usize; 3],
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
 ) {
     if let Some(plane) = step.planes.get(Output::Moment) {
-        let out = vector(planes, plane, axes);
+        let out = outputs.several(axes.map(|axis| plane + axis));
         map::moment::<PLANAR, T>(at, pins, torsion, out);
     }
 }
 
 /// The joint's contribution to the support moments of its shafts, from the parts of its torsion.
 #[inline(always)]
-fn run_supports<const PLANAR: bool, T: Number, W: Float>(
+fn run_supports<const PLANAR: bool, T: Number, W: Float, L: Stores>(
     step: &JointStep,
-    at: impl Fn(usize) -> Pose<T> + Copy,
+    at: impl Strips<Value = Pose<T>>,
     axes: [usize; 3],
     parts: &[Column<T>; 3],
     support: &mut [Column<T>; 3],
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
     size: usize,
 ) {
     // The shaft that the load leaves is completed before the contribution to the next is stored.
@@ -173,42 +177,38 @@ fn run_supports<const PLANAR: bool, T: Number, W: Float>(
         let [sine2, cosine2, product] = views(parts, size);
         let numbers = [if step.driving { sine2 } else { cosine2 }, product];
         let [x, y, z] = axes;
-        run_support::<PLANAR, 0, T, W>(step, at, x, numbers, &mut support[x], planes);
-        run_support::<PLANAR, 1, T, W>(step, at, y, numbers, &mut support[y], planes);
-        run_support::<PLANAR, 2, T, W>(step, at, z, numbers, &mut support[z], planes);
+        run_support::<PLANAR, 0, T, W, L>(step, at, x, numbers, &mut support[x], outputs);
+        run_support::<PLANAR, 1, T, W, L>(step, at, y, numbers, &mut support[y], outputs);
+        run_support::<PLANAR, 2, T, W, L>(step, at, z, numbers, &mut support[z], outputs);
     }
 }
 
 /// One component of that contribution, along the axis `axis` of space.
 #[inline(always)]
-fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
+fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float, L: Stores>(
     step: &Support,
-    at: impl Fn(usize) -> Pose<T>,
+    at: impl Strips<Value = Pose<T>>,
     axis: usize,
     numbers: [View<'_, T>; 2],
     stored: &mut Column<T>,
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
 ) {
     let &Support { driving, plane, first, last } = step;
-    let (size, none) = (numbers[0].len(), |_: usize| None);
-    let out = &mut *planes[plane + axis];
+    let size = numbers[0].len();
+    let none = Same(None);
     match (first, last) {
-        (true, true) => map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out),
+        (true, true) => {
+            let out = outputs.plane(plane + axis);
+            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out);
+        }
         (true, false) => {
             let stored = stored.view_mut(size);
             map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, stored);
         }
         (false, _) => {
-            let stored = stored.view(size).cut(size);
-            let previous = |i: usize| Some(stored.get(i));
+            let previous = mapped(stored.view(size), Some);
+            let out = outputs.plane(plane + axis);
             map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, previous, out);
         }
     }
-}
-
-/// The planes of a vector's components, in the order of these axes.
-#[inline(always)]
-fn vector<'a, W>(planes: &'a mut [&mut [W]], plane: usize, axes: [usize; 3]) -> [&'a mut [W]; 3] {
-    let views = planes.get_disjoint_mut(axes.map(|axis| plane + axis));
-    views.expect("a plan gives every output planes of its own").map(|plane| &mut **plane)
 }

@@ -1,17 +1,16 @@
-//! The loops over a chunk, in three shapes, and the computations in them.
+//! The loops over a chunk, in two shapes, and the computations in them.
 //!
-//! Each shape is a plain branch-free loop over the samples, which the compiler vectorises for the
-//! instruction set of its caller. All loops are inlined into the functions that
-//! [`crate::run::block`] calls for an instruction set. The slices fit in the first-level cache, so
-//! one loop per output costs no more than one loop for all, and each can be skipped.
+//! Each shape goes strip by strip ([`crate::run::strips`]): a branch-free loop over the samples of a
+//! strip becomes vector code for the instruction set of its caller, and the sink stores the strip.
+//! All loops are inlined into the functions that [`crate::run::block`] calls for an instruction set.
+//! The slices fit in the first-level cache, so one loop per output costs no more than one loop for
+//! all, and each can be skipped.
 //!
-//! `at(i)` returns the constants: one value for the whole chunk, or one per sample.
+//! `at` gives the constants: one value for the whole chunk, or one per sample.
 //!
-//! All slices of a loop are first cut to one length, and the loop counts instead of iterating. A
-//! remaining bounds check costs more than itself, because the last vectors of every chunk would
-//! then be computed one number at a time. Closures are marked `#[inline(always)]`: a closure
-//! compiled separately would not use the instruction set of its loop.
-#![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
+//! Closures are marked `#[inline(always)]`: a closure compiled separately would not use the
+//! instruction set of its loop.
+#![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is constant")]
 
 use crate::mechanics::moment::{self, Pose, TorsionParts};
 use crate::number::Number;
@@ -20,66 +19,115 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::run::formula::MotionFormula;
-use crate::run::sink::Sink;
+use crate::run::sink::{Sink, SinkStrip};
+use crate::run::strips::{At, Same, Strips, strip};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
-/// A value for each sample, from its index, sine and cosine.
+/// A value for each sample, from its inputs, sine and cosine.
 #[inline(always)]
-pub(crate) fn over_sin_cos<T: Real, V>(
+pub(crate) fn over_sin_cos<T: Real, I: Strips, V>(
     sin_cos: impl SinCosBlocks<T>,
+    inputs: I,
     mut out: impl Sink<V>,
-    value: impl Fn(usize, T, T) -> V,
+    value: impl Fn(I::Value, T, T) -> V,
 ) {
     for (start, block) in sin_cos.parts() {
         let length = block.len();
         let mut out = out.slice(start, length);
-        for i in 0..length {
-            let (s, c) = block.get(i);
-            out.store(i, value(start + i, s, c));
+        let mut first = 0;
+        while first + strip::<T>() <= length {
+            let sin_cos = block.part(first, strip::<T>());
+            let inputs = inputs.strip(start + first, strip::<T>());
+            let mut results = out.strip(first);
+            for i in 0..strip::<T>() {
+                let (s, c) = sin_cos.get(i);
+                results.set(i, value(inputs.at(i), s, c));
+            }
+            out.put(first, results);
+            first += strip::<T>();
+        }
+        if !rest_is_empty(&block) {
+            // A loop with two exits is not compiled for vectors, which would double its size.
+            for i in first..first + strip::<T>() {
+                if i >= length {
+                    break;
+                }
+                let (s, c) = block.get(i);
+                out.store(i, value(inputs.at(start + i), s, c));
+            }
         }
     }
 }
 
+/// Whether the type of a block alone shows that it has whole strips.
+#[inline(always)]
+fn rest_is_empty<T, B: SinCosBlock<T>>(_: &B) -> bool {
+    B::WHOLE
+}
+
 /// The value of a formula for each sample.
 #[inline(always)]
-pub(crate) fn formula<T: Real, C, V>(
-    formula: impl Fn(&C, T, T) -> V,
-    at: impl Fn(usize) -> C,
+pub(crate) fn formula<T: Real, C: Strips, V>(
+    formula: impl Fn(&C::Value, T, T) -> V,
+    at: C,
     sin_cos: impl SinCosBlocks<T>,
     out: impl Sink<V>,
 ) {
     over_sin_cos(
         sin_cos,
+        at,
         out,
         #[inline(always)]
-        |i, s, c| formula(&at(i), s, c),
+        |constants, s, c| formula(&constants, s, c),
     );
 }
 
-/// A value for each sample, from its index.
+/// A value for each sample, from its inputs.
 #[inline(always)]
-pub(crate) fn over_samples<V>(length: usize, mut out: impl Sink<V>, value: impl Fn(usize) -> V) {
+pub(crate) fn over_samples<T: Real, I: Strips>(
+    length: usize,
+    inputs: I,
+    mut out: impl Sink<T>,
+    value: impl Fn(I::Value) -> T,
+) {
     let mut out = out.slice(0, length);
-    for i in 0..length {
-        out.store(i, value(i));
+    let mut first = 0;
+    while first < length {
+        let inputs = inputs.strip(first, strip::<T>());
+        let mut results = out.strip(first);
+        for i in 0..strip::<T>() {
+            results.set(i, value(inputs.at(i)));
+        }
+        out.put(first, results);
+        first += strip::<T>();
     }
 }
 
 /// Replaces each number of a column.
 #[inline(always)]
-fn update<T: Real>(column: ViewMut<'_, T>, value: impl Fn(usize, T) -> T) {
-    let length = column.len();
-    let mut column = column.cut(length);
-    for i in 0..length {
-        column.set(i, value(i, column.get(i)));
+fn update<T: Real, I: Strips>(
+    mut column: ViewMut<'_, T>,
+    inputs: I,
+    value: impl Fn(I::Value, T) -> T,
+) {
+    let mut first = 0;
+    while first < column.len() {
+        let inputs = inputs.strip(first, strip::<T>());
+        let mut results = Sink::<T>::strip(&column, first);
+        let numbers = column.window(first, strip::<T>());
+        for i in 0..strip::<T>() {
+            results.set(i, value(inputs.at(i), numbers.get(i)));
+        }
+        Sink::<T>::put(&mut column, first, results);
+        first += strip::<T>();
     }
 }
 
 /// Angle error of a shaft whose tangent stays within `range`.
 #[inline(always)]
-pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
+pub(crate) fn angle_error<T: Number, C: Strips<Value: MotionFormula<T>>>(
     range: AtanRange,
-    at: impl Fn(usize) -> S,
+    at: C,
     sin_cos: impl SinCosBlocks<T>,
     out: impl Sink<T>,
 ) {
@@ -87,28 +135,29 @@ pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
         ($tangent:expr, $atan:expr) => {
             over_sin_cos(
                 sin_cos,
+                at,
                 out,
                 #[inline(always)]
-                |i, s, c| {
-                    let (y, x) = $tangent(&at(i), s, c);
+                |constants, s, c| {
+                    let (y, x) = $tangent(&constants, s, c);
                     $atan(y, x)
                 },
             )
         };
     }
-    if S::MODERATE && range.is_moderate() {
+    if C::Value::MODERATE && range.is_moderate() {
         match range {
-            AtanRange::Hundredth => by!(S::error_tangent, T::atan_hundredth),
-            AtanRange::Tenth => by!(S::error_tangent, T::atan_tenth),
-            _ => by!(S::error_tangent, T::atan_third),
+            AtanRange::Hundredth => by!(C::Value::error_tangent, T::atan_hundredth),
+            AtanRange::Tenth => by!(C::Value::error_tangent, T::atan_tenth),
+            _ => by!(C::Value::error_tangent, T::atan_third),
         }
-    } else if S::STEEP {
+    } else if C::Value::STEEP {
         match range {
             // In double-double arithmetic the infinite inverse exsecant of a straight joint would
             // give NaN.
-            AtanRange::Any if T::LOW => by!(S::error_tangent, T::atan_any),
-            AtanRange::Any => by!(S::steep_error_tangent, T::atan_any),
-            _ => by!(S::error_tangent, T::atan_one),
+            AtanRange::Any if T::LOW => by!(C::Value::error_tangent, T::atan_any),
+            AtanRange::Any => by!(C::Value::steep_error_tangent, T::atan_any),
+            _ => by!(C::Value::error_tangent, T::atan_one),
         }
     }
 }
@@ -116,9 +165,9 @@ pub(crate) fn angle_error<T: Number, S: MotionFormula<T>>(
 /// Angle or angle error, speed ratio and acceleration ratio in one loop, for moderate bends.
 /// Steeper bends use separate formulas with fewer roundings.
 #[inline(always)]
-pub(crate) fn motion<T: Number, S: MotionFormula<T>>(
+pub(crate) fn motion<T: Number, C: Strips<Value: MotionFormula<T>>>(
     range: AtanRange,
-    at: impl Fn(usize) -> S,
+    at: C,
     sin_cos: impl SinCosBlocks<T>,
     rotations: impl Sink<T>,
     rates: (impl Sink<T>, impl Sink<T>),
@@ -127,10 +176,11 @@ pub(crate) fn motion<T: Number, S: MotionFormula<T>>(
         ($atan:expr) => {
             over_sin_cos(
                 sin_cos,
+                at,
                 (rotations, rates),
                 #[inline(always)]
-                |i, s, c| {
-                    let ((y, x), rates) = at(i).motion(s, c);
+                |constants, s, c| {
+                    let ((y, x), rates) = constants.motion(s, c);
                     ($atan(y, x), rates)
                 },
             )
@@ -148,9 +198,10 @@ pub(crate) fn motion<T: Number, S: MotionFormula<T>>(
 pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Sink<T>) {
     over_samples(
         column.len(),
+        column,
         out,
         #[inline(always)]
-        |i| column.get(i),
+        |number| number,
     );
 }
 
@@ -163,17 +214,13 @@ pub(crate) fn absorb<T: Real>(
     acceleration_ratio: View<'_, T>,
     power: ViewMut<'_, T>,
 ) {
-    let length = power.len();
-    let (ratio, acceleration_ratio) = (ratio.cut(length), acceleration_ratio.cut(length));
-    let (inertia, speed) = (&inertia[..length], &speed[..length]);
-    let acceleration = &acceleration[..length];
     update(
         power,
+        (inertia, speed, acceleration, ratio, acceleration_ratio),
         #[inline(always)]
-        |i, power| {
-            let inertia = T::from_f64(sign * inertia[i]);
-            let (speed, acceleration) = (T::from_f64(speed[i]), T::from_f64(acceleration[i]));
-            let (r, a) = (ratio.get(i), acceleration_ratio.get(i));
+        |(inertia, speed, acceleration, r, a), power| {
+            let inertia = T::from_f64(sign * inertia);
+            let (speed, acceleration) = (T::from_f64(speed), T::from_f64(acceleration));
             power + moment::absorbed_power(inertia, speed, acceleration, r, a)
         },
     );
@@ -182,12 +229,12 @@ pub(crate) fn absorb<T: Real>(
 /// `a / b`, element by element.
 #[inline(always)]
 pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>) {
-    let b = b.cut(a.len());
     over_samples(
         a.len(),
+        (a, b),
         out,
         #[inline(always)]
-        |i| a.get(i) / b.get(i),
+        |(a, b)| a / b,
     );
 }
 
@@ -195,20 +242,19 @@ pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>)
 #[inline(always)]
 pub(crate) fn from_doubles<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: ViewMut<'_, T>) {
     match b {
-        Some(b) => {
-            let b = b.cut(a.len());
-            over_samples(
-                a.len(),
-                out,
-                #[inline(always)]
-                |i| T::from_f64(a[i]) * b.get(i),
-            );
-        }
-        None => over_samples(
+        Some(b) => over_samples(
             a.len(),
+            (a, b),
             out,
             #[inline(always)]
-            |i| T::from_f64(a[i]),
+            |(a, b)| T::from_f64(a) * b,
+        ),
+        None => over_samples(
+            a.len(),
+            a,
+            out,
+            #[inline(always)]
+            |a| T::from_f64(a),
         ),
     }
 }
@@ -216,18 +262,18 @@ pub(crate) fn from_doubles<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: View
 /// A joint's torsion multiplied by the squares and the product of its pin's sine and cosine.
 #[inline(always)]
 pub(crate) fn parts<T: Real>(
-    at: impl Fn(usize) -> Pose<T>,
+    at: impl Strips<Value = Pose<T>>,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
     parts: [ViewMut<'_, T>; 3],
 ) {
-    let torsion = torsion.cut(pins.len());
     over_sin_cos(
         pins,
+        (at, torsion),
         parts,
         #[inline(always)]
-        |i, s, c| {
-            let TorsionParts { sine2, cosine2, product } = at(i).parts(torsion.get(i), s, c);
+        |(pose, torsion), s, c| {
+            let TorsionParts { sine2, cosine2, product } = pose.parts(torsion, s, c);
             [sine2, cosine2, product]
         },
     );
@@ -236,38 +282,37 @@ pub(crate) fn parts<T: Real>(
 /// The moment vector that a joint transmits.
 #[inline(always)]
 pub(crate) fn moment<const PLANAR: bool, T: Real>(
-    at: impl Fn(usize) -> Pose<T>,
+    at: impl Strips<Value = Pose<T>>,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
     out: [impl Sink<T>; 3],
 ) {
-    let torsion = torsion.cut(pins.len());
     over_sin_cos(
         pins,
+        (at, torsion),
         out,
         #[inline(always)]
-        |i, s, c| at(i).moment::<PLANAR>(torsion.get(i), s, c),
+        |(pose, torsion), s, c| pose.moment::<PLANAR>(torsion, s, c),
     );
 }
 
 /// A joint's contribution to a component of the support moment of one of its shafts, added to
-/// `previous`.
+/// `previous` if there is one.
 #[inline(always)]
 pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
-    at: impl Fn(usize) -> Pose<T>,
+    at: impl Strips<Value = Pose<T>>,
     driving: bool,
     [square, product]: [View<'_, T>; 2],
-    previous: impl Fn(usize) -> Option<T>,
+    previous: impl Strips<Value = Option<T>>,
     out: impl Sink<T>,
 ) {
-    let product = product.cut(square.len());
     over_samples(
         square.len(),
+        (at, (square, product), previous),
         out,
         #[inline(always)]
-        |i| {
-            let numbers = [square.get(i), product.get(i)];
-            at(i).support::<PLANAR, COMPONENT>(driving, numbers, previous(i))
+        |(pose, (square, product), previous)| {
+            pose.support::<PLANAR, COMPONENT>(driving, [square, product], previous)
         },
     );
 }
@@ -275,18 +320,18 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
 /// A scalar per sample, from the pose and the torsion.
 #[inline(always)]
 pub(crate) fn magnitude<T: Real>(
-    at: impl Fn(usize) -> Pose<T>,
+    at: impl Strips<Value = Pose<T>>,
     formula: impl Fn(&Pose<T>, T, T, T) -> T,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
     out: impl Sink<T>,
 ) {
-    let torsion = torsion.cut(pins.len());
     over_sin_cos(
         pins,
+        (at, torsion),
         out,
         #[inline(always)]
-        |i, s, c| formula(&at(i), torsion.get(i), s, c),
+        |(pose, torsion), s, c| formula(&pose, torsion, s, c),
     );
 }
 
@@ -369,20 +414,19 @@ pub(crate) fn drive_angle<T: Number, W: Float>(drive: DriveAngles<'_>, out: &mut
 pub(crate) fn constant<T: Number>(value: f64, drive: DriveAngles<'_>, out: impl Sink<T>) {
     let length = out.length();
     match drive {
-        DriveAngles::Array(angle) => {
-            let angle = &angle[..length];
-            over_samples(
-                length,
-                out,
-                #[inline(always)]
-                |i| T::from_f64(angle[i].mul_add(0.0, value)),
-            );
-        }
-        DriveAngles::Sweep(..) | DriveAngles::Selected(..) => over_samples(
+        DriveAngles::Array(angle) => over_samples(
             length,
+            angle,
             out,
             #[inline(always)]
-            |_| T::from_f64(value),
+            |angle| T::from_f64(angle.mul_add(0.0, value)),
+        ),
+        DriveAngles::Sweep(..) | DriveAngles::Selected(..) => over_samples(
+            length,
+            Same(T::from_f64(value)),
+            out,
+            #[inline(always)]
+            |value| value,
         ),
     }
 }

@@ -18,6 +18,7 @@ mod scratch;
 mod sines;
 mod sink;
 mod stores_as;
+mod strips;
 mod sweep_tables;
 #[cfg(test)]
 mod taken;

@@ -1,5 +1,8 @@
 //! The motion of shafts for one chunk, over slices that fit in the first-level cache.
 
+use cardan_memory::Stores;
+
+use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::exact::Chains;
 use crate::mechanics::moment::Pose;
 use crate::number::Number;
@@ -15,7 +18,8 @@ use crate::run::formula::MotionFormula;
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
-use crate::run::sink::{ArrayAngleSink, SteppedAngleSink, SweepAngleSink};
+use crate::run::sink::{AngleSink, ArrayAngle, Outputs, SteppedAngle, SweepAngle};
+use crate::run::strips::{At, Same, Strips, mapped};
 use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::rotation::{RotatedSinCos, Rotations};
@@ -23,7 +27,7 @@ use crate::sincos::rotation::{RotatedSinCos, Rotations};
 /// Motion of every shaft of the plan and tilts of every joint, for one chunk.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_motion<T: Number, W: Float>(
+pub(crate) fn run_motion<T: Number, W: Float, L: Stores>(
     plan: &Plan,
     routes: &Routes,
     drive: DriveAngles<'_>,
@@ -32,7 +36,7 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     chains: Chains<'_>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
     size: usize,
     row_offset: usize,
 ) {
@@ -53,7 +57,7 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         crate::run::taken::note(step.shaft, route, range);
         let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| route != Route::Drive)
         else {
-            run_drive_shaft::<T, W>(step, drive, rates, planes, size);
+            run_drive_shaft(step, drive, rates, outputs, size);
             continue;
         };
         if T::LOW && shaft.has_offsets() {
@@ -61,45 +65,46 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             let own = pins_of(rotated_pins, size);
             if route == Route::Tangent {
                 let equivalents = shaft.equivalents(geometry, size);
-                with_constants!(geometry, |i| equivalents.get(i).0, at => {
-                    run_shaft(step, range, at, drive, own, rates, errors, planes, size);
+                with_constants!(geometry, mapped(equivalents, |(joint, _)| joint), at => {
+                    run_shaft(step, range, at, drive, own, rates, errors, outputs, size);
                 });
             } else {
                 let double_angles = shaft.double_angles(geometry, size);
-                with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
-                    run_shaft(step, range, at, drive, own, rates, errors, planes, size);
+                with_constants!(geometry, mapped(double_angles, DoubleAngle::with_parts::<1>), at => {
+                    run_shaft(step, range, at, drive, own, rates, errors, outputs, size);
                 });
             }
             if let Some(plane) = step.planes.get(Output::Angle) {
-                turned::mend_angles(shaft, step.shaft, route, lines, drive, &mut *planes[plane]);
+                let words = outputs.words(plane);
+                turned::mend_angles(shaft, step.shaft, route, lines, drive, words);
             }
             continue;
         }
         if route == Route::Tangent {
             let equivalents = shaft.equivalents(geometry, size);
-            with_constants!(geometry, |i| equivalents.get(i), at => {
+            with_constants!(geometry, equivalents, at => {
                 let mut pins = pins;
                 if step.shaft > 1 {
                     let [sine, cosine] = views_mut(rotated_pins, 0, size);
-                    array::rotate(|i| at(i).1, pins, sine, cosine);
+                    array::rotate(|i| at.at(i).1, pins, sine, cosine);
                     pins = pins_of(rotated_pins, size);
                 }
-                let at = |i| at(i).0;
-                run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
+                let at = mapped(at, |(joint, _)| joint);
+                run_shaft(step, range, at, drive, pins, rates, errors, outputs, size);
             });
             continue;
         }
         let double_angles = shaft.double_angles(geometry, size);
         // Each number type uses one of the two routes, so only that one is compiled for it.
         if T::PRECISION.costs().double_angle {
-            with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
-                run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
+            with_constants!(geometry, mapped(double_angles, DoubleAngle::with_parts::<1>), at => {
+                run_shaft(step, range, at, drive, double_sin_cos, rates, errors, outputs, size);
             });
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
-            let double_angle = double_angles.get(index);
+            let double_angle = double_angles.at(index);
             let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
-            let at = |_| double_angle.with_parts::<0>();
-            run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
+            let at = Same(double_angle.with_parts::<0>());
+            run_shaft(step, range, at, drive, swept, rates, errors, outputs, size);
         }
     }
     for (joint, (step, poses)) in plan.joints.iter().zip(&folded.poses).enumerate() {
@@ -111,30 +116,30 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
             turned::find_turned(waves, joint, lines, drive, buffers, size);
             let pins = pins_of(turned_pins, size);
-            with_constants!(geometry, |i: usize| poses[i].by_own_pins(), at => {
-                run_tilts(step, at, pins, planes);
+            with_constants!(geometry, mapped(poses, Pose::by_own_pins), at => {
+                run_tilts(step, at, pins, outputs);
             });
             continue;
         }
-        with_constants!(geometry, |i: usize| poses[i], at => {
-            run_tilts(step, at, pins, planes);
+        with_constants!(geometry, poses, at => {
+            run_tilts(step, at, pins, outputs);
         });
     }
 }
 
 /// The tilts of one joint.
 #[inline(always)]
-fn run_tilts<T: Number, W: Float>(
+fn run_tilts<T: Number, W: Float, L: Stores>(
     step: &JointStep,
-    at: impl Fn(usize) -> Pose<T> + Copy,
+    at: impl Strips<Value = Pose<T>>,
     pins: SinCos<'_, T>,
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
 ) {
     if let Some(plane) = step.planes.get(Output::TiltDriving) {
-        map::formula(Pose::tilt_driving, at, pins, &mut *planes[plane]);
+        map::formula(Pose::tilt_driving, at, pins, outputs.plane(plane));
     }
     if let Some(plane) = step.planes.get(Output::TiltDriven) {
-        map::formula(Pose::tilt_driven, at, pins, &mut *planes[plane]);
+        map::formula(Pose::tilt_driven, at, pins, outputs.plane(plane));
     }
 }
 
@@ -152,18 +157,18 @@ pub(crate) fn repeat_angle<T: Number, W: Float>(
 
 /// Outputs of a shaft without a bent joint before it, which turns with the drive.
 #[inline(always)]
-fn run_drive_shaft<T: Number, W: Float>(
+fn run_drive_shaft<T: Number, W: Float, L: Stores>(
     step: &ShaftStep,
     drive: DriveAngles<'_>,
     [ratio, acceleration]: [&mut Column<T>; 2],
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
     size: usize,
 ) {
     for output in Output::ALL {
         let Some(plane) = step.planes.get(output) else { continue };
         match output.row().needs {
-            Needs::Motion(Some(value)) => map::constant::<T>(value, drive, &mut *planes[plane]),
-            _ => map::drive_angle::<T, W>(drive, &mut *planes[plane]),
+            Needs::Motion(Some(value)) => map::constant::<T>(value, drive, outputs.plane(plane)),
+            _ => map::drive_angle::<T, W>(drive, outputs.words(plane)),
         }
     }
     if step.keep_ratio {
@@ -178,68 +183,67 @@ fn run_drive_shaft<T: Number, W: Float>(
 /// period needs as well pass through a buffer.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
-fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
+fn run_shaft<T: Number, W: Float, L: Stores, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     step: &ShaftStep,
     range: AtanRange,
-    at: impl Fn(usize) -> S + Copy,
+    at: impl Strips<Value = S>,
     drive: DriveAngles<'_>,
     pins: P,
     [ratio, acceleration]: [&mut Column<T>; 2],
     mut errors: ViewMut<'_, T>,
-    planes: &mut [&mut [W]],
+    outputs: &mut Outputs<'_, '_, W, L>,
     size: usize,
 ) {
     if let Some(plane) = step.planes.get(Output::JerkRatio) {
-        map::formula(S::jerk_ratio, at, pins, &mut *planes[plane]);
+        map::formula(S::jerk_ratio, at, pins, outputs.plane(plane));
     }
     let together = step.combined_planes().filter(|_| S::MODERATE && range.is_moderate());
     if let Some([rotation, ratio, acceleration]) = together {
-        let [rotation, ratio, acceleration] = planes
-            .get_disjoint_mut([rotation, ratio, acceleration])
-            .expect("a plan gives every output planes of its own");
-        let rates: (&mut [W], &mut [W]) = (ratio, acceleration);
+        let [mut rotation, ratio, acceleration] = outputs.several([rotation, ratio, acceleration]);
+        let rates = (ratio, acceleration);
         match drive {
             _ if step.planes.get(Output::Angle).is_none() => {
-                map::motion(range, at, pins, &mut **rotation, rates);
+                map::motion(range, at, pins, rotation, rates);
             }
             DriveAngles::Array(angle) => {
-                let out = ArrayAngleSink(&angle[..size], rotation);
+                let out = AngleSink(ArrayAngle(&angle[..size]), rotation);
                 map::motion(range, at, pins, out, rates);
             }
             DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
-                let out = SteppedAngleSink::new(sweep, first, pins.turns(), rotation);
-                map::motion(range, at, pins, out, rates);
+                let drive = SteppedAngle::new(sweep, first, pins.turns());
+                map::motion(range, at, pins, AngleSink(drive, rotation), rates);
             }
             DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
-                let out = SweepAngleSink(sweep, first, rotation);
+                let out = AngleSink(SweepAngle(sweep, first), rotation);
                 map::motion(range, at, pins, out, rates);
             }
             _ => {
                 map::motion(range, at, pins, errors.reborrow(), rates);
-                map::add_drive(drive, errors.view(), rotation);
+                map::add_drive(drive, errors.view(), rotation.words());
             }
         }
         return;
     }
     if let Some(plane) = step.planes.get(Output::AngleError) {
-        map::angle_error(range, at, pins, &mut *planes[plane]);
+        map::angle_error(range, at, pins, outputs.plane(plane));
     }
     if let Some(plane) = step.planes.get(Output::Angle) {
-        let out = &mut *planes[plane];
+        let mut out = outputs.plane(plane);
         match drive {
             DriveAngles::Array(angle) => {
-                map::angle_error(range, at, pins, ArrayAngleSink(&angle[..size], out));
-            }
-            DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
-                let out = SteppedAngleSink::new(sweep, first, pins.turns(), out);
+                let out = AngleSink(ArrayAngle(&angle[..size]), out);
                 map::angle_error(range, at, pins, out);
             }
+            DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
+                let drive = SteppedAngle::new(sweep, first, pins.turns());
+                map::angle_error(range, at, pins, AngleSink(drive, out));
+            }
             DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
-                map::angle_error(range, at, pins, SweepAngleSink(sweep, first, out));
+                map::angle_error(range, at, pins, AngleSink(SweepAngle(sweep, first), out));
             }
             _ => {
                 map::angle_error(range, at, pins, errors.reborrow());
-                map::add_drive(drive, errors.view(), out);
+                map::add_drive(drive, errors.view(), out.words());
             }
         }
     }
@@ -248,7 +252,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     if step.keep_acceleration {
         map::formula(S::rates, at, pins, (ratio.view_mut(size), acceleration.view_mut(size)));
         if let Some(plane) = remaining.1.take() {
-            map::copy::<T>(acceleration.view(size), &mut *planes[plane]);
+            map::copy::<T>(acceleration.view(size), outputs.plane(plane));
         }
     } else if step.keep_ratio {
         map::formula(S::speed_ratio, at, pins, ratio.view_mut(size));
@@ -256,18 +260,16 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     if step.keep_ratio
         && let Some(plane) = remaining.0.take()
     {
-        map::copy::<T>(ratio.view(size), &mut *planes[plane]);
+        map::copy::<T>(ratio.view(size), outputs.plane(plane));
     }
     match remaining {
-        (Some(ratio), None) => map::formula(S::speed_ratio, at, pins, &mut *planes[ratio]),
+        (Some(ratio), None) => map::formula(S::speed_ratio, at, pins, outputs.plane(ratio)),
         (None, Some(acceleration)) => {
-            map::formula(S::acceleration_ratio, at, pins, &mut *planes[acceleration]);
+            map::formula(S::acceleration_ratio, at, pins, outputs.plane(acceleration));
         }
         (Some(ratio), Some(acceleration)) => {
-            let [ratio, acceleration] = planes
-                .get_disjoint_mut([ratio, acceleration])
-                .expect("a plan gives every output planes of its own");
-            map::formula(S::rates, at, pins, (&mut **ratio, &mut **acceleration));
+            let [ratio, acceleration] = outputs.several([ratio, acceleration]);
+            map::formula(S::rates, at, pins, (ratio, acceleration));
         }
         (None, None) => {}
     }

@@ -1,11 +1,16 @@
 //! Sinks: the destinations of the kernels' results.
 
+use cardan_memory::{Plane, Stores};
+
 use crate::input::sweep::Sweep;
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::sincos::array::sample_number;
+
+/// The most words of a strip.
+const LONGEST: usize = 16;
 
 /// The destination of a loop's results: a column of numbers, words of a plane, or several of these.
 pub(crate) trait Sink<T> {
@@ -14,14 +19,44 @@ pub(crate) trait Sink<T> {
     where
         Self: 'a;
 
+    /// The results of one strip on their way to the sink.
+    type Strip: SinkStrip<T>;
+
     /// The number of results.
     fn length(&self) -> usize;
 
     /// The sink for `length` results from `start` on.
     fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_>;
 
+    /// An empty strip for the results from `first` on.
+    fn strip(&self, first: usize) -> Self::Strip;
+
+    /// Stores a whole strip.
+    fn put(&mut self, first: usize, strip: Self::Strip);
+
     /// Stores result `i`.
     fn store(&mut self, i: usize, number: T);
+}
+
+/// The results of one strip.
+pub(crate) trait SinkStrip<T> {
+    /// Sets result `i` of the strip.
+    fn set(&mut self, i: usize, number: T);
+}
+
+/// Numbers of a strip, as words.
+pub(crate) struct NumberStrip<T: Real> {
+    high: [T::Float; LONGEST],
+    low: [T::Float; LONGEST],
+}
+
+impl<T: Real> SinkStrip<T> for NumberStrip<T> {
+    #[inline(always)]
+    fn set(&mut self, i: usize, number: T) {
+        let [high, low] = number.words();
+        self.high[i] = high;
+        self.low[i] = low;
+    }
 }
 
 impl<T: Real> Sink<T> for ViewMut<'_, T> {
@@ -29,6 +64,8 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
         = ViewMut<'a, T>
     where
         Self: 'a;
+
+    type Strip = NumberStrip<T>;
 
     #[inline(always)]
     fn length(&self) -> usize {
@@ -41,30 +78,132 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     }
 
     #[inline(always)]
+    fn strip(&self, _: usize) -> NumberStrip<T> {
+        NumberStrip { high: [T::Float::default(); LONGEST], low: [T::Float::default(); LONGEST] }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, first: usize, strip: NumberStrip<T>) {
+        self.set_strip(first, &strip.high, &strip.low);
+    }
+
+    #[inline(always)]
     fn store(&mut self, i: usize, number: T) {
         self.set(i, number);
     }
 }
 
-impl<T: Real, W: Float> Sink<T> for &mut [W] {
-    type Slice<'a>
-        = &'a mut [W]
-    where
-        Self: 'a;
+/// The planes of a chunk, and how the function's instruction set stores strips in them.
+pub(crate) struct Outputs<'a, 'b, W, L> {
+    pub(crate) planes: &'a mut [Plane<'b, W>],
+    pub(crate) stores: L,
+}
 
+impl<W: Float, L: Stores> Outputs<'_, '_, W, L> {
+    /// A plane, for writing in strips.
     #[inline(always)]
-    fn length(&self) -> usize {
-        self.len()
+    pub(crate) fn plane(&mut self, plane: usize) -> Words<'_, W, L> {
+        let plane = &mut self.planes[plane];
+        Words { plane: plane.part(0..plane.len()), stores: self.stores }
+    }
+
+    /// Several planes, for writing in strips.
+    #[inline(always)]
+    pub(crate) fn several<const N: usize>(&mut self, planes: [usize; N]) -> [Words<'_, W, L>; N] {
+        let stores = self.stores;
+        let planes = self.planes.get_disjoint_mut(planes);
+        planes
+            .expect("a plan gives every output planes of its own")
+            .map(|plane| Words { plane: plane.part(0..plane.len()), stores })
+    }
+
+    /// The words of a plane.
+    #[inline(always)]
+    pub(crate) fn words(&mut self, plane: usize) -> &mut [W] {
+        self.planes[plane].words()
+    }
+}
+
+/// Words of a plane, which are written in strips.
+pub(crate) struct Words<'a, W, L> {
+    plane: Plane<'a, W>,
+    stores: L,
+}
+
+/// Words of a strip.
+pub(crate) struct WordStrip<W>([W; LONGEST]);
+
+impl<W: Float> WordStrip<W> {
+    #[inline(always)]
+    fn empty() -> Self {
+        Self([W::default(); LONGEST])
+    }
+}
+
+impl<T: Real, W: Float> SinkStrip<T> for WordStrip<W> {
+    #[inline(always)]
+    fn set(&mut self, i: usize, number: T) {
+        self.0[i] = W::near(number.value().into());
+    }
+}
+
+impl<W: Float, L: Stores> Words<'_, W, L> {
+    #[inline(always)]
+    fn part(&mut self, start: usize, length: usize) -> Words<'_, W, L> {
+        Words { plane: self.plane.part(start..start + length), stores: self.stores }
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> &mut [W] {
-        &mut self[start..start + length]
+    fn put_strip(&mut self, first: usize, strip: &WordStrip<W>) {
+        self.plane.put(self.stores, first, &strip.0);
+    }
+
+    /// The words themselves.
+    #[inline(always)]
+    pub(crate) fn words(&mut self) -> &mut [W] {
+        self.plane.words()
+    }
+}
+
+impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
+    type Slice<'a>
+        = Words<'a, W, L>
+    where
+        Self: 'a;
+
+    type Strip = WordStrip<W>;
+
+    #[inline(always)]
+    fn length(&self) -> usize {
+        self.plane.len()
+    }
+
+    #[inline(always)]
+    fn slice(&mut self, start: usize, length: usize) -> Words<'_, W, L> {
+        self.part(start, length)
+    }
+
+    #[inline(always)]
+    fn strip(&self, _: usize) -> WordStrip<W> {
+        WordStrip::empty()
+    }
+
+    #[inline(always)]
+    fn put(&mut self, first: usize, strip: WordStrip<W>) {
+        self.put_strip(first, &strip);
     }
 
     #[inline(always)]
     fn store(&mut self, i: usize, number: T) {
-        self[i] = W::near(number.value().into());
+        self.plane.words()[i] = W::near(number.value().into());
+    }
+}
+
+impl<V, U, A: SinkStrip<V>, B: SinkStrip<U>> SinkStrip<(V, U)> for (A, B) {
+    #[inline(always)]
+    fn set(&mut self, i: usize, (first, second): (V, U)) {
+        self.0.set(i, first);
+        self.1.set(i, second);
     }
 }
 
@@ -73,6 +212,8 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
         = (A::Slice<'a>, B::Slice<'a>)
     where
         Self: 'a;
+
+    type Strip = (A::Strip, B::Strip);
 
     #[inline(always)]
     fn length(&self) -> usize {
@@ -85,9 +226,30 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     }
 
     #[inline(always)]
+    fn strip(&self, first: usize) -> Self::Strip {
+        (self.0.strip(first), self.1.strip(first))
+    }
+
+    #[inline(always)]
+    fn put(&mut self, first: usize, strip: Self::Strip) {
+        self.0.put(first, strip.0);
+        self.1.put(first, strip.1);
+    }
+
+    #[inline(always)]
     fn store(&mut self, i: usize, (first, second): (V, U)) {
         self.0.store(i, first);
         self.1.store(i, second);
+    }
+}
+
+impl<V, S: SinkStrip<V>> SinkStrip<[V; 3]> for [S; 3] {
+    #[inline(always)]
+    fn set(&mut self, i: usize, [along_x, along_y, along_z]: [V; 3]) {
+        let [x, y, z] = self;
+        x.set(i, along_x);
+        y.set(i, along_y);
+        z.set(i, along_z);
     }
 }
 
@@ -96,6 +258,8 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
         = [S::Slice<'a>; 3]
     where
         Self: 'a;
+
+    type Strip = [S::Strip; 3];
 
     #[inline(always)]
     fn length(&self) -> usize {
@@ -109,6 +273,20 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     }
 
     #[inline(always)]
+    fn strip(&self, first: usize) -> Self::Strip {
+        let [x, y, z] = self;
+        [x.strip(first), y.strip(first), z.strip(first)]
+    }
+
+    #[inline(always)]
+    fn put(&mut self, first: usize, [along_x, along_y, along_z]: Self::Strip) {
+        let [x, y, z] = self;
+        x.put(first, along_x);
+        y.put(first, along_y);
+        z.put(first, along_z);
+    }
+
+    #[inline(always)]
     fn store(&mut self, i: usize, [along_x, along_y, along_z]: [V; 3]) {
         let [x, y, z] = self;
         x.store(i, along_x);
@@ -117,101 +295,136 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     }
 }
 
-/// Adds drive angles from an array to angle errors.
-pub(crate) struct ArrayAngleSink<'a, 'b, W>(pub(crate) &'a [f64], pub(crate) &'b mut [W]);
+/// A drive angle per sample, to which sinks add angle errors.
+pub(crate) trait DriveAngle: Copy {
+    /// The same for `length` samples from `start` on.
+    fn slice(self, start: usize, length: usize) -> Self;
 
-impl<'a, T: Number, W: Float> Sink<T> for ArrayAngleSink<'a, '_, W> {
-    type Slice<'c>
-        = ArrayAngleSink<'a, 'c, W>
-    where
-        Self: 'c;
+    /// The same for a strip.
+    fn strip(self, start: usize, length: usize) -> Self;
 
+    fn angle(&self, i: usize) -> DoubleDouble;
+}
+
+/// Angles from an array.
+#[derive(Clone, Copy)]
+pub(crate) struct ArrayAngle<'a>(pub(crate) &'a [f64]);
+
+impl DriveAngle for ArrayAngle<'_> {
     #[inline(always)]
-    fn length(&self) -> usize {
-        self.1.len()
+    fn slice(self, start: usize, length: usize) -> Self {
+        Self(&self.0[start..start + length])
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> ArrayAngleSink<'a, '_, W> {
-        ArrayAngleSink(&self.0[start..start + length], &mut self.1[start..start + length])
+    fn strip(self, start: usize, length: usize) -> Self {
+        self.slice(start, length)
     }
 
     #[inline(always)]
-    fn store(&mut self, i: usize, error: T) {
-        self.1[i] = error.after(DoubleDouble::exact(self.0[i]));
+    fn angle(&self, i: usize) -> DoubleDouble {
+        DoubleDouble::exact(self.0[i])
     }
 }
 
-/// Adds the drive angles of a sweep, from this sample on, to angle errors.
-pub(crate) struct SweepAngleSink<'a, 'b, W>(
-    pub(crate) &'a Sweep,
-    pub(crate) usize,
-    pub(crate) &'b mut [W],
-);
+/// The angles of a sweep from this sample on.
+#[derive(Clone, Copy)]
+pub(crate) struct SweepAngle<'a>(pub(crate) &'a Sweep, pub(crate) usize);
 
-impl<'a, T: Number, W: Float> Sink<T> for SweepAngleSink<'a, '_, W> {
-    type Slice<'c>
-        = SweepAngleSink<'a, 'c, W>
-    where
-        Self: 'c;
-
+impl DriveAngle for SweepAngle<'_> {
     #[inline(always)]
-    fn length(&self) -> usize {
-        self.2.len()
+    fn slice(self, start: usize, _: usize) -> Self {
+        Self(self.0, self.1 + start)
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> SweepAngleSink<'a, '_, W> {
-        SweepAngleSink(self.0, self.1 + start, &mut self.2[start..start + length])
+    fn strip(self, start: usize, length: usize) -> Self {
+        self.slice(start, length)
     }
 
     #[inline(always)]
-    fn store(&mut self, i: usize, error: T) {
-        self.2[i] = error.after(self.0.angle(sample_number(self.1, i)));
+    fn angle(&self, i: usize) -> DoubleDouble {
+        self.0.angle(sample_number(self.1, i))
     }
 }
 
 /// The same from one angle of the sweep and a table of the angles of whole steps.
-pub(crate) struct SteppedAngleSink<'a, 'b, W> {
+#[derive(Clone, Copy)]
+pub(crate) struct SteppedAngle<'a> {
     sweep: &'a Sweep,
     first: usize,
     begin: DoubleDouble,
     turns: View<'a, DoubleDouble>,
-    out: &'b mut [W],
 }
 
-impl<'a, 'b, W> SteppedAngleSink<'a, 'b, W> {
+impl<'a> SteppedAngle<'a> {
     /// Begins at sample `first`; slices may be as long as `turns`.
     #[inline(always)]
-    pub(crate) fn new(
-        sweep: &'a Sweep,
-        first: usize,
-        turns: View<'a, DoubleDouble>,
-        out: &'b mut [W],
-    ) -> Self {
-        Self { sweep, first, begin: sweep.angle(first as f64), turns, out }
+    pub(crate) fn new(sweep: &'a Sweep, first: usize, turns: View<'a, DoubleDouble>) -> Self {
+        Self { sweep, first, begin: sweep.angle(first as f64), turns }
     }
 }
 
-impl<'a, T: Number, W: Float> Sink<T> for SteppedAngleSink<'a, '_, W> {
-    type Slice<'c>
-        = SteppedAngleSink<'a, 'c, W>
+impl DriveAngle for SteppedAngle<'_> {
+    #[inline(always)]
+    fn slice(self, start: usize, length: usize) -> Self {
+        Self::new(self.sweep, self.first + start, self.turns.cut(length))
+    }
+
+    #[inline(always)]
+    fn strip(self, start: usize, length: usize) -> Self {
+        Self { turns: self.turns.part(start, length), ..self }
+    }
+
+    #[inline(always)]
+    fn angle(&self, i: usize) -> DoubleDouble {
+        self.begin + self.turns.get(i)
+    }
+}
+
+/// Adds drive angles to angle errors.
+pub(crate) struct AngleSink<'a, D, W, L>(pub(crate) D, pub(crate) Words<'a, W, L>);
+
+/// The angles of a strip.
+pub(crate) struct AngleStrip<D, W>(D, WordStrip<W>);
+
+impl<T: Number, D: DriveAngle, W: Float> SinkStrip<T> for AngleStrip<D, W> {
+    #[inline(always)]
+    fn set(&mut self, i: usize, error: T) {
+        self.1.0[i] = error.after(self.0.angle(i));
+    }
+}
+
+impl<T: Number, D: DriveAngle, W: Float, L: Stores> Sink<T> for AngleSink<'_, D, W, L> {
+    type Slice<'a>
+        = AngleSink<'a, D, W, L>
     where
-        Self: 'c;
+        Self: 'a;
+
+    type Strip = AngleStrip<D, W>;
 
     #[inline(always)]
     fn length(&self) -> usize {
-        self.out.len()
+        self.1.plane.len()
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> SteppedAngleSink<'a, '_, W> {
-        let out = &mut self.out[start..start + length];
-        SteppedAngleSink::new(self.sweep, self.first + start, self.turns.cut(length), out)
+    fn slice(&mut self, start: usize, length: usize) -> AngleSink<'_, D, W, L> {
+        AngleSink(self.0.slice(start, length), self.1.part(start, length))
+    }
+
+    #[inline(always)]
+    fn strip(&self, first: usize) -> AngleStrip<D, W> {
+        AngleStrip(self.0.strip(first, W::STRIP), WordStrip::empty())
+    }
+
+    #[inline(always)]
+    fn put(&mut self, first: usize, strip: AngleStrip<D, W>) {
+        self.1.put_strip(first, &strip.1);
     }
 
     #[inline(always)]
     fn store(&mut self, i: usize, error: T) {
-        self.out[i] = error.after(self.begin + self.turns.get(i));
+        self.1.words()[i] = error.after(self.0.angle(i));
     }
 }

@@ -1,5 +1,7 @@
 //! The number types of the kernels and the words of their results.
 
+use cardan_memory::Plane;
+
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
@@ -14,7 +16,7 @@ pub(crate) trait StoresAs<W: Float>: Number {
     fn folded(driveline: &FoldedDriveline) -> Option<&Folded<Self>>;
 
     /// The planes themselves, if the kernels store their words directly.
-    fn direct<'a, 'b>(planes: &'a mut [&'b mut [W]]) -> Option<&'a mut [&'b mut [Self::Plane]]>;
+    fn direct<'a, 'b>(planes: &'a mut [Plane<'b, W>]) -> Option<&'a mut [Plane<'b, Self::Plane>]>;
 }
 
 macro_rules! stores_as {
@@ -28,8 +30,8 @@ macro_rules! stores_as {
             }
 
             fn direct<'a, 'b>(
-                $planes: &'a mut [&'b mut [$word]],
-            ) -> Option<&'a mut [&'b mut [$plane]]> {
+                $planes: &'a mut [Plane<'b, $word>],
+            ) -> Option<&'a mut [Plane<'b, $plane>]> {
                 $direct
             }
         }

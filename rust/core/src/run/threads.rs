@@ -4,6 +4,7 @@
 use std::ops::Range;
 use std::sync::atomic::Ordering;
 
+use cardan_memory::write_strips;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -27,6 +28,10 @@ pub(crate) const BLOCK: usize = 16 * CHUNK;
 /// The fewest samples for which a run uses threads: about 100 µs of work. There one thread and four
 /// take the same time for the cheapest output.
 const THREADED: usize = 6 * BLOCK;
+
+/// The fewest bytes of angles and results that are stored past the caches. Fewer may still be in a
+/// cache when they are read.
+const PAST_CACHES: usize = 48 << 20;
 
 /// Whether a run over this number of samples may use several threads.
 pub fn uses_threads(samples: usize) -> bool {
@@ -58,7 +63,7 @@ impl<'a, 's> Run<'a, 's> {
         let size = block_size(total, workers);
         let shared = self.shared::<T, _>();
         if size >= total {
-            run_block(&shared, 0..total, Target::Planes(planes));
+            fill_block(&shared, 0..total, planes);
             return Ok(());
         }
         let mut chunks: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
@@ -67,7 +72,7 @@ impl<'a, 's> Run<'a, 's> {
             .collect();
         blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
             let samples = i * size..total.min((i + 1) * size);
-            run_block(&shared, samples, Target::Planes(&mut block));
+            fill_block(&shared, samples, &mut block);
         });
         Ok(())
     }
@@ -137,8 +142,21 @@ impl<'a, 's> Run<'a, 's> {
         let one = table.geometry_variation() == GeometryVariation::One;
         let usable = one && routes.splits() == arrays.splits();
         let folded = folded.filter(|_| usable).and_then(T::folded);
-        Shared { plan, table, level, routes, tables, folded, stop: execution.stop }
+        let bytes = table.samples().saturating_mul(size_of::<W>()).saturating_mul(plan.planes + 1);
+        let past_caches = bytes >= PAST_CACHES;
+        Shared { plan, table, level, routes, tables, folded, past_caches, stop: execution.stop }
     }
+}
+
+/// Fills planes with a range of the samples.
+fn fill_block<T: StoresAs<W>, W: Float>(
+    shared: &Shared<'_, '_, T>,
+    samples: Range<usize>,
+    planes: &mut [&mut [W]],
+) {
+    write_strips(planes, shared.past_caches, |planes| {
+        run_block(shared, samples, Target::Planes(planes));
+    });
 }
 
 /// Runs a range of the samples.

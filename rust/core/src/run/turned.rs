@@ -15,6 +15,7 @@ use crate::number::series;
 use crate::number::storage::{Column, ViewMut, views_mut};
 use crate::plan::route::Route;
 use crate::run::constants::{FoldedShaft, GeometryIndex, with_constants};
+use crate::run::strips::{At, Same, mapped};
 use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, PlainSinCos};
 
 /// The drivelines of a chunk, in the batch.
@@ -53,7 +54,8 @@ pub(crate) fn find_own_pins<T: Number>(
     let [sine, cosine] = views_mut(pins, 0, size);
     let (geometry, steep) = (lines.geometry, route == Route::Tangent);
     let offsets = shaft.offsets(geometry, size);
-    let near = with_constants!(geometry, |i| offsets.get(i), at => {
+    let near = with_constants!(geometry, offsets, at => {
+        let at = |i| at.at(i);
         if steep {
             array::fill_turned::<PinLine, T>(at, drive, sine, cosine)
         } else {
@@ -62,8 +64,8 @@ pub(crate) fn find_own_pins<T: Number>(
     });
     if near {
         let at = |i: usize| match geometry {
-            GeometryIndex::Shared(index) => offsets.get(index),
-            GeometryIndex::PerSample => offsets.get(i),
+            GeometryIndex::Shared(index) => offsets.at(index),
+            GeometryIndex::PerSample => offsets.at(i),
         };
         let [sine, cosine] = views_mut(pins, 0, size);
         mend_pins(lines, number, steep, at, drive, sine, cosine);
@@ -144,7 +146,7 @@ fn mend_small_angles<T: Number, W: Float>(
             GeometryIndex::PerSample => i,
         };
         let k = shaft.k(route == Route::Tangent, lines.geometry, index, size);
-        let (offset, reduced) = (offsets.get(index), drive.reduced(i));
+        let (offset, reduced) = (offsets.at(index), drive.reduced(i));
         // The shaft's angle is that of w − k e^{−2iφ} w̄.
         let (s, c) = series::sin_cos(reduced);
         let (r, quadrant) = offset.after(reduced, false);
@@ -173,11 +175,12 @@ pub(crate) fn find_turned<T: Number>(
     let mut near = false;
     for (which, column) in [1, 0].into_iter().zip(&mut *turned) {
         let [sine, cosine] = views_mut(spare, 0, size);
-        with_constants!(lines.geometry, |i: usize| waves[i][which], at => {
-            near |= array::fill_turned::<PlainSinCos, T>(|i| at(i).offset, drive, sine, cosine);
+        with_constants!(lines.geometry, mapped(waves, |waves| waves[which]), at => {
+            let offset = |i| at.at(i).offset;
+            near |= array::fill_turned::<PlainSinCos, T>(offset, drive, sine, cosine);
             let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
             for i in 0..size {
-                out.set(i, T::from_double_double(at(i).height) * sine.get(i));
+                out.set(i, T::from_double_double(at.at(i).height) * sine.get(i));
             }
         });
     }

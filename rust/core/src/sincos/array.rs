@@ -68,8 +68,14 @@ pub(crate) trait SinCosBlocks<T>: Copy {
 }
 
 /// Sines and cosines of consecutive samples.
-pub(crate) trait SinCosBlock<T> {
+pub(crate) trait SinCosBlock<T>: Copy {
+    /// Whether every block consists of whole strips.
+    const WHOLE: bool;
+
     fn len(&self) -> usize;
+
+    /// A part of the block.
+    fn part(&self, start: usize, length: usize) -> Self;
 
     fn get(&self, i: usize) -> (T, T);
 }
@@ -84,6 +90,13 @@ impl<T: Real> SinCosBlocks<T> for SinCos<'_, T> {
 }
 
 impl<T: Real> SinCosBlock<T> for SinCos<'_, T> {
+    const WHOLE: bool = true;
+
+    #[inline(always)]
+    fn part(&self, start: usize, length: usize) -> Self {
+        Self { sine: self.sine.part(start, length), cosine: self.cosine.part(start, length) }
+    }
+
     #[inline(always)]
     fn len(&self) -> usize {
         self.len()

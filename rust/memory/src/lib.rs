@@ -1,0 +1,283 @@
+//! Stores that bypass the caches, and requests for memory ahead of its use, as safe functions.
+//!
+//! An ordinary store first reads the cache line that it writes into, and later writes it back. Where
+//! the results of a call exceed the caches, that doubles their traffic, and the store waits. A store
+//! of a whole cache line from vector registers needs neither. [`write_strips`] lends planes of words
+//! that are written in this way, and completes the stores before it returns. [`ask`] requests a
+//! cache line of an input before it is read.
+//!
+//! This crate contains the only unsafe code beside the binding. Where the machine has no such
+//! stores, the functions copy.
+
+use std::ops::Range;
+
+#[cfg(target_arch = "x86")]
+use core::arch::x86 as intel;
+#[cfg(target_arch = "x86_64")]
+use core::arch::x86_64 as intel;
+
+/// Bytes of a strip: one cache line.
+pub const STRIP_BYTES: usize = 64;
+
+/// Words of planes: `f32` or `f64`. Any bits are a valid value.
+pub trait Word: Copy + sealed::Sealed + 'static {}
+
+impl Word for f32 {}
+impl Word for f64 {}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for f32 {}
+    impl Sealed for f64 {}
+}
+
+/// How whole cache lines leave the registers of a function compiled for an instruction set.
+///
+/// Each token of `fearless_simd` proves that the machine has its instructions.
+pub trait Stores: Copy {
+    /// Writes `strip`, of [`STRIP_BYTES`], to `out` past the caches if that is possible and `out`
+    /// begins at a cache line. Returns whether it did.
+    ///
+    /// # Safety
+    /// `out` and `strip` must have [`STRIP_BYTES`], and the caller must call [`complete`] before
+    /// anyone reads `out`.
+    #[doc(hidden)]
+    unsafe fn stream(self, out: *mut u8, strip: *const u8) -> bool;
+}
+
+/// Ordinary stores, for every machine.
+#[derive(Clone, Copy, Debug)]
+pub struct Ordinary;
+
+impl Stores for Ordinary {
+    #[inline(always)]
+    #[expect(unsafe_code, reason = "the signature of the trait")]
+    unsafe fn stream(self, _: *mut u8, _: *const u8) -> bool {
+        false
+    }
+}
+
+/// Implements [`Stores`] by the vector stores of one instruction set.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+macro_rules! stores {
+    ($token:ident, $feature:literal, $bytes:literal, $load:ident, $stream:ident) => {
+        impl Stores for fearless_simd::$token {
+            #[inline(always)]
+            #[expect(unsafe_code, reason = "vector stores past the caches")]
+            unsafe fn stream(self, out: *mut u8, strip: *const u8) -> bool {
+                #[inline]
+                #[target_feature(enable = $feature)]
+                unsafe fn store(out: *mut u8, strip: *const u8) {
+                    let mut at = 0;
+                    while at < STRIP_BYTES {
+                        // SAFETY: the caller passes as many bytes, and `out` is aligned.
+                        unsafe {
+                            intel::$stream(out.add(at).cast(), intel::$load(strip.add(at).cast()));
+                        }
+                        at += $bytes;
+                    }
+                }
+                let aligned = out.addr().is_multiple_of(STRIP_BYTES);
+                if aligned {
+                    // SAFETY: the token proves that the machine has the instructions.
+                    unsafe { store(out, strip) };
+                }
+                aligned
+            }
+        }
+    };
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+stores!(Avx512, "avx512f", 64, _mm512_loadu_si512, _mm512_stream_si512);
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+stores!(Avx2, "avx", 32, _mm256_loadu_si256, _mm256_stream_si256);
+
+/// A part of a plane of results, written in strips.
+#[derive(Debug)]
+pub struct Plane<'a, W> {
+    words: &'a mut [W],
+    past_caches: bool,
+}
+
+impl<'a, W: Word> Plane<'a, W> {
+    /// The words of a strip.
+    pub const STRIP: usize = STRIP_BYTES / size_of::<W>();
+
+    /// A plane whose strips pass through the caches.
+    #[inline(always)]
+    pub fn cached(words: &'a mut [W]) -> Self {
+        Self { words, past_caches: false }
+    }
+
+    /// The number of words.
+    #[inline(always)]
+    pub fn len(&self) -> usize {
+        self.words.len()
+    }
+
+    /// Whether there are no words.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.words.is_empty()
+    }
+
+    /// Words from the start to the first cache line.
+    pub fn words_before_cache_line(&self) -> usize {
+        self.words.as_ptr().align_offset(STRIP_BYTES)
+    }
+
+    /// The same plane or a part of it, borrowed again.
+    #[inline(always)]
+    pub fn part(&mut self, range: Range<usize>) -> Plane<'_, W> {
+        Plane { words: &mut self.words[range], past_caches: self.past_caches }
+    }
+
+    /// The words themselves, after all stores to them.
+    #[inline(always)]
+    pub fn words(&mut self) -> &mut [W] {
+        if self.past_caches {
+            complete();
+        }
+        self.words
+    }
+
+    /// Writes the strip that begins at word `first`. `strip` must have at least [`Self::STRIP`]
+    /// words; others are ignored.
+    #[inline(always)]
+    pub fn put(&mut self, stores: impl Stores, first: usize, strip: &[W]) {
+        let out = &mut self.words[first..first + Self::STRIP];
+        let strip = &strip[..Self::STRIP];
+        if self.past_caches {
+            // SAFETY: both have the bytes of a strip. Only `write_strips` creates planes past the
+            // caches; it borrows their words until it has completed the stores, and `words` does
+            // so before it lends them.
+            #[expect(unsafe_code, reason = "a store that the caches do not delay")]
+            let streamed = unsafe { stores.stream(out.as_mut_ptr().cast(), strip.as_ptr().cast()) };
+            if streamed {
+                return;
+            }
+        }
+        out.copy_from_slice(strip);
+    }
+}
+
+/// Lends `planes` to `body`, for writing in strips: past the caches, or through them. All stores are
+/// complete when it returns or unwinds.
+pub fn write_strips<W: Word, R>(
+    planes: &mut [&mut [W]],
+    past_caches: bool,
+    body: impl FnOnce(&mut [Plane<'_, W>]) -> R,
+) -> R {
+    struct Completed(bool);
+    impl Drop for Completed {
+        fn drop(&mut self) {
+            if self.0 {
+                complete();
+            }
+        }
+    }
+    let _completed = Completed(past_caches);
+    let mut lent: Vec<Plane<'_, W>> =
+        planes.iter_mut().map(|words| Plane { words, past_caches }).collect();
+    body(&mut lent)
+}
+
+/// Waits until all stores of this thread past the caches are visible to every thread.
+#[inline(always)]
+fn complete() {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: every x86-64 machine has the instruction, which has no other effect.
+    #[expect(unsafe_code, reason = "orders the stores that bypass the caches")]
+    #[allow(unused_unsafe, reason = "safe from some version of the compiler on")]
+    unsafe {
+        intel::_mm_sfence();
+    }
+}
+
+/// Requests the cache line that contains element `i`, which may lie beyond the end.
+#[inline(always)]
+pub fn ask<W: Word>(words: &[W], i: usize) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: the instruction is a hint. It reads nothing that the program sees, and an address
+    // without memory has no effect.
+    #[expect(unsafe_code, reason = "the machine's own requests come too late")]
+    unsafe {
+        intel::_mm_prefetch::<{ intel::_MM_HINT_T0 }>(words.as_ptr().wrapping_add(i).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (words, i);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn levels(check: impl Fn(&dyn Fn(&mut Plane<'_, f64>, usize, &[f64]))) {
+        check(&|plane, first, strip| plane.put(Ordinary, first, strip));
+        #[cfg(target_arch = "x86_64")]
+        {
+            let level = fearless_simd::Level::new();
+            if let Some(token) = level.as_avx512() {
+                check(&|plane, first, strip| plane.put(token, first, strip));
+            }
+            if let Some(token) = level.as_avx2() {
+                check(&|plane, first, strip| plane.put(token, first, strip));
+            }
+        }
+    }
+
+    #[test]
+    fn strips_arrive_whatever_the_alignment() {
+        levels(|put| {
+            for past_caches in [false, true] {
+                for offset in 0..9 {
+                    let mut memory = vec![-1.0; 41];
+                    let words = &mut memory[offset..offset + 24];
+                    write_strips(&mut [words], past_caches, |planes| {
+                        let strip: Vec<f64> = (0..16).map(f64::from).collect();
+                        put(&mut planes[0].part(3..24), 5, &strip);
+                    });
+                    let expected = |i: usize| match i.checked_sub(offset + 8) {
+                        Some(word @ 0..8) => word as f64,
+                        _ => -1.0,
+                    };
+                    assert!((0..41).all(|i| memory[i] == expected(i)), "{offset}");
+                }
+            }
+        });
+    }
+
+    #[test]
+    #[should_panic(expected = "range end")]
+    fn a_strip_must_fit() {
+        let mut words = [0.0; 10];
+        Plane::cached(&mut words).put(Ordinary, 3, &[1.0; 8]);
+    }
+
+    #[test]
+    #[should_panic(expected = "range end")]
+    fn a_strip_must_be_whole() {
+        let mut words = [0.0; 8];
+        Plane::cached(&mut words).put(Ordinary, 0, &[1.0; 7]);
+    }
+
+    #[test]
+    fn words_are_found_after_the_stores() {
+        levels(|put| {
+            let mut memory = [0.0; 32];
+            let read = write_strips(&mut [&mut memory], true, |planes| {
+                let first = planes[0].words_before_cache_line();
+                put(&mut planes[0], first, &[2.5; 8]);
+                planes[0].words()[first + 7]
+            });
+            assert_eq!(read, 2.5);
+        });
+    }
+
+    #[test]
+    fn any_element_may_be_asked_for() {
+        ask(&[1.0_f64], 1 << 40);
+        ask::<f32>(&[], usize::MAX);
+    }
+}
