@@ -15,9 +15,8 @@ use crate::plan::steps::Plan;
 use crate::run::constants::GeometryIndex;
 use crate::run::extrema;
 use crate::run::fold::Folded;
-use crate::run::level::{Level, compiled_for};
-use crate::run::load;
-use crate::run::motion;
+use crate::run::kernels;
+use crate::run::level::Level;
 use crate::run::scratch::Scratch;
 use crate::run::sines;
 use crate::run::stores_as::StoresAs;
@@ -63,6 +62,8 @@ pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     /// The folded drivelines: the only one, those of `rows`, or those of the samples of one chunk.
     folded: Cow<'a, Folded<T>>,
     rows: Range<usize>,
+    /// The numbers of the drivelines that are folded next.
+    numbers: Vec<usize>,
     /// Samples per chunk.
     chunk_length: usize,
     scratch: Scratch<T>,
@@ -114,6 +115,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             shared,
             folded: shared.folded.map_or_else(allocate, Cow::Borrowed),
             rows: 0..0,
+            numbers: vec![],
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
             staging: if staging {
@@ -174,12 +176,10 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             return;
         }
         let table = self.shared.table;
-        let line_of = |i: usize| table.locate(&table.line, row + i).0;
+        self.numbers.clear();
+        self.numbers.extend(rows.clone().map(|row| table.locate(&table.line, row).0));
         let folded = self.folded.to_mut();
-        compiled_for!(
-            self.shared.level,
-            folded.fold(self.shared.plan, &table.lines, rows.len(), line_of)
-        );
+        folded.fold(self.shared.level, self.shared.plan, &table.lines, &self.numbers);
         self.rows = rows;
     }
 
@@ -303,9 +303,9 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             GeometryVariation::ByRow => GeometryIndex::Shared(part.row - self.rows.start),
             GeometryVariation::BySample => {
                 let (line, step) = table.locate(&table.line, part.row);
-                let line_of = |i: usize| line + (samples.start + i) * step;
-                let folded = self.folded.to_mut();
-                compiled_for!(level, folded.fold(plan, &table.lines, size, line_of));
+                self.numbers.clear();
+                self.numbers.extend(samples.clone().map(|i| line + i * step));
+                self.folded.to_mut().fold(level, plan, &table.lines, &self.numbers);
                 GeometryIndex::PerSample
             }
         };
@@ -314,11 +314,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let [needs_pins, needs_double_angles] = sines::sines_needed(plan, routes, folded, geometry);
         if needs_pins && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
-            compiled_for!(level, sines::find_pins(plan, drive, group, scratch, size));
+            kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
         }
         if needs_double_angles && (key.is_none() || self.double_angles_key != key) {
-            compiled_for!(level, sines::find_double_angles(drive, rotations, scratch, size));
+            kernels::find_double_angles(level, drive, rotations, scratch, size);
             self.double_angles_key = key;
         }
         // Selected samples have no position in the row: they are reduced at once.
@@ -335,12 +335,9 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             }
             None => self.staging.iter_mut().map(|plane| &mut plane[..size]).collect(),
         };
-        compiled_for!(
-            level,
-            motion::run_motion(
-                plan, routes, drive, rotations, folded, chains, geometry, scratch, &mut views,
-                size, row_offset
-            )
+        kernels::run_motion(
+            level, plan, routes, drive, rotations, folded, chains, geometry, scratch, &mut views,
+            size, row_offset,
         );
         if let Some(load) = &plan.load {
             for index in loads {
@@ -350,16 +347,15 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     gather(data, origin + samples.start * step, step, &mut buffer[..size]);
                 }
             }
-            compiled_for!(
-                level,
-                load::run_load(plan, load, table, folded, geometry, scratch, &mut views, size)
+            kernels::run_load(
+                level, plan, load, table, folded, geometry, scratch, &mut views, size,
             );
         }
         match target {
             _ if is_direct => {}
             Target::Planes(planes) => {
                 for (plane, words) in planes.iter_mut().zip(&self.staging) {
-                    compiled_for!(level, convert(&words[..size], &mut plane[first..first + size]));
+                    kernels::convert(level, &words[..size], &mut plane[first..first + size]);
                 }
             }
             Target::Reduced(reduction, groups, partials) => {
@@ -368,7 +364,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let mut plane = 0;
                 for (partial, &group) in own.iter_mut().zip(*groups) {
                     let planes = &self.staging[plane..plane + group];
-                    compiled_for!(level, reduction.take(partial, planes, size));
+                    kernels::reduce(level, *reduction, partial, planes, size);
                     plane += group;
                 }
             }
@@ -404,17 +400,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let (scratch, level) = (&self.scratch, self.shared.level);
                 if let Some(direct) = T::direct(planes) {
                     let out = &mut direct[plane][place];
-                    compiled_for!(
-                        level,
-                        motion::repeat_angle(scratch, slot, in_period, drive, out)
-                    );
+                    kernels::repeat_angle(level, scratch, slot, in_period, drive, out);
                 } else {
                     let angles = &mut self.staging[plane][..size];
-                    compiled_for!(
-                        level,
-                        motion::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
-                    );
-                    compiled_for!(level, convert(angles, &mut planes[plane][place]));
+                    kernels::repeat_angle(level, scratch, slot, in_period, drive, &mut *angles);
+                    kernels::convert(level, angles, &mut planes[plane][place]);
                 }
                 at += size;
             }
@@ -422,14 +412,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     }
 }
 
-#[inline(always)]
-fn convert<V: Float, W: Float>(words: &[V], out: &mut [W]) {
-    for (out, &word) in out.iter_mut().zip(words) {
-        *out = W::near(word.into());
-    }
-}
-
-#[inline(always)]
 fn gather(data: &[f64], origin: usize, step: usize, buffer: &mut [f64]) {
     match step {
         0 => buffer.fill(data[origin]),
