@@ -17,12 +17,10 @@ use crate::plan::steps::Plan;
 use crate::run::constants::GeometryIndex;
 use crate::run::extrema;
 use crate::run::fold::Folded;
-use crate::run::level::{Level, compiled_for};
-use crate::run::load;
-use crate::run::motion;
+use crate::run::kernels;
+use crate::run::level::Level;
 use crate::run::scratch::Scratch;
 use crate::run::sines;
-use crate::run::sink::Outputs;
 use crate::run::stores_as::StoresAs;
 use crate::run::strips::strip;
 use crate::run::sweep_tables::SweepTables;
@@ -73,6 +71,8 @@ pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     /// The folded drivelines: the only one, those of `rows`, or those of the samples of one chunk.
     folded: Cow<'a, Folded<T>>,
     rows: Range<usize>,
+    /// The numbers of the drivelines that are folded next.
+    numbers: Vec<usize>,
     /// Samples per chunk.
     chunk_length: usize,
     scratch: Scratch<T>,
@@ -134,6 +134,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             shared,
             folded: shared.folded.map_or_else(allocate, Cow::Borrowed),
             rows: 0..0,
+            numbers: vec![],
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
             staged: staging,
@@ -191,12 +192,10 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             return;
         }
         let table = self.shared.table;
-        let line_of = |i: usize| table.locate(&table.line, row + i).0;
+        self.numbers.clear();
+        self.numbers.extend(rows.clone().map(|row| table.locate(&table.line, row).0));
         let folded = self.folded.to_mut();
-        compiled_for!(
-            self.shared.level,
-            folded.fold(self.shared.plan, &table.lines, rows.len(), line_of)
-        );
+        folded.fold(self.shared.level, self.shared.plan, &table.lines, &self.numbers);
         self.rows = rows;
     }
 
@@ -350,9 +349,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             GeometryVariation::ByRow => GeometryIndex::Shared(part.row - self.rows.start),
             GeometryVariation::BySample => {
                 let (line, step) = table.locate(&table.line, part.row);
-                let line_of = |i: usize| line + (samples.start + i.min(count - 1)) * step;
-                let folded = self.folded.to_mut();
-                compiled_for!(level, folded.fold(plan, &table.lines, size, line_of));
+                let last = samples.end - 1;
+                let strips = samples.start..samples.start + size;
+                self.numbers.clear();
+                self.numbers.extend(strips.map(|i| line + i.min(last) * step));
+                self.folded.to_mut().fold(level, plan, &table.lines, &self.numbers);
                 GeometryIndex::PerSample
             }
         };
@@ -361,11 +362,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let [needs_pins, needs_double_angles] = sines::sines_needed(plan, routes, folded, geometry);
         if needs_pins && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
-            compiled_for!(level, sines::find_pins(plan, drive, group, scratch, size));
+            kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
         }
         if needs_double_angles && (key.is_none() || self.double_angles_key != key) {
-            compiled_for!(level, sines::find_double_angles(drive, rotations, scratch, size));
+            kernels::find_double_angles(level, drive, rotations, scratch, size);
             self.double_angles_key = key;
         }
         // Selected samples have no position in the row: they are reduced at once.
@@ -391,13 +392,20 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 parts.collect()
             }
         };
-        compiled_for!(level, stores => {
-            let outputs = &mut Outputs { planes: &mut planes, stores };
-            motion::run_motion(
-                plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
-                row_offset,
-            );
-        });
+        kernels::run_motion(
+            level,
+            plan,
+            routes,
+            drive,
+            rotations,
+            folded,
+            chains,
+            geometry,
+            scratch,
+            &mut planes,
+            size,
+            row_offset,
+        );
         if let Some(load) = &plan.load {
             for index in loads {
                 let (origin, step) = scratch.cursors[index];
@@ -406,17 +414,24 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     gather(data, origin + samples.start * step, step, &mut buffer[..count]);
                 }
             }
-            compiled_for!(level, stores => {
-                let outputs = &mut Outputs { planes: &mut planes, stores };
-                load::run_load(plan, load, table, folded, geometry, scratch, outputs, size);
-            });
+            kernels::run_load(
+                level,
+                plan,
+                load,
+                table,
+                folded,
+                geometry,
+                scratch,
+                &mut planes,
+                size,
+            );
         }
         match target {
             _ if is_direct => {}
             Target::Planes(planes) => {
                 for (plane, words) in planes.iter_mut().zip(&self.staging) {
-                    let plane = &mut plane.words()[first..first + count];
-                    compiled_for!(level, convert(&words[..count], plane));
+                    let words = &words[..count];
+                    kernels::convert(level, words, &mut plane.words()[first..first + count]);
                 }
             }
             Target::Reduced(reduction, groups, partials) => {
@@ -425,7 +440,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let mut plane = 0;
                 for (partial, &group) in own.iter_mut().zip(*groups) {
                     let planes = &self.staging[plane..plane + group];
-                    compiled_for!(level, reduction.take(partial, planes, count));
+                    kernels::reduce(level, *reduction, partial, planes, count);
                     plane += group;
                 }
             }
@@ -461,17 +476,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let (scratch, level) = (&self.scratch, self.shared.level);
                 if let Some(direct) = T::direct(planes) {
                     let out = &mut direct[plane].words()[place];
-                    compiled_for!(
-                        level,
-                        motion::repeat_angle(scratch, slot, in_period, drive, out)
-                    );
+                    kernels::repeat_angle(level, scratch, slot, in_period, drive, out);
                 } else {
                     let angles = &mut self.staging[plane][..size];
-                    compiled_for!(
-                        level,
-                        motion::repeat_angle(scratch, slot, in_period, drive, &mut *angles)
-                    );
-                    compiled_for!(level, convert(angles, &mut planes[plane].words()[place]));
+                    kernels::repeat_angle(level, scratch, slot, in_period, drive, &mut *angles);
+                    kernels::convert(level, angles, &mut planes[plane].words()[place]);
                 }
                 at += size;
             }
@@ -479,14 +488,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     }
 }
 
-#[inline(always)]
-fn convert<V: Float, W: Float>(words: &[V], out: &mut [W]) {
-    for (out, &word) in out.iter_mut().zip(words) {
-        *out = W::near(word.into());
-    }
-}
-
-#[inline(always)]
 fn gather(data: &[f64], origin: usize, step: usize, buffer: &mut [f64]) {
     match step {
         0 => buffer.fill(data[origin]),

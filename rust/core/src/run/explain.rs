@@ -13,6 +13,7 @@ use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{Plan, ShaftStep};
 use crate::run::constants::GeometryIndex;
 use crate::run::fold::{Folded, fold_first};
+use crate::run::level::Level;
 
 /// How a plan is called, apart from its samples.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +40,7 @@ impl Choices {
         let routes = Routes::of_run(plan, table, T::PRECISION);
         let per_sample = table.geometry_variation() == GeometryVariation::BySample;
         let mut folded = Folded::<T>::new(plan, 1, per_sample, &routes);
-        folded.fold(plan, &table.lines, 1, |_| 0);
+        folded.fold(Level::new(), plan, &table.lines, &[0]);
         let geometry = if per_sample { GeometryIndex::PerSample } else { GeometryIndex::Shared(0) };
         let of = |step: &ShaftStep| folded.route(&routes, step.shaft, geometry);
         Self { routes, sweep: table.sweep.is_some(), shafts: plan.shafts.iter().map(of).collect() }

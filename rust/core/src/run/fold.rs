@@ -73,7 +73,7 @@ impl Plan {
 /// Folds the first driveline for arrays of angles.
 pub(crate) fn fold_first<T: Number>(plan: &Plan, lines: &Drivelines<'_>) -> Folded<T> {
     let mut folded = Folded::new(plan, 1, false, &Routes::of_arrays(plan, T::PRECISION));
-    compiled_for!(Level::new(), folded.fold(plan, lines, 1, |_| 0));
+    folded.fold(Level::new(), plan, lines, &[0]);
     folded
 }
 
@@ -111,55 +111,53 @@ impl<T: Angle> Folded<T> {
         (routes.of(shaft, range), range)
     }
 
-    /// Folds `count` drivelines with the indices `line_of(i)`. Each is folded once, up to the last
+    /// Folds the drivelines with these numbers in the batch. Each is folded once, up to the last
     /// shaft that the plan needs.
-    #[inline(always)]
+    #[inline(never)]
     pub(crate) fn fold(
         &mut self,
+        level: Level,
         plan: &Plan,
         lines: &Drivelines<'_>,
-        count: usize,
-        line_of: impl Fn(usize) -> usize,
+        numbers: &[usize],
     ) {
+        compiled_for!(level, self.fold_all(plan, lines, numbers));
+    }
+
+    #[inline(always)]
+    fn fold_all(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
         self.poses.iter_mut().for_each(Vec::clear);
         self.turnings.iter_mut().for_each(Vec::clear);
         self.waves.iter_mut().for_each(Vec::clear);
         self.lines.clear();
-        for start in (0..count).step_by(LANES) {
-            let length = LANES.min(count - start);
-            self.fold_lanes(plan, lines, start, length, |i| line_of(start + i));
+        for (group, numbers) in numbers.chunks(LANES).enumerate() {
+            self.fold_lanes(plan, lines, group * LANES, numbers);
         }
     }
 
     #[inline(always)]
-    fn fold_lanes(
-        &mut self,
-        plan: &Plan,
-        lines: &Drivelines<'_>,
-        start: usize,
-        length: usize,
-        line_of: impl Fn(usize) -> usize,
-    ) {
-        let n = plan.joint_count;
-        let Self { shafts, poses, waves, turnings, lines: numbers, frames, maps, turns } = self;
+    fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
+        let (n, length) = (plan.joint_count, numbers.len());
+        let Self { shafts, poses, waves, turnings, lines: kept, frames, maps, turns } = self;
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
         if T::LOW {
-            numbers.extend((0..length).map(&line_of));
+            kept.extend(numbers);
         }
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
-        let first = line_of(0);
-        let contiguous = (0..length).fold(true, |so, i| so & (line_of(i) == first + i));
+        let first = numbers[0];
+        let contiguous =
+            numbers.iter().enumerate().fold(true, |so, (i, &line)| so & (line == first + i));
         let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
             if each == 1 && contiguous {
                 out.copy_from_slice(&data[first..first + out.len()]);
                 return;
             }
-            for (i, x) in out.iter_mut().enumerate() {
-                *x = data[line_of(i) * each + j];
+            for (x, line) in out.iter_mut().zip(numbers) {
+                *x = data[line * each + j];
             }
         };
-        let stored = |i: usize, j: usize| stored_frame(lines, n, line_of(i), j);
+        let stored = |i: usize, j: usize| stored_frame(lines, n, numbers[i], j);
         for j in 0..plan.reach() {
             gather(lines.bends, n, j, &mut bends[..length]);
             let bends = &bends[..length];
@@ -188,7 +186,7 @@ impl<T: Angle> Folded<T> {
             }
             if T::LOW && j > 0 && plan.joints[j].needs_tilt {
                 let maps = maps.read(length);
-                let exact = |i: usize| ExactMap::new(lines.chains(n), line_of(i), To::Joint(j));
+                let exact = |i: usize| ExactMap::new(lines.chains(n), numbers[i], To::Joint(j));
                 let lane = |i: usize| waves_of(&maps.at(i), products[i], || exact(i));
                 waves[j].extend((0..length).map(lane));
             }
@@ -222,7 +220,7 @@ impl<T: Angle> Folded<T> {
                 continue;
             }
             let (maps, shaft) = (maps.read(length), &mut shafts[j + 1]);
-            let exact = |i: usize| ExactMap::new(lines.chains(n), line_of(i), To::Shaft(j + 1));
+            let exact = |i: usize| ExactMap::new(lines.chains(n), numbers[i], To::Shaft(j + 1));
             let lost = |i: usize| Transfer::loses_digits(&maps.at(i), sums[i], products[i]);
             if turns_load {
                 turnings[j + 1].extend((0..length).map(|i| {

@@ -7,6 +7,7 @@ pub mod explain;
 mod extrema;
 pub mod fold;
 mod formula;
+mod kernels;
 mod lanes;
 pub mod level;
 mod load;

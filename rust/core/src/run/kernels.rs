@@ -1,0 +1,133 @@
+//! The kernels of a chunk, compiled for each instruction set.
+//!
+//! Each is a function of its own and generic only over what its loops depend on, so that callers
+//! that differ in other types share it. They are the larger part of the library.
+
+use cardan_memory::Plane;
+
+use crate::input::table::Table;
+use crate::mechanics::exact::Chains;
+use crate::number::Number;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Float;
+use crate::plan::reduction::Reduction;
+use crate::plan::route::Routes;
+use crate::plan::steps::{LoadStep, Plan};
+use crate::run::constants::GeometryIndex;
+use crate::run::fold::Folded;
+use crate::run::level::{Level, compiled_for};
+use crate::run::scratch::Scratch;
+use crate::run::sink::Outputs;
+use crate::run::{load, motion, sines};
+use crate::sincos::array::DriveAngles;
+use crate::sincos::rotation::Rotations;
+use crate::sincos::tangent_sum::TangentSum;
+
+/// [`sines::find_pins`].
+#[inline(never)]
+pub(crate) fn find_pins<T: Number>(
+    level: Level,
+    plan: &Plan,
+    drive: DriveAngles<'_>,
+    group: Option<&TangentSum<T>>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    compiled_for!(level, sines::find_pins(plan, drive, group, scratch, size));
+}
+
+/// [`sines::find_double_angles`].
+#[inline(never)]
+pub(crate) fn find_double_angles<T: Number>(
+    level: Level,
+    drive: DriveAngles<'_>,
+    rotations: Option<&Rotations<T>>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    compiled_for!(level, sines::find_double_angles(drive, rotations, scratch, size));
+}
+
+/// [`motion::run_motion`].
+#[inline(never)]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
+pub(crate) fn run_motion<T: Number, W: Float>(
+    level: Level,
+    plan: &Plan,
+    routes: &Routes,
+    drive: DriveAngles<'_>,
+    rotations: Option<&Rotations<T>>,
+    folded: &Folded<T>,
+    chains: Chains<'_>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [Plane<'_, W>],
+    size: usize,
+    row_offset: usize,
+) {
+    compiled_for!(level, stores => {
+        let outputs = &mut Outputs { planes, stores };
+        motion::run_motion(
+            plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
+            row_offset,
+        );
+    });
+}
+
+/// [`motion::repeat_angle`].
+#[inline(never)]
+pub(crate) fn repeat_angle<T: Number, W: Float>(
+    level: Level,
+    scratch: &Scratch<T>,
+    slot: usize,
+    first: usize,
+    drive: DriveAngles<'_>,
+    out: &mut [W],
+) {
+    compiled_for!(level, motion::repeat_angle(scratch, slot, first, drive, out));
+}
+
+/// [`load::run_load`].
+#[inline(never)]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
+pub(crate) fn run_load<T: Number, W: Float>(
+    level: Level,
+    plan: &Plan,
+    load: &LoadStep,
+    table: &Table<'_>,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [Plane<'_, W>],
+    size: usize,
+) {
+    compiled_for!(level, stores => {
+        let outputs = &mut Outputs { planes, stores };
+        load::run_load(plan, load, table, folded, geometry, scratch, outputs, size);
+    });
+}
+
+/// [`Reduction::take`].
+#[inline(never)]
+pub(crate) fn reduce<W: Float>(
+    level: Level,
+    reduction: Reduction,
+    partial: &mut DoubleDouble,
+    planes: &[Vec<W>],
+    size: usize,
+) {
+    compiled_for!(level, reduction.take(partial, planes, size));
+}
+
+/// Converts words to another type.
+#[inline(never)]
+pub(crate) fn convert<V: Float, W: Float>(level: Level, words: &[V], out: &mut [W]) {
+    compiled_for!(level, convert_words(words, out));
+}
+
+#[inline(always)]
+fn convert_words<V: Float, W: Float>(words: &[V], out: &mut [W]) {
+    for (out, &word) in out.iter_mut().zip(words) {
+        *out = W::near(word.into());
+    }
+}
