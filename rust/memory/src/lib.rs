@@ -142,23 +142,26 @@ impl<'a, W: Word> Plane<'a, W> {
         self.words
     }
 
-    /// Writes the strip that begins at word `first`. `strip` must have at least [`Self::STRIP`]
-    /// words; others are ignored.
+    /// Writes strips from word `first` on; their words must fill whole cache lines.
     #[inline(always)]
-    pub fn put(&mut self, stores: impl Stores, first: usize, strip: &[W]) {
-        let out = &mut self.words[first..first + Self::STRIP];
-        let strip = &strip[..Self::STRIP];
-        if self.past_caches {
+    pub fn put(&mut self, stores: impl Stores, first: usize, strips: &[W]) {
+        let out = &mut self.words[first..first + strips.len()];
+        if !self.past_caches {
+            out.copy_from_slice(strips);
+            return;
+        }
+        let lines = strips.chunks_exact(Self::STRIP);
+        assert!(lines.remainder().is_empty(), "strips must fill cache lines");
+        for (out, strip) in out.chunks_exact_mut(Self::STRIP).zip(lines) {
             // SAFETY: both have the bytes of a strip. Only `write_strips` creates planes past the
             // caches; it borrows their words until it has completed the stores, and `words` does
             // so before it lends them.
             #[expect(unsafe_code, reason = "a store that the caches do not delay")]
             let streamed = unsafe { stores.stream(out.as_mut_ptr().cast(), strip.as_ptr().cast()) };
-            if streamed {
-                return;
+            if !streamed {
+                out.copy_from_slice(strip);
             }
         }
-        out.copy_from_slice(strip);
     }
 }
 
@@ -235,11 +238,11 @@ mod tests {
                     let mut memory = vec![-1.0; 41];
                     let words = &mut memory[offset..offset + 24];
                     write_strips(&mut [words], past_caches, |planes| {
-                        let strip: Vec<f64> = (0..16).map(f64::from).collect();
-                        put(&mut planes[0].part(3..24), 5, &strip);
+                        let strips: Vec<f64> = (0..16).map(f64::from).collect();
+                        put(&mut planes[0].part(3..24), 5, &strips);
                     });
                     let expected = |i: usize| match i.checked_sub(offset + 8) {
-                        Some(word @ 0..8) => word as f64,
+                        Some(word @ 0..16) => word as f64,
                         _ => -1.0,
                     };
                     assert!((0..41).all(|i| memory[i] == expected(i)), "{offset}");
@@ -256,10 +259,10 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "range end")]
+    #[should_panic(expected = "strips must fill cache lines")]
     fn a_strip_must_be_whole() {
         let mut words = [0.0; 8];
-        Plane::cached(&mut words).put(Ordinary, 0, &[1.0; 7]);
+        write_strips(&mut [&mut words], true, |planes| planes[0].put(Ordinary, 0, &[1.0; 7]));
     }
 
     #[test]

@@ -22,7 +22,7 @@ use crate::run::level::Level;
 use crate::run::scratch::Scratch;
 use crate::run::sines;
 use crate::run::stores_as::StoresAs;
-use crate::run::strips::strip;
+use crate::run::strips;
 use crate::run::sweep_tables::SweepTables;
 use crate::sincos::array::DriveAngles;
 
@@ -120,7 +120,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         } else {
             CHUNK
         };
-        let longest = chunk_length.min(row_length).next_multiple_of(strip::<T>());
+        let longest = chunk_length.min(row_length).next_multiple_of(strips::length::<T>());
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
@@ -225,7 +225,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         {
             for samples in selected.chunks(self.chunk_length) {
                 let mut strips = samples.to_vec();
-                strips.resize(samples.len().next_multiple_of(strip::<T>()), samples[0]);
+                strips.resize(samples.len().next_multiple_of(strips::length::<T>()), samples[0]);
                 self.chunk(part, 0..samples.len(), Some(&strips), row_in_block, target);
             }
             return;
@@ -260,7 +260,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         stop: usize,
         target: &mut Target<'_, '_, W>,
     ) -> usize {
-        let whole = strip::<T>();
+        let whole = strips::length::<T>();
         let first = if at.is_multiple_of(whole) { at - at % self.chunk_length } else { at };
         let end = stop.min(first + self.chunk_length);
         if self.staged || end - at <= PADDED {
@@ -328,7 +328,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let &Shared { plan, table, level, ref routes, ref tables, .. } = *shared;
         let rotations = tables.rotations.as_ref();
         // The samples of the last strip that are too many repeat or follow others and are dropped.
-        let (count, size) = (samples.len(), samples.len().next_multiple_of(strip::<T>()));
+        let (count, size) = (samples.len(), samples.len().next_multiple_of(strips::length::<T>()));
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
         let drive = match (&table.sweep, selected) {

@@ -20,7 +20,7 @@ use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::run::formula::MotionFormula;
 use crate::run::sink::{Sink, SinkStrip};
-use crate::run::strips::{At, Same, Strips, strip};
+use crate::run::strips::{self, At, Same, Strips};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
 /// A value for each sample, from its inputs, sine and cosine.
@@ -35,20 +35,20 @@ pub(crate) fn over_sin_cos<T: Real, I: Strips, V>(
         let length = block.len();
         let mut out = out.slice(start, length);
         let mut first = 0;
-        while first + strip::<T>() <= length {
-            let sin_cos = block.part(first, strip::<T>());
-            let inputs = inputs.strip(start + first, strip::<T>());
+        while first + strips::length::<T>() <= length {
+            let sin_cos = block.part(first, strips::length::<T>());
+            let inputs = inputs.strip(start + first, strips::length::<T>());
             let mut results = out.strip(first);
-            for i in 0..strip::<T>() {
+            for i in 0..strips::length::<T>() {
                 let (s, c) = sin_cos.get(i);
                 results.set(i, value(inputs.at(i), s, c));
             }
             out.put(first, results);
-            first += strip::<T>();
+            first += strips::length::<T>();
         }
         if !rest_is_empty(&block) {
             // A loop with two exits is not compiled for vectors, which would double its size.
-            for i in first..first + strip::<T>() {
+            for i in first..first + strips::length::<T>() {
                 if i >= length {
                     break;
                 }
@@ -93,13 +93,13 @@ pub(crate) fn over_samples<T: Real, I: Strips>(
     let mut out = out.slice(0, length);
     let mut first = 0;
     while first < length {
-        let inputs = inputs.strip(first, strip::<T>());
+        let inputs = inputs.strip(first, strips::length::<T>());
         let mut results = out.strip(first);
-        for i in 0..strip::<T>() {
+        for i in 0..strips::length::<T>() {
             results.set(i, value(inputs.at(i)));
         }
         out.put(first, results);
-        first += strip::<T>();
+        first += strips::length::<T>();
     }
 }
 
@@ -112,14 +112,14 @@ fn update<T: Real, I: Strips>(
 ) {
     let mut first = 0;
     while first < column.len() {
-        let inputs = inputs.strip(first, strip::<T>());
+        let inputs = inputs.strip(first, strips::length::<T>());
         let mut results = Sink::<T>::strip(&column, first);
-        let numbers = column.window(first, strip::<T>());
-        for i in 0..strip::<T>() {
+        let numbers = column.window(first, strips::length::<T>());
+        for i in 0..strips::length::<T>() {
             results.set(i, value(inputs.at(i), numbers.get(i)));
         }
         Sink::<T>::put(&mut column, first, results);
-        first += strip::<T>();
+        first += strips::length::<T>();
     }
 }
 

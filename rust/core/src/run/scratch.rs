@@ -6,7 +6,7 @@ use crate::number::storage::{Column, columns};
 use crate::plan::output::Output;
 use crate::plan::route::Routes;
 use crate::plan::steps::{JointStep, Plan};
-use crate::run::strips::strip;
+use crate::run::strips;
 use crate::sincos::rotation;
 
 /// The buffers of one block, each as long as its longest chunk.
@@ -72,7 +72,7 @@ impl<T: Number> Scratch<T> {
     /// Allocates the angle errors of a period that is to be repeated.
     pub(crate) fn keep_errors(&mut self, plan: &Plan, period: usize) {
         let angles = plan.shafts.iter().filter(|step| step.planes.get(Output::Angle).is_some());
-        let length = period.next_multiple_of(strip::<T>());
+        let length = period.next_multiple_of(strips::length::<T>());
         self.errors = angles.map(|_| Column::new(length)).collect();
     }
 }

@@ -7,6 +7,7 @@ use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
+use crate::run::strips;
 use crate::sincos::array::sample_number;
 
 /// The most words of a strip.
@@ -154,8 +155,8 @@ impl<W: Float, L: Stores> Words<'_, W, L> {
     }
 
     #[inline(always)]
-    fn put_strip(&mut self, first: usize, strip: &WordStrip<W>) {
-        self.plane.put(self.stores, first, &strip.0);
+    fn put_strip(&mut self, first: usize, words: &[W]) {
+        self.plane.put(self.stores, first, words);
     }
 
     /// The words themselves.
@@ -190,7 +191,7 @@ impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
 
     #[inline(always)]
     fn put(&mut self, first: usize, strip: WordStrip<W>) {
-        self.put_strip(first, &strip);
+        self.put_strip(first, &strip.0[..strips::length::<T>()]);
     }
 
     #[inline(always)]
@@ -415,12 +416,12 @@ impl<T: Number, D: DriveAngle, W: Float, L: Stores> Sink<T> for AngleSink<'_, D,
 
     #[inline(always)]
     fn strip(&self, first: usize) -> AngleStrip<D, W> {
-        AngleStrip(self.0.strip(first, W::STRIP), WordStrip::empty())
+        AngleStrip(self.0.strip(first, strips::length::<T>()), WordStrip::empty())
     }
 
     #[inline(always)]
     fn put(&mut self, first: usize, strip: AngleStrip<D, W>) {
-        self.1.put_strip(first, &strip.1);
+        self.1.put_strip(first, &strip.1.0[..strips::length::<T>()]);
     }
 
     #[inline(always)]

@@ -10,7 +10,7 @@ use crate::number::storage::View;
 
 /// The samples of a strip for a number type.
 #[inline(always)]
-pub(crate) const fn strip<T: Real>() -> usize {
+pub(crate) const fn length<T: Real>() -> usize {
     <T::Float as Float>::STRIP
 }
 
