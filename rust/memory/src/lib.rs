@@ -122,6 +122,12 @@ impl<'a, W: Word> Plane<'a, W> {
         self.words.is_empty()
     }
 
+    /// Whether strips bypass the caches.
+    #[inline(always)]
+    pub fn bypasses_caches(&self) -> bool {
+        self.past_caches
+    }
+
     /// Words from the start to the first cache line.
     pub fn words_before_cache_line(&self) -> usize {
         self.words.as_ptr().align_offset(STRIP_BYTES)

@@ -19,7 +19,7 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::run::formula::MotionFormula;
-use crate::run::sink::{Sink, SinkStrip};
+use crate::run::sink::{Plain, Sink, SinkStrip};
 use crate::run::strips::{self, At, Same, Strips};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
@@ -87,10 +87,18 @@ pub(crate) fn formula<T: Real, C: Strips, V>(
 pub(crate) fn over_samples<T: Real, I: Strips>(
     length: usize,
     inputs: I,
-    mut out: impl Sink<T>,
+    mut out: impl Plain<T>,
     value: impl Fn(I::Value) -> T,
 ) {
-    let mut out = out.slice(0, length);
+    if !out.bypasses_caches() {
+        let inputs = inputs.strip(0, length);
+        assert!(out.length() == length);
+        out.fill(
+            #[inline(always)]
+            |i| value(inputs.at(i)),
+        );
+        return;
+    }
     let mut first = 0;
     while first < length {
         let inputs = inputs.strip(first, strips::length::<T>());
@@ -105,21 +113,11 @@ pub(crate) fn over_samples<T: Real, I: Strips>(
 
 /// Replaces each number of a column.
 #[inline(always)]
-fn update<T: Real, I: Strips>(
-    mut column: ViewMut<'_, T>,
-    inputs: I,
-    value: impl Fn(I::Value, T) -> T,
-) {
-    let mut first = 0;
-    while first < column.len() {
-        let inputs = inputs.strip(first, strips::length::<T>());
-        let mut results = Sink::<T>::strip(&column, first);
-        let numbers = column.window(first, strips::length::<T>());
-        for i in 0..strips::length::<T>() {
-            results.set(i, value(inputs.at(i), numbers.get(i)));
-        }
-        Sink::<T>::put(&mut column, first, results);
-        first += strips::length::<T>();
+fn update<T: Real, I: Strips>(column: ViewMut<'_, T>, inputs: I, value: impl Fn(I::Value, T) -> T) {
+    let length = column.len();
+    let (mut column, inputs) = (column.cut(length), inputs.strip(0, length));
+    for i in 0..length {
+        column.set(i, value(inputs.at(i), column.get(i)));
     }
 }
 
@@ -195,7 +193,7 @@ pub(crate) fn motion<T: Number, C: Strips<Value: MotionFormula<T>>>(
 
 /// Copies a column.
 #[inline(always)]
-pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Sink<T>) {
+pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Plain<T>) {
     over_samples(
         column.len(),
         column,
@@ -228,7 +226,7 @@ pub(crate) fn absorb<T: Real>(
 
 /// `a / b`, element by element.
 #[inline(always)]
-pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>) {
+pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Plain<T>) {
     over_samples(
         a.len(),
         (a, b),
@@ -304,7 +302,7 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
     driving: bool,
     [square, product]: [View<'_, T>; 2],
     previous: impl Strips<Value = Option<T>>,
-    out: impl Sink<T>,
+    out: impl Plain<T>,
 ) {
     over_samples(
         square.len(),
@@ -411,7 +409,7 @@ pub(crate) fn drive_angle<T: Number, W: Float>(drive: DriveAngles<'_>, out: &mut
 
 /// A constant; NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn constant<T: Number>(value: f64, drive: DriveAngles<'_>, out: impl Sink<T>) {
+pub(crate) fn constant<T: Number>(value: f64, drive: DriveAngles<'_>, out: impl Plain<T>) {
     let length = out.length();
     match drive {
         DriveAngles::Array(angle) => over_samples(

@@ -1,4 +1,5 @@
 //! Sinks: the destinations of the kernels' results.
+#![allow(clippy::needless_range_loop, reason = "as in the loops over a chunk")]
 
 use cardan_memory::{Plane, Stores};
 
@@ -37,6 +38,15 @@ pub(crate) trait Sink<T> {
 
     /// Stores result `i`.
     fn store(&mut self, i: usize, number: T);
+}
+
+/// A sink of one number per sample.
+pub(crate) trait Plain<T>: Sink<T> {
+    /// Whether strips bypass the caches.
+    fn bypasses_caches(&self) -> bool;
+
+    /// Stores the number of each sample. A plain loop over a short computation is faster than strips.
+    fn fill(&mut self, number: impl Fn(usize) -> T);
 }
 
 /// The results of one strip.
@@ -91,6 +101,21 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     #[inline(always)]
     fn store(&mut self, i: usize, number: T) {
         self.set(i, number);
+    }
+}
+
+impl<T: Real> Plain<T> for ViewMut<'_, T> {
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn fill(&mut self, number: impl Fn(usize) -> T) {
+        let mut column = self.reborrow();
+        for i in 0..column.len() {
+            column.set(i, number(i));
+        }
     }
 }
 
@@ -197,6 +222,21 @@ impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
     #[inline(always)]
     fn store(&mut self, i: usize, number: T) {
         self.plane.words()[i] = W::near(number.value().into());
+    }
+}
+
+impl<T: Real, W: Float, L: Stores> Plain<T> for Words<'_, W, L> {
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        self.plane.bypasses_caches()
+    }
+
+    #[inline(always)]
+    fn fill(&mut self, number: impl Fn(usize) -> T) {
+        let words = self.plane.words();
+        for i in 0..words.len() {
+            words[i] = W::near(number(i).value().into());
+        }
     }
 }
 
