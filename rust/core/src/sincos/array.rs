@@ -7,11 +7,15 @@ use crate::input::sweep::{AngleReduction, Sweep};
 use crate::mechanics::chain::Offset;
 use crate::mechanics::exact::ExactAngle;
 use crate::number::double_double::DoubleDouble;
-use crate::number::float::Real;
+use crate::number::float::{Float, Real};
 use crate::number::reduction::{self, LargeAngleFlag};
 use crate::number::series;
 use crate::number::storage::{View, ViewMut};
 use crate::number::trig::{self, Angle};
+
+/// How many angles ahead a loop over an array asks for them. A page of memory hides the time that
+/// they take to arrive; with less, the loops of a chunk wait.
+pub(crate) const AHEAD: usize = 512;
 
 /// The drive angles of a chunk.
 #[derive(Clone, Copy)]
@@ -172,8 +176,8 @@ impl SinCosKind for DoubleAngleSinCos {
     }
 }
 
-/// Computes sine and cosine of each angle. If one angle is too large for the fast reduction, all
-/// angles take the exact one.
+/// Computes sine and cosine of each angle. Angles that are too large for the fast reduction take the
+/// exact one; others beside them keep their bits.
 ///
 /// `coarse` pins have an absolute and not a relative error of one rounding, which suffices for
 /// moderate bends.
@@ -189,31 +193,25 @@ pub(crate) fn fill_sin_cos<K: SinCosKind, T: Angle>(
     match drive {
         DriveAngles::Array(angle) => {
             let angle = &angle[..length];
-            if T::PRECISION.costs().turn_fractions
-                && coarse
-                && coarse_sin_cos::<K, T>(angle, sine.reborrow(), cosine.reborrow())
-            {
-                return;
+            if T::PRECISION.costs().turn_fractions && coarse {
+                return coarse_sin_cos::<K, T>(angle, sine, cosine);
             }
             let mut too_large = LargeAngleFlag::for_quadrants();
-            for i in 0..length {
-                let x = angle[i];
-                let reduced = T::reduce(if K::DOUBLE_ANGLE { x + x } else { x });
-                too_large.accumulate(reduced.1);
-                set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+            let strip = <T::Float as Float>::STRIP;
+            for first in (0..length).step_by(strip) {
+                cardan_memory::ask(angle, first + AHEAD);
+                let angle = &angle[first..first + strip];
+                let (mut sine, mut cosine) =
+                    (sine.window(first, strip), cosine.window(first, strip));
+                for i in 0..strip {
+                    let reduced = T::reduce(multiple::<K>(angle[i]));
+                    too_large.accumulate(reduced.1);
+                    set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
+                }
             }
             if too_large.any() {
-                for i in 0..length {
-                    let reduced = reduction::reduce_any(angle[i]);
-                    let (r, quadrant) =
-                        if K::DOUBLE_ANGLE { reduction::double_angle(reduced) } else { reduced };
-                    set_reduced::<K, T>(
-                        &mut sine,
-                        &mut cosine,
-                        i,
-                        (T::from_double_double(r), quadrant),
-                    );
-                }
+                let set = set_reduced::<K, T>;
+                replace_large::<K, T>(angle, sine.reborrow(), cosine.reborrow(), set);
             }
         }
         DriveAngles::Sweep(sweep, first) => {
@@ -354,29 +352,74 @@ impl DriveAngles<'_> {
     }
 }
 
-/// Sine and cosine from turn fractions; false if an angle is too large for them.
+/// The multiple of an angle that is reduced.
+#[inline(always)]
+fn multiple<K: SinCosKind>(angle: f64) -> f64 {
+    if K::DOUBLE_ANGLE { angle + angle } else { angle }
+}
+
+/// Sine and cosine from turn fractions; of angles that are too large for these, from remainders.
 #[inline(always)]
 fn coarse_sin_cos<K: SinCosKind, T: Angle>(
     angle: &[f64],
     sine: ViewMut<'_, T>,
     cosine: ViewMut<'_, T>,
-) -> bool {
+) {
     let length = angle.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     let mut too_large = LargeAngleFlag::for_turn_fractions();
-    for i in 0..length {
-        let phase = reduction::turn_fraction_q30(angle[i]);
-        too_large.accumulate(phase);
-        cosine.set_high(i, T::of_bits(phase));
-    }
-    if too_large.any() {
-        return false;
+    let strip = <T::Float as Float>::STRIP;
+    for first in (0..length).step_by(strip) {
+        cardan_memory::ask(angle, first + AHEAD);
+        cardan_memory::ask(angle, first + AHEAD + strip / 2);
+        let (angle, mut cosine) = (&angle[first..first + strip], cosine.window(first, strip));
+        for i in 0..strip {
+            let phase = reduction::turn_fraction_q30(angle[i]);
+            too_large.accumulate(phase);
+            cosine.set_high(i, T::of_bits(phase));
+        }
     }
     for i in 0..length {
         let reduced = T::from_turn_fraction(cosine.get_high(i).bits());
         set_pin::<K, T>(&mut sine, &mut cosine, i, reduced);
     }
-    true
+    if !too_large.any() {
+        return;
+    }
+    let mut beyond = LargeAngleFlag::for_quadrants();
+    for i in 0..length {
+        let mut too_large = LargeAngleFlag::for_turn_fractions();
+        too_large.accumulate(reduction::turn_fraction_q30(angle[i]));
+        let reduced = T::reduce(multiple::<K>(angle[i]));
+        beyond.accumulate(reduced.1);
+        let (s, c) = K::sin_cos(reduced);
+        // Stores without a condition keep the loop in vectors.
+        let (coarse_s, coarse_c) = (sine.get(i), cosine.get(i));
+        sine.set(i, if too_large.any() { s } else { coarse_s });
+        cosine.set(i, if too_large.any() { c } else { coarse_c });
+    }
+    if beyond.any() {
+        replace_large::<K, T>(angle, sine, cosine, set_pin::<K, T>);
+    }
+}
+
+/// Sets the sines and cosines of angles that are too large for the fast reduction.
+fn replace_large<K: SinCosKind, T: Angle>(
+    angle: &[f64],
+    mut sine: ViewMut<'_, T>,
+    mut cosine: ViewMut<'_, T>,
+    set: impl Fn(&mut ViewMut<'_, T>, &mut ViewMut<'_, T>, usize, (T, u64)),
+) {
+    for (i, &x) in angle.iter().enumerate() {
+        let mut too_large = LargeAngleFlag::for_quadrants();
+        too_large.accumulate(reduction::reduce(multiple::<K>(x)).1);
+        if too_large.any() {
+            let reduced = reduction::reduce_any(x);
+            let (r, quadrant) =
+                if K::DOUBLE_ANGLE { reduction::double_angle(reduced) } else { reduced };
+            set(&mut sine, &mut cosine, i, (T::from_double_double(r), quadrant));
+        }
+    }
 }
 
 /// Stores a reduced angle, or its pin. Angles are reduced as doubles, and a vector holds half as
