@@ -43,7 +43,7 @@ pub(crate) fn over_sin_cos<T: Real, I: Strips, V>(
                 let (s, c) = sin_cos.get(i);
                 results.set(i, value(inputs.at(i), s, c));
             }
-            out.put(first, results);
+            out.put(first, &results);
             first += strips::length::<T>();
         }
         if !rest_is_empty(&block) {
@@ -106,7 +106,7 @@ pub(crate) fn over_samples<T: Real, I: Strips>(
         for i in 0..strips::length::<T>() {
             results.set(i, value(inputs.at(i)));
         }
-        out.put(first, results);
+        out.put(first, &results);
         first += strips::length::<T>();
     }
 }

@@ -34,7 +34,7 @@ pub(crate) trait Sink<T> {
     fn strip(&self, first: usize) -> Self::Strip;
 
     /// Stores a whole strip.
-    fn put(&mut self, first: usize, strip: Self::Strip);
+    fn put(&mut self, first: usize, strip: &Self::Strip);
 
     /// Stores result `i`.
     fn store(&mut self, i: usize, number: T);
@@ -66,7 +66,9 @@ impl<T: Real> SinkStrip<T> for NumberStrip<T> {
     fn set(&mut self, i: usize, number: T) {
         let [high, low] = number.words();
         self.high[i] = high;
-        self.low[i] = low;
+        if T::LOW {
+            self.low[i] = low;
+        }
     }
 }
 
@@ -94,7 +96,7 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: NumberStrip<T>) {
+    fn put(&mut self, first: usize, strip: &NumberStrip<T>) {
         self.set_strip(first, &strip.high, &strip.low);
     }
 
@@ -215,7 +217,7 @@ impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: WordStrip<W>) {
+    fn put(&mut self, first: usize, strip: &WordStrip<W>) {
         self.put_strip(first, &strip.0[..strips::length::<T>()]);
     }
 
@@ -272,9 +274,9 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: Self::Strip) {
-        self.0.put(first, strip.0);
-        self.1.put(first, strip.1);
+    fn put(&mut self, first: usize, strip: &Self::Strip) {
+        self.0.put(first, &strip.0);
+        self.1.put(first, &strip.1);
     }
 
     #[inline(always)]
@@ -320,7 +322,7 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, [along_x, along_y, along_z]: Self::Strip) {
+    fn put(&mut self, first: usize, [along_x, along_y, along_z]: &Self::Strip) {
         let [x, y, z] = self;
         x.put(first, along_x);
         y.put(first, along_y);
@@ -460,7 +462,7 @@ impl<T: Number, D: DriveAngle, W: Float, L: Stores> Sink<T> for AngleSink<'_, D,
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: AngleStrip<D, W>) {
+    fn put(&mut self, first: usize, strip: &AngleStrip<D, W>) {
         self.1.put_strip(first, &strip.1.0[..strips::length::<T>()]);
     }
 
