@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::number::float::{Float, Real};
+use crate::number::float::Real;
 
 /// Bytes of a cache line. Loading or storing a vector that crosses one takes twice as long.
 const CACHE_LINE: usize = 64;
@@ -237,10 +237,9 @@ impl<T: Real> ViewMut<'_, T> {
     /// Sets a strip of numbers, given their words.
     #[inline(always)]
     pub(crate) fn set_strip(&mut self, first: usize, high: &[T::Float], low: &[T::Float]) {
-        let length = T::Float::STRIP;
-        self.high[first..first + length].copy_from_slice(&high[..length]);
+        self.high[first..first + high.len()].copy_from_slice(high);
         if T::LOW {
-            self.low[first..first + length].copy_from_slice(&low[..length]);
+            self.low[first..first + low.len()].copy_from_slice(low);
         }
     }
 

@@ -23,32 +23,51 @@ use crate::run::sink::{Plain, Sink, SinkStrip};
 use crate::run::strips::{self, At, Same, Strips};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
-/// A value for each sample, from its inputs, sine and cosine.
+/// A value for each sample, from its inputs, sine and cosine, `LINES` strips at once.
+///
+/// The compiler unrolls short loops before it looks for vectors, and finds fewer then. A `LINES` of
+/// [`SHORT`] makes the loop of a short computation long enough.
 #[inline(always)]
-pub(crate) fn over_sin_cos<T: Real, I: Strips, V>(
+pub(crate) fn over_sin_cos<const LINES: usize, T: Real, I: Strips, V, O: Sink<V>>(
     sin_cos: impl SinCosBlocks<T>,
     inputs: I,
-    mut out: impl Sink<V>,
+    mut out: O,
     value: impl Fn(I::Value, T, T) -> V,
 ) {
     for (start, block) in sin_cos.parts() {
         let length = block.len();
         let mut out = out.slice(start, length);
-        let mut first = 0;
-        while first + strips::length::<T>() <= length {
-            let sin_cos = block.part(first, strips::length::<T>());
-            let inputs = inputs.strip(start + first, strips::length::<T>());
-            let mut results = out.strip(first);
-            for i in 0..strips::length::<T>() {
-                let (s, c) = sin_cos.get(i);
-                results.set(i, value(inputs.at(i), s, c));
+        if !O::STRIPS {
+            let inputs = inputs.strip(start, length);
+            for i in 0..length {
+                let (s, c) = block.get(i);
+                out.store(i, value(inputs.at(i), s, c));
             }
-            out.put(first, &results);
-            first += strips::length::<T>();
+            continue;
+        }
+        let mut first = 0;
+        if LINES > 1 {
+            let strips = LINES * strips::length::<T>();
+            while first + strips <= length {
+                take_strip(
+                    first,
+                    strips,
+                    &block,
+                    inputs.strip(start + first, strips),
+                    &mut out,
+                    &value,
+                );
+                first += strips;
+            }
+        }
+        let strip = strips::length::<T>();
+        while first + strip <= length {
+            take_strip(first, strip, &block, inputs.strip(start + first, strip), &mut out, &value);
+            first += strip;
         }
         if !rest_is_empty(&block) {
             // A loop with two exits is not compiled for vectors, which would double its size.
-            for i in first..first + strips::length::<T>() {
+            for i in first..first + strip {
                 if i >= length {
                     break;
                 }
@@ -57,6 +76,28 @@ pub(crate) fn over_sin_cos<T: Real, I: Strips, V>(
             }
         }
     }
+}
+
+/// The strips that loops with a short computation take at once.
+const SHORT: usize = 4;
+
+/// The values of `length` samples from `first` on, with the inputs of these samples.
+#[inline(always)]
+fn take_strip<T: Real, B: SinCosBlock<T>, I: At, V>(
+    first: usize,
+    length: usize,
+    block: &B,
+    inputs: I,
+    out: &mut impl Sink<V>,
+    value: &impl Fn(I::Value, T, T) -> V,
+) {
+    let sin_cos = block.part(first, length);
+    let mut results = out.strip(first, length);
+    for i in 0..length {
+        let (s, c) = sin_cos.get(i);
+        results.set(i, value(inputs.at(i), s, c));
+    }
+    out.put(first, length, &results);
 }
 
 /// Whether the type of a block alone shows that it has whole strips.
@@ -73,7 +114,7 @@ pub(crate) fn formula<T: Real, C: Strips, V>(
     sin_cos: impl SinCosBlocks<T>,
     out: impl Sink<V>,
 ) {
-    over_sin_cos(
+    over_sin_cos::<SHORT, _, _, _, _>(
         sin_cos,
         at,
         out,
@@ -101,13 +142,14 @@ pub(crate) fn over_samples<T: Real, I: Strips>(
     }
     let mut first = 0;
     while first < length {
-        let inputs = inputs.strip(first, strips::length::<T>());
-        let mut results = out.strip(first);
-        for i in 0..strips::length::<T>() {
+        let strip = strips::length::<T>();
+        let inputs = inputs.strip(first, strip);
+        let mut results = out.strip(first, strip);
+        for i in 0..strip {
             results.set(i, value(inputs.at(i)));
         }
-        out.put(first, &results);
-        first += strips::length::<T>();
+        out.put(first, strip, &results);
+        first += strip;
     }
 }
 
@@ -131,7 +173,7 @@ pub(crate) fn angle_error<T: Number, C: Strips<Value: MotionFormula<T>>>(
 ) {
     macro_rules! by {
         ($tangent:expr, $atan:expr) => {
-            over_sin_cos(
+            over_sin_cos::<1, _, _, _, _>(
                 sin_cos,
                 at,
                 out,
@@ -172,7 +214,7 @@ pub(crate) fn motion<T: Number, C: Strips<Value: MotionFormula<T>>>(
 ) {
     macro_rules! by {
         ($atan:expr) => {
-            over_sin_cos(
+            over_sin_cos::<1, _, _, _, _>(
                 sin_cos,
                 at,
                 (rotations, rates),
@@ -265,7 +307,7 @@ pub(crate) fn parts<T: Real>(
     torsion: View<'_, T>,
     parts: [ViewMut<'_, T>; 3],
 ) {
-    over_sin_cos(
+    over_sin_cos::<SHORT, _, _, _, _>(
         pins,
         (at, torsion),
         parts,
@@ -285,7 +327,7 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     torsion: View<'_, T>,
     out: [impl Sink<T>; 3],
 ) {
-    over_sin_cos(
+    over_sin_cos::<SHORT, _, _, _, _>(
         pins,
         (at, torsion),
         out,
@@ -324,7 +366,7 @@ pub(crate) fn magnitude<T: Real>(
     torsion: View<'_, T>,
     out: impl Sink<T>,
 ) {
-    over_sin_cos(
+    over_sin_cos::<SHORT, _, _, _, _>(
         pins,
         (at, torsion),
         out,

@@ -8,11 +8,10 @@ use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
-use crate::run::strips;
 use crate::sincos::array::sample_number;
 
-/// The most words of a strip.
-const LONGEST: usize = 16;
+/// The most words of the strips that a loop takes at once.
+const LONGEST: usize = 64;
 
 /// The destination of a loop's results: a column of numbers, words of a plane, or several of these.
 pub(crate) trait Sink<T> {
@@ -21,7 +20,10 @@ pub(crate) trait Sink<T> {
     where
         Self: 'a;
 
-    /// The results of one strip on their way to the sink.
+    /// Whether strips leave for memory outside the caches, or might.
+    const STRIPS: bool;
+
+    /// The results of one strip, or of several, on their way to the sink.
     type Strip: SinkStrip<T>;
 
     /// The number of results.
@@ -30,11 +32,11 @@ pub(crate) trait Sink<T> {
     /// The sink for `length` results from `start` on.
     fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_>;
 
-    /// An empty strip for the results from `first` on.
-    fn strip(&self, first: usize) -> Self::Strip;
+    /// An empty strip for `length` results from `first` on.
+    fn strip(&self, first: usize, length: usize) -> Self::Strip;
 
-    /// Stores a whole strip.
-    fn put(&mut self, first: usize, strip: &Self::Strip);
+    /// Stores the first `length` results of a strip, which are whole cache lines.
+    fn put(&mut self, first: usize, length: usize, strip: &Self::Strip);
 
     /// Stores result `i`.
     fn store(&mut self, i: usize, number: T);
@@ -78,6 +80,8 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     where
         Self: 'a;
 
+    const STRIPS: bool = false;
+
     type Strip = NumberStrip<T>;
 
     #[inline(always)]
@@ -91,13 +95,13 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     }
 
     #[inline(always)]
-    fn strip(&self, _: usize) -> NumberStrip<T> {
+    fn strip(&self, _: usize, _: usize) -> NumberStrip<T> {
         NumberStrip { high: [T::Float::default(); LONGEST], low: [T::Float::default(); LONGEST] }
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: &NumberStrip<T>) {
-        self.set_strip(first, &strip.high, &strip.low);
+    fn put(&mut self, first: usize, length: usize, strip: &NumberStrip<T>) {
+        self.set_strip(first, &strip.high[..length], &strip.low[..length]);
     }
 
     #[inline(always)]
@@ -199,6 +203,8 @@ impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
     where
         Self: 'a;
 
+    const STRIPS: bool = true;
+
     type Strip = WordStrip<W>;
 
     #[inline(always)]
@@ -212,13 +218,13 @@ impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
     }
 
     #[inline(always)]
-    fn strip(&self, _: usize) -> WordStrip<W> {
+    fn strip(&self, _: usize, _: usize) -> WordStrip<W> {
         WordStrip::empty()
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: &WordStrip<W>) {
-        self.put_strip(first, &strip.0[..strips::length::<T>()]);
+    fn put(&mut self, first: usize, length: usize, strip: &WordStrip<W>) {
+        self.put_strip(first, &strip.0[..length]);
     }
 
     #[inline(always)]
@@ -256,6 +262,8 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     where
         Self: 'a;
 
+    const STRIPS: bool = A::STRIPS || B::STRIPS;
+
     type Strip = (A::Strip, B::Strip);
 
     #[inline(always)]
@@ -269,14 +277,14 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     }
 
     #[inline(always)]
-    fn strip(&self, first: usize) -> Self::Strip {
-        (self.0.strip(first), self.1.strip(first))
+    fn strip(&self, first: usize, length: usize) -> Self::Strip {
+        (self.0.strip(first, length), self.1.strip(first, length))
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: &Self::Strip) {
-        self.0.put(first, &strip.0);
-        self.1.put(first, &strip.1);
+    fn put(&mut self, first: usize, length: usize, strip: &Self::Strip) {
+        self.0.put(first, length, &strip.0);
+        self.1.put(first, length, &strip.1);
     }
 
     #[inline(always)]
@@ -302,6 +310,8 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     where
         Self: 'a;
 
+    const STRIPS: bool = S::STRIPS;
+
     type Strip = [S::Strip; 3];
 
     #[inline(always)]
@@ -316,17 +326,17 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     }
 
     #[inline(always)]
-    fn strip(&self, first: usize) -> Self::Strip {
+    fn strip(&self, first: usize, length: usize) -> Self::Strip {
         let [x, y, z] = self;
-        [x.strip(first), y.strip(first), z.strip(first)]
+        [x, y, z].map(|sink| sink.strip(first, length))
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, [along_x, along_y, along_z]: &Self::Strip) {
+    fn put(&mut self, first: usize, length: usize, [along_x, along_y, along_z]: &Self::Strip) {
         let [x, y, z] = self;
-        x.put(first, along_x);
-        y.put(first, along_y);
-        z.put(first, along_z);
+        x.put(first, length, along_x);
+        y.put(first, length, along_y);
+        z.put(first, length, along_z);
     }
 
     #[inline(always)]
@@ -444,6 +454,8 @@ impl<T: Number, D: DriveAngle, W: Float, L: Stores> Sink<T> for AngleSink<'_, D,
     where
         Self: 'a;
 
+    const STRIPS: bool = true;
+
     type Strip = AngleStrip<D, W>;
 
     #[inline(always)]
@@ -457,13 +469,13 @@ impl<T: Number, D: DriveAngle, W: Float, L: Stores> Sink<T> for AngleSink<'_, D,
     }
 
     #[inline(always)]
-    fn strip(&self, first: usize) -> AngleStrip<D, W> {
-        AngleStrip(self.0.strip(first, strips::length::<T>()), WordStrip::empty())
+    fn strip(&self, first: usize, length: usize) -> AngleStrip<D, W> {
+        AngleStrip(self.0.strip(first, length), WordStrip::empty())
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, strip: &AngleStrip<D, W>) {
-        self.1.put_strip(first, &strip.1.0[..strips::length::<T>()]);
+    fn put(&mut self, first: usize, length: usize, strip: &AngleStrip<D, W>) {
+        self.1.put_strip(first, &strip.1.0[..length]);
     }
 
     #[inline(always)]

@@ -7,15 +7,11 @@ use crate::input::sweep::{AngleReduction, Sweep};
 use crate::mechanics::chain::Offset;
 use crate::mechanics::exact::ExactAngle;
 use crate::number::double_double::DoubleDouble;
-use crate::number::float::{Float, Real};
+use crate::number::float::Real;
 use crate::number::reduction::{self, LargeAngleFlag};
 use crate::number::series;
 use crate::number::storage::{View, ViewMut};
 use crate::number::trig::{self, Angle};
-
-/// How many angles ahead a loop over an array asks for them. A page of memory hides the time that
-/// they take to arrive; with less, the loops of a chunk wait.
-pub(crate) const AHEAD: usize = 512;
 
 /// The drive angles of a chunk.
 #[derive(Clone, Copy)]
@@ -197,17 +193,10 @@ pub(crate) fn fill_sin_cos<K: SinCosKind, T: Angle>(
                 return coarse_sin_cos::<K, T>(angle, sine, cosine);
             }
             let mut too_large = LargeAngleFlag::for_quadrants();
-            let strip = <T::Float as Float>::STRIP;
-            for first in (0..length).step_by(strip) {
-                cardan_memory::ask(angle, first + AHEAD);
-                let angle = &angle[first..first + strip];
-                let (mut sine, mut cosine) =
-                    (sine.window(first, strip), cosine.window(first, strip));
-                for i in 0..strip {
-                    let reduced = T::reduce(multiple::<K>(angle[i]));
-                    too_large.accumulate(reduced.1);
-                    set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
-                }
+            for i in 0..length {
+                let reduced = T::reduce(multiple::<K>(angle[i]));
+                too_large.accumulate(reduced.1);
+                set_reduced::<K, T>(&mut sine, &mut cosine, i, reduced);
             }
             if too_large.any() {
                 let set = set_reduced::<K, T>;
@@ -368,16 +357,10 @@ fn coarse_sin_cos<K: SinCosKind, T: Angle>(
     let length = angle.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     let mut too_large = LargeAngleFlag::for_turn_fractions();
-    let strip = <T::Float as Float>::STRIP;
-    for first in (0..length).step_by(strip) {
-        cardan_memory::ask(angle, first + AHEAD);
-        cardan_memory::ask(angle, first + AHEAD + strip / 2);
-        let (angle, mut cosine) = (&angle[first..first + strip], cosine.window(first, strip));
-        for i in 0..strip {
-            let phase = reduction::turn_fraction_q30(angle[i]);
-            too_large.accumulate(phase);
-            cosine.set_high(i, T::of_bits(phase));
-        }
+    for i in 0..length {
+        let phase = reduction::turn_fraction_q30(angle[i]);
+        too_large.accumulate(phase);
+        cosine.set_high(i, T::of_bits(phase));
     }
     for i in 0..length {
         let reduced = T::from_turn_fraction(cosine.get_high(i).bits());
