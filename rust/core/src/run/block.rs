@@ -16,7 +16,7 @@ use crate::run::constants::GeometryIndex;
 use crate::run::extrema;
 use crate::run::fold::Folded;
 use crate::run::kernels;
-use crate::run::level::Level;
+use crate::run::level::{Level, is_compact};
 use crate::run::scratch::Scratch;
 use crate::run::sines;
 use crate::run::stores_as::StoresAs;
@@ -102,6 +102,10 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             CHUNK
         };
         let longest = chunk_length.min(row_length);
+        let mut scratch = Scratch::new(plan, table, longest, routes);
+        if is_compact(shared.level) {
+            scratch.keep_errors(plan, longest);
+        }
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
@@ -117,7 +121,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             rows: 0..0,
             numbers: vec![],
             chunk_length,
-            scratch: Scratch::new(plan, table, longest, routes),
+            scratch,
             staging: if staging {
                 vec![vec![T::Plane::default(); longest]; plan.planes]
             } else {

@@ -1,4 +1,7 @@
 //! The constants of one shaft for a series of drivelines, and which of them a chunk uses.
+//!
+//! Loops read them one column after the other: `map` on an array of columns may become a function
+//! call, which keeps the loop from being vectorised.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use crate::mechanics::chain::{Equivalent, Offset};
@@ -13,19 +16,26 @@ use crate::number::trig::Angle;
 use crate::run::lanes::Lane;
 
 /// Runs the body with `at(i)`, the constants of sample `i`. The body is compiled twice: for
-/// constants that all samples share, which stay in registers, and for constants per sample.
+/// constants that all samples share, which stay in registers, and for constants per sample. If
+/// `compact`, it is compiled once and loads them for each sample.
 macro_rules! with_constants {
-    ($geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
-        let constants = $constants;
-        match $geometry {
-            GeometryIndex::Shared(index) => {
-                let shared = constants(index);
-                let $at = move |_: usize| shared;
-                $body
-            }
-            GeometryIndex::PerSample => {
-                let $at = constants;
-                $body
+    ($compact:expr, $geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
+        let (constants, geometry) = ($constants, $geometry);
+        if $compact {
+            let (first, step) = geometry.first_and_step();
+            let $at = move |i: usize| constants(first + step * i);
+            $body
+        } else {
+            match geometry {
+                GeometryIndex::Shared(index) => {
+                    let shared = constants(index);
+                    let $at = move |_: usize| shared;
+                    $body
+                }
+                GeometryIndex::PerSample => {
+                    let $at = constants;
+                    $body
+                }
             }
         }
     }};
@@ -52,6 +62,15 @@ impl GeometryIndex {
             Self::PerSample => size,
         }
     }
+
+    /// The driveline of the first sample, and the step to that of the next.
+    #[inline(always)]
+    pub(crate) fn first_and_step(self) -> (usize, usize) {
+        match self {
+            Self::Shared(index) => (index, 0),
+            Self::PerSample => (0, 1),
+        }
+    }
 }
 
 /// A read-only series of constants in twice the drive angle.
@@ -61,8 +80,13 @@ pub(crate) struct DoubleAngleColumns<'a, T: Real>([View<'a, T>; 5]);
 impl<T: Real> DoubleAngleColumns<'_, T> {
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> DoubleAngle<T> {
-        let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
-        DoubleAngle { q: [re, im], mean, complement, gain }
+        let [re, im, mean, complement, gain] = &self.0;
+        DoubleAngle {
+            q: [re.get(i), im.get(i)],
+            mean: mean.get(i),
+            complement: complement.get(i),
+            gain: gain.get(i),
+        }
     }
 }
 
@@ -74,9 +98,15 @@ impl<T: Real> EquivalentColumns<'_, T> {
     /// The constants of the joint, and cosine and sine of its offset.
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
-        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
-            self.0.each_ref().map(|view| view.get(i));
-        (JointConstants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] = &self.0;
+        let joint = JointConstants {
+            cos: cos.get(i),
+            cos2: cos2.get(i),
+            sin2: sin2.get(i),
+            versine: versine.get(i),
+            inverse_exsecant: inverse_exsecant.get(i),
+        };
+        (joint, [turn_cos.get(i), turn_sin.get(i)])
     }
 }
 
@@ -99,8 +129,8 @@ pub(crate) struct OffsetColumns<'a>([View<'a, DoubleDouble>; 2]);
 impl OffsetColumns<'_> {
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> Offset {
-        let [remainder, quarters] = self.0.each_ref().map(|view| view.get(i));
-        Offset { remainder, quarters: quarters.high }
+        let [remainder, quarters] = &self.0;
+        Offset { remainder: remainder.get(i), quarters: quarters.get(i).high }
     }
 }
 

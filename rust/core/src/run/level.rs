@@ -6,32 +6,82 @@ use fearless_simd::Simd;
 /// Runs the expression compiled for the level. Levels before AVX2 have no fused multiply-add and
 /// gain nothing over the baseline of the machine. Outside x86 the baseline has everything that the
 /// kernels need.
+///
+/// `compact` is a constant in each copy of the expression, see [`is_compact`].
 macro_rules! compiled_for {
-    ($level:expr, $run:expr) => {{
+    ($level:expr, $run:expr) => {
+        compiled_for!($level, _compact => $run)
+    };
+    ($level:expr, $compact:ident => $run:expr) => {{
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
             use fearless_simd::Simd;
             if let Some(simd) = $level.as_avx512() {
                 simd.vectorize(
                     #[inline(always)]
-                    || $run,
+                    || {
+                        let $compact = false;
+                        $run
+                    },
                 )
             } else if let Some(simd) = $level.as_avx2() {
                 simd.vectorize(
                     #[inline(always)]
-                    || $run,
+                    || {
+                        let $compact = false;
+                        $run
+                    },
                 )
             } else {
+                let $compact = true;
                 $run
             }
         }
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         {
+            let $compact = false;
             $run
         }
     }};
 }
 pub(crate) use compiled_for;
+
+/// Whether the kernels for this level are few loops instead of fast ones. Without fused multiply-add
+/// each product-sum is a function call, which costs more time than they save, and whose code takes
+/// more space than that of any other level.
+pub(crate) fn is_compact(level: Level) -> bool {
+    compiled_for!(level, compact => compact)
+}
+
+/// A number type with a compilation unit of its own for its kernels.
+///
+/// The compiler works on several units at once. A unit is a module: a generic function belongs to
+/// the module that defines it, whatever types it is compiled for.
+pub(crate) trait Compiled {
+    /// Runs the kernel compiled for the level, and tells it whether it [`is_compact`].
+    fn run<R>(level: Level, kernel: impl FnOnce(bool) -> R) -> R;
+}
+
+macro_rules! compiled_in {
+    ($($unit:ident: $number:ty;)*) => {$(
+        mod $unit {
+            use super::{Compiled, Level};
+
+            impl Compiled for $number {
+                #[inline(never)]
+                fn run<R>(level: Level, kernel: impl FnOnce(bool) -> R) -> R {
+                    compiled_for!(level, compact => kernel(compact))
+                }
+            }
+        }
+    )*};
+}
+
+compiled_in! {
+    single: f32;
+    double: f64;
+    double_double: crate::number::double_double::DoubleDouble;
+}
 
 /// Every level that this machine can run, strongest first, with its name.
 ///

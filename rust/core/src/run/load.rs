@@ -27,6 +27,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
     scratch: &mut Scratch<T>,
     planes: &mut [&mut [W]],
     size: usize,
+    compact: bool,
 ) {
     let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
     let column = |index: usize| &gathered[index][..size];
@@ -35,7 +36,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
         for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
             if !turnings.is_empty() {
                 let turnings = &turnings[..geometry.count(size)];
-                with_constants!(geometry, |i: usize| turnings[i], at => run_rates(at, pins, rates));
+                with_constants!(compact, geometry, |i: usize| turnings[i], at => run_rates(at, pins, rates));
             }
         }
     }
@@ -75,24 +76,22 @@ pub(crate) fn run_load<T: Number, W: Float>(
             };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
-            with_constants!(geometry, |i: usize| poses[i], at => {
+            with_constants!(compact, geometry, |i: usize| poses[i], at => {
                 run_bending(step, at, pins, torsion, planes);
                 if step.needs_support() {
                     map::parts(at, pins, torsion, views_mut(parts, 0, size));
                 }
             });
-            let plane = match geometry {
-                GeometryIndex::Shared(index) => poses[index].plane_axes(),
-                GeometryIndex::PerSample => None,
-            };
-            if let Some(axes) = plane {
-                let at = |i: usize| poses[i].with_axes(axes);
-                with_constants!(geometry, at, at => {
-                    run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
-                    run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
-                });
+            // Only a driveline that all samples share is treated as planar.
+            if let GeometryIndex::Shared(index) = geometry
+                && let Some(axes) = poses[index].plane_axes()
+            {
+                let pose = poses[index].with_axes(axes);
+                let at = move |_: usize| pose;
+                run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
+                run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
             } else {
-                with_constants!(geometry, |i: usize| poses[i], at => {
+                with_constants!(compact, geometry, |i: usize| poses[i], at => {
                     run_moment::<false, T, W>(step, at, AXES, pins, torsion, planes);
                     run_supports::<false, T, W>(step, at, AXES, parts, support, planes, size);
                 });

@@ -35,6 +35,7 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     planes: &mut [&mut [W]],
     size: usize,
     row_offset: usize,
+    compact: bool,
 ) {
     let Scratch { pins, double_sin_cos, groups, rotated_pins, turned_pins, rates, errors, .. } =
         scratch;
@@ -56,50 +57,51 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             run_drive_shaft::<T, W>(step, drive, rates, planes, size);
             continue;
         };
-        if T::LOW && shaft.has_offsets() {
-            turned::find_own_pins(shaft, step.shaft, route, lines, drive, rotated_pins, size);
-            let own = pins_of(rotated_pins, size);
-            if route == Route::Tangent {
-                let equivalents = shaft.equivalents(geometry, size);
-                with_constants!(geometry, |i| equivalents.get(i).0, at => {
-                    run_shaft(step, range, at, drive, own, rates, errors, planes, size);
-                });
-            } else {
-                let double_angles = shaft.double_angles(geometry, size);
-                with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
-                    run_shaft(step, range, at, drive, own, rates, errors, planes, size);
-                });
-            }
-            if let Some(plane) = step.planes.get(Output::Angle) {
-                turned::mend_angles(shaft, step.shaft, route, lines, drive, &mut *planes[plane]);
-            }
-            continue;
-        }
+        let has_own = T::LOW && shaft.has_offsets();
+        let sin_cos = if has_own {
+            turned::find_own_pins(
+                shaft,
+                step.shaft,
+                route,
+                lines,
+                drive,
+                rotated_pins,
+                size,
+                compact,
+            );
+            pins_of(rotated_pins, size)
+        } else if route == Route::Tangent && step.shaft > 1 {
+            let equivalents = shaft.equivalents(geometry, size);
+            let [sine, cosine] = views_mut(rotated_pins, 0, size);
+            with_constants!(compact, geometry, |i| equivalents.get(i).1, at => {
+                array::rotate(at, pins, sine, cosine);
+            });
+            pins_of(rotated_pins, size)
+        } else if route == Route::Tangent {
+            pins
+        } else {
+            double_sin_cos
+        };
+        // Each number type uses one of the two routes in twice the drive angle, so only that one is
+        // compiled for it.
         if route == Route::Tangent {
             let equivalents = shaft.equivalents(geometry, size);
-            with_constants!(geometry, |i| equivalents.get(i), at => {
-                let mut pins = pins;
-                if step.shaft > 1 {
-                    let [sine, cosine] = views_mut(rotated_pins, 0, size);
-                    array::rotate(|i| at(i).1, pins, sine, cosine);
-                    pins = pins_of(rotated_pins, size);
-                }
-                let at = |i| at(i).0;
-                run_shaft(step, range, at, drive, pins, rates, errors, planes, size);
+            with_constants!(compact, geometry, |i| equivalents.get(i).0, at => {
+                run_shaft(step, range, at, drive, sin_cos, rates, errors, planes, size, compact);
             });
-            continue;
-        }
-        let double_angles = shaft.double_angles(geometry, size);
-        // Each number type uses one of the two routes, so only that one is compiled for it.
-        if T::PRECISION.costs().double_angle {
-            with_constants!(geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
-                run_shaft(step, range, at, drive, double_sin_cos, rates, errors, planes, size);
+        } else if T::PRECISION.costs().double_angle {
+            let double_angles = shaft.double_angles(geometry, size);
+            with_constants!(compact, geometry, |i| double_angles.get(i).with_parts::<1>(), at => {
+                run_shaft(step, range, at, drive, sin_cos, rates, errors, planes, size, compact);
             });
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
-            let double_angle = double_angles.get(index);
+            let double_angle = shaft.double_angles(geometry, size).get(index);
             let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
             let at = |_| double_angle.with_parts::<0>();
-            run_shaft(step, range, at, drive, swept, rates, errors, planes, size);
+            run_shaft(step, range, at, drive, swept, rates, errors, planes, size, compact);
+        }
+        if has_own && let Some(plane) = step.planes.get(Output::Angle) {
+            turned::mend_angles(shaft, step.shaft, route, lines, drive, &mut *planes[plane]);
         }
     }
     for (joint, (step, poses)) in plan.joints.iter().zip(&folded.poses).enumerate() {
@@ -109,14 +111,14 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         let poses = &poses[..geometry.count(size)];
         if T::LOW && joint > 0 {
             let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
-            turned::find_turned(waves, joint, lines, drive, buffers, size);
+            turned::find_turned(waves, joint, lines, drive, buffers, size, compact);
             let pins = pins_of(turned_pins, size);
-            with_constants!(geometry, |i: usize| poses[i].by_own_pins(), at => {
+            with_constants!(compact, geometry, |i: usize| poses[i].by_own_pins(), at => {
                 run_tilts(step, at, pins, planes);
             });
             continue;
         }
-        with_constants!(geometry, |i: usize| poses[i], at => {
+        with_constants!(compact, geometry, |i: usize| poses[i], at => {
             run_tilts(step, at, pins, planes);
         });
     }
@@ -175,7 +177,8 @@ fn run_drive_shaft<T: Number, W: Float>(
 }
 
 /// Outputs of one shaft. Each is stored directly in its plane; values that the load or a later
-/// period needs as well pass through a buffer.
+/// period needs as well pass through a buffer. If `compact`, so do most angle errors, to which the
+/// drive angles are added afterwards.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
 fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
@@ -188,6 +191,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     mut errors: ViewMut<'_, T>,
     planes: &mut [&mut [W]],
     size: usize,
+    compact: bool,
 ) {
     if let Some(plane) = step.planes.get(Output::JerkRatio) {
         map::formula(S::jerk_ratio, at, pins, &mut *planes[plane]);
@@ -202,7 +206,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
             _ if step.planes.get(Output::Angle).is_none() => {
                 map::motion(range, at, pins, &mut **rotation, rates);
             }
-            DriveAngles::Array(angle) => {
+            DriveAngles::Array(angle) if !P::FROM_SWEEP && !compact => {
                 let out = ArrayAngleSink(&angle[..size], rotation);
                 map::motion(range, at, pins, out, rates);
             }
@@ -210,7 +214,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
                 let out = SteppedAngleSink::new(sweep, first, pins.turns(), rotation);
                 map::motion(range, at, pins, out, rates);
             }
-            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() && !compact => {
                 let out = SweepAngleSink(sweep, first, rotation);
                 map::motion(range, at, pins, out, rates);
             }
@@ -227,14 +231,14 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     if let Some(plane) = step.planes.get(Output::Angle) {
         let out = &mut *planes[plane];
         match drive {
-            DriveAngles::Array(angle) => {
+            DriveAngles::Array(angle) if !P::FROM_SWEEP && !compact => {
                 map::angle_error(range, at, pins, ArrayAngleSink(&angle[..size], out));
             }
             DriveAngles::Sweep(sweep, first) if P::FROM_SWEEP => {
                 let out = SteppedAngleSink::new(sweep, first, pins.turns(), out);
                 map::angle_error(range, at, pins, out);
             }
-            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() && !compact => {
                 map::angle_error(range, at, pins, SweepAngleSink(sweep, first, out));
             }
             _ => {

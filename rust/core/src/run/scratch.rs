@@ -28,7 +28,8 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) parts: [Column<T>; 3],
     /// The first contribution to the support moment of the shaft that the load has entered.
     pub(crate) support: [Column<T>; 3],
-    /// Angle errors of a period that is to be repeated, for each shaft whose angle is requested.
+    /// Angle errors of a period that is to be repeated, or of a chunk if the kernels are compact, for
+    /// each shaft whose angle is requested.
     pub(crate) errors: Vec<Column<T>>,
 }
 
@@ -68,9 +69,9 @@ impl<T: Number> Scratch<T> {
         }
     }
 
-    /// Allocates the angle errors of a period that is to be repeated.
-    pub(crate) fn keep_errors(&mut self, plan: &Plan, period: usize) {
+    /// Allocates angle errors for this number of samples.
+    pub(crate) fn keep_errors(&mut self, plan: &Plan, length: usize) {
         let angles = plan.shafts.iter().filter(|step| step.planes.get(Output::Angle).is_some());
-        self.errors = angles.map(|_| Column::new(period)).collect();
+        self.errors = angles.map(|_| Column::new(length)).collect();
     }
 }

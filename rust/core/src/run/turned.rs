@@ -49,11 +49,12 @@ pub(crate) fn find_own_pins<T: Number>(
     drive: DriveAngles<'_>,
     pins: &mut [Column<T>; 2],
     size: usize,
+    compact: bool,
 ) {
     let [sine, cosine] = views_mut(pins, 0, size);
     let (geometry, steep) = (lines.geometry, route == Route::Tangent);
     let offsets = shaft.offsets(geometry, size);
-    let near = with_constants!(geometry, |i| offsets.get(i), at => {
+    let near = with_constants!(compact, geometry, |i| offsets.get(i), at => {
         if steep {
             array::fill_turned::<PinLine, T>(at, drive, sine, cosine)
         } else {
@@ -169,11 +170,12 @@ pub(crate) fn find_turned<T: Number>(
     drive: DriveAngles<'_>,
     [turned, spare]: [&mut [Column<T>; 2]; 2],
     size: usize,
+    compact: bool,
 ) {
     let mut near = false;
     for (which, column) in [1, 0].into_iter().zip(&mut *turned) {
         let [sine, cosine] = views_mut(spare, 0, size);
-        with_constants!(lines.geometry, |i: usize| waves[i][which], at => {
+        with_constants!(compact, lines.geometry, |i: usize| waves[i][which], at => {
             near |= array::fill_turned::<PlainSinCos, T>(|i| at(i).offset, drive, sine, cosine);
             let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
             for i in 0..size {

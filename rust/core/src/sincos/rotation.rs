@@ -151,8 +151,8 @@ impl<T: Angle> Rotations<T> {
         mut cosine: ViewMut<'_, T>,
     ) {
         for group in groups {
-            let steps = self.steps.each_ref().map(|column| column.part(group.step, group.length));
-            let [s, c] = steps;
+            let [s, c] = &self.steps;
+            let (s, c) = (s.part(group.step, group.length), c.part(group.step, group.length));
             let (to_sine, to_cosine) =
                 (sine.window(group.start, group.length), cosine.window(group.start, group.length));
             let [by_s, by_c] = group.middle;
