@@ -102,10 +102,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             CHUNK
         };
         let longest = chunk_length.min(row_length);
-        let mut scratch = Scratch::new(plan, table, longest, routes);
-        if is_compact(shared.level) {
-            scratch.keep_errors(plan, longest);
-        }
         let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
@@ -121,7 +117,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             rows: 0..0,
             numbers: vec![],
             chunk_length,
-            scratch,
+            scratch: Scratch::new(plan, table, longest, routes),
             staging: if staging {
                 vec![vec![T::Plane::default(); longest]; plan.planes]
             } else {
@@ -205,9 +201,15 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             Some(period) => start + period,
             None => end,
         };
-        if stop < end {
-            self.scratch.keep_errors(self.shared.plan, stop - start);
-        }
+        // A part that is not repeated may be longer than the period of the row before it.
+        let errors = if stop < end {
+            stop - start
+        } else if is_compact(self.shared.level) {
+            self.chunk_length.min(end - start)
+        } else {
+            0
+        };
+        self.scratch.keep_errors(self.shared.plan, errors);
         if let Target::Reduced(reduction, ..) = target
             && let Some(selected) = self.extreme_samples(part.row, start..stop, *reduction)
         {

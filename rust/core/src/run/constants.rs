@@ -19,26 +19,41 @@ use crate::run::lanes::Lane;
 /// constants that all samples share, which stay in registers, and for constants per sample. If
 /// `compact`, it is compiled once and loads them for each sample.
 macro_rules! with_constants {
-    ($compact:expr, $geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
-        let (constants, geometry) = ($constants, $geometry);
-        if $compact {
-            let (first, step) = geometry.first_and_step();
-            let $at = move |i: usize| constants(first + step * i);
-            $body
-        } else {
-            match geometry {
-                GeometryIndex::Shared(index) => {
-                    let shared = constants(index);
-                    let $at = move |_: usize| shared;
-                    $body
-                }
-                GeometryIndex::PerSample => {
-                    let $at = constants;
-                    $body
-                }
+    ($compact:expr, $geometry:expr, |$i:ident| $constants:expr, $at:ident => $body:expr) => {{
+        let constants = $crate::run::constants::per_sample(
+            #[inline(always)]
+            |$i| $constants,
+        );
+        match $geometry {
+            geometry if $compact => {
+                let (first, step) = geometry.first_and_step();
+                let $at = $crate::run::constants::per_sample(
+                    #[inline(always)]
+                    move |i| constants(first + step * i),
+                );
+                $body
+            }
+            GeometryIndex::Shared(index) => {
+                let shared = constants(index);
+                let $at = $crate::run::constants::per_sample(
+                    #[inline(always)]
+                    move |_| shared,
+                );
+                $body
+            }
+            GeometryIndex::PerSample => {
+                let $at = constants;
+                $body
             }
         }
     }};
+}
+
+/// The closure itself: a place where it can be marked `#[inline(always)]`, and where its argument has
+/// a type.
+#[inline(always)]
+pub(crate) fn per_sample<C>(at: impl Fn(usize) -> C + Copy) -> impl Fn(usize) -> C + Copy {
+    at
 }
 
 pub(crate) use with_constants;

@@ -8,7 +8,7 @@ use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
 use crate::plan::output::Output;
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, Support};
-use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::constants::{GeometryIndex, per_sample, with_constants};
 use crate::run::fold::Folded;
 use crate::run::map;
 use crate::run::scratch::Scratch;
@@ -36,7 +36,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
         for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
             if !turnings.is_empty() {
                 let turnings = &turnings[..geometry.count(size)];
-                with_constants!(compact, geometry, |i: usize| turnings[i], at => run_rates(at, pins, rates));
+                with_constants!(compact, geometry, |i| turnings[i], at => run_rates(at, pins, rates));
             }
         }
     }
@@ -76,7 +76,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
             };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
-            with_constants!(compact, geometry, |i: usize| poses[i], at => {
+            with_constants!(compact, geometry, |i| poses[i], at => {
                 run_bending(step, at, pins, torsion, planes);
                 if step.needs_support() {
                     map::parts(at, pins, torsion, views_mut(parts, 0, size));
@@ -87,11 +87,14 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 && let Some(axes) = poses[index].plane_axes()
             {
                 let pose = poses[index].with_axes(axes);
-                let at = move |_: usize| pose;
+                let at = per_sample(
+                    #[inline(always)]
+                    move |_| pose,
+                );
                 run_moment::<true, T, W>(step, at, axes, pins, torsion, planes);
                 run_supports::<true, T, W>(step, at, axes, parts, support, planes, size);
             } else {
-                with_constants!(compact, geometry, |i: usize| poses[i], at => {
+                with_constants!(compact, geometry, |i| poses[i], at => {
                     run_moment::<false, T, W>(step, at, AXES, pins, torsion, planes);
                     run_supports::<false, T, W>(step, at, AXES, parts, support, planes, size);
                 });

@@ -9,7 +9,7 @@ use crate::number::storage::{Column, ViewMut, views_mut};
 use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan, ShaftStep};
-use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::constants::{GeometryIndex, per_sample, with_constants};
 use crate::run::fold::Folded;
 use crate::run::formula::MotionFormula;
 use crate::run::map;
@@ -97,7 +97,10 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
             let double_angle = shaft.double_angles(geometry, size).get(index);
             let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
-            let at = |_| double_angle.with_parts::<0>();
+            let at = per_sample(
+                #[inline(always)]
+                |_| double_angle.with_parts::<0>(),
+            );
             run_shaft(step, range, at, drive, swept, rates, errors, planes, size, compact);
         }
         if has_own && let Some(plane) = step.planes.get(Output::Angle) {
@@ -113,12 +116,12 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
             turned::find_turned(waves, joint, lines, drive, buffers, size, compact);
             let pins = pins_of(turned_pins, size);
-            with_constants!(compact, geometry, |i: usize| poses[i].by_own_pins(), at => {
+            with_constants!(compact, geometry, |i| poses[i].by_own_pins(), at => {
                 run_tilts(step, at, pins, planes);
             });
             continue;
         }
-        with_constants!(compact, geometry, |i: usize| poses[i], at => {
+        with_constants!(compact, geometry, |i| poses[i], at => {
             run_tilts(step, at, pins, planes);
         });
     }

@@ -69,8 +69,11 @@ impl<T: Number> Scratch<T> {
         }
     }
 
-    /// Allocates angle errors for this number of samples.
+    /// Allocates angle errors for this number of samples, or none.
     pub(crate) fn keep_errors(&mut self, plan: &Plan, length: usize) {
+        if self.errors.first().map_or(0, Column::len) == length {
+            return;
+        }
         let angles = plan.shafts.iter().filter(|step| step.planes.get(Output::Angle).is_some());
         self.errors = angles.map(|_| Column::new(length)).collect();
     }

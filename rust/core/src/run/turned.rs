@@ -175,8 +175,8 @@ pub(crate) fn find_turned<T: Number>(
     let mut near = false;
     for (which, column) in [1, 0].into_iter().zip(&mut *turned) {
         let [sine, cosine] = views_mut(spare, 0, size);
-        with_constants!(compact, lines.geometry, |i: usize| waves[i][which], at => {
-            near |= array::fill_turned::<PlainSinCos, T>(|i| at(i).offset, drive, sine, cosine);
+        with_constants!(compact, lines.geometry, |i| waves[i][which], at => {
+            near |= array::fill_turned::<PlainSinCos, T>(#[inline(always)] |i| at(i).offset, drive, sine, cosine);
             let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
             for i in 0..size {
                 out.set(i, T::from_double_double(at(i).height) * sine.get(i));
