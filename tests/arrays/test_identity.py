@@ -61,6 +61,33 @@ def test_every_level(line: Driveline, level: str) -> None:
     same(contiguous(evaluate(line, ANGLES, level=level)), contiguous(evaluate(line, ANGLES)))
 
 
+SWEEPS = {
+    "turns": Sweep.revolutions(3, 720),
+    "short": Sweep(-3.0, 17.0, 2049),
+    "long": Sweep(0.1, 43.21, 8193),
+}
+
+
+@pytest.mark.parametrize("level", _core.levels())
+@pytest.mark.parametrize("sweep", SWEEPS.values(), ids=SWEEPS)
+@pytest.mark.parametrize("options", [{}, {"tolerance": 0.0}, {"dtype": "float32"}], ids=str)
+def test_sweeps_on_every_level(
+    line: Driveline, sweep: Sweep, level: str, options: dict[str, Any]
+) -> None:
+    want = contiguous(evaluate(line, sweep, **options))
+    same(contiguous(evaluate(line, sweep, level=level, **options)), want)
+
+
+@pytest.mark.parametrize("level", _core.levels())
+@pytest.mark.parametrize("options", [{}, {"tolerance": 0.0}, {"dtype": "float32"}], ids=str)
+def test_geometry_per_sample_on_every_level(level: str, options: dict[str, Any]) -> None:
+    bends = RANDOM.uniform(0.0, 1.2, (2049, 3))
+    lines = Driveline.from_bends(bends, 0.4, 0.1)
+    for angle in (ANGLES[:2049], SWEEPS["short"]):
+        want = contiguous(evaluate(lines, angle, **options))
+        same(contiguous(evaluate(lines, angle, level=level, **options)), want)
+
+
 def test_every_length(line: Driveline) -> None:
     whole = contiguous(evaluate(line, ANGLES))
     for length in [*range(68), 1023, 1024, 1025, 2047, 2049]:
@@ -90,6 +117,15 @@ def test_turns_on_every_number_of_threads(line: Driveline, per_turn: int) -> Non
     want = evaluate(line, sweep, names, workers=1)
     for workers in (2, 3, -1):
         same(evaluate(line, sweep, names, workers=workers), want)
+
+
+def test_rows_of_turns_that_blocks_divide() -> None:
+    """A part of a row at the end of a block is longer than a period, but not repeated."""
+    lines = Driveline.from_bends(np.linspace(0.1, 1.0, 100)[:, np.newaxis, np.newaxis])
+    sweep, names = Sweep.revolutions(4, 750), ("angle", "speed_ratio")
+    want = lines.plan(names, workers=1)(sweep)
+    for workers in (2, 3, -1):
+        same(lines.plan(names, workers=workers)(sweep), want)
 
 
 def test_strided_angles(line: Driveline) -> None:

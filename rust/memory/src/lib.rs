@@ -31,67 +31,90 @@ mod sealed {
     impl Sealed for f64 {}
 }
 
-/// How whole cache lines leave the registers of a function compiled for an instruction set.
+/// How whole cache lines leave the registers of a function, by its instruction set.
 ///
-/// Each token of `fearless_simd` proves that the machine has its instructions.
-pub trait Stores: Copy {
-    /// Writes `strip`, of [`STRIP_BYTES`], to `out` past the caches if that is possible and `out`
-    /// begins at a cache line. Returns whether it did.
+/// A constant in such a function: the compiler then keeps a strip in registers until it is stored.
+#[derive(Clone, Copy, Debug)]
+pub struct Stores(Vectors);
+
+#[derive(Clone, Copy, Debug)]
+enum Vectors {
+    Ordinary,
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    Avx2,
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    Avx512,
+}
+
+impl Stores {
+    /// Ordinary stores, for every machine.
+    #[inline(always)]
+    pub const fn ordinary() -> Self {
+        Self(Vectors::Ordinary)
+    }
+
+    /// Stores of a machine with AVX2, which the token proves.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[inline(always)]
+    pub fn avx2(_: fearless_simd::Avx2) -> Self {
+        Self(Vectors::Avx2)
+    }
+
+    /// Stores of a machine with AVX-512, which the token proves.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    #[inline(always)]
+    pub fn avx512(_: fearless_simd::Avx512) -> Self {
+        Self(Vectors::Avx512)
+    }
+
+    /// Writes a strip past the caches, if there are stores for that and `out` begins at a cache
+    /// line. Returns whether it did.
     ///
     /// # Safety
     /// `out` and `strip` must have [`STRIP_BYTES`], and the caller must call [`complete`] before
     /// anyone reads `out`.
-    #[doc(hidden)]
-    unsafe fn stream(self, out: *mut u8, strip: *const u8) -> bool;
-}
-
-/// Ordinary stores, for every machine.
-#[derive(Clone, Copy, Debug)]
-pub struct Ordinary;
-
-impl Stores for Ordinary {
     #[inline(always)]
-    #[expect(unsafe_code, reason = "the signature of the trait")]
-    unsafe fn stream(self, _: *mut u8, _: *const u8) -> bool {
-        false
+    #[expect(unsafe_code, reason = "vector stores past the caches")]
+    unsafe fn stream(self, out: *mut u8, strip: *const u8) -> bool {
+        let aligned = out.addr().is_multiple_of(STRIP_BYTES);
+        match self.0 {
+            Vectors::Ordinary => return false,
+            // SAFETY: a token has proved that the machine has the instructions.
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Vectors::Avx2 if aligned => unsafe { stream_avx2(out, strip) },
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Vectors::Avx512 if aligned => unsafe { stream_avx512(out, strip) },
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            _ => {}
+        }
+        aligned
     }
 }
 
-/// Implements [`Stores`] by the vector stores of one instruction set.
+/// Stores a strip past the caches, given as many bytes from a cache line on.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-macro_rules! stores {
-    ($token:ident, $feature:literal, $bytes:literal, $load:ident, $stream:ident) => {
-        impl Stores for fearless_simd::$token {
-            #[inline(always)]
-            #[expect(unsafe_code, reason = "vector stores past the caches")]
-            unsafe fn stream(self, out: *mut u8, strip: *const u8) -> bool {
-                #[inline]
-                #[target_feature(enable = $feature)]
-                unsafe fn store(out: *mut u8, strip: *const u8) {
-                    let mut at = 0;
-                    while at < STRIP_BYTES {
-                        // SAFETY: the caller passes as many bytes, and `out` is aligned.
-                        unsafe {
-                            intel::$stream(out.add(at).cast(), intel::$load(strip.add(at).cast()));
-                        }
-                        at += $bytes;
-                    }
-                }
-                let aligned = out.addr().is_multiple_of(STRIP_BYTES);
-                if aligned {
-                    // SAFETY: the token proves that the machine has the instructions.
-                    unsafe { store(out, strip) };
-                }
-                aligned
-            }
-        }
-    };
+#[inline]
+#[target_feature(enable = "avx512f")]
+#[expect(unsafe_code, reason = "vector stores past the caches")]
+unsafe fn stream_avx512(out: *mut u8, strip: *const u8) {
+    // SAFETY: both have the bytes of a vector, and `out` is aligned to it.
+    unsafe { intel::_mm512_stream_si512(out.cast(), intel::_mm512_loadu_si512(strip.cast())) };
 }
 
+/// The same by two vectors.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-stores!(Avx512, "avx512f", 64, _mm512_loadu_si512, _mm512_stream_si512);
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-stores!(Avx2, "avx", 32, _mm256_loadu_si256, _mm256_stream_si256);
+#[inline]
+#[target_feature(enable = "avx")]
+#[expect(unsafe_code, reason = "vector stores past the caches")]
+unsafe fn stream_avx2(out: *mut u8, strip: *const u8) {
+    // SAFETY: both have the bytes of two vectors, and `out` is aligned to them.
+    unsafe {
+        let half = STRIP_BYTES / 2;
+        intel::_mm256_stream_si256(out.cast(), intel::_mm256_loadu_si256(strip.cast()));
+        let (out, strip) = (out.add(half), strip.add(half));
+        intel::_mm256_stream_si256(out.cast(), intel::_mm256_loadu_si256(strip.cast()));
+    }
+}
 
 /// A part of a plane of results, written in strips.
 #[derive(Debug)]
@@ -150,7 +173,7 @@ impl<'a, W: Word> Plane<'a, W> {
 
     /// Writes strips from word `first` on; their words must fill whole cache lines.
     #[inline(always)]
-    pub fn put(&mut self, stores: impl Stores, first: usize, strips: &[W]) {
+    pub fn put(&mut self, stores: Stores, first: usize, strips: &[W]) {
         let out = &mut self.words[first..first + strips.len()];
         if !self.past_caches {
             out.copy_from_slice(strips);
@@ -222,30 +245,28 @@ pub fn ask<W: Word>(words: &[W], i: usize) {
 mod tests {
     use super::*;
 
-    fn levels(check: impl Fn(&dyn Fn(&mut Plane<'_, f64>, usize, &[f64]))) {
-        check(&|plane, first, strip| plane.put(Ordinary, first, strip));
-        #[cfg(target_arch = "x86_64")]
+    fn levels() -> Vec<Stores> {
+        #[allow(unused_mut, reason = "other machines have one kind")]
+        let mut kinds = vec![Stores::ordinary()];
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
             let level = fearless_simd::Level::new();
-            if let Some(token) = level.as_avx512() {
-                check(&|plane, first, strip| plane.put(token, first, strip));
-            }
-            if let Some(token) = level.as_avx2() {
-                check(&|plane, first, strip| plane.put(token, first, strip));
-            }
+            kinds.extend(level.as_avx512().map(Stores::avx512));
+            kinds.extend(level.as_avx2().map(Stores::avx2));
         }
+        kinds
     }
 
     #[test]
     fn strips_arrive_whatever_the_alignment() {
-        levels(|put| {
+        for stores in levels() {
             for past_caches in [false, true] {
                 for offset in 0..9 {
                     let mut memory = vec![-1.0; 41];
                     let words = &mut memory[offset..offset + 24];
                     write_strips(&mut [words], past_caches, |planes| {
                         let strips: Vec<f64> = (0..16).map(f64::from).collect();
-                        put(&mut planes[0].part(3..24), 5, &strips);
+                        planes[0].part(3..24).put(stores, 5, &strips);
                     });
                     let expected = |i: usize| match i.checked_sub(offset + 8) {
                         Some(word @ 0..16) => word as f64,
@@ -254,34 +275,36 @@ mod tests {
                     assert!((0..41).all(|i| memory[i] == expected(i)), "{offset}");
                 }
             }
-        });
+        }
     }
 
     #[test]
     #[should_panic(expected = "range end")]
     fn a_strip_must_fit() {
         let mut words = [0.0; 10];
-        Plane::cached(&mut words).put(Ordinary, 3, &[1.0; 8]);
+        Plane::cached(&mut words).put(Stores::ordinary(), 3, &[1.0; 8]);
     }
 
     #[test]
     #[should_panic(expected = "strips must fill cache lines")]
     fn a_strip_must_be_whole() {
-        let mut words = [0.0; 8];
-        write_strips(&mut [&mut words], true, |planes| planes[0].put(Ordinary, 0, &[1.0; 7]));
+        let strip = [1.0; 7];
+        write_strips(&mut [&mut [0.0; 8]], true, |planes| {
+            planes[0].put(Stores::ordinary(), 0, &strip);
+        });
     }
 
     #[test]
     fn words_are_found_after_the_stores() {
-        levels(|put| {
+        for stores in levels() {
             let mut memory = [0.0; 32];
             let read = write_strips(&mut [&mut memory], true, |planes| {
                 let first = planes[0].words_before_cache_line();
-                put(&mut planes[0], first, &[2.5; 8]);
+                planes[0].put(stores, first, &[2.5; 8]);
                 planes[0].words()[first + 7]
             });
             assert_eq!(read, 2.5);
-        });
+        }
     }
 
     #[test]

@@ -8,6 +8,7 @@ pub mod precision;
 pub(crate) mod reduction;
 pub(crate) mod series;
 pub(crate) mod storage;
+pub(crate) mod strips;
 pub mod trig;
 
 pub use double_double::DoubleDouble;

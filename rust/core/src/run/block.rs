@@ -10,6 +10,7 @@ use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
+use crate::number::strips;
 use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
@@ -18,11 +19,10 @@ use crate::run::constants::GeometryIndex;
 use crate::run::extrema;
 use crate::run::fold::Folded;
 use crate::run::kernels;
-use crate::run::level::Level;
+use crate::run::level::{Level, is_compact};
 use crate::run::scratch::Scratch;
 use crate::run::sines;
 use crate::run::stores_as::StoresAs;
-use crate::run::strips;
 use crate::run::sweep_tables::SweepTables;
 use crate::sincos::array::DriveAngles;
 
@@ -217,9 +217,15 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             Some(period) => start + period,
             None => end,
         };
-        if stop < end {
-            self.scratch.keep_errors(self.shared.plan, stop - start);
-        }
+        // A part that is not repeated may be longer than the period of the row before it.
+        let errors = if stop < end {
+            stop - start
+        } else if is_compact(self.shared.level) {
+            self.chunk_length.min(end - start)
+        } else {
+            0
+        };
+        self.scratch.keep_errors(self.shared.plan, errors);
         if let Target::Reduced(reduction, ..) = target
             && let Some(selected) = self.extreme_samples(part.row, start..stop, *reduction)
         {

@@ -1,4 +1,7 @@
 //! The constants of one shaft for a series of drivelines, and which of them a chunk uses.
+//!
+//! Loops read them one column after the other: `map` on an array of columns may become a function
+//! call, which keeps the loop from being vectorised.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
 use crate::mechanics::chain::{Equivalent, Offset};
@@ -9,16 +12,21 @@ use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::storage::{Column, View, columns, parts, views, views_mut};
+use crate::number::strips::{At, Strips};
 use crate::number::trig::Angle;
 use crate::run::lanes::Lane;
-use crate::run::strips::{At, Strips};
 
 /// Runs the body with `at`, the constants of the samples. The body is compiled twice: for constants
-/// that all samples share, which stay in registers, and for constants per sample.
+/// that all samples share, which stay in registers, and for constants per sample. If `compact`, it is
+/// compiled once and loads them for each sample.
 macro_rules! with_constants {
-    ($geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
+    ($compact:expr, $geometry:expr, $constants:expr, $at:ident => $body:expr) => {{
         let constants = $constants;
         match $geometry {
+            geometry if $compact => {
+                let $at = $crate::run::constants::PerSample::new(constants, geometry);
+                $body
+            }
             GeometryIndex::Shared(index) => {
                 let $at = Same(constants.at(index));
                 $body
@@ -54,6 +62,43 @@ impl GeometryIndex {
     }
 }
 
+/// Constants that are loaded for each sample, even if all samples share them.
+#[derive(Clone, Copy)]
+pub(crate) struct PerSample<A> {
+    constants: A,
+    first: usize,
+    step: usize,
+}
+
+impl<A> PerSample<A> {
+    #[inline(always)]
+    pub(crate) fn new(constants: A, geometry: GeometryIndex) -> Self {
+        let (first, step) = match geometry {
+            GeometryIndex::Shared(index) => (index, 0),
+            GeometryIndex::PerSample => (0, 1),
+        };
+        Self { constants, first, step }
+    }
+}
+
+impl<A: At> At for PerSample<A> {
+    type Value = A::Value;
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> A::Value {
+        self.constants.at(self.first + self.step * i)
+    }
+}
+
+impl<A: At> Strips for PerSample<A> {
+    type Strip = Self;
+
+    #[inline(always)]
+    fn strip(&self, first: usize, _: usize) -> Self {
+        Self { first: self.first + self.step * first, ..*self }
+    }
+}
+
 /// A read-only series of constants in twice the drive angle.
 #[derive(Clone, Copy)]
 pub(crate) struct DoubleAngleColumns<'a, T: Real>([View<'a, T>; 5]);
@@ -63,8 +108,13 @@ impl<T: Real> At for DoubleAngleColumns<'_, T> {
 
     #[inline(always)]
     fn at(&self, i: usize) -> DoubleAngle<T> {
-        let [re, im, mean, complement, gain] = self.0.each_ref().map(|view| view.get(i));
-        DoubleAngle { q: [re, im], mean, complement, gain }
+        let [re, im, mean, complement, gain] = &self.0;
+        DoubleAngle {
+            q: [re.get(i), im.get(i)],
+            mean: mean.get(i),
+            complement: complement.get(i),
+            gain: gain.get(i),
+        }
     }
 }
 
@@ -86,9 +136,15 @@ impl<T: Real> At for EquivalentColumns<'_, T> {
 
     #[inline(always)]
     fn at(&self, i: usize) -> (JointConstants<T>, [T; 2]) {
-        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] =
-            self.0.each_ref().map(|view| view.get(i));
-        (JointConstants { cos, cos2, sin2, versine, inverse_exsecant }, [turn_cos, turn_sin])
+        let [cos, cos2, sin2, versine, inverse_exsecant, turn_cos, turn_sin] = &self.0;
+        let joint = JointConstants {
+            cos: cos.get(i),
+            cos2: cos2.get(i),
+            sin2: sin2.get(i),
+            versine: versine.get(i),
+            inverse_exsecant: inverse_exsecant.get(i),
+        };
+        (joint, [turn_cos.get(i), turn_sin.get(i)])
     }
 }
 
@@ -122,8 +178,8 @@ impl At for OffsetColumns<'_> {
 
     #[inline(always)]
     fn at(&self, i: usize) -> Offset {
-        let [remainder, quarters] = self.0.each_ref().map(|view| view.get(i));
-        Offset { remainder, quarters: quarters.high }
+        let [remainder, quarters] = &self.0;
+        Offset { remainder: remainder.get(i), quarters: quarters.get(i).high }
     }
 }
 

@@ -15,7 +15,7 @@ use crate::plan::route::Routes;
 use crate::plan::steps::{LoadStep, Plan};
 use crate::run::constants::GeometryIndex;
 use crate::run::fold::Folded;
-use crate::run::level::{Level, compiled_for};
+use crate::run::level::{Compiled, Level, compiled_for};
 use crate::run::scratch::Scratch;
 use crate::run::sink::Outputs;
 use crate::run::{load, motion, sines};
@@ -24,8 +24,7 @@ use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
 
 /// [`sines::find_pins`].
-#[inline(never)]
-pub(crate) fn find_pins<T: Number>(
+pub(crate) fn find_pins<T: Number + Compiled>(
     level: Level,
     plan: &Plan,
     drive: DriveAngles<'_>,
@@ -33,25 +32,31 @@ pub(crate) fn find_pins<T: Number>(
     scratch: &mut Scratch<T>,
     size: usize,
 ) {
-    compiled_for!(level, sines::find_pins(plan, drive, group, scratch, size));
+    T::run(
+        level,
+        #[inline(always)]
+        |_, _| sines::find_pins(plan, drive, group, scratch, size),
+    );
 }
 
 /// [`sines::find_double_angles`].
-#[inline(never)]
-pub(crate) fn find_double_angles<T: Number>(
+pub(crate) fn find_double_angles<T: Number + Compiled>(
     level: Level,
     drive: DriveAngles<'_>,
     rotations: Option<&Rotations<T>>,
     scratch: &mut Scratch<T>,
     size: usize,
 ) {
-    compiled_for!(level, sines::find_double_angles(drive, rotations, scratch, size));
+    T::run(
+        level,
+        #[inline(always)]
+        |_, _| sines::find_double_angles(drive, rotations, scratch, size),
+    );
 }
 
 /// [`motion::run_motion`].
-#[inline(never)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_motion<T: Number, W: Float>(
+pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
     level: Level,
     plan: &Plan,
     routes: &Routes,
@@ -65,18 +70,21 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     size: usize,
     row_offset: usize,
 ) {
-    compiled_for!(level, stores => {
-        let outputs = &mut Outputs { planes, stores };
-        motion::run_motion(
-            plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
-            row_offset,
-        );
-    });
+    T::run(
+        level,
+        #[inline(always)]
+        |compact, stores| {
+            let outputs = &mut Outputs { planes, stores };
+            motion::run_motion(
+                plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
+                row_offset, compact,
+            );
+        },
+    );
 }
 
 /// [`motion::repeat_angle`].
-#[inline(never)]
-pub(crate) fn repeat_angle<T: Number, W: Float>(
+pub(crate) fn repeat_angle<T: Number + Compiled, W: Float>(
     level: Level,
     scratch: &Scratch<T>,
     slot: usize,
@@ -84,13 +92,16 @@ pub(crate) fn repeat_angle<T: Number, W: Float>(
     drive: DriveAngles<'_>,
     out: &mut [W],
 ) {
-    compiled_for!(level, motion::repeat_angle(scratch, slot, first, drive, out));
+    T::run(
+        level,
+        #[inline(always)]
+        |_, _| motion::repeat_angle(scratch, slot, first, drive, out),
+    );
 }
 
 /// [`load::run_load`].
-#[inline(never)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_load<T: Number, W: Float>(
+pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     level: Level,
     plan: &Plan,
     load: &LoadStep,
@@ -101,10 +112,14 @@ pub(crate) fn run_load<T: Number, W: Float>(
     planes: &mut [Plane<'_, W>],
     size: usize,
 ) {
-    compiled_for!(level, stores => {
-        let outputs = &mut Outputs { planes, stores };
-        load::run_load(plan, load, table, folded, geometry, scratch, outputs, size);
-    });
+    T::run(
+        level,
+        #[inline(always)]
+        |compact, stores| {
+            let outputs = &mut Outputs { planes, stores };
+            load::run_load(plan, load, table, folded, geometry, scratch, outputs, size, compact);
+        },
+    );
 }
 
 /// [`Reduction::take`].

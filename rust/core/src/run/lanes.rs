@@ -74,8 +74,12 @@ pub(super) struct MapsView<'a>([View<'a, DoubleDouble>; 5]);
 impl Lane<Transfer> for MapsView<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Transfer {
-        let [a_re, a_im, b_re, b_im, complement] = self.0.each_ref().map(|view| view.get(i));
-        Transfer { a: Complex::new(a_re, a_im), b: Complex::new(b_re, b_im), complement }
+        let [a_re, a_im, b_re, b_im, complement] = &self.0;
+        Transfer {
+            a: Complex::new(a_re.get(i), a_im.get(i)),
+            b: Complex::new(b_re.get(i), b_im.get(i)),
+            complement: complement.get(i),
+        }
     }
 }
 
@@ -150,8 +154,8 @@ pub(super) struct PassShaft<'a, const WIDE: bool>([View<'a, DoubleDouble>; 2]);
 impl<const WIDE: bool> Step for PassShaft<'_, WIDE> {
     #[inline(always)]
     fn take(&self, i: usize, transfer: &mut Transfer) {
-        let [re, im] = self.0.each_ref().map(|view| view.get(i));
-        transfer.pass_shaft(Complex::new(re, im));
+        let [re, im] = &self.0;
+        transfer.pass_shaft(Complex::new(re.get(i), im.get(i)));
         if WIDE {
             *transfer = transfer.renormalized();
         }

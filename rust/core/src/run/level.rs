@@ -1,42 +1,90 @@
 //! The instruction sets that the kernels are compiled for.
 
+use cardan_memory::Stores;
 pub use fearless_simd::Level;
 use fearless_simd::Simd;
 
-/// Runs the expression compiled for the level; `stores` is how it stores strips. Levels before AVX2
-/// have no fused multiply-add and gain nothing over the baseline of the machine. Outside x86 the
-/// baseline has everything that the kernels need.
+/// Runs the expression compiled for the level. Levels before AVX2 have no fused multiply-add and
+/// gain nothing over the baseline of the machine. Outside x86 the baseline has everything that the
+/// kernels need.
+///
+/// `compact` and `stores` are constants in each copy of the expression: see [`is_compact`], and how
+/// strips are stored.
 macro_rules! compiled_for {
     ($level:expr, $run:expr) => {
-        compiled_for!($level, _stores => $run)
+        compiled_for!($level, (_compact, _stores) => $run)
     };
-    ($level:expr, $stores:ident => $run:expr) => {{
+    ($level:expr, ($compact:ident, $stores:ident) => $run:expr) => {{
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
             use fearless_simd::Simd;
-            if let Some($stores) = $level.as_avx512() {
-                $stores.vectorize(
+            if let Some(simd) = $level.as_avx512() {
+                simd.vectorize(
                     #[inline(always)]
-                    || $run,
+                    || {
+                        let ($compact, $stores) = (false, cardan_memory::Stores::avx512(simd));
+                        $run
+                    },
                 )
-            } else if let Some($stores) = $level.as_avx2() {
-                $stores.vectorize(
+            } else if let Some(simd) = $level.as_avx2() {
+                simd.vectorize(
                     #[inline(always)]
-                    || $run,
+                    || {
+                        let ($compact, $stores) = (false, cardan_memory::Stores::avx2(simd));
+                        $run
+                    },
                 )
             } else {
-                let $stores = cardan_memory::Ordinary;
+                let ($compact, $stores) = (true, cardan_memory::Stores::ordinary());
                 $run
             }
         }
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         {
-            let $stores = cardan_memory::Ordinary;
+            let ($compact, $stores) = (false, cardan_memory::Stores::ordinary());
             $run
         }
     }};
 }
 pub(crate) use compiled_for;
+
+/// Whether the kernels for this level are few loops instead of fast ones. Without fused multiply-add
+/// each product-sum is a function call, which costs more time than they save, and whose code takes
+/// more space than that of any other level.
+pub(crate) fn is_compact(level: Level) -> bool {
+    compiled_for!(level, (compact, _stores) => compact)
+}
+
+/// A number type with a compilation unit of its own for its kernels.
+///
+/// The compiler works on several units at once. A unit is a module: a generic function belongs to
+/// the module that defines it, whatever types it is compiled for.
+pub(crate) trait Compiled {
+    /// Runs the kernel compiled for the level, and tells it whether it [`is_compact`] and how it
+    /// stores strips.
+    fn run<R>(level: Level, kernel: impl FnOnce(bool, Stores) -> R) -> R;
+}
+
+macro_rules! compiled_in {
+    ($($unit:ident: $number:ty;)*) => {$(
+        mod $unit {
+            use super::{Compiled, Level, Stores};
+
+            impl Compiled for $number {
+                #[inline(never)]
+                fn run<R>(level: Level, kernel: impl FnOnce(bool, Stores) -> R) -> R {
+                    compiled_for!(level, (compact, stores) => kernel(compact, stores))
+                }
+            }
+        }
+    )*};
+}
+
+compiled_in! {
+    single: f32;
+    double: f64;
+    double_double: crate::number::double_double::DoubleDouble;
+}
 
 /// Every level that this machine can run, strongest first, with its name.
 ///

@@ -1,13 +1,12 @@
 //! Torques and moments for one chunk, over slices that fit in the first-level cache.
 
-use cardan_memory::Stores;
-
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
 use crate::number::Number;
 use crate::number::float::Float;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
+use crate::number::strips::{At, Same, Strips, mapped};
 use crate::plan::output::Output;
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, Support};
 use crate::run::constants::{GeometryIndex, with_constants};
@@ -16,21 +15,21 @@ use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
-use crate::run::strips::{At, Same, Strips, mapped};
 use crate::sincos::array::SinCos;
 
 /// Torques and moments for one chunk, in order from the end where the torque is given.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_load<T: Number, W: Float, L: Stores>(
+pub(crate) fn run_load<T: Number, W: Float>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
     folded: &Folded<T>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
     size: usize,
+    compact: bool,
 ) {
     let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
     let column = |index: usize| &gathered[index][..size];
@@ -39,7 +38,7 @@ pub(crate) fn run_load<T: Number, W: Float, L: Stores>(
         for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
             if !turnings.is_empty() {
                 let turnings = &turnings[..geometry.count(size)];
-                with_constants!(geometry, turnings, at => run_rates(at, pins, rates));
+                with_constants!(compact, geometry, turnings, at => run_rates(at, pins, rates));
             }
         }
     }
@@ -79,26 +78,23 @@ pub(crate) fn run_load<T: Number, W: Float, L: Stores>(
             };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
-            with_constants!(geometry, poses, at => {
+            with_constants!(compact, geometry, poses, at => {
                 run_bending(step, at, pins, torsion, outputs);
                 if step.needs_support() {
                     map::parts(at, pins, torsion, views_mut(parts, 0, size));
                 }
             });
-            let plane = match geometry {
-                GeometryIndex::Shared(index) => poses[index].plane_axes(),
-                GeometryIndex::PerSample => None,
-            };
-            if let Some(axes) = plane {
-                let poses = mapped(poses, |pose: Pose<T>| pose.with_axes(axes));
-                with_constants!(geometry, poses, at => {
-                    run_moment::<true, T, W, L>(step, at, axes, pins, torsion, outputs);
-                    run_supports::<true, T, W, L>(step, at, axes, parts, support, outputs, size);
-                });
+            // Only a driveline that all samples share is treated as planar.
+            if let GeometryIndex::Shared(index) = geometry
+                && let Some(axes) = poses[index].plane_axes()
+            {
+                let at = Same(poses[index].with_axes(axes));
+                run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
+                run_supports::<true, T, W>(step, at, axes, parts, support, outputs, size);
             } else {
-                with_constants!(geometry, poses, at => {
-                    run_moment::<false, T, W, L>(step, at, AXES, pins, torsion, outputs);
-                    run_supports::<false, T, W, L>(step, at, AXES, parts, support, outputs, size);
+                with_constants!(compact, geometry, poses, at => {
+                    run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
+                    run_supports::<false, T, W>(step, at, AXES, parts, support, outputs, size);
                 });
             }
         }
@@ -126,12 +122,12 @@ fn run_rates<T: Number>(
 
 /// Magnitudes of a joint's bending moments.
 #[inline(always)]
-fn run_bending<T: Number, W: Float, L: Stores>(
+fn run_bending<T: Number, W: Float>(
     step: &JointStep,
     at: impl Strips<Value = Pose<T>>,
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
 ) {
     if let Some(plane) = step.planes.get(Output::BendingDriving) {
         let out = outputs.plane(plane);
@@ -147,13 +143,13 @@ const AXES: [usize; 3] = [0, 1, 2];
 
 /// The moment vector that a joint transmits, from a pose with its components in the order `axes`.
 #[inline(always)]
-fn run_moment<const PLANAR: bool, T: Number, W: Float, L: Stores>(
+fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     step: &JointStep,
     at: impl Strips<Value = Pose<T>>,
     axes: [usize; 3],
     pins: SinCos<'_, T>,
     torsion: View<'_, T>,
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
 ) {
     if let Some(plane) = step.planes.get(Output::Moment) {
         let out = outputs.several(axes.map(|axis| plane + axis));
@@ -163,13 +159,13 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float, L: Stores>(
 
 /// The joint's contribution to the support moments of its shafts, from the parts of its torsion.
 #[inline(always)]
-fn run_supports<const PLANAR: bool, T: Number, W: Float, L: Stores>(
+fn run_supports<const PLANAR: bool, T: Number, W: Float>(
     step: &JointStep,
     at: impl Strips<Value = Pose<T>>,
     axes: [usize; 3],
     parts: &[Column<T>; 3],
     support: &mut [Column<T>; 3],
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
     size: usize,
 ) {
     // The shaft that the load leaves is completed before the contribution to the next is stored.
@@ -177,25 +173,24 @@ fn run_supports<const PLANAR: bool, T: Number, W: Float, L: Stores>(
         let [sine2, cosine2, product] = views(parts, size);
         let numbers = [if step.driving { sine2 } else { cosine2 }, product];
         let [x, y, z] = axes;
-        run_support::<PLANAR, 0, T, W, L>(step, at, x, numbers, &mut support[x], outputs);
-        run_support::<PLANAR, 1, T, W, L>(step, at, y, numbers, &mut support[y], outputs);
-        run_support::<PLANAR, 2, T, W, L>(step, at, z, numbers, &mut support[z], outputs);
+        run_support::<PLANAR, 0, T, W>(step, at, x, numbers, &mut support[x], outputs);
+        run_support::<PLANAR, 1, T, W>(step, at, y, numbers, &mut support[y], outputs);
+        run_support::<PLANAR, 2, T, W>(step, at, z, numbers, &mut support[z], outputs);
     }
 }
 
 /// One component of that contribution, along the axis `axis` of space.
 #[inline(always)]
-fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float, L: Stores>(
+fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
     step: &Support,
     at: impl Strips<Value = Pose<T>>,
     axis: usize,
     numbers: [View<'_, T>; 2],
     stored: &mut Column<T>,
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
 ) {
     let &Support { driving, plane, first, last } = step;
-    let size = numbers[0].len();
-    let none = Same(None);
+    let (size, none) = (numbers[0].len(), Same(None));
     match (first, last) {
         (true, true) => {
             let out = outputs.plane(plane + axis);

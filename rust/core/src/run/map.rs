@@ -1,6 +1,6 @@
 //! The loops over a chunk, in two shapes, and the computations in them.
 //!
-//! Each shape goes strip by strip ([`crate::run::strips`]): a branch-free loop over the samples of a
+//! Each shape goes strip by strip ([`crate::number::strips`]): a branch-free loop over the samples of a
 //! strip becomes vector code for the instruction set of its caller, and the sink stores the strip.
 //! All loops are inlined into the functions that [`crate::run::block`] calls for an instruction set.
 //! The slices fit in the first-level cache, so one loop per output costs no more than one loop for
@@ -18,9 +18,9 @@ use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
+use crate::number::strips::{self, At, Same, Strips};
 use crate::run::formula::MotionFormula;
 use crate::run::sink::{Plain, Sink, SinkStrip};
-use crate::run::strips::{self, At, Same, Strips};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
 /// A value for each sample, from its inputs, sine and cosine, `LINES` strips at once.

@@ -19,7 +19,6 @@ mod scratch;
 mod sines;
 mod sink;
 mod stores_as;
-mod strips;
 mod sweep_tables;
 #[cfg(test)]
 mod taken;

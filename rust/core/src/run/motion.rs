@@ -1,7 +1,5 @@
 //! The motion of shafts for one chunk, over slices that fit in the first-level cache.
 
-use cardan_memory::Stores;
-
 use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::exact::Chains;
 use crate::mechanics::moment::Pose;
@@ -9,6 +7,7 @@ use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::storage::{Column, ViewMut, views_mut};
+use crate::number::strips::{At, Same, Strips, mapped};
 use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan, ShaftStep};
@@ -19,7 +18,6 @@ use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::{AngleSink, ArrayAngle, Outputs, SteppedAngle, SweepAngle};
-use crate::run::strips::{At, Same, Strips, mapped};
 use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::rotation::{RotatedSinCos, Rotations};
@@ -27,7 +25,7 @@ use crate::sincos::rotation::{RotatedSinCos, Rotations};
 /// Motion of every shaft of the plan and tilts of every joint, for one chunk.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_motion<T: Number, W: Float, L: Stores>(
+pub(crate) fn run_motion<T: Number, W: Float>(
     plan: &Plan,
     routes: &Routes,
     drive: DriveAngles<'_>,
@@ -36,9 +34,10 @@ pub(crate) fn run_motion<T: Number, W: Float, L: Stores>(
     chains: Chains<'_>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     row_offset: usize,
+    compact: bool,
 ) {
     let Scratch { pins, double_sin_cos, groups, rotated_pins, turned_pins, rates, errors, .. } =
         scratch;
@@ -57,54 +56,55 @@ pub(crate) fn run_motion<T: Number, W: Float, L: Stores>(
         crate::run::taken::note(step.shaft, route, range);
         let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| route != Route::Drive)
         else {
-            run_drive_shaft(step, drive, rates, outputs, size);
+            run_drive_shaft::<T, W>(step, drive, rates, outputs, size);
             continue;
         };
-        if T::LOW && shaft.has_offsets() {
-            turned::find_own_pins(shaft, step.shaft, route, lines, drive, rotated_pins, size);
-            let own = pins_of(rotated_pins, size);
-            if route == Route::Tangent {
-                let equivalents = shaft.equivalents(geometry, size);
-                with_constants!(geometry, mapped(equivalents, |(joint, _)| joint), at => {
-                    run_shaft(step, range, at, drive, own, rates, errors, outputs, size);
-                });
-            } else {
-                let double_angles = shaft.double_angles(geometry, size);
-                with_constants!(geometry, mapped(double_angles, DoubleAngle::with_parts::<1>), at => {
-                    run_shaft(step, range, at, drive, own, rates, errors, outputs, size);
-                });
-            }
-            if let Some(plane) = step.planes.get(Output::Angle) {
-                let words = outputs.words(plane);
-                turned::mend_angles(shaft, step.shaft, route, lines, drive, words);
-            }
-            continue;
-        }
+        let has_own = T::LOW && shaft.has_offsets();
+        let sin_cos = if has_own {
+            turned::find_own_pins(
+                shaft,
+                step.shaft,
+                route,
+                lines,
+                drive,
+                rotated_pins,
+                size,
+                compact,
+            );
+            pins_of(rotated_pins, size)
+        } else if route == Route::Tangent && step.shaft > 1 {
+            let equivalents = shaft.equivalents(geometry, size);
+            let [sine, cosine] = views_mut(rotated_pins, 0, size);
+            with_constants!(compact, geometry, mapped(equivalents, |(_, turn)| turn), at => {
+                array::rotate(at, pins, sine, cosine);
+            });
+            pins_of(rotated_pins, size)
+        } else if route == Route::Tangent {
+            pins
+        } else {
+            double_sin_cos
+        };
+        // Each number type uses one of the two routes in twice the drive angle, so only that one is
+        // compiled for it.
         if route == Route::Tangent {
             let equivalents = shaft.equivalents(geometry, size);
-            with_constants!(geometry, equivalents, at => {
-                let mut pins = pins;
-                if step.shaft > 1 {
-                    let [sine, cosine] = views_mut(rotated_pins, 0, size);
-                    array::rotate(|i| at.at(i).1, pins, sine, cosine);
-                    pins = pins_of(rotated_pins, size);
-                }
-                let at = mapped(at, |(joint, _)| joint);
-                run_shaft(step, range, at, drive, pins, rates, errors, outputs, size);
+            with_constants!(compact, geometry, mapped(equivalents, |(joint, _)| joint), at => {
+                run_shaft(step, range, at, drive, sin_cos, rates, errors, outputs, size, compact);
             });
-            continue;
-        }
-        let double_angles = shaft.double_angles(geometry, size);
-        // Each number type uses one of the two routes, so only that one is compiled for it.
-        if T::PRECISION.costs().double_angle {
-            with_constants!(geometry, mapped(double_angles, DoubleAngle::with_parts::<1>), at => {
-                run_shaft(step, range, at, drive, double_sin_cos, rates, errors, outputs, size);
+        } else if T::PRECISION.costs().double_angle {
+            let double_angles = shaft.double_angles(geometry, size);
+            with_constants!(compact, geometry, mapped(double_angles, DoubleAngle::with_parts::<1>), at => {
+                run_shaft(step, range, at, drive, sin_cos, rates, errors, outputs, size, compact);
             });
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
-            let double_angle = double_angles.at(index);
+            let double_angle = shaft.double_angles(geometry, size).at(index);
             let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
             let at = Same(double_angle.with_parts::<0>());
-            run_shaft(step, range, at, drive, swept, rates, errors, outputs, size);
+            run_shaft(step, range, at, drive, swept, rates, errors, outputs, size, compact);
+        }
+        if has_own && let Some(plane) = step.planes.get(Output::Angle) {
+            let words = outputs.words(plane);
+            turned::mend_angles(shaft, step.shaft, route, lines, drive, words);
         }
     }
     for (joint, (step, poses)) in plan.joints.iter().zip(&folded.poses).enumerate() {
@@ -114,14 +114,14 @@ pub(crate) fn run_motion<T: Number, W: Float, L: Stores>(
         let poses = &poses[..geometry.count(size)];
         if T::LOW && joint > 0 {
             let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
-            turned::find_turned(waves, joint, lines, drive, buffers, size);
+            turned::find_turned(waves, joint, lines, drive, buffers, size, compact);
             let pins = pins_of(turned_pins, size);
-            with_constants!(geometry, mapped(poses, Pose::by_own_pins), at => {
+            with_constants!(compact, geometry, mapped(poses, Pose::by_own_pins), at => {
                 run_tilts(step, at, pins, outputs);
             });
             continue;
         }
-        with_constants!(geometry, poses, at => {
+        with_constants!(compact, geometry, poses, at => {
             run_tilts(step, at, pins, outputs);
         });
     }
@@ -129,11 +129,11 @@ pub(crate) fn run_motion<T: Number, W: Float, L: Stores>(
 
 /// The tilts of one joint.
 #[inline(always)]
-fn run_tilts<T: Number, W: Float, L: Stores>(
+fn run_tilts<T: Number, W: Float>(
     step: &JointStep,
     at: impl Strips<Value = Pose<T>>,
     pins: SinCos<'_, T>,
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
 ) {
     if let Some(plane) = step.planes.get(Output::TiltDriving) {
         map::formula(Pose::tilt_driving, at, pins, outputs.plane(plane));
@@ -157,11 +157,11 @@ pub(crate) fn repeat_angle<T: Number, W: Float>(
 
 /// Outputs of a shaft without a bent joint before it, which turns with the drive.
 #[inline(always)]
-fn run_drive_shaft<T: Number, W: Float, L: Stores>(
+fn run_drive_shaft<T: Number, W: Float>(
     step: &ShaftStep,
     drive: DriveAngles<'_>,
     [ratio, acceleration]: [&mut Column<T>; 2],
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
     size: usize,
 ) {
     for output in Output::ALL {
@@ -180,10 +180,11 @@ fn run_drive_shaft<T: Number, W: Float, L: Stores>(
 }
 
 /// Outputs of one shaft. Each is stored directly in its plane; values that the load or a later
-/// period needs as well pass through a buffer.
+/// period needs as well pass through a buffer. If `compact`, so do most angle errors, to which the
+/// drive angles are added afterwards.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
-fn run_shaft<T: Number, W: Float, L: Stores, S: MotionFormula<T>, P: SinCosBlocks<T>>(
+fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     step: &ShaftStep,
     range: AtanRange,
     at: impl Strips<Value = S>,
@@ -191,8 +192,9 @@ fn run_shaft<T: Number, W: Float, L: Stores, S: MotionFormula<T>, P: SinCosBlock
     pins: P,
     [ratio, acceleration]: [&mut Column<T>; 2],
     mut errors: ViewMut<'_, T>,
-    outputs: &mut Outputs<'_, '_, W, L>,
+    outputs: &mut Outputs<'_, '_, W>,
     size: usize,
+    compact: bool,
 ) {
     if let Some(plane) = step.planes.get(Output::JerkRatio) {
         map::formula(S::jerk_ratio, at, pins, outputs.plane(plane));
@@ -205,7 +207,7 @@ fn run_shaft<T: Number, W: Float, L: Stores, S: MotionFormula<T>, P: SinCosBlock
             _ if step.planes.get(Output::Angle).is_none() => {
                 map::motion(range, at, pins, rotation, rates);
             }
-            DriveAngles::Array(angle) => {
+            DriveAngles::Array(angle) if !P::FROM_SWEEP && !compact => {
                 let out = AngleSink(ArrayAngle(&angle[..size]), rotation);
                 map::motion(range, at, pins, out, rates);
             }
@@ -213,7 +215,7 @@ fn run_shaft<T: Number, W: Float, L: Stores, S: MotionFormula<T>, P: SinCosBlock
                 let drive = SteppedAngle::new(sweep, first, pins.turns());
                 map::motion(range, at, pins, AngleSink(drive, rotation), rates);
             }
-            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() && !compact => {
                 let out = AngleSink(SweepAngle(sweep, first), rotation);
                 map::motion(range, at, pins, out, rates);
             }
@@ -230,7 +232,7 @@ fn run_shaft<T: Number, W: Float, L: Stores, S: MotionFormula<T>, P: SinCosBlock
     if let Some(plane) = step.planes.get(Output::Angle) {
         let mut out = outputs.plane(plane);
         match drive {
-            DriveAngles::Array(angle) => {
+            DriveAngles::Array(angle) if !P::FROM_SWEEP && !compact => {
                 let out = AngleSink(ArrayAngle(&angle[..size]), out);
                 map::angle_error(range, at, pins, out);
             }
@@ -238,7 +240,7 @@ fn run_shaft<T: Number, W: Float, L: Stores, S: MotionFormula<T>, P: SinCosBlock
                 let drive = SteppedAngle::new(sweep, first, pins.turns());
                 map::angle_error(range, at, pins, AngleSink(drive, out));
             }
-            DriveAngles::Sweep(sweep, first) if errors.is_empty() => {
+            DriveAngles::Sweep(sweep, first) if errors.is_empty() && !compact => {
                 map::angle_error(range, at, pins, AngleSink(SweepAngle(sweep, first), out));
             }
             _ => {

@@ -3,10 +3,10 @@
 use crate::input::table::Table;
 use crate::number::Number;
 use crate::number::storage::{Column, columns};
+use crate::number::strips;
 use crate::plan::output::Output;
 use crate::plan::route::Routes;
 use crate::plan::steps::{JointStep, Plan};
-use crate::run::strips;
 use crate::sincos::rotation;
 
 /// The buffers of one block, each as long as its longest chunk.
@@ -29,7 +29,8 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) parts: [Column<T>; 3],
     /// The first contribution to the support moment of the shaft that the load has entered.
     pub(crate) support: [Column<T>; 3],
-    /// Angle errors of a period that is to be repeated, for each shaft whose angle is requested.
+    /// Angle errors of a period that is to be repeated, or of a chunk if the kernels are compact, for
+    /// each shaft whose angle is requested.
     pub(crate) errors: Vec<Column<T>>,
 }
 
@@ -69,10 +70,13 @@ impl<T: Number> Scratch<T> {
         }
     }
 
-    /// Allocates the angle errors of a period that is to be repeated.
-    pub(crate) fn keep_errors(&mut self, plan: &Plan, period: usize) {
+    /// Allocates angle errors for this number of samples, or none.
+    pub(crate) fn keep_errors(&mut self, plan: &Plan, length: usize) {
+        let length = length.next_multiple_of(strips::length::<T>());
+        if self.errors.first().map_or(0, Column::len) == length {
+            return;
+        }
         let angles = plan.shafts.iter().filter(|step| step.planes.get(Output::Angle).is_some());
-        let length = period.next_multiple_of(strips::length::<T>());
         self.errors = angles.map(|_| Column::new(length)).collect();
     }
 }

@@ -126,22 +126,22 @@ impl<T: Real> Plain<T> for ViewMut<'_, T> {
 }
 
 /// The planes of a chunk, and how the function's instruction set stores strips in them.
-pub(crate) struct Outputs<'a, 'b, W, L> {
+pub(crate) struct Outputs<'a, 'b, W> {
     pub(crate) planes: &'a mut [Plane<'b, W>],
-    pub(crate) stores: L,
+    pub(crate) stores: Stores,
 }
 
-impl<W: Float, L: Stores> Outputs<'_, '_, W, L> {
+impl<W: Float> Outputs<'_, '_, W> {
     /// A plane, for writing in strips.
     #[inline(always)]
-    pub(crate) fn plane(&mut self, plane: usize) -> Words<'_, W, L> {
+    pub(crate) fn plane(&mut self, plane: usize) -> Words<'_, W> {
         let plane = &mut self.planes[plane];
         Words { plane: plane.part(0..plane.len()), stores: self.stores }
     }
 
     /// Several planes, for writing in strips.
     #[inline(always)]
-    pub(crate) fn several<const N: usize>(&mut self, planes: [usize; N]) -> [Words<'_, W, L>; N] {
+    pub(crate) fn several<const N: usize>(&mut self, planes: [usize; N]) -> [Words<'_, W>; N] {
         let stores = self.stores;
         let planes = self.planes.get_disjoint_mut(planes);
         planes
@@ -157,9 +157,9 @@ impl<W: Float, L: Stores> Outputs<'_, '_, W, L> {
 }
 
 /// Words of a plane, which are written in strips.
-pub(crate) struct Words<'a, W, L> {
+pub(crate) struct Words<'a, W> {
     plane: Plane<'a, W>,
-    stores: L,
+    stores: Stores,
 }
 
 /// Words of a strip.
@@ -179,9 +179,9 @@ impl<T: Real, W: Float> SinkStrip<T> for WordStrip<W> {
     }
 }
 
-impl<W: Float, L: Stores> Words<'_, W, L> {
+impl<W: Float> Words<'_, W> {
     #[inline(always)]
-    fn part(&mut self, start: usize, length: usize) -> Words<'_, W, L> {
+    fn part(&mut self, start: usize, length: usize) -> Words<'_, W> {
         Words { plane: self.plane.part(start..start + length), stores: self.stores }
     }
 
@@ -197,9 +197,9 @@ impl<W: Float, L: Stores> Words<'_, W, L> {
     }
 }
 
-impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
+impl<T: Real, W: Float> Sink<T> for Words<'_, W> {
     type Slice<'a>
-        = Words<'a, W, L>
+        = Words<'a, W>
     where
         Self: 'a;
 
@@ -213,7 +213,7 @@ impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> Words<'_, W, L> {
+    fn slice(&mut self, start: usize, length: usize) -> Words<'_, W> {
         self.part(start, length)
     }
 
@@ -233,7 +233,7 @@ impl<T: Real, W: Float, L: Stores> Sink<T> for Words<'_, W, L> {
     }
 }
 
-impl<T: Real, W: Float, L: Stores> Plain<T> for Words<'_, W, L> {
+impl<T: Real, W: Float> Plain<T> for Words<'_, W> {
     #[inline(always)]
     fn bypasses_caches(&self) -> bool {
         self.plane.bypasses_caches()
@@ -436,7 +436,7 @@ impl DriveAngle for SteppedAngle<'_> {
 }
 
 /// Adds drive angles to angle errors.
-pub(crate) struct AngleSink<'a, D, W, L>(pub(crate) D, pub(crate) Words<'a, W, L>);
+pub(crate) struct AngleSink<'a, D, W>(pub(crate) D, pub(crate) Words<'a, W>);
 
 /// The angles of a strip.
 pub(crate) struct AngleStrip<D, W>(D, WordStrip<W>);
@@ -448,9 +448,9 @@ impl<T: Number, D: DriveAngle, W: Float> SinkStrip<T> for AngleStrip<D, W> {
     }
 }
 
-impl<T: Number, D: DriveAngle, W: Float, L: Stores> Sink<T> for AngleSink<'_, D, W, L> {
+impl<T: Number, D: DriveAngle, W: Float> Sink<T> for AngleSink<'_, D, W> {
     type Slice<'a>
-        = AngleSink<'a, D, W, L>
+        = AngleSink<'a, D, W>
     where
         Self: 'a;
 
@@ -464,7 +464,7 @@ impl<T: Number, D: DriveAngle, W: Float, L: Stores> Sink<T> for AngleSink<'_, D,
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> AngleSink<'_, D, W, L> {
+    fn slice(&mut self, start: usize, length: usize) -> AngleSink<'_, D, W> {
         AngleSink(self.0.slice(start, length), self.1.part(start, length))
     }
 

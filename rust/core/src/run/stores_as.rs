@@ -6,9 +6,10 @@ use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
 use crate::run::fold::{Folded, FoldedAs, FoldedDriveline};
+use crate::run::level::Compiled;
 
 /// A number type whose results are stored in words of type `W`.
-pub(crate) trait StoresAs<W: Float>: Number {
+pub(crate) trait StoresAs<W: Float>: Number + Compiled {
     /// The words that the kernels store.
     type Plane: Float;
 

@@ -13,9 +13,9 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
 use crate::number::series;
 use crate::number::storage::{Column, ViewMut, views_mut};
+use crate::number::strips::{At, Same, mapped};
 use crate::plan::route::Route;
 use crate::run::constants::{FoldedShaft, GeometryIndex, with_constants};
-use crate::run::strips::{At, Same, mapped};
 use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, PlainSinCos};
 
 /// The drivelines of a chunk, in the batch.
@@ -50,12 +50,12 @@ pub(crate) fn find_own_pins<T: Number>(
     drive: DriveAngles<'_>,
     pins: &mut [Column<T>; 2],
     size: usize,
+    compact: bool,
 ) {
     let [sine, cosine] = views_mut(pins, 0, size);
     let (geometry, steep) = (lines.geometry, route == Route::Tangent);
     let offsets = shaft.offsets(geometry, size);
-    let near = with_constants!(geometry, offsets, at => {
-        let at = |i| at.at(i);
+    let near = with_constants!(compact, geometry, offsets, at => {
         if steep {
             array::fill_turned::<PinLine, T>(at, drive, sine, cosine)
         } else {
@@ -171,12 +171,13 @@ pub(crate) fn find_turned<T: Number>(
     drive: DriveAngles<'_>,
     [turned, spare]: [&mut [Column<T>; 2]; 2],
     size: usize,
+    compact: bool,
 ) {
     let mut near = false;
     for (which, column) in [1, 0].into_iter().zip(&mut *turned) {
         let [sine, cosine] = views_mut(spare, 0, size);
-        with_constants!(lines.geometry, mapped(waves, |waves| waves[which]), at => {
-            let offset = |i| at.at(i).offset;
+        with_constants!(compact, lines.geometry, mapped(waves, |waves| waves[which]), at => {
+            let offset = mapped(at, |wave: Wave| wave.offset);
             near |= array::fill_turned::<PlainSinCos, T>(offset, drive, sine, cosine);
             let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
             for i in 0..size {

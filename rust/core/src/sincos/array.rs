@@ -11,6 +11,7 @@ use crate::number::float::Real;
 use crate::number::reduction::{self, LargeAngleFlag};
 use crate::number::series;
 use crate::number::storage::{View, ViewMut};
+use crate::number::strips::At;
 use crate::number::trig::{self, Angle};
 
 /// The drive angles of a chunk.
@@ -251,7 +252,7 @@ pub(crate) fn fill_sin_cos<K: SinCosKind, T: Angle>(
 /// next to their zeros. Returns whether any sum lost too many digits for that.
 #[inline(always)]
 pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
-    at: impl Fn(usize) -> Offset,
+    at: impl At<Value = Offset>,
     drive: DriveAngles<'_>,
     sine: ViewMut<'_, T>,
     cosine: ViewMut<'_, T>,
@@ -266,14 +267,14 @@ pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
             for i in 0..length {
                 let reduced = reduction::reduce_double_double(DoubleDouble::exact(angle[i]));
                 too_large.accumulate(reduced.1);
-                let (s, c, lost) = turned::<K, T>(at(i), reduced);
+                let (s, c, lost) = turned::<K, T>(at.at(i), reduced);
                 near |= lost;
                 sine.set(i, s);
                 cosine.set(i, c);
             }
             if too_large.any() {
                 for i in 0..length {
-                    let (s, c, lost) = turned::<K, T>(at(i), reduction::reduce_any(angle[i]));
+                    let (s, c, lost) = turned::<K, T>(at.at(i), reduction::reduce_any(angle[i]));
                     near |= lost;
                     sine.set(i, s);
                     cosine.set(i, c);
@@ -283,7 +284,7 @@ pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
         DriveAngles::Sweep(sweep, first) => {
             let reduction = sweep.reduction();
             for i in 0..length {
-                let (s, c, lost) = turned::<K, T>(at(i), reduction.of(sample_number(first, i)));
+                let (s, c, lost) = turned::<K, T>(at.at(i), reduction.of(sample_number(first, i)));
                 near |= lost;
                 sine.set(i, s);
                 cosine.set(i, c);
@@ -292,7 +293,7 @@ pub(crate) fn fill_turned<K: SinCosKind, T: Angle>(
         DriveAngles::Selected(sweep, samples) => {
             let (reduction, samples) = (sweep.reduction(), &samples[..length]);
             for i in 0..length {
-                let (s, c, lost) = turned::<K, T>(at(i), reduction.of(samples[i]));
+                let (s, c, lost) = turned::<K, T>(at.at(i), reduction.of(samples[i]));
                 near |= lost;
                 sine.set(i, s);
                 cosine.set(i, c);
@@ -437,7 +438,7 @@ fn set_pin<K: SinCosKind, T: Angle>(
 /// Sine and cosine of the equivalent joint's input angle `α + φ`, given cosine and sine of `φ`.
 #[inline(always)]
 pub(crate) fn rotate<T: Real>(
-    at: impl Fn(usize) -> [T; 2],
+    at: impl At<Value = [T; 2]>,
     pins: SinCos<'_, T>,
     sine: ViewMut<'_, T>,
     cosine: ViewMut<'_, T>,
@@ -446,7 +447,7 @@ pub(crate) fn rotate<T: Real>(
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     for i in 0..length {
         let (s, c) = pins.get(i);
-        let [turn_cos, turn_sin] = at(i);
+        let [turn_cos, turn_sin] = at.at(i);
         sine.set(i, s.mul_add(turn_cos, c * turn_sin));
         cosine.set(i, c.mul_add(turn_cos, -(s * turn_sin)));
     }

@@ -8,6 +8,7 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::reduction::{ROUNDING, reduce_double_double};
 use crate::number::storage::{Column, View, ViewMut, columns, views, views_mut};
+use crate::number::strips::Same;
 use crate::number::trig::{self, Angle};
 use crate::sincos::array::{self, SinCos, SinCosBlock, SinCosBlocks};
 
@@ -151,12 +152,12 @@ impl<T: Angle> Rotations<T> {
         mut cosine: ViewMut<'_, T>,
     ) {
         for group in groups {
-            let steps = self.steps.each_ref().map(|column| column.part(group.step, group.length));
-            let [s, c] = steps;
+            let [s, c] = &self.steps;
+            let (s, c) = (s.part(group.step, group.length), c.part(group.step, group.length));
             let (to_sine, to_cosine) =
                 (sine.window(group.start, group.length), cosine.window(group.start, group.length));
             let [by_s, by_c] = group.middle;
-            array::rotate(|_| [by_c, by_s], SinCos { sine: s, cosine: c }, to_sine, to_cosine);
+            array::rotate(Same([by_c, by_s]), SinCos { sine: s, cosine: c }, to_sine, to_cosine);
         }
     }
 

@@ -67,7 +67,8 @@ impl<T: Angle> TangentSum<T> {
                 let begin = (group + i) * length;
                 let from = (first + at) - begin;
                 let size = (length - from).min(count - at);
-                let [high, low] = self.tangents.each_ref().map(|t| &t[from..from + size]);
+                let [high, low] = &self.tangents;
+                let (high, low) = (&high[from..from + size], &low[from..from + size]);
                 let (odd, half) = (quadrant & 1, quadrant >> 1 & 1);
                 let (mut s, mut c) = (sine.window(at, size), cosine.window(at, size));
                 let tangent = |j: usize| {
