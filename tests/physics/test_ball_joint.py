@@ -105,11 +105,14 @@ def test_a_joint_that_is_sized_with_clearance_reaches_the_allowable_pressure(
         LOAD, 60e6, half_angle, clearance=clearance, compliance=ALPHA_1 + ALPHA_2
     )
     assert joint.peak_pressure(LOAD) == pytest.approx(60e6, rel=1e-13)
+    assert joint.allowable_load(60e6) == pytest.approx(LOAD, rel=1e-13)
     assert joint.clearance == clearance
     if clearance == 0.0:
         assert joint.radius == pytest.approx(
             BallJoint.sized_for(LOAD, 60e6, half_angle).radius, rel=1e-14
         )
+        fit = BallJoint(joint.radius, half_angle)
+        assert fit.allowable_load([60e6, 120e6]) == pytest.approx([LOAD, 2 * LOAD], rel=1e-13)
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
@@ -699,6 +702,7 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
         lambda: BallJoint.sized_for([1.0] * 2, 1.0, clearance=[0.0] * 3, compliance=1.0),
         "shapes do not broadcast: load (2,), allowable_pressure (), half_angle (), clearance (3,)",
     ),
+    (lambda: JOINT.allowable_load(-1.0), f"allowable_pressure is -1.0; it {POSITIVE}"),
     (lambda: layer_compliance(0.0, 1.0), f"thickness is 0.0; it {POSITIVE}"),
     (lambda: layer_compliance(1.0, [1.0, -1.0]), f"modulus[1] is -1.0; it {POSITIVE}"),
     (

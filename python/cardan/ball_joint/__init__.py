@@ -137,11 +137,7 @@ class BallJoint:
         seat = seat.with_clearance(clearance, compliance=compliance)
         shapes |= {"clearance": seat.clearance, "compliance": seat.compliance}
         common_shape(**{name: np.shape(value) for name, value in shapes.items()})
-        contact = pressed(
-            as_float64("half_angle", half_angle),
-            np.asarray(seat.compliance * pressure),
-            as_float64("clearance", clearance),
-        )
+        contact = seat._pressed(pressure)
         radius = np.sqrt(contact.peak(force, np.ones(())) / pressure)
         return cls(radius, half_angle).with_clearance(clearance, compliance=compliance)
 
@@ -184,6 +180,29 @@ class BallJoint:
         """
         force = self._force(load)
         return scalar_or_array(self._contact(force).peak(force, self.radius))
+
+    def allowable_load(self, allowable_pressure: ArrayLike) -> Any:  # noqa: ANN401
+        """Return the load in N at which the peak pressure reaches what is allowable.
+
+        Args:
+            allowable_pressure: in Pa, Marcus's ``K``.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a pressure that is not positive and finite, shapes that do not broadcast.
+        """
+        pressure = _positive("allowable_pressure", allowable_pressure)
+        common_shape(joint=self.shape, allowable_pressure=pressure.shape)
+        if self.compliance is None:
+            contact = fitting(as_float64("half_angle", self.half_angle))
+        else:
+            contact = self._pressed(pressure)
+        return scalar_or_array(contact.load(pressure, self.radius))
+
+    def _pressed(self, peak: FloatArray) -> Contact:
+        """The contact at a peak pressure."""
+        approach = np.asarray(self.compliance * peak)
+        return pressed(np.asarray(self.half_angle), approach, np.asarray(self.clearance))
 
     def pressure(self, theta: ArrayLike, load: ArrayLike) -> Any:  # noqa: ANN401
         """Return the pressure in Pa, Marcus's (9); outside the contact it is 0.

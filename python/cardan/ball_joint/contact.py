@@ -44,6 +44,10 @@ class Contact:
         """Return the pressure in line with the load."""
         return _quotient(3.0 * load, math.pi * radius**2 * self.share)
 
+    def load(self, peak: FloatArray, radius: FloatArray) -> FloatArray:
+        """Return the load whose pressure has this peak."""
+        return peak * math.pi * radius**2 * self.share / 3.0
+
     def profile(self, theta: FloatArray) -> FloatArray:
         """Return the pressure over its peak."""
         theta = np.where(np.isinf(theta), np.nan, theta)

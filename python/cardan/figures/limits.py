@@ -12,11 +12,17 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.check import Check
-from cardan.figures.answers import answer, answer_schema, record
+from cardan.figures.answers import answer, answers_with, record
+from cardan.figures.ball_joint import (
+    BALL_JOINT_SCHEMA,
+    ball_joint_data,
+    ball_joint_figures,
+)
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 from cardan.scene.study import Study
 from cardan.scene.units import RPM
@@ -84,6 +90,9 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         advice: what would bring it within the limits, a sentence each.
     """
     by_figure = {finding.figure: finding for finding in found.findings}
+    more: dict[str, Any] = {}
+    if scene.ball_joint:
+        more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
         figure: _entry(by_figure[figure]) if figure in by_figure else None for figure in _PRACTICE
     }
@@ -91,7 +100,7 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         "check",
         scene.title,
         **_verdict(found.ranks),
-        passes=bool(np.all(found.passes)),
+        passes=bool(np.all(found.passes)) and passes(scene),
         preset=found.limits.preset,
         catalogue={
             **_verdict(found.catalogue.ranks),
@@ -99,7 +108,20 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         },
         practice={**_verdict(found.practice.ranks), **practice},
         advice=list(advice),
+        **more,
     )
+
+
+def passes(scene: Scene | BallJointScene) -> bool:
+    """Whether what a scene has besides its driveline is within what the scene allows."""
+    case = scene.ball_joint
+    return case is None or ball_joint_figures(case).passes
+
+
+def ball_joint_check_data(scene: BallJointScene) -> dict[str, Any]:
+    """Return the check of a ball joint alone as plain data for JSON."""
+    data = ball_joint_data(scene.ball_joint)
+    return answer("check", scene.title, passes=passes(scene), ball_joint=data)
 
 
 def _verdict(ranks: NDArray[np.int_]) -> dict[str, Any]:
@@ -165,12 +187,11 @@ def _practice(unit: str) -> dict[str, Any]:
     return {"oneOf": [entry, {"type": "null"}]}
 
 
-CHECK_SCHEMA = answer_schema(
+CHECK_SCHEMA = answers_with(
     "check",
     "what cardan check prints with --json",
     {
         **_JUDGED,
-        "passes": {"type": "boolean"},
         "preset": {"type": ["string", "null"]},
         "catalogue": record(
             {
@@ -183,6 +204,8 @@ CHECK_SCHEMA = answer_schema(
         ),
         "advice": {"type": "array", "items": {"type": "string"}},
     },
+    {"ball_joint": BALL_JOINT_SCHEMA},
+    needed={"passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"}},
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from cardan.figures.answers import ANGLE, answer, answer_schema, one_of, record
+from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
+from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
 from cardan.figures.summary import Row, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.scene import Scene
 
@@ -34,7 +36,17 @@ def run_data(
     data["rows"] = summary_data(rows, radians=radians)
     if study and scene.study:
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
+    if scene.ball_joint:
+        data["ball_joint"] = ball_joint_data(scene.ball_joint, radians=radians)
     return {**data, "files": list(files)}
+
+
+def ball_joint_run_data(
+    scene: BallJointScene, files: Iterable[Mapping[str, Any]], *, radians: bool = False
+) -> dict[str, Any]:
+    """Return what ``cardan run`` found of a ball joint alone, as plain data for JSON."""
+    joint = ball_joint_data(scene.ball_joint, radians=radians)
+    return answer("run", scene.title, ball_joint=joint, files=list(files))
 
 
 _NUMBER = {"type": ["number", "null"], "description": "null if it is not finite"}
@@ -50,7 +62,7 @@ _AT = {
 }
 _END = one_of({"at": _AT}, _VALUE)
 
-RUN_SCHEMA: Mapping[str, Any] = answer_schema(
+RUN_SCHEMA: Mapping[str, Any] = answers_with(
     "run",
     "what cardan run prints with --json",
     {
@@ -92,6 +104,9 @@ RUN_SCHEMA: Mapping[str, Any] = answer_schema(
                 },
             ),
         },
+    },
+    {"ball_joint": BALL_JOINT_SCHEMA},
+    needed={
         "files": {
             "type": "array",
             "items": record(
@@ -99,7 +114,7 @@ RUN_SCHEMA: Mapping[str, Any] = answer_schema(
             ),
         },
     },
-    {
+    optional={
         "study": record(
             {
                 "drivelines": _COUNT,
