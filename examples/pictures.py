@@ -1,4 +1,4 @@
-"""Draw every kind of picture that ``cardan.plots`` knows, each 80 mm wide, as SVG.
+"""Draw every kind of picture that ``cardan.plots`` knows as SVG, most of them 80 mm wide.
 
 Give it a folder to write to, by default ``pictures``; those of the documentation are made by
 ``python examples/pictures.py docs/pictures``.
@@ -99,3 +99,15 @@ scene = cardan.Scene.parse("""
 study = scene.run().study
 assert study is not None
 save("equivalent_bend", plots.plot_study(study))
+
+# The pressure on the seat of a ball joint with clearance.
+ball = cardan.scene.BallJointScene.parse("""
+    title = "Ball joint under 20 kN"
+    [ball_joint]
+    load_N = 20000
+    radius_mm = 16
+    half_angle_deg = 60
+    clearance_mm = 0.01
+    seat = {allowable_pressure_MPa = 60, layer_mm = 1, modulus_MPa = 2500, poisson = 0.4}
+""")
+save("ball_joint", plots.plot_ball_joint(ball.ball_joint, ball.title))

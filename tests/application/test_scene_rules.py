@@ -38,6 +38,8 @@ FALLING = r"; it must have a maximum that is not below the limit$"
 
 
 def _only_the_reader(value: object, message: str) -> bool:
+    if isinstance(value, dict) and re.search(NOT_PRINTABLE, message):
+        return any(_only_the_reader(entry, message) for entry in value.values())
     if isinstance(value, str):
         return not value.isprintable() and bool(re.search(NOT_PRINTABLE, message))
     return bool(re.search(f"{ONE_STEP}|{FALLING}", message))
