@@ -66,6 +66,10 @@ for ax in axes:
     ax.label_outer()
 save("small_angle", figure)
 
+# The speed of his drive, with a pulley of 1, 3 and 10 times the flywheel's inertia.
+rig = cardan.Driveline.from_bends([8.5], degrees=True)
+save("drive_speed", plots.plot_drive_speed(rig, [[0.02, 0.02], [0.06, 0.02], [0.2, 0.02]]))
+
 # Motion of single joints to compare, and their harmonics.
 joints = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
 figure, axes = panels(3)

@@ -21,6 +21,7 @@ from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
 from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
 from cardan.finding import Finding
+from cardan.free_running import FreeRunning
 from cardan.identification import (
     Identification,
     TwoJoints,
@@ -49,6 +50,7 @@ __all__ = [
     "Driveline",
     "EquivalentJoint",
     "Finding",
+    "FreeRunning",
     "Harmonics",
     "Identification",
     "Limit",

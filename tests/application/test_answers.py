@@ -94,6 +94,8 @@ KEYS = {
         *("inertia_excitation_driving", "inertia_excitation_coasting"),
         *("value_deg", "limit_deg", "maximum_deg", "margin_deg"),
         *("value_rad_s2", "limit_rad_s2", "maximum_rad_s2", "margin_rad_s2"),
+        *("drive_speed", "variation", "shaft", "shaft_variation", "share", "share_limit"),
+        *("inertia_kgm2", "needed_inertia_kgm2"),
         *("source", "worst_at", "key", "value", "within_up_to_rpm", "tolerable_up_to_rpm"),
     },
     "identify": {

@@ -36,6 +36,7 @@ from cardan.command.terminal import (
 )
 from cardan.errors import ArgumentValueError
 from cardan.figures.advice import scene_advice
+from cardan.figures.drive_speed import drive_speed
 from cardan.figures.extremes import StudyTable
 from cardan.figures.identification import identification_data
 from cardan.figures.limits import check_data, check_scene, passes
@@ -53,6 +54,7 @@ from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
 from cardan.words.advice import remedies
 from cardan.words.ball_joint import ball_joint_text
+from cardan.words.drive_speed import drive_speed_text
 from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
 from cardan.words.study import study_text
@@ -289,6 +291,9 @@ def commands() -> click.Group:
             if as_json
             else check_text(found, sentences)
         )
+        speed = None if as_json else drive_speed(loaded)
+        if speed:
+            say(f"\n{drive_speed_text(speed)}")
         if loaded.ball_joint and not as_json:
             say(f"\n{ball_joint_text(loaded.ball_joint)}")
         return 0 if np.all(found.passes) and passes(loaded) else 1

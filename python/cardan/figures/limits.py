@@ -18,6 +18,7 @@ from cardan.figures.ball_joint import (
     ball_joint_data,
     ball_joint_figures,
 )
+from cardan.figures.drive_speed import drive_speed_data
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
 from cardan.files.progress import Progress
@@ -90,7 +91,7 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         advice: what would bring it within the limits, a sentence each.
     """
     by_figure = {finding.figure: finding for finding in found.findings}
-    more: dict[str, Any] = {}
+    more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {

@@ -21,6 +21,7 @@ from cardan.plots.catalogue import (
     plot_non_uniformity,
 )
 from cardan.plots.curves import plot_curves
+from cardan.plots.drive_speed import plot_drive_speed
 from cardan.plots.driveline import plot_driveline, yoke_pins
 from cardan.plots.grossmann import plot_bending_moments, plot_torque_ratio
 from cardan.plots.harmonics import plot_harmonics
@@ -39,6 +40,7 @@ __all__ = [
     "plot_bend_vectors",
     "plot_bending_moments",
     "plot_curves",
+    "plot_drive_speed",
     "plot_driveline",
     "plot_driven_angle",
     "plot_harmonics",
