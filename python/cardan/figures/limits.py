@@ -207,6 +207,7 @@ CHECK_SCHEMA = answers_with(
     },
     {"ball_joint": BALL_JOINT_SCHEMA},
     needed={"passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"}},
+    optional={"drive_speed": DRIVE_SPEED_SCHEMA},
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.
 
