@@ -18,7 +18,7 @@ from cardan.figures.ball_joint import (
     ball_joint_data,
     ball_joint_figures,
 )
-from cardan.figures.drive_speed import drive_speed_data
+from cardan.figures.drive_speed import DRIVE_SPEED_SCHEMA, drive_speed_data
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
 from cardan.files.progress import Progress
