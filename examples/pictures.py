@@ -104,6 +104,20 @@ study = scene.run().study
 assert study is not None
 save("equivalent_bend", plots.plot_study(study))
 
+# The length of a shaft between a gearbox and an axle that rises and falls.
+scene = cardan.Scene.parse("""
+    [driveline]
+    points_mm = [[0, 0, 0], [300, 0, 0], [1500, -110, 40], [1800, -110, 40]]
+    [study]
+    points_mm.2-3.y = {from = -180, to = 60, steps = 49}
+    [output]
+    shafts = [1]
+    closed_forms = ["length"]
+""")
+study = scene.run().study
+assert study is not None
+save("length", plots.plot_study(study, "length_1"))
+
 # The pressure on the seat of a ball joint with clearance.
 ball = cardan.scene.BallJointScene.parse("""
     title = "Ball joint under 20 kN"

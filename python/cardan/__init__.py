@@ -33,6 +33,7 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
+from cardan.slip import Lengths, SplineForce
 from cardan.sweep import Sweep
 
 if _TYPE_CHECKING:
@@ -53,6 +54,7 @@ __all__ = [
     "FreeRunning",
     "Harmonics",
     "Identification",
+    "Lengths",
     "Limit",
     "Limits",
     "Load",
@@ -61,6 +63,7 @@ __all__ = [
     "Plan",
     "Result",
     "Scene",
+    "SplineForce",
     "Sweep",
     "Transmission",
     "TwoJoints",

@@ -72,9 +72,16 @@ BALL_JOINT = {
     *("parts", "part", "name", "allowable_pressure_MPa", "margin_MPa", "approach_um"),
     *("smallest_radius_mm", "allowable_load_N", "turning_friction_Nm", "swivelling_friction_Nm"),
 }
+SLIP = {
+    *("slip", "shaft", "verdict", "drivelines", "length_mm", "shortest", "longest", "at"),
+    *("travel", "engaged", "push_in", "value_mm", "limit_mm", "torque", "value_Nm"),
+    *("axial_force_N", "supports", "side", "axial_N", "transverse_N"),
+    *("other_shafts", "travel_mm", "key", "value"),
+}
 KEYS = {
     "run": {
         *BALL_JOINT,
+        *SLIP,
         *("answer", "version", "title", "drive_angles", "rows", "study", "files"),
         *("source", "samples", "missing_samples", "turns", "samples_per_turn"),
         *("first_deg", "first_rad", "last_deg", "last_rad"),
@@ -87,6 +94,7 @@ KEYS = {
     },
     "check": {
         *BALL_JOINT,
+        *SLIP,
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),
         *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),

@@ -99,6 +99,10 @@ ACROSS_KEYS = (
     # Points, directions and slopes that make no driveline.
     r"\[driveline\] (points_m|points_mm|directions|slopes_|projected_)\w*( and \w+)? "
     r"?(give|are|\[)",
+    # A spline, a ball joint.
+    r"\[slip\] shaft (has no length; \[slip\] needs points|is \d+; there are \d+, counted)",
+    r"closed_forms 'length' needs points_mm or points_m$",
+    r"\[ball_joint\] (radius_mm is missing|clearance_mm needs the compliance)",
     # What a file holds.
     r"\[angles\] ",
 )

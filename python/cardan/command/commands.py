@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -42,6 +42,7 @@ from cardan.figures.identification import identification_data
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.run import run_data
 from cardan.figures.schema import answers_schema
+from cardan.figures.slip import slip_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
@@ -57,6 +58,7 @@ from cardan.words.ball_joint import ball_joint_text
 from cardan.words.drive_speed import drive_speed_text
 from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
+from cardan.words.slip import slip_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
@@ -65,6 +67,16 @@ if TYPE_CHECKING:
     import click
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def _besides(scene: Scene) -> Iterator[str]:
+    """What a check says beside the limits of the driveline."""
+    if speed := drive_speed(scene):
+        yield drive_speed_text(speed)
+    if slip := slip_figures(scene):
+        yield slip_text(slip)
+    if scene.ball_joint:
+        yield ball_joint_text(scene.ball_joint)
 
 
 def commands() -> click.Group:
@@ -200,6 +212,8 @@ def commands() -> click.Group:
         say_before_files(summary_text(rows, angles, radians=radians))
         if whole.missing:
             say_before_files(f"\n{missing_of(whole)}")
+        if slip := slip_figures(whole):
+            say_before_files(f"\n{slip_text(slip)}")
         if whole.ball_joint:
             say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
         if result.study:
@@ -291,11 +305,8 @@ def commands() -> click.Group:
             if as_json
             else check_text(found, sentences)
         )
-        speed = None if as_json else drive_speed(loaded)
-        if speed:
-            say(f"\n{drive_speed_text(speed)}")
-        if loaded.ball_joint and not as_json:
-            say(f"\n{ball_joint_text(loaded.ball_joint)}")
+        for words in () if as_json else _besides(loaded):
+            say(f"\n{words}")
         return 0 if np.all(found.passes) and passes(loaded) else 1
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")

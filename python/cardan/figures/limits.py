@@ -21,6 +21,7 @@ from cardan.figures.ball_joint import (
 from cardan.figures.drive_speed import DRIVE_SPEED_SCHEMA, drive_speed_data
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
+from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -92,6 +93,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
     """
     by_figure = {finding.figure: finding for finding in found.findings}
     more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
+    if slip := slip_figures(scene):
+        more["slip"] = slip_data(slip)
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
@@ -115,8 +118,9 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
 
 def passes(scene: Scene | BallJointScene) -> bool:
     """Whether what a scene has besides its driveline is within what the scene allows."""
+    slip = slip_figures(scene) if isinstance(scene, Scene) else None
     case = scene.ball_joint
-    return case is None or ball_joint_figures(case).passes
+    return (slip is None or slip.passes) and (case is None or ball_joint_figures(case).passes)
 
 
 def ball_joint_check_data(scene: BallJointScene) -> dict[str, Any]:
@@ -207,7 +211,7 @@ CHECK_SCHEMA = answers_with(
     },
     {"ball_joint": BALL_JOINT_SCHEMA},
     needed={"passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"}},
-    optional={"drive_speed": DRIVE_SPEED_SCHEMA},
+    optional={"drive_speed": DRIVE_SPEED_SCHEMA, "slip": SLIP_SCHEMA},
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.
 

@@ -8,6 +8,7 @@ from typing import Any
 from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
 from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
+from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.summary import Row, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -36,6 +37,8 @@ def run_data(
     data["rows"] = summary_data(rows, radians=radians)
     if study and scene.study:
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
+    if slip := slip_figures(scene):
+        data["slip"] = slip_data(slip)
     if scene.ball_joint:
         data["ball_joint"] = ball_joint_data(scene.ball_joint, radians=radians)
     return {**data, "files": list(files)}
@@ -115,6 +118,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
         },
     },
     optional={
+        "slip": SLIP_SCHEMA,
         "study": record(
             {
                 "drivelines": _COUNT,
@@ -146,7 +150,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
                     ),
                 },
             }
-        )
+        ),
     },
 )
 """JSON Schema of ``run_data``."""

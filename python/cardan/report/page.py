@@ -15,6 +15,7 @@ import numpy as np
 from cardan import __version__
 from cardan.arrays import FloatArray
 from cardan.figures.limits import check_scene
+from cardan.figures.slip import slip_figures
 from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
@@ -24,6 +25,7 @@ from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
 from cardan.report.limits import limits_table
 from cardan.report.samples import Panel, Samples, evaluated
+from cardan.report.slip import slip
 from cardan.report.study import study
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
@@ -45,7 +47,8 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
-    parts = {"study": result.study, "ball_joint": joint}
+    spline = slip_figures(scene)
+    parts = {"study": result.study, "slip": spline, "ball_joint": joint}
     return template.render(
         answer(scene, samples, found, yokes),
         version=__version__,
@@ -66,6 +69,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
         ball_joint=joint,
+        slip=slip(spline) if spline else None,
         absent=[key for key, part in parts.items() if not part],
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),

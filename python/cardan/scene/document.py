@@ -80,6 +80,10 @@ class Document:
                 if not set(keys) & set(values):
                     others = "".join(f"; or give {key}" for key in keys[1:])
                     raise ArgumentValueError(keys[0], f"is missing{others}")
+        for key, other in section.with_key:
+            with self.within(name):
+                if key in values and other not in values:
+                    raise ArgumentValueError(key, f"needs {other}, which is missing")
         with self.within(name):
             if len(values) < section.fewest:
                 raise ValueError("is empty; give at least one key")

@@ -17,6 +17,7 @@ from cardan.scene.axis_rules import Values
 from cardan.scene.ball_joint import BALL_JOINT
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
+from cardan.scene.slip import SLIP
 from cardan.scene.units import RPM
 
 
@@ -214,6 +215,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
             fewest=1,
         ),
+        "slip": SLIP,
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",
@@ -346,6 +348,8 @@ def _section_schema(section: Section) -> dict[str, Any]:
     rules += [{"anyOf": [{"required": [key]} for key in keys]} for keys in section.needed]
     if rules:
         described["allOf"] = rules
+    if section.with_key:
+        described["dependentRequired"] = {key: [part] for key, part in section.with_key}
     return described
 
 

@@ -29,6 +29,8 @@ from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
 from cardan.scene.parts import check_load, form_of, make_driveline, make_load, teeth_of
+from cardan.scene.reductions import LENGTH
+from cardan.scene.slip import Slip, slip_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -63,6 +65,7 @@ class Scene:
         picture_file: name of the file for the picture, if any.
         points: ends and joint centres as the scene gives them, ``(n + 2, 3)``, if it does.
         ball_joint: its ball joint, if any.
+        slip: the spline of a shaft that changes its length, if the scene gives one.
     """
 
     name: str
@@ -84,6 +87,7 @@ class Scene:
     picture_file: str | None
     points: FloatArray | None = None
     ball_joint: BallJointCase | None = None
+    slip: Slip | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -220,12 +224,16 @@ class Scene:
             if angle.bends is not None and "closed_forms" in output:
                 raise ArgumentValueError("closed_forms", "do not go with recorded bends")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
+            if LENGTH in output.get("closed_forms", ()) and "points" not in form.keys[0]:
+                raise ArgumentValueError("closed_forms", "'length' needs points_mm or points_m")
             if "table" in output and output["table"] == output.get("curves"):
                 raise ArgumentValueError(
                     "table", f"is {output['table']!r}; that is the file of the curves"
                 )
             if "table" in output and not wanted:
                 raise ArgumentValueError("table", "needs a section [study], reduce or closed_forms")
+        with document.within("slip"):
+            slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
         with document.within("ball_joint"):
             ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
         study = None
@@ -276,6 +284,7 @@ class Scene:
                 None,
             ),
             ball_joint=ball_joint,
+            slip=slip,
         )
 
     @property

@@ -38,6 +38,7 @@ class Section:
         together: keys of which at most one may be given.
         needed: keys that must be given, one of each group.
         fewest: how many keys there must be.
+        with_key: pairs of a key and another that must be given with it.
     """
 
     meaning: str
@@ -45,3 +46,4 @@ class Section:
     together: tuple[tuple[str, str], ...] = ()
     needed: tuple[tuple[str, ...], ...] = ()
     fewest: int = 0
+    with_key: tuple[tuple[str, str], ...] = ()
