@@ -87,6 +87,7 @@ KEYS = {
         *("first_deg", "first_rad", "last_deg", "last_rad"),
         *("quantity", "shaft", "joint", "component", "statistic", "of"),
         *("value", "value_deg", "value_rad", "value_rpm", "value_rad_s2", "value_Nm"),
+        *("value_m", "value_mm"),
         *("at_drive_angle_deg", "at_drive_angle_rad"),
         *("drivelines", "axes", "figures", "column", "least", "largest", "at"),
         *("key", "values", "min", "max"),

@@ -101,6 +101,26 @@ def test_the_torque_at_the_drive_is_zero() -> None:
     assert np.abs(torque[0]).max() < 1e-12 * np.abs(torque[1:]).max()
 
 
+@pytest.mark.parametrize(("bends", "own"), [([8.5], 1.0), ([8.5], 10.0), ([20.0, 14.0], 10.0)])
+def test_the_share_is_the_error_of_inertia_torques(bends: list[float], own: float) -> None:
+    """What a constant drive speed overestimates; the rule of the check rests on it."""
+    line = cardan.Driveline.from_bends(bends, degrees=True)
+    inertias = [own, *[0.05] * (len(bends) - 1), 1.0]
+    free, angles = line.free_running(inertias), np.linspace(0.0, math.pi, 2001)
+    steady = cardan.Load(speed=1.0, inertias=inertias)
+    yielding = cardan.Load(
+        speed=free.speed_ratio(angles),
+        acceleration=free.acceleration_ratio(angles),
+        inertias=inertias,
+    )
+    largest = [
+        np.abs(line.evaluate(angles, "torque", load=load).torque).max()
+        for load in (steady, yielding)
+    ]
+    share = free.variation / line.equivalent().non_uniformity
+    assert 1.0 - largest[1] / largest[0] == pytest.approx(share, rel=0.01)
+
+
 @pytest.mark.parametrize("bend", [0.5, 20.0, 60.0, 88.0])
 def test_the_ends_are_extremes(bend: float) -> None:
     line = cardan.Driveline.from_bends([bend, 0.7 * bend], 25, 10, degrees=True)
