@@ -40,7 +40,9 @@ def test_thoma_is_just_within_the_rule() -> None:
     assert found is not None
     assert (found.verdict, found.shaft) == ("fair", 1)
     assert found.share == pytest.approx(1 / 11, rel=1e-3)
-    assert "varies by 0.201 % from peak to peak, 9.09 % of the 2.21 %" in said(scene("[10, 1]"))
+    words = said(scene("[10, 1]"))
+    assert "the drive varies by 0.201 % from peak to peak" in words
+    assert "shaft 1 varies by 2.21 %, so the share is 9.09 %; the limit is 10 %" in words
     assert "not a fair assumption" in said(scene("[8, 1]"))
 
 

@@ -199,5 +199,6 @@ def test_answers_and_report(tmp_path: Path) -> None:
     write_report(Scene.load(path), tmp_path / "a.html")
     page = (tmp_path / "a.html").read_text("utf-8")
     assert '<a href="#slip">Spline</a>' in page
+    assert "The spline of shaft 1 adds an axial force of up to 2428 N while it slides." in page
     assert "The spline is within the limits that the scene gives." in page
     assert max(map(len, slip_text(figures()).splitlines())) <= 79

@@ -9,6 +9,7 @@ import numpy as np
 from cardan.check import Check
 from cardan.figures.advice import advice
 from cardan.figures.drive_speed import drive_speed
+from cardan.figures.slip import slip_figures
 from cardan.finding import counted
 from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.samples import Samples
@@ -51,6 +52,7 @@ def answer(
         "yokes": _yokes(yokes) if yokes else None,
         "remedies": _of_one_joint(scene),
         "drive_speed": _drive_speed(scene),
+        "spline": _spline(scene),
     }
 
 
@@ -114,6 +116,17 @@ def _of_one_joint(scene: Scene) -> list[str]:
         return []
     limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
     return remedies(advice(scene.line, float(limit)))
+
+
+def _spline(scene: Scene) -> str:
+    """What the axial force of a spline adds to the loads of the bearings."""
+    found = slip_figures(scene)
+    if found is None or found.force is None:
+        return ""
+    return (
+        f"The spline of shaft {found.slip.shaft} adds an axial force of up to "
+        f"{figure_text(found.force)} N while it slides."
+    )
 
 
 def _drive_speed(scene: Scene) -> dict[str, Any] | None:

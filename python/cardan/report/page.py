@@ -48,7 +48,6 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
     spline = slip_figures(scene)
-    parts = {"study": result.study, "slip": spline, "ball_joint": joint}
     return template.render(
         answer(scene, samples, found, yokes),
         version=__version__,
@@ -70,7 +69,6 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         ],
         ball_joint=joint,
         slip=slip(spline) if spline else None,
-        absent=[key for key, part in parts.items() if not part],
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )

@@ -12,7 +12,7 @@ from cardan.words.summary import figure_text
 _HEADINGS = {
     "fair": "a fair assumption",
     "not fair": "not a fair assumption",
-    "no drive inertia": "assumed",
+    "no drive inertia": "not checked",
 }
 
 
@@ -31,19 +31,21 @@ def heading_text(found: DriveSpeed) -> str:
 
 def sentences(found: DriveSpeed) -> Iterator[str]:
     """Say how far the drive varies, by whose rule that is judged and what to change."""
-    own = f"{_percent(found.shaft_variation)} of shaft {found.shaft}"
-    rule = f"the limit is {_percent(SHARE)} ({SOURCE})"
+    limit = f"the limit is {_percent(SHARE)} ({SOURCE})"
     needed = f"{_rounded_up(found.needed)} kg m²"
     if found.verdict == "no drive inertia":
         yield (
-            f"the scene gives shaft 0 no inertia; at least {needed} there (motor, pulley, "
-            f"flywheel) keeps the drive's own variation within {_percent(SHARE)} of the {own} "
+            "the scene gives shaft 0 no inertia, so its speed counts as constant; this is fair if "
+            f"shaft 0 has at least {needed} (motor, pulley, flywheel): running freely, it then "
+            f"varies by no more than {_percent(SHARE)} of what shaft {found.shaft} varies "
             f"({SOURCE})"
         )
         return
-    varies = f"running freely, the drive varies by {_percent(found.variation)} from peak to peak"
-    share = f"{_percent(found.share)} of the {own}"
-    yield f"{varies}, {share}; {rule}"
+    yield (
+        f"running freely, the drive varies by {_percent(found.variation)} from peak to peak; shaft "
+        f"{found.shaft} varies by {_percent(found.shaft_variation)}, so the share is "
+        f"{_percent(found.share)}; {limit}"
+    )
     if found.verdict == "not fair":
         yield (
             "inertia torques of a freely running drive are smaller than computed, by about that "
