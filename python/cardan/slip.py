@@ -100,6 +100,7 @@ class SplineForce:
             bearings of that shaft at its joint.
         downstream_axial: the same downstream: along the shaft behind, or the last shaft itself.
         downstream_transverse: across it.
+        bearings: the shaft of each bearing of the driveline.
     """
 
     axial: Any
@@ -109,6 +110,24 @@ class SplineForce:
     upstream_transverse: Any
     downstream_axial: Any
     downstream_transverse: Any
+    bearings: tuple[int, ...]
+    _bearing_force: FloatArray
+    _refused: str
+
+    @property
+    def bearing_force(self) -> FloatArray:
+        """Force that each bearing must give its shaft in N, ``(bearings, ..., 3)``.
+
+        The parts across the shafts that hold the sliding one, in their two bearings. Bearings of
+        other shafts give nothing, and those of the sliding shaft let it slide. Thrust is not part
+        of it. The sense is that of a shaft that becomes longer.
+
+        Raises:
+            ValueError: no bearings, or other than two on a shaft that bears a part across.
+        """
+        if self._refused:
+            raise ValueError(self._refused)
+        return self._bearing_force
 
 
 def lengths(geometry: Geometry) -> Lengths:
@@ -135,16 +154,46 @@ def spline_force(
     common_shape(driveline=geometry.shape, torque=load.shape, friction=mu.shape, radius=arm.shape)
     force = np.asarray(mu * load / arm + np.zeros(geometry.shape))
     along = geometry.directions[..., index, :]
+    upstream = force[..., np.newaxis] * along
     straight = np.zeros(geometry.shape)
     before = geometry.bends[..., index - 1] if index else straight
     behind = geometry.bends[..., index] if index < geometry.n_joints else straight
     parts = (force * part for bend in (before, behind) for part in (np.cos(bend), np.sin(bend)))
     return SplineForce(
         scalar_or_array(force),
-        force[..., np.newaxis] * along,
-        -force[..., np.newaxis] * along,
+        upstream,
+        -upstream,
         *(scalar_or_array(np.asarray(part)) for part in parts),
+        geometry.bearings,
+        *_bearing_force(geometry, index, upstream),
     )
+
+
+def _bearing_force(geometry: Geometry, shaft: int, upstream: FloatArray) -> tuple[FloatArray, str]:
+    """What bearings give the shafts beside the sliding one, and why that is not determined."""
+    found = np.zeros((len(geometry.bearings), *upstream.shape))
+    if not geometry.bearings:
+        return found, "the driveline has no bearings"
+    # The force on a shaft at its joint with the sliding one, and the position of that joint.
+    held = []
+    if shaft > 0:
+        held.append((shaft - 1, upstream, geometry.lengths[..., shaft - 1]))
+    if shaft < geometry.n_joints:
+        held.append((shaft + 1, -upstream, np.zeros(geometry.shape)))
+    for beside, force, joint in held:
+        own = [i for i, of in enumerate(geometry.bearings) if of == beside]
+        if len(own) != 2:
+            reason = (
+                f"shaft {beside} has {len(own)} bearings; with two they bear the part across it"
+            )
+            return found, reason
+        along = geometry.directions[..., beside, :]
+        across = force - np.sum(force * along, axis=-1, keepdims=True) * along
+        places = [geometry.positions[..., i] for i in own]
+        for i, at, other in ((own[0], *places), (own[1], *places[::-1])):
+            share = (other - joint) / (other - at)
+            found[i] = -share[..., np.newaxis] * across
+    return found, ""
 
 
 def _positive(name: str, value: ArrayLike) -> FloatArray:

@@ -76,7 +76,7 @@ SLIP = {
     *("slip", "shaft", "verdict", "drivelines", "length_mm", "shortest", "longest", "at"),
     *("travel", "engaged", "push_in", "value_mm", "limit_mm", "torque", "value_Nm"),
     *("axial_force_N", "supports", "side", "axial_N", "transverse_N"),
-    *("other_shafts", "travel_mm", "key", "value"),
+    *("other_shafts", "travel_mm", "key", "value", "bearings", "bearing", "force_N"),
 }
 KEYS = {
     "run": {

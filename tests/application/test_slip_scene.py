@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -95,6 +96,23 @@ def test_the_force_is_that_of_the_library_at_the_worst_of_the_study() -> None:
     assert up.axial == pytest.approx(force.upstream_axial.max(), rel=1e-9)
     assert up.transverse == pytest.approx(force.upstream_transverse.max(), rel=1e-9)
     assert down.transverse == pytest.approx(force.downstream_transverse.max(), rel=1e-9)
+
+
+def test_what_it_adds_to_bearings() -> None:
+    whole = Scene.parse(TEXT[: TEXT.index("[study]")])
+    geometry = whole.line._geometry._replace(
+        bearings=(0, 0, 2, 2), positions=np.array([100.0, 250.0, 60.0, 160.0])
+    )
+    found = slip_figures(replace(whole, line=whole.line._of(geometry)))
+    assert found is not None
+    across = found.supports[1].transverse
+    assert [load.shaft for load in found.bearings] == [0, 0, 2, 2]
+    assert found.bearings[2].force == pytest.approx(1.6 * across)
+    assert found.bearings[3].force == pytest.approx(0.6 * across)
+    words = slip_text(found)
+    assert "added to bearing 2, shaft 2" in words
+    assert "(a + b)/b" not in words
+    assert [entry["bearing"] for entry in slip_data(found)["bearings"]] == [0, 1, 2, 3]
 
 
 @pytest.mark.parametrize(

@@ -136,6 +136,52 @@ def test_parts_along_and_across_the_next_shafts() -> None:
     assert np.hypot(along, across) == pytest.approx(found.axial, rel=1e-12)
 
 
+def mounted(line: cardan.Driveline, *bearings: tuple[int, float]) -> cardan.Driveline:
+    """The driveline with bearings at positions along its shafts."""
+    shafts, places = zip(*bearings, strict=True)
+    positions = np.broadcast_to(places, (*line.shape, len(places))).copy()
+    return line._of(line._geometry._replace(bearings=shafts, positions=positions))
+
+
+def test_what_the_bearings_of_the_next_shafts_give() -> None:
+    """Forces and moments on each of these shafts balance."""
+    bare = cardan.Driveline.from_points(axle(HEIGHTS))
+    places = ((2, 0.06), (0, 0.05), (0, 0.2), (2, 0.16))
+    found = mounted(bare, *places).spline_force(1, 400.0, 0.12, 0.02)
+    assert found.bearings == (2, 0, 0, 2)
+    assert found.bearing_force.shape == (4, 41, 3)
+    for shaft, force, joint in ((0, found.upstream, 0.3), (2, found.downstream, 0.0)):
+        u = bare.directions[:, shaft]
+        across = force - np.sum(force * u, axis=-1, keepdims=True) * u
+        own = [(found.bearing_force[i], at) for i, (of, at) in enumerate(places) if of == shaft]
+        total = across + sum(given for given, _ in own)
+        turning = joint * across + sum(at * given for given, at in own)
+        assert np.abs(total).max() < 1e-9
+        assert np.abs(turning).max() < 1e-9
+    # (a + b)/b and a/b of the part across.
+    sizes = np.linalg.norm(found.bearing_force, axis=-1)
+    assert sizes[0] == pytest.approx(1.6 * found.downstream_transverse, abs=1e-9)
+    assert sizes[3] == pytest.approx(0.6 * found.downstream_transverse, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("bearings", "message"),
+    [
+        ((), "the driveline has no bearings"),
+        (((2, 0.1), (2, 0.2)), "shaft 0 has 0 bearings; with two they bear"),
+        (((0, 0.1), (0, 0.2), (2, 0.1)), "shaft 2 has 1 bearings; with two they bear"),
+    ],
+)
+def test_bearings_that_do_not_determine_it(
+    bearings: tuple[tuple[int, float], ...], message: str
+) -> None:
+    line = cardan.Driveline.from_points(axle(np.array(0.06)))
+    found = (mounted(line, *bearings) if bearings else line).spline_force(1, 1.0, 0.1, 0.02)
+    assert found.axial == pytest.approx(5.0)
+    with pytest.raises(ValueError, match=message):
+        found.bearing_force  # noqa: B018
+
+
 def test_the_end_shafts_hold_themselves() -> None:
     line = cardan.Driveline.from_points(axle(np.array(0.06)))
     first, last = (line.spline_force(shaft, -100.0, 0.1, 0.02) for shaft in (0, -1))

@@ -57,6 +57,21 @@ class Support:
 
 
 @dataclass(frozen=True)
+class BearingLoad:
+    """What the axial force adds to a bearing of the shafts that hold the sliding one.
+
+    Attributes:
+        bearing: which bearing, in the order of the scene.
+        shaft: its shaft.
+        force: largest radial force over the states in N.
+    """
+
+    bearing: int
+    shaft: int
+    force: float
+
+
+@dataclass(frozen=True)
 class Limited:
     """A figure of the spline beside its limit; mm.
 
@@ -87,6 +102,7 @@ class SlipFigures:
         torque: largest torque of the shaft in N m, ``None`` without a friction and a load.
         force: largest axial force in N.
         supports: what the force does upstream and downstream.
+        bearings: what it adds to bearings; empty where the scene does not determine it.
         others: shafts without a spline that change their length, and by how much.
     """
 
@@ -101,6 +117,7 @@ class SlipFigures:
     torque: End | None
     force: float | None
     supports: tuple[Support, ...]
+    bearings: tuple[BearingLoad, ...]
     others: tuple[tuple[int, float], ...]
 
     @property
@@ -123,7 +140,8 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
     slip = scene.slip
     if slip is None:
         return None
-    lengths, torques, bends = (np.concatenate(parts) for parts in zip(*_states(scene), strict=True))
+    blocks = zip(*_states(scene), strict=True)
+    lengths, torques, bends, radial = (np.concatenate(parts) for parts in blocks)
     lengths = slip.mm * lengths
     own = lengths[:, slip.shaft]
     length = slip.mm * float(scene.line.lengths().each[slip.shaft])
@@ -138,6 +156,7 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
         forces = slip.friction * torques / slip.radius
         force = float(np.max(forces))
         supports = _supports(slip, forces, bends)
+    shafts = scene.line.spline_force(slip.shaft, 0.0, 0.0, 1.0).bearings
     travelled = np.max(lengths, axis=0) - np.min(lengths, axis=0)
     return SlipFigures(
         slip,
@@ -156,6 +175,11 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
         force,
         supports,
         tuple(
+            BearingLoad(i, shafts[i], float(largest))
+            for i, largest in enumerate(np.max(radial, axis=0))
+            if largest > 0.0
+        ),
+        tuple(
             (shaft, float(travel))
             for shaft, travel in enumerate(travelled)
             if shaft != slip.shaft and travel > _FIXED_MM
@@ -163,8 +187,8 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
     )
 
 
-def _states(scene: Scene) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
-    """Lengths, largest torque of the shaft and bends, a row per driveline of each block."""
+def _states(scene: Scene) -> Iterator[tuple[FloatArray, FloatArray, FloatArray, FloatArray]]:
+    """Lengths, torque of the shaft, bends and forces of bearings, a row per driveline."""
     slip = scene.slip
     assert slip is not None
     if scene.study is None or not scene.study.axes:
@@ -172,13 +196,28 @@ def _states(scene: Scene) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]
         torque = np.nan
         if _is_loaded(slip, load):
             torque = peak(line, "torque", slip.shaft, load).value
-        yield line.lengths().each[None], np.array([torque]), line.bends[None]
+        torques = np.array([torque])
+        radial = _radial(slip, line, torques)
+        yield line.lengths().each[None], torques, line.bends[None], radial
         return
     for _, lines, load in scene.study.blocks():
         torques = np.full(lines.shape[0], np.nan)
         if _is_loaded(slip, load):
             torques = _peaks(lines, load, slip.shaft, scene.study)
-        yield lines.lengths().each[:, 0], torques, lines.bends[:, 0]
+        radial = _radial(slip, lines[:, 0], torques)
+        yield lines.lengths().each[:, 0], torques, lines.bends[:, 0], radial
+
+
+def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
+    """What the axial force adds to each bearing, ``(rows, bearings)``; none where that is open."""
+    if slip.friction is None or slip.radius is None or not np.isfinite(torques).all():
+        return np.zeros((len(torques), 0))
+    found = lines.spline_force(slip.shaft, torques, slip.friction, slip.radius)
+    try:
+        forces = found.bearing_force
+    except ValueError:
+        return np.zeros((len(torques), 0))
+    return np.linalg.norm(forces, axis=-1).T
 
 
 def _is_loaded(slip: Slip, load: Load | None) -> bool:
@@ -272,6 +311,10 @@ def slip_data(found: SlipFigures) -> dict[str, Any]:
         }
         for support in found.supports
     ]
+    data["bearings"] = [
+        {"bearing": load.bearing, "shaft": load.shaft, "force_N": finite_or_none(load.force)}
+        for load in found.bearings
+    ]
     data["other_shafts"] = [
         {"shaft": shaft, "travel_mm": finite_or_none(travel)} for shaft, travel in found.others
     ]
@@ -317,6 +360,11 @@ SLIP_SCHEMA: Mapping[str, Any] = record(
                     "transverse_N": _NUMBER,
                 }
             ),
+        },
+        "bearings": {
+            "type": "array",
+            "description": "what the axial force adds across the shafts that hold the sliding one",
+            "items": record({"bearing": _COUNT, "shaft": _COUNT, "force_N": _NUMBER}),
         },
         "other_shafts": {
             "type": "array",

@@ -43,6 +43,10 @@ def slip_lines(found: SlipFigures) -> list[tuple[str, str]]:
         )
         for support in found.supports
     ]
+    lines += [
+        (f"added to bearing {load.bearing}, shaft {load.shaft}", f"{figure_text(load.force)} N")
+        for load in found.bearings
+    ]
     return lines
 
 
@@ -60,9 +64,13 @@ def slip_sentences(found: SlipFigures) -> Iterator[str]:
         yield (
             "The axial force acts while the spline slides under torque: it pulls when the shaft "
             "becomes longer and pushes when it becomes shorter. The part along shafts "
-            f"{first} and {last} loads their thrust bearings. The part across acts at the joint: "
-            "with the distance a from the joint to the nearer bearing and b between the bearings, "
-            "it adds (a + b)/b of itself to the nearer bearing and a/b to the other."
+            f"{first} and {last} loads their thrust bearings."
+        )
+    if found.supports and not found.bearings:
+        yield (
+            "The part across acts at the joint: with the distance a from the joint to the nearer "
+            "bearing and b between the bearings, it adds (a + b)/b of itself to the nearer bearing "
+            "and a/b to the other."
         )
 
 
