@@ -183,14 +183,12 @@ def _bearing_force(geometry: Geometry, shaft: int, upstream: FloatArray) -> tupl
     for beside, force, joint in held:
         own = [i for i, of in enumerate(geometry.bearings) if of == beside]
         if len(own) != 2:
-            reason = (
-                f"shaft {beside} has {len(own)} bearings; with two they bear the part across it"
-            )
-            return found, reason
+            with_two = "with two they bear the part across it"
+            return found, f"shaft {beside} has {len(own)} bearings; {with_two}"
         along = geometry.directions[..., beside, :]
         across = force - np.sum(force * along, axis=-1, keepdims=True) * along
-        places = [geometry.positions[..., i] for i in own]
-        for i, at, other in ((own[0], *places), (own[1], *places[::-1])):
+        for i, j in (own, own[::-1]):
+            at, other = geometry.positions[..., i], geometry.positions[..., j]
             share = (other - joint) / (other - at)
             found[i] = -share[..., np.newaxis] * across
     return found, ""

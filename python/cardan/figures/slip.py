@@ -217,7 +217,7 @@ def _radial(slip: Slip, lines: Driveline, torques: FloatArray) -> FloatArray:
         forces = found.bearing_force
     except ValueError:
         return np.zeros((len(torques), 0))
-    return np.linalg.norm(forces, axis=-1).T
+    return np.asarray(np.linalg.norm(forces, axis=-1).T)
 
 
 def _is_loaded(slip: Slip, load: Load | None) -> bool:
