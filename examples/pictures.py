@@ -1,4 +1,4 @@
-"""Draw every kind of picture that ``cardan.plots`` knows, each 80 mm wide, as SVG.
+"""Draw every kind of picture that ``cardan.plots`` knows as SVG, most of them 80 mm wide.
 
 Give it a folder to write to, by default ``pictures``; those of the documentation are made by
 ``python examples/pictures.py docs/pictures``.
@@ -66,6 +66,10 @@ for ax in axes:
     ax.label_outer()
 save("small_angle", figure)
 
+# The speed of his drive, with a pulley of 1, 3 and 10 times the flywheel's inertia.
+rig = cardan.Driveline.from_bends([8.5], degrees=True)
+save("drive_speed", plots.plot_drive_speed(rig, [[0.02, 0.02], [0.06, 0.02], [0.2, 0.02]]))
+
 # Motion of single joints to compare, and their harmonics.
 joints = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
 figure, axes = panels(3)
@@ -99,3 +103,29 @@ scene = cardan.Scene.parse("""
 study = scene.run().study
 assert study is not None
 save("equivalent_bend", plots.plot_study(study))
+
+# The length of a shaft between a gearbox and an axle that rises and falls.
+scene = cardan.Scene.parse("""
+    [driveline]
+    points_mm = [[0, 0, 0], [300, 0, 0], [1500, -110, 40], [1800, -110, 40]]
+    [study]
+    points_mm.2-3.y = {from = -180, to = 60, steps = 49}
+    [output]
+    shafts = [1]
+    closed_forms = ["length"]
+""")
+study = scene.run().study
+assert study is not None
+save("length", plots.plot_study(study, "length_1"))
+
+# The pressure on the seat of a ball joint with clearance.
+ball = cardan.scene.BallJointScene.parse("""
+    title = "Ball joint under 20 kN"
+    [ball_joint]
+    load_N = 20000
+    radius_mm = 16
+    half_angle_deg = 60
+    clearance_mm = 0.01
+    seat = {allowable_pressure_MPa = 60, layer_mm = 1, modulus_MPa = 2500, poisson = 0.4}
+""")
+save("ball_joint", plots.plot_ball_joint(ball.ball_joint, ball.title))

@@ -21,6 +21,7 @@ from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
 from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
 from cardan.finding import Finding
+from cardan.free_running import FreeRunning
 from cardan.identification import (
     Identification,
     TwoJoints,
@@ -32,6 +33,7 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
+from cardan.slip import Lengths, SplineForce
 from cardan.sweep import Sweep
 
 if _TYPE_CHECKING:
@@ -49,8 +51,10 @@ __all__ = [
     "Driveline",
     "EquivalentJoint",
     "Finding",
+    "FreeRunning",
     "Harmonics",
     "Identification",
+    "Lengths",
     "Limit",
     "Limits",
     "Load",
@@ -59,6 +63,7 @@ __all__ = [
     "Plan",
     "Result",
     "Scene",
+    "SplineForce",
     "Sweep",
     "Transmission",
     "TwoJoints",

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, approximations, geometry, threads
 from cardan.arrays import FloatArray, deferring
-from cardan.batch import Batch
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
 from cardan.equivalent import (
@@ -20,6 +19,7 @@ from cardan.equivalent import (
     equivalent,
     harmonics,
 )
+from cardan.installed import Installed
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
@@ -29,7 +29,7 @@ from cardan.result import Result
 from cardan.sweep import Sweep
 
 
-class Driveline(Batch):
+class Driveline(Installed):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or

@@ -37,12 +37,13 @@ from cardan.plots import plot_scene, space, write_picture
 from cardan.plots.key_figures import key_figures
 from cardan.plots.space import View
 from cardan.plots.turns import Turns
-from cardan.scene import Scene, SceneResult
+from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
 
 DOCS = Path(__file__).parents[2] / "docs"
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 
 TALL = """\
 title = "A title longer than a column is wide, which costs $_{5$ and breaks into three lines"
@@ -268,7 +269,7 @@ def test_acceleration_is_a_ratio_without_a_speed() -> None:
     )
 
 
-@pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in EXAMPLES), TALL])
+@pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in DRIVELINES), TALL])
 def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     figure = drawn(Scene.parse(text, folder=EXAMPLES[0].parent).run())
     figure.set_dpi(200)

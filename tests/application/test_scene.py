@@ -255,8 +255,8 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         '"a\\nb" = 1',
         None,
-        r"unknown key 'a\nb'; known are title, driveline, load, sweep, angles, limits, study, "
-        "output",
+        r"unknown key 'a\nb'; known are title, driveline, load, sweep, angles, limits, "
+        "ball_joint, study, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",

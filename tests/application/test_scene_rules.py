@@ -38,6 +38,8 @@ FALLING = r"; it must have a maximum that is not below the limit$"
 
 
 def _only_the_reader(value: object, message: str) -> bool:
+    if isinstance(value, dict) and re.search(NOT_PRINTABLE, message):
+        return any(_only_the_reader(entry, message) for entry in value.values())
     if isinstance(value, str):
         return not value.isprintable() and bool(re.search(NOT_PRINTABLE, message))
     return bool(re.search(f"{ONE_STEP}|{FALLING}", message))
@@ -97,6 +99,10 @@ ACROSS_KEYS = (
     # Points, directions and slopes that make no driveline.
     r"\[driveline\] (points_m|points_mm|directions|slopes_|projected_)\w*( and \w+)? "
     r"?(give|are|\[)",
+    # A spline, a ball joint.
+    r"\[slip\] shaft (has no length; \[slip\] needs points|is \d+; there are \d+, counted)",
+    r"closed_forms 'length' needs points_mm or points_m$",
+    r"\[ball_joint\] (radius_mm is missing|clearance_mm needs the compliance)",
     # What a file holds.
     r"\[angles\] ",
 )

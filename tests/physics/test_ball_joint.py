@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from cardan import ball_joint
-from cardan.ball_joint import BallJoint
+from cardan.ball_joint import BallJoint, layer_compliance, layers
 from limits import TABLE
 from oracle import EPS, Doubles, Exact, Number, mp, radians, read
 
@@ -93,6 +93,36 @@ def test_marcus_11_radius(row: dict[str, str]) -> None:
     sized = BallJoint.sized_for(float(row["D"]), float(row["K"]))
     assert sized.radius == pytest.approx(float(row["r"]), rel=2 * EPS)
     assert sized.peak_pressure(float(row["D"])) == pytest.approx(float(row["K"]), rel=4 * EPS)
+
+
+@pytest.mark.parametrize("half_angle", [0.3, 1.0, RIGHT])
+@pytest.mark.parametrize("clearance", [0.0, 1e-6, 2e-5, 1e-3])
+def test_a_joint_that_is_sized_with_clearance_reaches_the_allowable_pressure(
+    half_angle: float, clearance: float
+) -> None:
+    """The size comes from the approach in closed form, the pressure from the load by iteration."""
+    joint = BallJoint.sized_for(
+        LOAD, 60e6, half_angle, clearance=clearance, compliance=ALPHA_1 + ALPHA_2
+    )
+    assert joint.peak_pressure(LOAD) == pytest.approx(60e6, rel=1e-13)
+    assert joint.allowable_load(60e6) == pytest.approx(LOAD, rel=1e-13)
+    assert joint.clearance == clearance
+    if clearance == 0.0:
+        assert joint.radius == pytest.approx(
+            BallJoint.sized_for(LOAD, 60e6, half_angle).radius, rel=1e-14
+        )
+        fit = BallJoint(joint.radius, half_angle)
+        assert fit.allowable_load([60e6, 120e6]) == pytest.approx([LOAD, 2 * LOAD], rel=1e-13)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.45])
+def test_a_layer_yields_as_hookes_law_without_lateral_strain(poisson: float) -> None:
+    """Three strains from three stresses; the lateral strains of a bonded layer are zero."""
+    modulus, thickness = 2.1e9, 0.8e-3
+    strain_of = (np.eye(3) * (1.0 + poisson) - poisson * np.ones((3, 3))) / modulus
+    pressure = np.linalg.solve(strain_of, [0.0, 0.0, 1.0])[2]
+    found = layer_compliance(thickness, modulus, poisson)
+    assert found == pytest.approx(thickness / pressure, rel=1e-13)
 
 
 # --- data ------------------------------------------------------------------------------------
@@ -567,6 +597,7 @@ def test_joints_never_change() -> None:
 
 def test_the_examples_in_the_documentation() -> None:
     assert doctest.testmod(ball_joint) == (0, 4)
+    assert doctest.testmod(layers) == (0, 1)
 
 
 # --- refusals --------------------------------------------------------------------------------
@@ -662,6 +693,21 @@ REFUSALS: list[tuple[Callable[[], Any], str]] = [
     (
         lambda: BallJoint.sized_for([1.0] * 2, [1.0] * 3),
         "shapes do not broadcast: load (2,), allowable_pressure (3,), half_angle ()",
+    ),
+    (
+        lambda: BallJoint.sized_for(1.0, 1.0, clearance=1e-5),
+        "clearance is given without a compliance; it needs one",
+    ),
+    (
+        lambda: BallJoint.sized_for([1.0] * 2, 1.0, clearance=[0.0] * 3, compliance=1.0),
+        "shapes do not broadcast: load (2,), allowable_pressure (), half_angle (), clearance (3,)",
+    ),
+    (lambda: JOINT.allowable_load(-1.0), f"allowable_pressure is -1.0; it {POSITIVE}"),
+    (lambda: layer_compliance(0.0, 1.0), f"thickness is 0.0; it {POSITIVE}"),
+    (lambda: layer_compliance(1.0, [1.0, -1.0]), f"modulus[1] is -1.0; it {POSITIVE}"),
+    (
+        lambda: layer_compliance(1.0, 1.0, 0.5),
+        "poisson is 0.5; Poisson's ratio must lie in [0, 0.5)",
     ),
 ]
 

@@ -15,8 +15,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
-from cardan.ball_joint.contact import Contact, elliptic, fitting, loose
+from cardan.ball_joint.contact import Contact, elliptic, fitting, loose, pressed
+from cardan.ball_joint.layers import layer_compliance
 from cardan.errors import ArgumentValueError, wrong_element
+
+__all__ = ["BallJoint", "layer_compliance"]
 
 
 @dataclass(frozen=True, eq=False, init=False)
@@ -100,26 +103,43 @@ class BallJoint:
         load: ArrayLike,
         allowable_pressure: ArrayLike,
         half_angle: ArrayLike = math.pi / 2,
+        *,
+        clearance: ArrayLike = 0.0,
+        compliance: ArrayLike | None = None,
     ) -> Self:
-        """Return the smallest joint without clearance that carries a load, by Marcus's (11).
+        """Return the smallest joint that carries a load, by Marcus's (11).
+
+        With clearance the approach at the allowable pressure determines the contact angle, and the
+        radius follows from it in closed form.
 
         Args:
             load: in N.
             allowable_pressure: what the peak pressure may reach, in Pa; Marcus's ``K``.
             half_angle: angle from the middle of the seat to its edge in rad, in (0, pi/2].
+            clearance: radius of the seat less that of the ball, in m, as of ``with_clearance``.
+            compliance: approach per peak pressure in m³/N; a joint with clearance needs it.
 
         Raises:
             TypeError: values that are not real numbers.
-            ValueError: a load or pressure that is not positive and finite, a half-angle out of its
-                range, shapes that do not broadcast.
+            ValueError: a load or pressure that is not positive and finite, a half-angle or
+                clearance out of its range, a clearance without a compliance, shapes that do not
+                broadcast.
         """
         force = _positive("load", load)
         pressure = _positive("allowable_pressure", allowable_pressure)
         seat = cls(1.0, half_angle)
-        common_shape(
-            load=force.shape, allowable_pressure=pressure.shape, half_angle=seat.half_angle.shape
-        )
-        return cls(np.sqrt(seat.peak_pressure(force) / pressure), half_angle)
+        shapes = {"load": force, "allowable_pressure": pressure, "half_angle": seat.half_angle}
+        if compliance is None:
+            if np.any(as_float64("clearance", clearance) != 0.0):
+                raise ArgumentValueError("clearance", "is given without a compliance; it needs one")
+            common_shape(**{name: np.shape(value) for name, value in shapes.items()})
+            return cls(np.sqrt(seat.peak_pressure(force) / pressure), half_angle)
+        seat = seat.with_clearance(clearance, compliance=compliance)
+        shapes |= {"clearance": seat.clearance, "compliance": seat.compliance}
+        common_shape(**{name: np.shape(value) for name, value in shapes.items()})
+        contact = seat._pressed(pressure)
+        radius = np.sqrt(contact.peak(force, np.ones(())) / pressure)
+        return cls(radius, half_angle).with_clearance(clearance, compliance=compliance)
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -160,6 +180,29 @@ class BallJoint:
         """
         force = self._force(load)
         return scalar_or_array(self._contact(force).peak(force, self.radius))
+
+    def allowable_load(self, allowable_pressure: ArrayLike) -> Any:  # noqa: ANN401
+        """Return the load in N at which the peak pressure reaches what is allowable.
+
+        Args:
+            allowable_pressure: in Pa, Marcus's ``K``.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a pressure that is not positive and finite, shapes that do not broadcast.
+        """
+        pressure = _positive("allowable_pressure", allowable_pressure)
+        common_shape(joint=self.shape, allowable_pressure=pressure.shape)
+        if self.compliance is None:
+            contact = fitting(as_float64("half_angle", self.half_angle))
+        else:
+            contact = self._pressed(pressure)
+        return scalar_or_array(contact.load(pressure, self.radius))
+
+    def _pressed(self, peak: FloatArray) -> Contact:
+        """The contact at a peak pressure."""
+        approach = np.asarray(self.compliance * peak)
+        return pressed(np.asarray(self.half_angle), approach, np.asarray(self.clearance))
 
     def pressure(self, theta: ArrayLike, load: ArrayLike) -> Any:  # noqa: ANN401
         """Return the pressure in Pa, Marcus's (9); outside the contact it is 0.

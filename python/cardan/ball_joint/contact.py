@@ -20,6 +20,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 
@@ -42,6 +43,10 @@ class Contact:
     def peak(self, load: FloatArray, radius: FloatArray) -> FloatArray:
         """Return the pressure in line with the load."""
         return _quotient(3.0 * load, math.pi * radius**2 * self.share)
+
+    def load(self, peak: FloatArray, radius: FloatArray) -> FloatArray:
+        """Return the load whose pressure has this peak."""
+        return peak * math.pi * radius**2 * self.share / 3.0
 
     def profile(self, theta: FloatArray) -> FloatArray:
         """Return the pressure over its peak."""
@@ -116,7 +121,19 @@ def loose(
 
     bounded = q + seat_versine**2 * (1.0 + 2.0 * seat_c)
     bounded = bounded / (2.0 * seat_versine * (1.0 + seat_c + seat_c**2))
-    z = np.where(full, bounded, _sunk(np.where(full, 1.0, q)))
+    return _at(half_angle, np.where(full, bounded, _sunk(np.where(full, 1.0, q))), full)
+
+
+def pressed(half_angle: FloatArray, approach: FloatArray, clearance: FloatArray) -> Contact:
+    """A ball in a wider seat that has sunk in by a known approach."""
+    with np.errstate(divide="ignore", over="ignore"):
+        z = approach / clearance
+    return _at(half_angle, z, z * np.cos(half_angle) >= _versine(half_angle))
+
+
+def _at(half_angle: FloatArray, z: FloatArray, full: NDArray[np.bool_]) -> Contact:
+    """The contact at the approach ``z`` over the clearance, which fills the seat or does not."""
+    seat_c, seat_versine = np.cos(half_angle), _versine(half_angle)
     c = 1.0 / (1.0 + z)
     versine = np.where(z > 1.0, 1.0 - c, np.minimum(z, 1.0) * c)
 

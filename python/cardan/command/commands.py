@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
@@ -16,6 +16,7 @@ import numpy as np
 
 import cardan.command.help_text as help_text
 from cardan import __version__
+from cardan.command import ball_joint
 from cardan.command.files import (
     check_folder,
     check_for_cluster,
@@ -35,23 +36,29 @@ from cardan.command.terminal import (
 )
 from cardan.errors import ArgumentValueError
 from cardan.figures.advice import scene_advice
+from cardan.figures.drive_speed import drive_speed
 from cardan.figures.extremes import StudyTable
 from cardan.figures.identification import identification_data
-from cardan.figures.limits import check_data, check_scene
+from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.run import run_data
 from cardan.figures.schema import answers_schema
+from cardan.figures.slip import slip_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
 from cardan.report import write_report
-from cardan.scene import starters
+from cardan.scene import load_scene, starters
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.cluster import StudyFolder
 from cardan.scene.scene import Scene
 from cardan.scene.streaming import stream as stream_curves
 from cardan.words.advice import remedies
+from cardan.words.ball_joint import ball_joint_text
+from cardan.words.drive_speed import drive_speed_text
 from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
+from cardan.words.slip import slip_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
@@ -60,6 +67,16 @@ if TYPE_CHECKING:
     import click
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def _besides(scene: Scene) -> Iterator[str]:
+    """What a check says beside the limits of the driveline."""
+    if speed := drive_speed(scene):
+        yield drive_speed_text(speed)
+    if slip := slip_figures(scene):
+        yield slip_text(slip)
+    if scene.ball_joint:
+        yield ball_joint_text(scene.ball_joint)
 
 
 def commands() -> click.Group:
@@ -155,13 +172,20 @@ def commands() -> click.Group:
         radians: bool,
         as_json: bool,
     ) -> None:
-        whole = loaded = Scene.load(scene)
+        given = load_scene(scene)
         on_cluster = local is not None or scheduler is not None
+        if isinstance(given, BallJointScene):
+            if on_cluster:
+                raise ValueError("a ball joint alone has no study to evaluate in processes")
+            ball_joint.run(given, into, radians=radians, as_json=as_json)
+            return
+        whole = loaded = given
         if on_cluster:
             check_for_cluster(whole, local, scheduler)
             loaded = replace(whole, study=None, table_file=None)
             check_folder(into / str(whole.table_file))
-        for name in (loaded.curves_file, loaded.table_file, loaded.picture_file):
+        seat = loaded.ball_joint and loaded.ball_joint.picture_file
+        for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
             if name:
                 check_output(loaded, into / name)
         with progress_bar() as progress:
@@ -188,6 +212,10 @@ def commands() -> click.Group:
         say_before_files(summary_text(rows, angles, radians=radians))
         if whole.missing:
             say_before_files(f"\n{missing_of(whole)}")
+        if slip := slip_figures(whole):
+            say_before_files(f"\n{slip_text(slip)}")
+        if whole.ball_joint:
+            say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
         if result.study:
             say_before_files(f"\n{study_text(result.study, angles, radians=radians)}")
         for number, entry in enumerate(files):
@@ -234,7 +262,11 @@ def commands() -> click.Group:
     )
     def plot(scene: Path, output: Path | None, study: str | None) -> None:
         path = output or Path(f"{scene.stem}.svg")
-        loaded = Scene.load(scene)
+        loaded = load_scene(scene)
+        if isinstance(loaded, BallJointScene):
+            ball_joint.plot(loaded, path, study)
+            say(f"wrote {path}")
+            return
         check_output(loaded, path)
         with progress_bar() as progress:
             result = loaded.run(progress)
@@ -251,7 +283,7 @@ def commands() -> click.Group:
     @output_option("Page to write; default: the scene's name with .html.")
     def report(scene: Path, output: Path | None) -> None:
         path = output or Path(f"{scene.stem}.html")
-        loaded = Scene.load(scene)
+        loaded = load_scene(scene)
         check_output(loaded, path)
         with progress_bar() as progress:
             write_report(loaded, path, progress)
@@ -261,7 +293,9 @@ def commands() -> click.Group:
     @scene_argument
     @as_json
     def check(scene: Path, as_json: bool) -> int:
-        loaded = Scene.load(scene)
+        loaded = load_scene(scene)
+        if isinstance(loaded, BallJointScene):
+            return ball_joint.check(loaded, as_json=as_json)
         with progress_bar() as progress:
             found = check_scene(loaded, progress)
         advised = scene_advice(loaded)
@@ -271,7 +305,9 @@ def commands() -> click.Group:
             if as_json
             else check_text(found, sentences)
         )
-        return 0 if np.all(found.passes) else 1
+        for words in () if as_json else _besides(loaded):
+            say(f"\n{words}")
+        return 0 if np.all(found.passes) and passes(loaded) else 1
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")
     @scene_argument

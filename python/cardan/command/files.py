@@ -12,8 +12,10 @@ from cardan.command.terminal import progress_bar
 from cardan.files import pictures
 from cardan.files.whole_file import check_writable
 from cardan.plots import write_picture
+from cardan.plots.ball_joint import write_ball_joint_picture
 from cardan.plots.style import matplotlib
 from cardan.scene import cluster
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.curves import write_curves, write_study
 from cardan.scene.errors import SceneError
 from cardan.scene.scene import Scene, SceneResult
@@ -35,6 +37,10 @@ def write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict
     if scene.picture_file:
         path = into / scene.picture_file
         write_picture(result, path)
+        yield {"file": str(path)}
+    if scene.ball_joint and scene.ball_joint.picture_file:
+        path = into / scene.ball_joint.picture_file
+        write_ball_joint_picture(scene.ball_joint, path, scene.title)
         yield {"file": str(path)}
 
 
@@ -103,14 +109,20 @@ def write_on_cluster(
     yield {"file": str(path), "rows": done.rows, "parts": done.files, "found": done.found}
 
 
-def check_output(scene: Scene, path: Path) -> None:
+def check_output(scene: Scene | BallJointScene, path: Path) -> None:
     """Refuse a file that cannot be written or that the scene reads, before the work is done."""
-    if scene.recording and path.exists() and path.samefile(scene.recording):
+    recording = scene.recording if isinstance(scene, Scene) else None
+    if recording and path.exists() and path.samefile(recording):
         raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
-    check_writable(path)
+    check_picture(path)
     if path.suffix == ".parquet":
         import_optional("pyarrow", "table")
-    if path.suffix in pictures.SUFFIXES:
-        matplotlib()
     if path.suffix in report.SUFFIXES:
         import_optional("jinja2", "app")
+
+
+def check_picture(path: Path) -> None:
+    """Refuse a file that cannot be written, and a picture without what draws it."""
+    check_writable(path)
+    if path.suffix in pictures.SUFFIXES:
+        matplotlib()

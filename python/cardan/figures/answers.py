@@ -39,6 +39,32 @@ def answer_schema(
     return {"description": description, **record({**head, **needed}, optional)}
 
 
+def answers_with(
+    kind: _Kind,
+    description: str,
+    of_driveline: _Schemas,
+    of_ball_joint: _Schemas,
+    *,
+    needed: _Schemas | None = None,
+    optional: _Schemas | None = None,
+) -> dict[str, Any]:
+    """Return the schema of an answer for a driveline, a ball joint or both.
+
+    Args:
+        kind: which answer.
+        description: what it is.
+        of_driveline: schemas of the keys of a driveline, all or none of which it has.
+        of_ball_joint: the same of a ball joint.
+        needed: schemas of the keys that it has in every case.
+        optional: schemas of the keys that it may have.
+    """
+    more = {**of_driveline, **of_ball_joint, **(optional or {})}
+    schema = answer_schema(kind, description, needed or {}, more)
+    schema["anyOf"] = [{"required": list(keys)} for keys in (of_driveline, of_ball_joint)]
+    schema["dependentRequired"] = {key: list(of_driveline) for key in of_driveline}
+    return schema
+
+
 def record(needed: _Schemas, optional: _Schemas | None = None) -> dict[str, Any]:
     """Return the schema of an object with these keys and no others."""
     return {

@@ -12,11 +12,19 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.check import Check
-from cardan.figures.answers import answer, answer_schema, record
+from cardan.figures.answers import answer, answers_with, record
+from cardan.figures.ball_joint import (
+    BALL_JOINT_SCHEMA,
+    ball_joint_data,
+    ball_joint_figures,
+)
+from cardan.figures.drive_speed import DRIVE_SPEED_SCHEMA, drive_speed_data
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
+from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 from cardan.scene.study import Study
 from cardan.scene.units import RPM
@@ -84,6 +92,11 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         advice: what would bring it within the limits, a sentence each.
     """
     by_figure = {finding.figure: finding for finding in found.findings}
+    more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
+    if slip := slip_figures(scene):
+        more["slip"] = slip_data(slip)
+    if scene.ball_joint:
+        more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
         figure: _entry(by_figure[figure]) if figure in by_figure else None for figure in _PRACTICE
     }
@@ -91,7 +104,7 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         "check",
         scene.title,
         **_verdict(found.ranks),
-        passes=bool(np.all(found.passes)),
+        passes=bool(np.all(found.passes)) and passes(scene),
         preset=found.limits.preset,
         catalogue={
             **_verdict(found.catalogue.ranks),
@@ -99,7 +112,21 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         },
         practice={**_verdict(found.practice.ranks), **practice},
         advice=list(advice),
+        **more,
     )
+
+
+def passes(scene: Scene | BallJointScene) -> bool:
+    """Whether what a scene has besides its driveline is within what the scene allows."""
+    slip = slip_figures(scene) if isinstance(scene, Scene) else None
+    case = scene.ball_joint
+    return (slip is None or slip.passes) and (case is None or ball_joint_figures(case).passes)
+
+
+def ball_joint_check_data(scene: BallJointScene) -> dict[str, Any]:
+    """Return the check of a ball joint alone as plain data for JSON."""
+    data = ball_joint_data(scene.ball_joint)
+    return answer("check", scene.title, passes=passes(scene), ball_joint=data)
 
 
 def _verdict(ranks: NDArray[np.int_]) -> dict[str, Any]:
@@ -165,12 +192,11 @@ def _practice(unit: str) -> dict[str, Any]:
     return {"oneOf": [entry, {"type": "null"}]}
 
 
-CHECK_SCHEMA = answer_schema(
+CHECK_SCHEMA = answers_with(
     "check",
     "what cardan check prints with --json",
     {
         **_JUDGED,
-        "passes": {"type": "boolean"},
         "preset": {"type": ["string", "null"]},
         "catalogue": record(
             {
@@ -183,6 +209,9 @@ CHECK_SCHEMA = answer_schema(
         ),
         "advice": {"type": "array", "items": {"type": "string"}},
     },
+    {"ball_joint": BALL_JOINT_SCHEMA},
+    needed={"passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"}},
+    optional={"drive_speed": DRIVE_SPEED_SCHEMA, "slip": SLIP_SCHEMA},
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.
 

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from cardan.figures.answers import ANGLE, answer, answer_schema, one_of, record
+from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
+from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
+from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.summary import Row, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.scene import Scene
 
@@ -34,12 +37,27 @@ def run_data(
     data["rows"] = summary_data(rows, radians=radians)
     if study and scene.study:
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
+    if slip := slip_figures(scene):
+        data["slip"] = slip_data(slip)
+    if scene.ball_joint:
+        data["ball_joint"] = ball_joint_data(scene.ball_joint, radians=radians)
     return {**data, "files": list(files)}
+
+
+def ball_joint_run_data(
+    scene: BallJointScene, files: Iterable[Mapping[str, Any]], *, radians: bool = False
+) -> dict[str, Any]:
+    """Return what ``cardan run`` found of a ball joint alone, as plain data for JSON."""
+    joint = ball_joint_data(scene.ball_joint, radians=radians)
+    return answer("run", scene.title, ball_joint=joint, files=list(files))
 
 
 _NUMBER = {"type": ["number", "null"], "description": "null if it is not finite"}
 _COUNT = {"type": "integer", "minimum": 0}
-_VALUE = {f"value{ending}": _NUMBER for ending in ("", "_deg", "_rad", "_rpm", "_rad_s2", "_Nm")}
+_VALUE = {
+    f"value{ending}": _NUMBER
+    for ending in ("", "_deg", "_rad", "_rpm", "_rad_s2", "_Nm", "_m", "_mm")
+}
 _OF_DRIVELINE = ("bend", "twist", "phase", "equivalent_bend", "non_uniformity")
 _OF_DRIVE = ("speed", "acceleration_at_steady_drive")
 _ITEM = {"shaft": _COUNT, "joint": _COUNT}
@@ -50,7 +68,7 @@ _AT = {
 }
 _END = one_of({"at": _AT}, _VALUE)
 
-RUN_SCHEMA: Mapping[str, Any] = answer_schema(
+RUN_SCHEMA: Mapping[str, Any] = answers_with(
     "run",
     "what cardan run prints with --json",
     {
@@ -92,6 +110,9 @@ RUN_SCHEMA: Mapping[str, Any] = answer_schema(
                 },
             ),
         },
+    },
+    {"ball_joint": BALL_JOINT_SCHEMA},
+    needed={
         "files": {
             "type": "array",
             "items": record(
@@ -99,7 +120,8 @@ RUN_SCHEMA: Mapping[str, Any] = answer_schema(
             ),
         },
     },
-    {
+    optional={
+        "slip": SLIP_SCHEMA,
         "study": record(
             {
                 "drivelines": _COUNT,
@@ -131,7 +153,7 @@ RUN_SCHEMA: Mapping[str, Any] = answer_schema(
                     ),
                 },
             }
-        )
+        ),
     },
 )
 """JSON Schema of ``run_data``."""

@@ -1,9 +1,9 @@
 """Pictures, drawn with matplotlib: of scenes, drivelines and what the sources show.
 
-Every ``plot_`` function but ``plot_scene`` draws on the axes that it is given as ``ax`` and returns
-them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the settings of ``STYLE``;
-``plot_scene`` returns a page, A4 across. Curves differ in dashes as well as colour, so that they
-can be told apart in grey.
+Every ``plot_`` function but ``plot_scene`` and ``plot_ball_joint`` draws on the axes that it is
+given as ``ax`` and returns them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the
+settings of ``STYLE``. Those two return a whole figure: a page, A4 across, and a picture 170 mm
+wide. Curves differ in dashes as well as colour, so that they can be told apart in grey.
 
 >>> import cardan.plots
 >>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
@@ -12,6 +12,7 @@ can be told apart in grey.
 """
 
 from cardan.files.pictures import SUFFIXES
+from cardan.plots.ball_joint import plot_ball_joint, plot_seat_pressure, plot_seat_section
 from cardan.plots.bend_vectors import plot_bend_vectors
 from cardan.plots.catalogue import (
     plot_angle_error,
@@ -20,6 +21,7 @@ from cardan.plots.catalogue import (
     plot_non_uniformity,
 )
 from cardan.plots.curves import plot_curves
+from cardan.plots.drive_speed import plot_drive_speed
 from cardan.plots.driveline import plot_driveline, yoke_pins
 from cardan.plots.grossmann import plot_bending_moments, plot_torque_ratio
 from cardan.plots.harmonics import plot_harmonics
@@ -34,9 +36,11 @@ __all__ = [
     "STYLE",
     "SUFFIXES",
     "plot_angle_error",
+    "plot_ball_joint",
     "plot_bend_vectors",
     "plot_bending_moments",
     "plot_curves",
+    "plot_drive_speed",
     "plot_driveline",
     "plot_driven_angle",
     "plot_harmonics",
@@ -45,6 +49,8 @@ __all__ = [
     "plot_non_uniformity",
     "plot_result",
     "plot_scene",
+    "plot_seat_pressure",
+    "plot_seat_section",
     "plot_small_angle",
     "plot_study",
     "plot_torque_ratio",

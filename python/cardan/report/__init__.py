@@ -9,19 +9,25 @@ from pathlib import Path
 from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
 from cardan.report.page import page
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 
 SUFFIXES = (".html", ".htm")
 """Suffixes of a report."""
 
 
-def write_report(scene: Scene, path: str | PathLike[str], progress: Progress | None = None) -> None:
+def write_report(
+    scene: Scene | BallJointScene,
+    path: str | PathLike[str],
+    progress: Progress | None = None,
+) -> None:
     """Write the report of a scene as one HTML page.
 
     It gives the answer first: whether the driveline runs smoothly, what loads the bearings and how
     to set the yokes. Inputs, tables and curves follow, with a slider over the drive angle that
     turns the driveline in a drawing and moves a cursor in the curves. What it shows is evaluated
-    here and stored in the page sample by sample.
+    here and stored in the page sample by sample. Of a ball joint it shows verdict, figures and the
+    pressure on the seat.
 
     Args:
         scene: the scene; without recorded angles the page shows one turn of it in half degrees.

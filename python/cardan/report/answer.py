@@ -8,12 +8,15 @@ import numpy as np
 
 from cardan.check import Check
 from cardan.figures.advice import advice
+from cardan.figures.drive_speed import drive_speed
+from cardan.figures.slip import slip_figures
 from cardan.finding import counted
 from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.samples import Samples
 from cardan.report.tables import motion
 from cardan.scene.scene import Scene
 from cardan.words.advice import advice_text, arrangement_text, remedies
+from cardan.words.drive_speed import heading_text, sentences
 from cardan.words.summary import figure_text, range_ends
 from cardan.words.yokes import phases_text, tooth_lines, yoke_lines
 from cardan.workshop import SAME_YOKE
@@ -48,6 +51,8 @@ def answer(
         "bearings": _bearings(samples),
         "yokes": _yokes(yokes) if yokes else None,
         "remedies": _of_one_joint(scene),
+        "drive_speed": _drive_speed(scene),
+        "spline": _spline(scene),
     }
 
 
@@ -111,6 +116,25 @@ def _of_one_joint(scene: Scene) -> list[str]:
         return []
     limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
     return remedies(advice(scene.line, float(limit)))
+
+
+def _spline(scene: Scene) -> str:
+    """What the axial force of a spline adds to the loads of the bearings."""
+    found = slip_figures(scene)
+    if found is None or found.force is None:
+        return ""
+    return (
+        f"The spline of shaft {found.slip.shaft} adds an axial force of up to "
+        f"{figure_text(found.force)} N while it slides."
+    )
+
+
+def _drive_speed(scene: Scene) -> dict[str, Any] | None:
+    found = drive_speed(scene)
+    if found is None:
+        return None
+    words = [f"{text[:1].upper()}{text[1:]}." for text in sentences(found)]
+    return {"heading": heading_text(found), "words": words}
 
 
 def _yokes(data: dict[str, Any]) -> dict[str, Any]:

@@ -15,23 +15,29 @@ import numpy as np
 from cardan import __version__
 from cardan.arrays import FloatArray
 from cardan.figures.limits import check_scene
+from cardan.figures.slip import slip_figures
 from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
 from cardan.report.answer import answer
+from cardan.report.ball_joint import ball_joint, page_data
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
 from cardan.report.limits import limits_table
 from cardan.report.samples import Panel, Samples, evaluated
+from cardan.report.slip import slip
 from cardan.report.study import study
+from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
 
-def page(scene: Scene, progress: Progress | None = None) -> str:
+def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str:
     """Return the whole page as HTML; arguments and errors as of ``write_report``."""
+    if isinstance(scene, BallJointScene):
+        return _ball_joint_page(scene)
     template = environment().get_template("page.html")
     result = scene.run(progress)
     samples, found = evaluated(scene), check_scene(scene)
@@ -40,6 +46,8 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
     yokes = yoke_settings(scene) if fixed else None
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
+    joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
+    spline = slip_figures(scene)
     return template.render(
         answer(scene, samples, found, yokes),
         version=__version__,
@@ -59,9 +67,17 @@ def page(scene: Scene, progress: Progress | None = None) -> str:
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
+        ball_joint=joint,
+        slip=slip(spline) if spline else None,
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )
+
+
+def _ball_joint_page(scene: BallJointScene) -> str:
+    template = environment().get_template("ball_joint_page.html")
+    style = _part("page.css")
+    return template.render(page_data(scene), version=__version__, style=style, date=_today())
 
 
 def _today() -> str:

@@ -7,13 +7,15 @@ import re
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from os import PathLike, fspath
 from typing import Any
 
 from cardan.errors import ArgumentValueError
 from cardan.outputs import nearest
 from cardan.scene.errors import Location, SceneError, path_of
-from cardan.scene.format import FORMAT, Section
+from cardan.scene.format import FORMAT
 from cardan.scene.rules import shown
+from cardan.scene.sections import Section
 from cardan.scene.units import units_of
 
 
@@ -78,6 +80,10 @@ class Document:
                 if not set(keys) & set(values):
                     others = "".join(f"; or give {key}" for key in keys[1:])
                     raise ArgumentValueError(keys[0], f"is missing{others}")
+        for key, other in section.with_key:
+            with self.within(name):
+                if key in values and other not in values:
+                    raise ArgumentValueError(key, f"needs {other}, which is missing")
         with self.within(name):
             if len(values) < section.fewest:
                 raise ValueError("is empty; give at least one key")
@@ -122,6 +128,21 @@ class Document:
             if found:
                 return found.pop() if len(found) == 1 else None
         return None
+
+
+def read_text(path: str | PathLike[str]) -> str:
+    """Return the text of a scene file.
+
+    Raises:
+        OSError: it cannot be read.
+        ValueError: it is not UTF-8.
+    """
+    try:
+        # Some editors put a byte order mark in front, which TOML does not know.
+        with open(path, encoding="utf-8-sig") as file:
+            return file.read()
+    except UnicodeDecodeError as error:
+        raise ValueError(f"{fspath(path)}: not UTF-8 text at byte {error.start}") from None
 
 
 def _keys_by_line(text: str) -> list[tuple[int, str]]:

@@ -14,46 +14,11 @@ from cardan.files import columns, pictures, recording
 from cardan.limits import OWN, PRESETS
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
+from cardan.scene.ball_joint import BALL_JOINT
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
+from cardan.scene.sections import Key, Section
+from cardan.scene.slip import SLIP
 from cardan.scene.units import RPM
-
-
-@dataclass(frozen=True)
-class Key:
-    """One key of a scene file.
-
-    Attributes:
-        kind: what its value must be.
-        meaning: one line.
-        argument: the parameter of the constructor that it sets.
-        factor: what to multiply the value by to get that parameter's unit.
-        default: the value where the key is left out.
-    """
-
-    kind: kinds.Kind
-    meaning: str
-    argument: str = ""
-    factor: float = 1.0
-    default: Any = None
-
-
-@dataclass(frozen=True)
-class Section:
-    """One section of a scene file.
-
-    Attributes:
-        meaning: one line.
-        keys: what it may contain.
-        together: keys of which at most one may be given.
-        needed: keys that must be given, one of each group.
-        fewest: how many keys there must be.
-    """
-
-    meaning: str
-    keys: Mapping[str, Key]
-    together: tuple[tuple[str, str], ...] = ()
-    needed: tuple[tuple[str, ...], ...] = ()
-    fewest: int = 0
 
 
 @dataclass(frozen=True)
@@ -250,6 +215,8 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
             fewest=1,
         ),
+        "slip": SLIP,
+        "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",
             {
@@ -347,7 +314,7 @@ def schema() -> dict[str, Any]:
     columns = {"properties": {"angles": recorded}, "required": ["angles"]}
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Scene of a driveline",
+        "title": "Scene of a driveline or a ball joint",
         **_section_schema(FORMAT[top]),
         "properties": {**_properties(FORMAT[top]), **sections},
         "$defs": {"values": Values().definition},
@@ -357,8 +324,11 @@ def schema() -> dict[str, Any]:
                 "if": columns,
                 "then": {"properties": {"driveline": _only(*FORMS[0].optional, TEETH)}},
                 "else": {
-                    "required": ["driveline"],
-                    "properties": {"driveline": {"oneOf": [form.schema for form in FORMS]}},
+                    "if": {"required": ["driveline"]},
+                    "then": {
+                        "properties": {"driveline": {"oneOf": [form.schema for form in FORMS]}}
+                    },
+                    "else": {"required": ["ball_joint"], **_only(*FORMAT[top].keys, "ball_joint")},
                 },
             },
         ],
@@ -378,6 +348,8 @@ def _section_schema(section: Section) -> dict[str, Any]:
     rules += [{"anyOf": [{"required": [key]} for key in keys]} for keys in section.needed]
     if rules:
         described["allOf"] = rules
+    if section.with_key:
+        described["dependentRequired"] = {key: [part] for key, part in section.with_key}
     return described
 
 

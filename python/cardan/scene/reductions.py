@@ -25,9 +25,15 @@ CLOSED_FORMS: Mapping[str, tuple[str, str]] = MappingProxyType(
         "min_speed_ratio": ("min_speed_ratio", "1"),
         "max_speed_ratio": ("max_speed_ratio", "1"),
         "max_acceleration_ratio": ("max_acceleration_ratio", "1"),
+        "length": ("", "m"),
     }
 )
-"""Closed forms of a shaft's motion: field of ``EquivalentJoint`` and SI unit."""
+"""Figures of a shaft that need no samples: field of ``EquivalentJoint`` and SI unit.
+
+The length is none of its motion; it has the unit of the points.
+"""
+
+LENGTH = "length"
 
 
 def reduced(

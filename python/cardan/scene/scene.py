@@ -23,10 +23,14 @@ from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
 from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
-from cardan.scene.document import Document
+from cardan.scene.ball_joint import BallJointCase, ball_joint_case
+from cardan.scene.ball_joint_scene import BallJointScene, is_alone
+from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
 from cardan.scene.parts import check_load, form_of, make_driveline, make_load, teeth_of
+from cardan.scene.reductions import LENGTH
+from cardan.scene.slip import Slip, slip_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -60,6 +64,8 @@ class Scene:
         table_file: name of the file for the table of the study, if any.
         picture_file: name of the file for the picture, if any.
         points: ends and joint centres as the scene gives them, ``(n + 2, 3)``, if it does.
+        ball_joint: its ball joint, if any.
+        slip: the spline of a shaft that changes its length, if the scene gives one.
     """
 
     name: str
@@ -80,6 +86,8 @@ class Scene:
     table_file: str | None
     picture_file: str | None
     points: FloatArray | None = None
+    ball_joint: BallJointCase | None = None
+    slip: Slip | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -91,7 +99,7 @@ class Scene:
             ValueError: it is not a scene; one line with file, line where that is certain,
                 section, key, rule and value.
         """
-        return cls.parse(_text(path), fspath(path), Path(path).parent)
+        return cls.parse(read_text(path), fspath(path), Path(path).parent)
 
     @classmethod
     def parse(cls, text: str, name: str = "scene", folder: str | PathLike[str] = ".") -> Self:
@@ -127,7 +135,7 @@ class Scene:
             ValueError: as for ``load``; no recording or curves in Parquet files; a key of which the
                 value needs all angles.
         """
-        document, folder = Document(_text(path), fspath(path)), Path(path).parent
+        document, folder = Document(read_text(path), fspath(path)), Path(path).parent
         recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
         with document.within(""):
             if not recorded or "study" in document.sections:
@@ -161,9 +169,11 @@ class Scene:
             OSError: the file or a recording cannot be read.
         """
         try:
-            document = Document(_text(path), fspath(path), gather=True)
+            document = Document(read_text(path), fspath(path), gather=True)
             if not document.problems:
-                cls.load(path)
+                # Not gathered: values that do not fit together are found one by one.
+                whole = Document(read_text(path), fspath(path))
+                _ = BallJointScene.of(whole) if is_alone(whole) else cls.load(path)
         except ValueError as error:
             return [str(error)]
         return document.problems
@@ -180,8 +190,13 @@ class Scene:
         driveline, loaded = given.get("driveline", {}), given.get("load")
         with document.within(""):
             if "driveline" not in given and not recorded.keys() & set(BEND_COLUMNS):
+                alone = (
+                    "; a ball joint alone can be run, checked, plotted and reported "
+                    "(in Python: cardan.scene.load_scene)"
+                )
                 raise ValueError(
                     "section [driveline] is missing; it describes the joints and shafts"
+                    + (alone if is_alone(document) else "")
                 )
             if given.keys() >= set(DRIVE_ANGLES):
                 both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
@@ -209,12 +224,18 @@ class Scene:
             if angle.bends is not None and "closed_forms" in output:
                 raise ArgumentValueError("closed_forms", "do not go with recorded bends")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
+            if LENGTH in output.get("closed_forms", ()) and "points" not in form.keys[0]:
+                raise ArgumentValueError("closed_forms", "'length' needs points_mm or points_m")
             if "table" in output and output["table"] == output.get("curves"):
                 raise ArgumentValueError(
                     "table", f"is {output['table']!r}; that is the file of the curves"
                 )
             if "table" in output and not wanted:
                 raise ArgumentValueError("table", "needs a section [study], reduce or closed_forms")
+        with document.within("slip"):
+            slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
+        with document.within("ball_joint"):
+            ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
         study = None
         with document.within("study"):
             varied = given.get("study", {})
@@ -262,6 +283,8 @@ class Scene:
                 (np.array(value, float) for key, value in driveline.items() if "points" in key),
                 None,
             ),
+            ball_joint=ball_joint,
+            slip=slip,
         )
 
     @property
@@ -423,12 +446,3 @@ def _items(output: Mapping[str, Any], key: str, count: int) -> tuple[int, ...] |
         if item >= count:
             raise ArgumentValueError(key, f"is {item}; there are {count}, counted from 0", (i,))
     return tuple(output[key]) if key in output else None
-
-
-def _text(path: str | PathLike[str]) -> str:
-    try:
-        # Some editors put a byte order mark in front, which TOML does not know.
-        with open(path, encoding="utf-8-sig") as file:
-            return file.read()
-    except UnicodeDecodeError as error:
-        raise ValueError(f"{fspath(path)}: not UTF-8 text at byte {error.start}") from None

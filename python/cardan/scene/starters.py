@@ -147,6 +147,35 @@ output_torque_Nm = 300
             + _FILES,
             recorded=True,
         ),
+        "ball-joint": Starter(
+            "a ball in its seat under a load",
+            """\
+# A ball joint: how large must the ball be, and how is the pressure spread over the seat? Without
+# radius_mm the smallest ball is found; round it up, enter it and run again: cardan run {name}.toml
+
+title = "Ball joint under 20 kN"
+
+[ball_joint]
+load_N = 20000                 # towards the middle of the seat
+# radius_mm = 16
+half_angle_deg = 60            # from the middle of the seat to its edge; 90 is a hemisphere
+clearance_mm = 0.01            # radius of the seat less that of the ball; 0 is a perfect fit
+friction = 0.12
+picture = "{name}.svg"
+
+[ball_joint.ball]
+name = "hardened steel"
+allowable_pressure_MPa = 400   # take these pressures from your suppliers
+
+[ball_joint.seat]
+name = "lined with PTFE fabric"
+allowable_pressure_MPa = 60
+# How far the seat yields: by its layer, or measured as compliance_um_per_MPa.
+layer_mm = 1.0
+modulus_MPa = 2500
+poisson = 0.4
+""",
+        ),
     }
 )
 """Starter scenes by the name of their kind."""

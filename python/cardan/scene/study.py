@@ -22,8 +22,8 @@ from cardan.scene.axes import per_row, put, values_at
 from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load
-from cardan.scene.reductions import CLOSED_FORMS, reduced
-from cardan.scene.units import converted
+from cardan.scene.reductions import CLOSED_FORMS, LENGTH, reduced
+from cardan.scene.units import converted, split
 from cardan.scene.values import VECTORS
 from cardan.sweep import Sweep
 
@@ -287,10 +287,13 @@ class Study:
         equivalent = [line.equivalent(shaft) for shaft in shafts if self.closed_forms]
         for name in self.closed_forms:
             field, unit = CLOSED_FORMS[name]
+            if name == LENGTH:
+                unit = split(self.form.keys[0])[1]
             for shaft, joint in zip(shafts, equivalent, strict=True):
                 number = "" if self.shafts is None else f"_{shaft}"
                 column = Column(f"{name}{number}", unit, name, "shaft", shaft, "value")
-                yield column, getattr(joint, field)[:, 0]
+                own = line.lengths().each[..., shaft] if name == LENGTH else getattr(joint, field)
+                yield column, own[:, 0]
         if not self.quantities:
             return
         items = {"shaft": shafts, "joint": list(self.joints)}

@@ -33,6 +33,9 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "rad_s2": Unit("rad/s²", "rad/s²"),
         "Nm": Unit("N m", "N m"),
         "kgm2": Unit("kg m²", "kg m²"),
+        "N": Unit("N", "newtons"),
+        "MPa": Unit("MPa", "megapascals"),
+        "um_per_MPa": Unit("µm/MPa", "micrometres per megapascal"),
     }
 )
 """The units of a scene's keys, by what stands behind the last underscore of the quantity."""
@@ -42,6 +45,7 @@ _OTHER_ENDINGS = (
     *("degree", "degrees", "radian", "radians", "mrad", "gon", "turns"),
     *("cm", "metre", "metres", "meters", "in", "inch", "inches", "ft"),
     *("rps", "hz", "1_min", "1_s", "deg_s", "deg_s2", "rpm_s", "m_s2"),
+    *("kn", "pa", "kpa", "gpa", "bar", "n_mm2", "psi", "um_per_n_mm2", "mm_per_mpa"),
     *("knm", "nmm", "n_m", "lbft", "lbf_ft", "gm2", "kg_m2", "kgmm2", "kgcm2"),
 )
 

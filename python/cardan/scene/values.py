@@ -9,6 +9,7 @@ from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
 from cardan.scene.limit_rules import LimitRule, Preset, Source
+from cardan.scene.material_rules import MaterialRule
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.rules import (
     FileName,
@@ -75,4 +76,11 @@ SOURCE = Kind("text", Source())
 PRESET = Kind("name", Preset())
 BEND_LIMIT = Kind("limit", LimitRule(Number(0, 90, above=True, below=True, unit="deg")))
 LIMIT = Kind("limit", LimitRule(Number(0, above=True)))
+SHAFT = Kind("whole number", Whole(0))
+FORCE = Kind("positive number", Number(1e-6, 1e12))
+BALL_RADIUS = Kind("positive number", Number(1e-3, 1e6))
+CLEARANCE = Kind("number", Number(0, 1e6))
+SEAT_ANGLE = Kind("number", Number(0.1, 90, unit="deg"))
+FRICTION = Kind("number", Number(0, 10))
+MATERIAL = Kind("material", MaterialRule())
 COMPONENT_AXES = Kind("values", VectorAxes())

@@ -1,0 +1,202 @@
+"""Shafts that change their length: travel of a spline, what is left of it, and its axial force.
+
+A spline that carries a torque ``T`` at the pitch radius ``r`` presses with ``T/r`` on its flanks.
+It therefore slides only under the axial force ``F = mu T/r``. While shaft ``i`` becomes longer, it
+pulls like a rod in tension: with ``F u_i`` on what holds it upstream and with ``-F u_i`` on what
+holds it downstream. While it becomes shorter, it pushes. The joints transmit this force to the next
+shafts, which are inclined by the bends: ``F cos(bend)`` acts along such a shaft and ``F sin(bend)``
+across it, in the plane of the bend.
+
+D. Thoma (1920) assumes that a joint transmits moments and no force. He names the conditions:
+accurate parts, and a shaft that can slide along its axis and has no axial force to bear. A loaded
+spline fulfils only the first half of the second condition.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, SupportsIndex
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.errors import wrong_element
+from cardan.geometry import Geometry
+from cardan.request import item_index
+
+
+@dataclass(frozen=True, eq=False)
+class Lengths:
+    """The lengths of the shafts of a batch of drivelines, in the unit of the points.
+
+    Attributes:
+        each: length of each shaft, ``(..., n + 1)``.
+    """
+
+    each: FloatArray
+
+    @property
+    def shortest(self) -> FloatArray:
+        """Least length of each shaft over the batch, ``(n + 1,)``."""
+        return np.asarray(np.min(self._flat, axis=0))
+
+    @property
+    def longest(self) -> FloatArray:
+        """Largest length of each shaft over the batch, ``(n + 1,)``."""
+        return np.asarray(np.max(self._flat, axis=0))
+
+    @property
+    def travel(self) -> FloatArray:
+        """By how much each shaft changes its length over the batch, ``(n + 1,)``."""
+        return self.longest - self.shortest
+
+    def engagement(self, shaft: SupportsIndex, engaged: ArrayLike, length: ArrayLike) -> Any:  # noqa: ANN401
+        """Return the engaged length of a shaft's spline in every driveline of the batch.
+
+        A longer shaft has pulled its spline out by the difference.
+
+        Args:
+            shaft: index of the shaft.
+            engaged: engaged length of the spline at a known length of the shaft.
+            length: that length of the shaft.
+
+        Returns:
+            in the unit of the points, broadcast from the batch; negative where the spline has come
+            apart.
+
+        Raises:
+            IndexError: a shaft that does not exist.
+            TypeError: values that are not real numbers.
+            ValueError: a length that is not positive, shapes that do not broadcast.
+        """
+        index = item_index("shaft", shaft, self.each.shape[-1])
+        known, at = _positive("engaged", engaged), _positive("length", length)
+        common_shape(driveline=self.each.shape[:-1], engaged=known.shape, length=at.shape)
+        return scalar_or_array(np.asarray(known - (self.each[..., index] - at)))
+
+    @property
+    def _flat(self) -> FloatArray:
+        flat: FloatArray = self.each.reshape(-1, self.each.shape[-1])
+        if not len(flat):
+            raise ValueError("an empty batch has no shortest or longest shaft")
+        return flat
+
+
+@dataclass(frozen=True, eq=False)
+class SplineForce:
+    """The axial force of a loaded spline while it slides, and what it does to the next shafts.
+
+    Vectors are in the axes of the driveline and for a shaft that becomes longer; for one that
+    becomes shorter they have the opposite sign.
+
+    Attributes:
+        axial: the force along the shaft in N, as a magnitude.
+        upstream: force on what holds the shaft upstream in N, ``(..., 3)``.
+        downstream: force on what holds it downstream, ``(..., 3)``.
+        upstream_axial: part of it along the shaft that bears it upstream: the shaft before, or for
+            shaft 0 the shaft itself. It loads the thrust bearing of that shaft.
+        upstream_transverse: part across that shaft, in the plane of the bend. It loads the
+            bearings of that shaft at its joint.
+        downstream_axial: the same downstream: along the shaft behind, or the last shaft itself.
+        downstream_transverse: across it.
+        bearings: the shaft of each bearing of the driveline.
+    """
+
+    axial: Any
+    upstream: FloatArray
+    downstream: FloatArray
+    upstream_axial: Any
+    upstream_transverse: Any
+    downstream_axial: Any
+    downstream_transverse: Any
+    bearings: tuple[int, ...]
+    _bearing_force: FloatArray
+    _refused: str
+
+    @property
+    def bearing_force(self) -> FloatArray:
+        """Force that each bearing must give its shaft in N, ``(bearings, ..., 3)``.
+
+        The parts across the shafts that hold the sliding one, in their two bearings. Bearings of
+        other shafts give nothing, and those of the sliding shaft let it slide. Thrust is not part
+        of it. The sense is that of a shaft that becomes longer.
+
+        Raises:
+            ValueError: no bearings, or other than two on a shaft that bears a part across.
+        """
+        if self._refused:
+            raise ValueError(self._refused)
+        return self._bearing_force
+
+
+def lengths(geometry: Geometry) -> Lengths:
+    """Return the lengths as ``Driveline.lengths`` does."""
+    if not geometry.lengths.shape[-1]:
+        raise ValueError("the driveline has no lengths; make it with Driveline.from_points")
+    return Lengths(geometry.lengths)
+
+
+def spline_force(
+    geometry: Geometry,
+    shaft: SupportsIndex,
+    torque: ArrayLike,
+    friction: ArrayLike,
+    radius: ArrayLike,
+) -> SplineForce:
+    """Find the force as ``Driveline.spline_force`` does."""
+    index = item_index("shaft", shaft, geometry.n_joints + 1)
+    load = np.abs(as_float64("torque", torque))
+    mu, arm = as_float64("friction", friction), _positive("radius", radius)
+    wrong = ~((mu >= 0.0) & (mu < np.inf))
+    if wrong.any():
+        raise wrong_element("friction", mu, wrong, "; it must be finite and not negative")
+    common_shape(driveline=geometry.shape, torque=load.shape, friction=mu.shape, radius=arm.shape)
+    force = np.asarray(mu * load / arm + np.zeros(geometry.shape))
+    along = geometry.directions[..., index, :]
+    upstream = force[..., np.newaxis] * along
+    straight = np.zeros(geometry.shape)
+    before = geometry.bends[..., index - 1] if index else straight
+    behind = geometry.bends[..., index] if index < geometry.n_joints else straight
+    parts = (force * part for bend in (before, behind) for part in (np.cos(bend), np.sin(bend)))
+    return SplineForce(
+        scalar_or_array(force),
+        upstream,
+        -upstream,
+        *(scalar_or_array(np.asarray(part)) for part in parts),
+        geometry.bearings,
+        *_bearing_force(geometry, index, upstream),
+    )
+
+
+def _bearing_force(geometry: Geometry, shaft: int, upstream: FloatArray) -> tuple[FloatArray, str]:
+    """What bearings give the shafts beside the sliding one, and why that is not determined."""
+    found = np.zeros((len(geometry.bearings), *upstream.shape))
+    if not geometry.bearings:
+        return found, "the driveline has no bearings"
+    # The force on a shaft at its joint with the sliding one, and the position of that joint.
+    held = []
+    if shaft > 0:
+        held.append((shaft - 1, upstream, geometry.lengths[..., shaft - 1]))
+    if shaft < geometry.n_joints:
+        held.append((shaft + 1, -upstream, np.zeros(geometry.shape)))
+    for beside, force, joint in held:
+        own = [i for i, of in enumerate(geometry.bearings) if of == beside]
+        if len(own) != 2:
+            with_two = "with two they bear the part across it"
+            return found, f"shaft {beside} has {len(own)} bearings; {with_two}"
+        along = geometry.directions[..., beside, :]
+        across = force - np.sum(force * along, axis=-1, keepdims=True) * along
+        for i, j in (own, own[::-1]):
+            at, other = geometry.positions[..., i], geometry.positions[..., j]
+            share = (other - joint) / (other - at)
+            found[i] = -share[..., np.newaxis] * across
+    return found, ""
+
+
+def _positive(name: str, value: ArrayLike) -> FloatArray:
+    array = as_float64(name, value)
+    wrong = ~((array > 0.0) & (array < np.inf))
+    if wrong.any():
+        raise wrong_element(name, array, wrong, "; it must be positive and finite")
+    return array

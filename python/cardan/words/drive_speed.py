@@ -1,0 +1,66 @@
+"""How constant the speed of a drive is, in words."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator
+
+from cardan.figures.drive_speed import SHARE, SOURCE, DriveSpeed
+from cardan.words.summary import figure_text
+
+_HEADINGS = {
+    "fair": "a fair assumption",
+    "not fair": "not a fair assumption",
+    "no drive inertia": "not checked",
+}
+
+
+def drive_speed_text(found: DriveSpeed) -> str:
+    """Return the finding as plain text, 79 characters wide."""
+    lines = [heading_text(found)]
+    for words in sentences(found):
+        lines += textwrap.wrap(f"- {words}", 79, subsequent_indent="    ")
+    return "\n".join(lines)
+
+
+def heading_text(found: DriveSpeed) -> str:
+    """Return the verdict."""
+    return f"Constant drive speed: {_HEADINGS[found.verdict]}"
+
+
+def sentences(found: DriveSpeed) -> Iterator[str]:
+    """Say how far the drive varies, by whose rule that is judged and what to change."""
+    limit = f"the limit is {_percent(SHARE)} ({SOURCE})"
+    needed = f"{_rounded_up(found.needed)} kg m²"
+    if found.verdict == "no drive inertia":
+        yield (
+            "the scene gives shaft 0 no inertia, so its speed counts as constant; this is fair if "
+            f"shaft 0 has at least {needed} (motor, pulley, flywheel): running freely, it then "
+            f"varies by no more than {_percent(SHARE)} of what shaft {found.shaft} varies "
+            f"({SOURCE})"
+        )
+        return
+    yield (
+        f"running freely, the drive varies by {_percent(found.variation)} from peak to peak; shaft "
+        f"{found.shaft} varies by {_percent(found.shaft_variation)}, so the share is "
+        f"{_percent(found.share)}; {limit}"
+    )
+    if found.verdict == "not fair":
+        yield (
+            "inertia torques of a freely running drive are smaller than computed, by about that "
+            f"share; shaft 0 needs {needed} for a fair assumption, and has "
+            f"{figure_text(found.inertia)}"
+        )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.3g} %"
+
+
+def _rounded_up(value: float) -> str:
+    """Three digits, not below the value."""
+    if value <= 0.0 or not math.isfinite(value):
+        return figure_text(value)
+    step = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return f"{math.ceil(value / step * (1.0 - 1e-12)) * step:.3g}"

@@ -1,0 +1,277 @@
+"""Scenes with a ball joint: figures, verdict, errors with lines, picture, page, answers."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan import BallJoint, Scene
+from cardan.ball_joint import layer_compliance
+from cardan.command import commands
+from cardan.figures.ball_joint import ball_joint_figures, pressure_curve
+from cardan.figures.schema import answers_schema
+from cardan.plots import plot_ball_joint
+from cardan.report import write_report
+from cardan.scene import BallJointScene, load_scene
+from cardan.scene.errors import SceneError
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "examples" / "ball_joint.toml").read_text(encoding="utf-8")
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+SCENES = jsonschema.Draft202012Validator(Scene.schema())
+DRIVELINE = "[driveline]\nbends_deg = [10]\n[load]\nspeed_rpm = 60\noutput_torque_Nm = 5\n"
+
+
+def changed(*pairs: tuple[str, str]) -> str:
+    text = TEXT
+    for old, new in pairs:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
+def command(*arguments: str | Path) -> Any:  # noqa: ANN401 - click's result
+    return CliRunner().invoke(commands(), list(map(str, arguments)))
+
+
+def test_figures_are_those_of_the_library() -> None:
+    case = BallJointScene.parse(TEXT).ball_joint
+    found = ball_joint_figures(case)
+    compliance = layer_compliance(1e-3, 2.5e9, 0.4)
+    joint = BallJoint(0.016, math.radians(60)).with_clearance(1e-5, compliance=compliance)
+    assert found.peak == pytest.approx(joint.peak_pressure(20e3), rel=1e-14)
+    assert found.contact_angle == pytest.approx(joint.contact_angle(20e3), rel=1e-14)
+    assert found.turning == pytest.approx(joint.friction_moment(20e3, 0.12), rel=1e-14)
+    assert found.swivelling == pytest.approx(joint.tilting_friction_moment(20e3, 0.12), rel=1e-14)
+    assert found.parts[1].approach == pytest.approx(joint.approach(20e3), rel=1e-14)
+    assert found.parts[0].approach == 0.0
+    assert found.projected == pytest.approx(20e3 / (math.pi * (0.016 * math.sqrt(0.75)) ** 2))
+    assert found.verdict == "within"
+
+
+def test_a_hemisphere_reaches_one_and_a_half_times_the_projected_pressure() -> None:
+    """Marcus (10)."""
+    text = "[ball_joint]\nload_N = 1000\nradius_mm = 10\n"
+    found = ball_joint_figures(BallJointScene.parse(text).ball_joint)
+    assert found.peak == pytest.approx(1.5 * found.projected, rel=1e-13)
+    assert found.peak == pytest.approx(3 * 1000 / (2 * math.pi * 0.01**2), rel=1e-13)
+    assert (found.verdict, found.allowable_load, found.turning) == ("not judged", None, None)
+
+
+def test_the_weaker_material_judges_and_sizes() -> None:
+    found = ball_joint_figures(BallJointScene.parse(TEXT).ball_joint)
+    assert found.weaker is not None
+    assert (found.weaker.part, found.allowable) == ("seat", 60e6)
+    soft = changed(("allowable_pressure_MPa = 400", "allowable_pressure_MPa = 40"))
+    found = ball_joint_figures(BallJointScene.parse(soft).ball_joint)
+    assert found.weaker is not None
+    assert (found.weaker.part, found.allowable) == ("ball", 40e6)
+    assert [part.verdict for part in found.parts] == ["beyond", "within"]
+    assert found.verdict == "beyond"
+    sized = BallJointScene.parse(soft.replace("radius_mm = 16", "")).ball_joint
+    assert sized.sized
+    assert sized.joint.radius == pytest.approx(found.smallest_radius, rel=1e-14)
+    assert ball_joint_figures(sized).peak == pytest.approx(40e6, rel=1e-13)
+    assert ball_joint_figures(sized).verdict == "within"
+
+
+def test_compliances_of_both_materials_add_up() -> None:
+    """Marcus (8): the approach is shared in proportion to his coefficients."""
+    text = changed(
+        ("allowable_pressure_MPa = 400", "compliance_um_per_MPa = 0.1"),
+        ("layer_mm = 1.0\nmodulus_MPa = 2500\npoisson = 0.4", "compliance_um_per_MPa = 0.3"),
+    )
+    case = BallJointScene.parse(text).ball_joint
+    found = ball_joint_figures(case)
+    assert case.joint.compliance == pytest.approx(4e-13, rel=1e-14)
+    ball, seat = (part.approach for part in found.parts)
+    assert ball is not None
+    assert seat is not None
+    assert seat == pytest.approx(3 * ball, rel=1e-14)
+    assert ball + seat == pytest.approx(case.joint.approach(20e3), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("load_N = 20000", "", "line 6: [ball_joint] load_N is missing"),
+        ("load_N = 20000", "load_N = 0", "line 7: [ball_joint] load_N is 0; it must lie in"),
+        ("load_N = 20000", "load_kN = 20", "the unit stands in the name: load_N holds newtons"),
+        (
+            "half_angle_deg = 60",
+            "half_angle_deg = 91",
+            "line 9: [ball_joint] half_angle_deg is 91 deg; it must lie in [0.1, 90] deg",
+        ),
+        (
+            "modulus_MPa = 2500",
+            "",
+            "line 21: [ball_joint] seat.layer_mm needs modulus_MPa; "
+            "layer_mm and modulus_MPa go together",
+        ),
+        (
+            "modulus_MPa = 2500",
+            "modulus_GPa = 2.5",
+            "line 18: [ball_joint] seat has an unknown key 'modulus_GPa'; "
+            "the unit stands in the name: modulus_MPa holds megapascals",
+        ),
+        (
+            "layer_mm = 1.0",
+            "compliance_um_per_MPa = 1",
+            "line 22: [ball_joint] seat.modulus_MPa and compliance_um_per_MPa are both given; "
+            "give one of them",
+        ),
+        ("poisson = 0.4", "poisson = 0.5", "line 23: [ball_joint] seat.poisson is 0.5; it must"),
+        (
+            "layer_mm = 1.0\nmodulus_MPa = 2500\npoisson = 0.4\n",
+            "",
+            "line 10: [ball_joint] clearance_mm needs the compliance of ball or seat",
+        ),
+        (
+            "[ball_joint.seat]",
+            "[load]\nspeed_rpm = 1\n[ball_joint.seat]",
+            "line 18: section [load]",
+        ),
+        ("[ball_joint.seat]", "[ball_joint.socket]", "[ball_joint] unknown key 'socket'"),
+    ],
+)
+def test_errors_name_the_line(old: str, new: str, message: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        BallJointScene.parse(changed((old, new)), "ball.toml")
+    assert str(caught.value).startswith("ball.toml, line ")
+    assert message in str(caught.value)
+
+
+def test_neither_radius_nor_pressure() -> None:
+    with pytest.raises(SceneError, match=r"radius_mm is missing; or give allowable_pressure_MPa"):
+        BallJointScene.parse("[ball_joint]\nload_N = 5\n")
+
+
+def test_the_reader_and_the_schema_agree(tmp_path: Path) -> None:
+    SCENES.validate(tomllib.loads(TEXT))
+    SCENES.validate(tomllib.loads(TEXT + DRIVELINE))
+    for wrong in (
+        changed(("load_N = 20000", "")),
+        changed(("modulus_MPa = 2500", "")),
+        changed(("layer_mm = 1.0", "compliance_um_per_MPa = 1")),
+        TEXT + "[load]\nspeed_rpm = 3\n",
+    ):
+        assert not SCENES.is_valid(tomllib.loads(wrong))
+
+
+def test_load_scene_tells_them_apart(tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    path.write_text(TEXT)
+    assert isinstance(load_scene(path), BallJointScene)
+    assert Scene.validate(path) == []
+    with pytest.raises(SceneError, match=r"\[driveline\] is missing; .* cardan.scene.load_scene"):
+        Scene.load(path)
+    path.write_text(changed(("clearance_mm = 0.01", "clearance_mm = -1")))
+    assert len(Scene.validate(path)) == 1
+    path.write_text(TEXT + DRIVELINE)
+    both = load_scene(path)
+    assert isinstance(both, Scene)
+    assert both.ball_joint is not None
+    with pytest.raises(SceneError, match=r"section \[ball_joint\] is missing"):
+        BallJointScene.parse(DRIVELINE)
+
+
+def test_run_check_plot_and_report(tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    path.write_text(TEXT)
+    done = command("run", path, "--into", tmp_path)
+    assert done.exit_code == 0, done.output
+    assert "uses 97 % of what" in " ".join(done.output.split())
+    assert (tmp_path / "ball_joint.svg").exists()
+    assert command("check", path).exit_code == 0
+    for line in ("plot", "report"):
+        out = tmp_path / {"plot": "a.png", "report": "a.html"}[line]
+        assert command(line, path, "--output", out).exit_code == 0
+        assert out.exists()
+    page = (tmp_path / "a.html").read_text()
+    assert "lined with PTFE fabric" in page
+    assert "<script" not in page
+    assert "nan" not in page.partition("</style>")[2]
+    path.write_text(changed(("radius_mm = 16", "radius_mm = 12")))
+    done = command("check", path)
+    assert done.exit_code == 1
+    assert "A ball of 15.7 mm radius is within it" in " ".join(done.output.split())
+    for line in ("phase", "explain", "stream"):
+        done = command(line, path)
+        assert done.exit_code == 2
+        assert done.output.count("\n") == 1
+
+
+def test_answers(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    for text, keys in (
+        (TEXT, {"answer", "version", "title", "ball_joint", "files"}),
+        (TEXT + DRIVELINE, {"rows", "drive_angles", "ball_joint", "files"}),
+    ):
+        path.write_text(text)
+        for options in ([], ["--radians"]):
+            data = json.loads(command("run", path, "--into", tmp_path, "--json", *options).stdout)
+            ANSWERS.validate(data)
+            assert keys <= data.keys()
+            angle = "half_angle_rad" if options else "half_angle_deg"
+            expected = math.radians(60) if options else 60
+            assert data["ball_joint"][angle] == pytest.approx(expected)
+        checked = json.loads(command("check", path, "--json").stdout)
+        ANSWERS.validate(checked)
+        assert checked["ball_joint"]["peak_pressure_MPa"] == pytest.approx(60 - 2.063, abs=0.001)
+    assert not ANSWERS.is_valid({k: v for k, v in data.items() if k not in ("rows", "ball_joint")})
+    assert not ANSWERS.is_valid({k: v for k, v in data.items() if k != "rows"})
+
+
+def test_a_joint_beyond_fails_the_check_of_a_good_driveline(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    good = DRIVELINE.replace("10", "1")
+    path.write_text(TEXT + good)
+    assert command("check", path).exit_code == 0
+    path.write_text(changed(("radius_mm = 16", "radius_mm = 12")) + good)
+    assert command("check", path).exit_code == 1
+    data = json.loads(command("check", path, "--json").stdout)
+    assert (data["verdict"], data["passes"]) == ("within", False)
+
+
+def test_the_picture_shows_the_pressure() -> None:
+    case = BallJointScene.parse(TEXT).ball_joint
+    figure = plot_ball_joint(case, "Ball")
+    section, curve = figure.axes
+    theta, pressure = pressure_curve(case)
+    drawn = curve.get_lines()[0]
+    assert np.allclose(drawn.get_xdata(), np.degrees(theta))
+    assert np.allclose(drawn.get_ydata(), 1e-6 * pressure)
+    assert pressure.max() == pytest.approx(case.joint.peak_pressure(20e3))
+    legend = curve.get_legend()
+    assert legend is not None
+    names = [text.get_text() for text in legend.get_texts()]
+    assert names == ["pressure", "without clearance", "allowable, seat"]
+    assert any("20000 N" in text.get_text() for text in section.texts)
+
+
+def test_a_report_of_both(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(TEXT + DRIVELINE)
+    write_report(load_scene(path), tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text()
+    assert '<a href="#ball_joint">Ball joint</a>' in page
+    assert page.count("Pressure on the seat, in section") == 1
+    path.write_text(DRIVELINE)
+    write_report(load_scene(path), tmp_path / "a.html")
+    assert "ball_joint" not in (tmp_path / "a.html").read_text()
+
+
+def test_titles_are_escaped(tmp_path: Path) -> None:
+    text = changed(('title = "Ball joint under a column"', 'title = "<b>&"'))
+    scene = BallJointScene.parse(text)
+    write_report(scene, tmp_path / "a.html")
+    assert "<b>&" not in (tmp_path / "a.html").read_text()
+    assert "&lt;b&gt;&amp;" in (tmp_path / "a.html").read_text()

@@ -1,0 +1,120 @@
+"""What a check says of the speed of the drive."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import cardan
+from cardan.command import commands
+from cardan.figures.drive_speed import SHARE, drive_speed
+from cardan.figures.schema import answers_schema
+from cardan.plots import plot_drive_speed
+from cardan.report import write_report
+from cardan.scene import Scene
+from cardan.words.drive_speed import drive_speed_text
+
+ROOT = Path(__file__).parents[2]
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+
+
+def scene(inertias: str, bends: str = "[8.5]", speed: str = "speed_rpm = 3000") -> Scene:
+    load = f"[load]\n{speed}\ninertias_kgm2 = {inertias}\n" if inertias else ""
+    return Scene.parse(f"[driveline]\nbends_deg = {bends}\n{load}")
+
+
+def said(found: Scene) -> str:
+    figures = drive_speed(found)
+    assert figures is not None
+    return " ".join(drive_speed_text(figures).split())
+
+
+def test_thoma_is_just_within_the_rule() -> None:
+    found = drive_speed(scene("[10, 1]"))
+    assert found is not None
+    assert (found.verdict, found.shaft) == ("fair", 1)
+    assert found.share == pytest.approx(1 / 11, rel=1e-3)
+    words = said(scene("[10, 1]"))
+    assert "the drive varies by 0.201 % from peak to peak" in words
+    assert "shaft 1 varies by 2.21 %, so the share is 9.09 %; the limit is 10 %" in words
+    assert "not a fair assumption" in said(scene("[8, 1]"))
+
+
+def test_the_inertia_that_it_names_is_enough() -> None:
+    for inertias in ("[8, 1]", "[0, 1]"):
+        words = said(scene(inertias))
+        needed = float(words.partition(" kg m²")[0].rpartition(" ")[2])
+        again = drive_speed(scene(f"[{needed}, 1]"))
+        assert again is not None
+        assert again.verdict == "fair"
+        assert again.share == pytest.approx(SHARE, rel=0.01)
+        less = drive_speed(scene(f"[{0.99 * needed}, 1]"))
+        assert less is not None
+        assert less.verdict == "not fair"
+
+
+def test_the_shaft_is_that_whose_energy_varies_most() -> None:
+    found = drive_speed(scene("[5, 0.001, 2]", "[20, 14]"))
+    assert found is not None
+    assert found.shaft == 2
+    assert found.shaft_variation == pytest.approx(
+        cardan.Driveline.from_bends([20, 14], degrees=True).equivalent(2).non_uniformity
+    )
+    light = drive_speed(scene("[5, 1, 0.001]", "[20, 14]"))
+    assert light is not None
+    assert light.shaft == 1
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        scene(""),
+        scene("[1, 1]", speed="acceleration_rad_s2 = 5"),
+        scene("[1, 0]"),
+        scene("[1, 1]", "[0]"),
+        scene("[1, 0, 3]", "[10, 10]\ntwists_deg = [180]"),
+    ],
+    ids=["no load", "no speed", "no driven inertia", "straight", "only behind cancelled joints"],
+)
+def test_where_nothing_depends_on_it(given: Scene) -> None:
+    assert drive_speed(given) is None
+
+
+def test_check_and_report_say_it(tmp_path: Path) -> None:
+    path = ROOT / "examples" / "drive_inertia.toml"
+    done = CliRunner().invoke(commands(), ["check", str(path)])
+    assert "\n\nConstant drive speed: a fair assumption\n" in done.output
+    assert max(map(len, done.output.splitlines())) <= 79
+    data: Any = json.loads(CliRunner().invoke(commands(), ["check", str(path), "--json"]).stdout)
+    ANSWERS.validate(data)
+    assert data["drive_speed"]["share"] == pytest.approx(1 / 11, rel=1e-3)
+    assert data["drive_speed"]["needed_inertia_kgm2"] == pytest.approx(0.18, rel=0.01)
+    write_report(Scene.load(path), tmp_path / "a.html")
+    assert "<strong>Constant drive speed: a fair assumption.</strong>" in (
+        tmp_path / "a.html"
+    ).read_text("utf-8")
+    # It is advice and no limit.
+    weak = path.read_text().replace("[8.5]", "[2]").replace("[0.2,", "[0.01,")
+    (tmp_path / "weak.toml").write_text(weak)
+    done = CliRunner().invoke(commands(), ["check", str(tmp_path / "weak.toml")])
+    assert "not a fair assumption" in done.output
+    assert done.exit_code == 0
+
+
+def test_the_picture() -> None:
+    line = cardan.Driveline.from_bends([8.5], degrees=True)
+    axes = plot_drive_speed(line, [[1.0, 1.0], [10.0, 1.0]])
+    first, second = axes.get_lines()
+    free = line.free_running([10.0, 1.0])
+    angles = np.radians(np.asarray(second.get_xdata(), dtype=float))
+    drawn = np.asarray(second.get_ydata(), dtype=float)
+    assert drawn == pytest.approx(100 * (free.speed_ratio(angles) - 1), abs=1e-9)
+    assert first.get_label() == "1 kg m²"
+    with pytest.raises(ValueError, match="labels has 2 entries; there are 1 curves"):
+        plot_drive_speed(line, [1.0, 1.0], labels=["a", "b"])

@@ -1,0 +1,222 @@
+"""The spline of a scene: travel, engagement, axial force, errors, answers, the page."""
+
+from __future__ import annotations
+
+import json
+import math
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import cardan
+from cardan.command import commands
+from cardan.figures.schema import answers_schema
+from cardan.figures.slip import SlipFigures, slip_data, slip_figures
+from cardan.report import write_report
+from cardan.scene import Scene
+from cardan.scene.errors import SceneError
+from cardan.words.slip import slip_text
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "examples" / "slip.toml").read_text(encoding="utf-8")
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+SCENES = jsonschema.Draft202012Validator(Scene.schema())
+HEIGHTS = np.linspace(-180, 60, 49)
+
+
+def changed(*pairs: tuple[str, str]) -> str:
+    text = TEXT
+    for old, new in pairs:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
+def figures(text: str = TEXT) -> SlipFigures:
+    found = slip_figures(Scene.parse(text))
+    assert found is not None
+    return found
+
+
+def length(height: float) -> float:
+    return math.dist((300, 0, 0), (1500, height, 40))
+
+
+def test_lengths_over_the_study() -> None:
+    found = figures()
+    lengths = [length(height) for height in HEIGHTS.tolist()]
+    assert found.drivelines == 49
+    assert found.length == pytest.approx(length(-110))
+    assert found.shortest.value == pytest.approx(min(lengths))
+    assert found.longest.value == pytest.approx(max(lengths))
+    assert found.longest.at == {"points_mm.2-3.y": -180.0}
+    assert found.shortest.at == {"points_mm.2-3.y": 0.0}
+    assert found.travel.value == pytest.approx(max(lengths) - min(lengths))
+    assert found.engaged.value == pytest.approx(80 - (max(lengths) - length(-110)))
+    assert found.push_in.value == pytest.approx(25 - (length(-110) - min(lengths)))
+    assert (found.verdict, found.passes, found.others) == ("within", True, ())
+
+
+def test_metres_are_the_same() -> None:
+    metres = changed(
+        ("points_mm = [", "points_m = ["),
+        ("[300, 0, 0]", "[0.3, 0, 0]"),
+        ("[1500, -110, 40]", "[1.5, -0.11, 0.04]"),
+        ("[1800, -110, 40]", "[1.8, -0.11, 0.04]"),
+        ("points_mm.2-3.y = {from = -180, to = 60", "points_m.2-3.y = {from = -0.18, to = 0.06"),
+    )
+    one, other = figures(), figures(metres)
+    assert other.length == pytest.approx(one.length)
+    assert other.travel.value == pytest.approx(one.travel.value)
+    assert other.force == pytest.approx(one.force)
+
+
+def test_the_force_is_that_of_the_library_at_the_worst_of_the_study() -> None:
+    found = figures()
+    points = np.zeros((49, 1, 4, 3))
+    points[..., 1, :] = 300, 0, 0
+    points[..., 2, :] = 1500, 0, 40
+    points[..., 3, :] = 1800, 0, 40
+    points[..., 2:, 1] = HEIGHTS[:, None, None]
+    lines = cardan.Driveline.from_points(points)
+    # Two equal joints: the middle shaft carries most where it is slowest.
+    torque = 400.0 / np.cos(lines.bends[:, 0, 0])
+    assert found.torque is not None
+    assert found.torque.value == pytest.approx(torque.max(), rel=1e-9)
+    force = lines[:, 0].spline_force(1, torque, 0.12, 0.02)
+    assert found.force == pytest.approx(force.axial.max(), rel=1e-9)
+    up, down = found.supports
+    assert (up.side, up.shaft, down.side, down.shaft) == ("upstream", 0, "downstream", 2)
+    assert up.axial == pytest.approx(force.upstream_axial.max(), rel=1e-9)
+    assert up.transverse == pytest.approx(force.upstream_transverse.max(), rel=1e-9)
+    assert down.transverse == pytest.approx(force.downstream_transverse.max(), rel=1e-9)
+
+
+def test_what_it_adds_to_bearings() -> None:
+    whole = Scene.parse(TEXT[: TEXT.index("[study]")])
+    geometry = whole.line._geometry._replace(
+        bearings=(0, 0, 2, 2), positions=np.array([100.0, 250.0, 60.0, 160.0])
+    )
+    found = slip_figures(replace(whole, line=whole.line._of(geometry)))
+    assert found is not None
+    across = found.supports[1].transverse
+    assert [load.shaft for load in found.bearings] == [0, 0, 2, 2]
+    assert found.bearings[2].force == pytest.approx(1.6 * across)
+    assert found.bearings[3].force == pytest.approx(0.6 * across)
+    words = slip_text(found)
+    assert "added to bearing 2, shaft 2" in words
+    assert "(a + b)/b" not in words
+    assert [entry["bearing"] for entry in slip_data(found)["bearings"]] == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("travel_mm = 40", "travel_mm = 10", "its travel exceeds the permitted one by 3.418 mm"),
+        (
+            "least_engaged_mm = 65",
+            "least_engaged_mm = 75",
+            "mm of engaged length are missing at points_mm.2-3.y = -180",
+        ),
+        ("push_in_mm = 25", "push_in_mm = 2", "mm too early at points_mm.2-3.y = 0"),
+        ("engaged_mm = 80 ", "engaged_mm = 5 ", "it comes apart at points_mm.2-3.y = -180"),
+    ],
+)
+def test_what_does_not_suffice(old: str, new: str, words: str, tmp_path: Path) -> None:
+    path = tmp_path / "slip.toml"
+    path.write_text(changed((old, new)))
+    found = figures(path.read_text())
+    assert found.verdict == "beyond"
+    assert words in " ".join(slip_text(found).split())
+    assert CliRunner().invoke(commands(), ["check", str(path)]).exit_code == 1
+
+
+def test_one_position_has_no_travel() -> None:
+    text = TEXT[: TEXT.index("[study]")]
+    found = figures(text)
+    assert (found.drivelines, found.travel.value) == (1, 0.0)
+    assert "These are figures of one position" in slip_text(found)
+    assert found.torque is not None
+    bend = math.atan(math.hypot(110, 40) / 1200)
+    assert found.torque.value == pytest.approx(400 / math.cos(bend), rel=1e-9)
+
+
+def test_without_friction_load_or_limits() -> None:
+    for part in ("friction = 0.12", "output_torque_Nm = 400"):
+        text = changed((part, ""))
+        text = text.replace("radius_mm = 20", "") if part.startswith("friction") else text
+        text = text.replace('quantities = ["torque"]', "")
+        found = figures(text)
+        assert (found.torque, found.force, found.supports) == (None, None, ())
+    bare = changed(("travel_mm = 40", ""), ("least_engaged_mm = 65", ""), ("push_in_mm = 25", ""))
+    assert figures(bare).verdict == "not judged"
+    assert "is not judged" in slip_text(figures(bare))
+
+
+def test_other_shafts_that_change_their_length() -> None:
+    found = figures(changed(("points_mm.2-3.y", "points_mm.2.y")))
+    assert [shaft for shaft, _ in found.others] == [2]
+    assert "Shaft 2 changes its length by" in slip_text(found)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("shaft = 1 ", "shaft = 3 ", "line 21: [slip] shaft is 3; there are 3, counted from 0"),
+        ("shaft = 1 ", "", "[slip] shaft is missing"),
+        ("engaged_mm = 80 ", "", "[slip] least_engaged_mm needs engaged_mm, which is missing"),
+        ("friction = 0.12 ", "", "[slip] radius_mm needs friction, which is missing"),
+        ("radius_mm = 20 ", "", "[slip] friction needs radius_mm, which is missing"),
+        ("travel_mm = 40", "travel_mm = -1", "[slip] travel_mm is -1; it must be positive"),
+        ("travel_mm = 40", "travel_m = 1", "travel_mm holds millimetres"),
+    ],
+)
+def test_errors(old: str, new: str, message: str) -> None:
+    text = changed((old, new))
+    with pytest.raises(SceneError) as caught:
+        Scene.parse(text, "slip.toml")
+    assert message in str(caught.value)
+    assert str(caught.value).startswith("slip.toml, line ")
+    valid = SCENES.is_valid(tomllib.loads(text))
+    assert valid == ("there are 3" in message)
+
+
+def test_bends_have_no_lengths() -> None:
+    bends = "[driveline]\nbends_deg = [3, 3]\n"
+    with pytest.raises(SceneError, match=r"shaft has no length; \[slip\] needs points_mm or"):
+        Scene.parse(f"{bends}[slip]\nshaft = 1\n")
+    with pytest.raises(SceneError, match=r"closed_forms 'length' needs points_mm or points_m"):
+        Scene.parse(f"{bends}[output]\nclosed_forms = ['length']\n")
+
+
+def test_the_study_has_a_column_of_lengths() -> None:
+    study = Scene.parse(TEXT).run().study
+    assert study is not None
+    (column,) = (column for column in study.columns if column.quantity == "length")
+    assert (column.name, column.unit, column.item) == ("length_1", "mm", 1)
+    assert study.values["length_1"] == pytest.approx([length(y) for y in HEIGHTS.tolist()])
+
+
+def test_answers_and_report(tmp_path: Path) -> None:
+    path = tmp_path / "slip.toml"
+    path.write_text(TEXT)
+    for command in ("run", "check"):
+        more = ["--into", str(tmp_path)] if command == "run" else []
+        done = CliRunner().invoke(commands(), [command, str(path), "--json", *more])
+        data: Any = json.loads(done.stdout)
+        ANSWERS.validate(data)
+        assert data["slip"] == json.loads(json.dumps(slip_data(figures())))
+        assert data["slip"]["shaft"] == 1
+    assert data["passes"]
+    write_report(Scene.load(path), tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text("utf-8")
+    assert '<a href="#slip">Spline</a>' in page
+    assert "The spline of shaft 1 adds an axial force of up to 2428 N while it slides." in page
+    assert "The spline is within the limits that the scene gives." in page
+    assert max(map(len, slip_text(figures()).splitlines())) <= 79
