@@ -27,6 +27,7 @@ macro_rules! compiled_for {
         }
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         {
+            let _ = $level;
             $run
         }
     }};
