@@ -30,7 +30,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="small sizes; no file")
     quick: bool = parser.parse_args().quick
-    seconds = 0.02 if quick else 0.4
+    seconds = 0.02 if quick else 0.2
     text = [
         "# Choices",
         "",
