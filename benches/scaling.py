@@ -11,7 +11,6 @@ import argparse
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
@@ -20,6 +19,7 @@ import numpy as np
 
 import cardan
 import report
+from shortest import digits, shortest, table
 
 MOTION = ("angle", "speed_ratio", "acceleration_ratio")
 
@@ -53,31 +53,8 @@ def main() -> None:
         (Path(__file__).parent / "scaling.md").write_text("\n".join(text), encoding="utf-8")
 
 
-def _shortest(calls: Sequence[Callable[[], object]]) -> list[float]:
-    """Shortest seconds of each of some calls, run in turn."""
-    seconds = 0.1 if "--quick" in sys.argv else 0.6
-    for call in calls:
-        call()
-    best = [float("inf")] * len(calls)
-    end = time.perf_counter() + seconds * len(calls)
-    rounds = 0
-    while rounds < 3 or time.perf_counter() < end:
-        for i, call in enumerate(calls):
-            start = time.perf_counter()
-            call()
-            best[i] = min(best[i], time.perf_counter() - start)
-        rounds += 1
-    return best
-
-
-def _table(heads: Sequence[str], lines: Iterable[Sequence[str]]) -> list[str]:
-    rows = [heads, ["---"] * len(heads), *lines]
-    return [*("| " + " | ".join(row) + " |" for row in rows), ""]
-
-
-def _digits(figure: float) -> str:
-    """Three digits, without an exponent."""
-    return f"{float(f'{figure:.3g}'):g}"
+def _times(calls: Sequence[Callable[[], object]]) -> list[float]:
+    return shortest(calls, 0.1 if "--quick" in sys.argv else 0.6)
 
 
 def _line(n: int) -> cardan.Driveline:
@@ -93,12 +70,12 @@ def _joints(num: int) -> list[str]:
     angle = np.linspace(-50.0, 50.0, num)
     out = {name: np.empty(num) for name in MOTION}
     plans = [_line(n).plan(MOTION, workers=1) for n in counts]
-    prepared = _shortest([partial(plan, angle, out) for plan in plans])
-    folding = _shortest([lambda n=n: _line(n).plan(MOTION, workers=1) for n in counts])
+    prepared = _times([partial(plan, angle, out) for plan in plans])
+    folding = _times([lambda n=n: _line(n).plan(MOTION, workers=1) for n in counts])
     return [
         f"## Joints ({report.size(num)} angles, three outputs, one thread)",
         "",
-        *_table(
+        *table(
             ["joints", *map(str, counts)],
             [
                 ["ns per angle", *(f"{1e9 * t / num:.2f}" for t in prepared)],
@@ -115,7 +92,7 @@ def _angles(largest: int) -> list[str]:
     for num in nums:
         angle = np.linspace(-50.0, 50.0, num)
         out = {"speed_ratio": np.empty(num)}
-        best = _shortest(
+        best = _times(
             [
                 partial(plans[1], angle, out),
                 partial(plans[-1], angle, out),
@@ -123,9 +100,9 @@ def _angles(largest: int) -> list[str]:
                 partial(np.copyto, out["speed_ratio"], angle),
             ]
         )
-        lines.append([report.size(num), *(_digits(1e9 * t / num) for t in best)])
+        lines.append([report.size(num), *(digits(1e9 * t / num) for t in best)])
     heads = ["angles", "one thread", "all threads", "all threads, new array", "one thread copying"]
-    return ["## Angles (`speed_ratio` of one joint, ns per angle)", "", *_table(heads, lines)]
+    return ["## Angles (`speed_ratio` of one joint, ns per angle)", "", *table(heads, lines)]
 
 
 def _drivelines(largest: int) -> list[str]:
@@ -138,7 +115,7 @@ def _drivelines(largest: int) -> list[str]:
         own = cardan.Driveline.from_bends(bends)
         batch = own[:, None]
         angles = np.full(num, 0.3)
-        best = _shortest(
+        best = _times(
             [
                 partial(cardan.Driveline.from_bends, bends),
                 partial(own.evaluate, angles, "speed_ratio"),
@@ -147,7 +124,7 @@ def _drivelines(largest: int) -> list[str]:
             ]
         )
         counts = (num, num, 720 * num, 2160 * num)
-        figures = (_digits(1e9 * t / n) for t, n in zip(best, counts, strict=True))
+        figures = (digits(1e9 * t / n) for t, n in zip(best, counts, strict=True))
         lines.append([report.size(num), *figures])
     heads = [
         "drivelines of three joints",
@@ -156,7 +133,7 @@ def _drivelines(largest: int) -> list[str]:
         "peak of `angle_error` over 720 angles, ns per angle",
         "peak of `moment` of three joints, ns per angle and joint",
     ]
-    return ["## Drivelines (all threads)", "", *_table(heads, lines)]
+    return ["## Drivelines (all threads)", "", *table(heads, lines)]
 
 
 def _threads(num: int) -> Iterable[str]:
@@ -165,7 +142,7 @@ def _threads(num: int) -> Iterable[str]:
     out = {name: np.empty(num) for name in MOTION}
     turn = cardan.Sweep.revolutions(1, 720)
     batch = cardan.Driveline.from_bends(np.radians(np.linspace(1.0, 30.0, num // 1000))[:, None])
-    best = _shortest(
+    best = _times(
         [
             lambda: _line(1).evaluate(angle, MOTION, out=out),
             lambda: _line(1).evaluate(angle, MOTION, out=out, tolerance=0.0),
@@ -173,7 +150,7 @@ def _threads(num: int) -> Iterable[str]:
         ]
     )
     counts = (num, num, batch.shape[0] * 720)
-    return (_digits(1e9 * t / n) for t, n in zip(best, counts, strict=True))
+    return (digits(1e9 * t / n) for t, n in zip(best, counts, strict=True))
 
 
 def _pools(quick: bool) -> list[str]:
@@ -192,7 +169,7 @@ def _pools(quick: bool) -> list[str]:
         "the same with `tolerance=0`",
         f"peak of `angle_error` over 720 angles, {report.size(num // 1000)} drivelines",
     ]
-    return ["## Threads (`RAYON_NUM_THREADS`, ns per angle)", "", *_table(heads, lines)]
+    return ["## Threads (`RAYON_NUM_THREADS`, ns per angle)", "", *table(heads, lines)]
 
 
 if __name__ == "__main__":

@@ -115,6 +115,7 @@ def test_contributing_names_what_ci_runs() -> None:
         "python benches/pairwise.py --base before/bin/python --new after/bin/python",
         "cargo deny --exclude-dev check",
         "pip-audit",
+        ".ci/arm64",
     }
     assert {step for step in steps if step not in ci and "pip install" not in step} == by_hand
 

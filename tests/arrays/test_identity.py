@@ -7,13 +7,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load, Result, Sweep, _core
+from cardan import OUTPUTS, Driveline, Load, Result, Sweep, _core
 from cardan.plan import Plan
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven")
 TILTS = ("tilt_driving", "tilt_driven")
 ALL = (*MOTION, *LOADS, *TILTS)
+TIERS: dict[str, dict[str, Any]] = {
+    "default": {},
+    "tolerance=0": {"tolerance": 0.0},
+    "tolerance=1e-6": {"tolerance": 1e-6},
+    "float32": {"dtype": np.float32},
+}
 
 LINES = {
     "one joint": Driveline.from_bends([0.5]),
@@ -57,8 +63,20 @@ def contiguous(result: Result) -> Result:
 
 
 @pytest.mark.parametrize("level", _core.levels())
-def test_every_level(line: Driveline, level: str) -> None:
-    same(contiguous(evaluate(line, ANGLES, level=level)), contiguous(evaluate(line, ANGLES)))
+@pytest.mark.parametrize("tier", TIERS, ids=str)
+def test_every_level(line: Driveline, tier: str, level: str) -> None:
+    assert set(ALL) == set(OUTPUTS)
+    options = TIERS[tier]
+    for angle in (ANGLES, Sweep(0.1, 4321.0, 2500), Sweep.revolutions(3, 500)):
+        # One output alone takes other loops than all together.
+        for names in (ALL, *ALL):
+            want = contiguous(evaluate(line, angle, names, **options))
+            same(contiguous(evaluate(line, angle, names, level=level, **options)), want)
+
+
+def test_a_level_that_the_machine_does_not_have() -> None:
+    with pytest.raises(ValueError, match='level "avx1024" is not available here'):
+        evaluate(LINES["one joint"], ANGLES, level="avx1024")
 
 
 SWEEPS = {
