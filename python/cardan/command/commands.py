@@ -52,6 +52,7 @@ from cardan.scene.streaming import stream as stream_curves
 from cardan.words.advice import remedies
 from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
+from cardan.words.signals import signals_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
@@ -185,6 +186,8 @@ def commands() -> click.Group:
             return
         if whole.title:
             say_before_files(f"{whole.title}\n")
+        if recorded := signals_text(angles):
+            say_before_files(f"{recorded}\n")
         say_before_files(summary_text(rows, angles, radians=radians))
         if whole.missing:
             say_before_files(f"\n{missing_of(whole)}")
@@ -212,8 +215,12 @@ def commands() -> click.Group:
             raise click.ClickException(hint) from None
         rate = done.rows / (time.perf_counter() - begun) / 1e6
         say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
-        angles = recorded_angles(done.rows, done.missing, done.ends_deg, done.turns, radians)
+        angles = recorded_angles(
+            done.rows, done.missing, done.ends_deg, done.turns, done.signals, radians
+        )
         say(f"drive angles {angles_text(angles, radians=radians)}")
+        if done.signals:
+            say(signals_text(angles))
         if warning := few_samples_text(angles["samples_per_turn"]):
             say(f"cardan: {warning}", on_error=True)
         if done.missing:

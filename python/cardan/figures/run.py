@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 from cardan.figures.answers import ANGLE, answer, answer_schema, one_of, record
 from cardan.figures.extremes import StudyTable, study_data
@@ -11,6 +11,7 @@ from cardan.figures.summary import Row, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.scene import Scene
+from cardan.scene.signals import Measured
 
 
 def run_data(
@@ -43,6 +44,23 @@ _VALUE = {f"value{ending}": _NUMBER for ending in ("", "_deg", "_rad", "_rpm", "
 _OF_DRIVELINE = ("bend", "twist", "phase", "equivalent_bend", "non_uniformity")
 _OF_DRIVE = ("speed", "acceleration_at_steady_drive")
 _ITEM = {"shaft": _COUNT, "joint": _COUNT}
+_SIGNAL = record(
+    {
+        "signal": {"enum": list(get_args(Measured))},
+        "column": {
+            "type": ["string", "null"],
+            "description": "the recorded column; null of what was derived from others",
+        },
+        "unit": {"enum": ["s", "rpm", "rad/s", "rad/s²", "N m"]},
+        **{end: {"type": "number"} for end in ("first", "last", "min", "max")},
+    },
+    {
+        "filter_samples": {
+            **_COUNT,
+            "description": "samples of the parabola that derived it by differentiating",
+        }
+    },
+)
 _AT = {
     "type": "array",
     "description": "the keys on which the figure depends there",
@@ -69,6 +87,7 @@ RUN_SCHEMA: Mapping[str, Any] = answer_schema(
                 {f"{end}_{angle}": {"type": "number"} for angle in ANGLE}
                 for end in ("first", "last")
             ),
+            optional={"signals": {"type": "array", "items": _SIGNAL}},
         ),
         "rows": {
             "type": "array",

@@ -104,7 +104,8 @@ def _panel(
     unit = panel.in_unit(output, np.empty(0))[1]
     if output.name == "acceleration_ratio" and result.scene.speed:
         size = result.scene.speed**2
-        in_unit, unit = [values * size for values in in_unit], " [rad/s²]"
+        speed = result.scene.load_case.speed if result.scene.load_case else 0.0
+        in_unit, unit = [values * speed**2 for values in in_unit], " [rad/s²]"
         heading = "acceleration" + " at steady drive" * result.scene.accelerates
     extents = np.array([_extent(values) for values in in_unit])
     # Those that vary most, of equal ones the first, in the order of the driveline.

@@ -117,9 +117,14 @@ def _title(figure: Figure, scene: Scene) -> float:
     first, last = (number(round(float(find(angles)), 2)) for find in (np.nanmin, np.nanmax))
     said = [f"drive angle {first}° to {last}°", f"{len(angles)} samples"]
     said[1] += f" of {scene.recording.name}" if scene.recording else ""
-    said += [f"drive at {number(float(f'{scene.speed / RPM:.6g}'))} rpm"] if scene.speed else []
+    if scene.speed:
+        said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)} rpm"]
     _text(figure, _MARGIN, y - 0.5, ", ".join(said))
     return y - 5.0
+
+
+def _rpm(speed: float) -> str:
+    return number(float(f"{speed / RPM:.6g}"))
 
 
 def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:

@@ -46,6 +46,7 @@ class Section:
         keys: what it may contain.
         together: keys of which at most one may be given.
         needed: keys that must be given, one of each group.
+        implied: keys, each with another that it needs.
         fewest: how many keys there must be.
     """
 
@@ -53,6 +54,7 @@ class Section:
     keys: Mapping[str, Key]
     together: tuple[tuple[str, str], ...] = ()
     needed: tuple[tuple[str, ...], ...] = ()
+    implied: tuple[tuple[str, str], ...] = ()
     fewest: int = 0
 
 
@@ -95,6 +97,12 @@ TEETH = "teeth"
 
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
 """The keys for recorded bends; a scene uses at most one of them."""
+
+ANGLE_COLUMNS = ("angle_column_deg", "angle_column_rad")
+"""The keys for recorded drive angles; a scene uses at most one of them."""
+
+SPEED_COLUMNS = ("speed_column_rpm", "speed_column_rad_s")
+"""The keys for a recorded speed of the drive; a scene uses at most one of them."""
 
 DRIVE_ANGLES = ("sweep", "angles")
 """The sections that give the drive angles; a scene has at most one of them."""
@@ -205,7 +213,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
         ),
         "angles": Section(
-            "instead of [sweep]: recorded drive angles, one sample per row of a file",
+            "instead of [sweep]: recorded drive angles or speeds, one sample per row of a file",
             {
                 "file": Key(
                     kinds.RECORDING,
@@ -214,14 +222,45 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 ),
                 "angle_column_deg": Key(kinds.TEXT, "name of the column in degrees"),
                 "angle_column_rad": Key(kinds.TEXT, "or: of the column in radians"),
+                "time_column_s": Key(
+                    kinds.TEXT,
+                    "name of the column of times; angles or speeds then make speed and "
+                    "acceleration of the drive",
+                ),
+                "speed_column_rpm": Key(
+                    kinds.TEXT, "name of the column of the drive's speed, integrated to the angle"
+                ),
+                "speed_column_rad_s": Key(kinds.TEXT, "or: the same in rad/s"),
+                "torque_column_Nm": Key(
+                    kinds.TEXT, "name of the column of the torque put into shaft 0"
+                ),
+                "start_deg": Key(
+                    kinds.START, "with a speed: drive angle of the first sample", default=0
+                ),
+                "filter_reach": Key(
+                    kinds.REACH,
+                    "with times: samples on each side of the parabola that differentiates",
+                    default=5,
+                ),
+                "raster_s": Key(
+                    kinds.POSITIVE,
+                    "of an MDF file with a speed: interpolate all channels at steps of so many "
+                    "seconds; default: the channels have common times",
+                ),
                 "bend_columns_deg": Key(
                     kinds.COLUMNS,
                     "instead of bends_deg: one column per joint with its bend at each sample",
                 ),
                 "bend_columns_rad": Key(kinds.COLUMNS, "or: the same in radians"),
             },
-            together=(("angle_column_deg", "angle_column_rad"), BEND_COLUMNS),
-            needed=(("file",), ("angle_column_deg", "angle_column_rad")),
+            together=(
+                ANGLE_COLUMNS,
+                SPEED_COLUMNS,
+                BEND_COLUMNS,
+                *((key, angle) for key in ("start_deg", "raster_s") for angle in ANGLE_COLUMNS),
+            ),
+            needed=(("file",), (*ANGLE_COLUMNS, *SPEED_COLUMNS)),
+            implied=tuple((key, "time_column_s") for key in (*SPEED_COLUMNS, "filter_reach")),
         ),
         "limits": Section(
             "what check compares with; a figure is a number or [limit, maximum]: within up to the "
@@ -376,6 +415,9 @@ def _section_schema(section: Section) -> dict[str, Any]:
         described["minProperties"] = section.fewest
     rules = [_not_both(*keys) for keys in section.together]
     rules += [{"anyOf": [{"required": [key]} for key in keys]} for keys in section.needed]
+    rules += [
+        {"if": {"required": [key]}, "then": {"required": [other]}} for key, other in section.implied
+    ]
     if rules:
         described["allOf"] = rules
     return described
