@@ -127,9 +127,10 @@ def test_a_parabola_as_numpy_fits_it(reach: int) -> None:
 def test_the_share_that_the_filter_keeps(reach: int) -> None:
     """As the documentation states it, at equal steps."""
     step = 0.01
-    time = step * np.arange(2001)
+    time: Floats = np.asarray(step * np.arange(2001), np.float64)
     for wave in (1.0, 2.0, 4.0):
-        first, _ = derivatives(time, np.sin(wave * time), np.ones(time.size, bool), reach)
+        signal = np.asarray(np.sin(wave * time), np.float64)
+        first, _ = derivatives(time, signal, np.ones(time.size, bool), reach)
         inner = slice(reach, -reach)
         kept = float(first[inner] @ np.cos(wave * time[inner])) / wave
         kept /= float(np.cos(wave * time[inner]) @ np.cos(wave * time[inner]))

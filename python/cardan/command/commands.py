@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 import numpy as np
 
@@ -44,6 +44,7 @@ from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
+from cardan.plots.abscissa import Over
 from cardan.report import write_report
 from cardan.scene import starters
 from cardan.scene.cluster import StudyFolder
@@ -239,18 +240,26 @@ def commands() -> click.Group:
         metavar="FIGURE",
         help="Draw this figure of the study instead.",
     )
-    def plot(scene: Path, output: Path | None, study: str | None) -> None:
+    @click.option(
+        "--over",
+        type=click.Choice(get_args(Over)),
+        help="Draw over this; default: the time where it was recorded, else the turns.",
+    )
+    def plot(scene: Path, output: Path | None, study: str | None, over: Over | None) -> None:
+        if study is not None and over is not None:
+            raise click.UsageError("--over does not go with --study")
         path = output or Path(f"{scene.stem}.svg")
         loaded = Scene.load(scene)
         check_output(loaded, path)
         with progress_bar() as progress:
             result = loaded.run(progress)
         try:
-            write_picture(result, path, study)
+            write_picture(result, path, study, over=over)
         except ArgumentValueError as error:
-            if error.argument != "column":
+            option = {"column": "--study", "over": "--over"}.get(error.argument)
+            if option is None:
                 raise
-            raise ValueError(f"--study {error.problem}") from None
+            raise ValueError(f"{option} {error.problem}") from None
         say(f"wrote {path}")
 
     @cardan.command(help=help_text.REPORT, short_help="Write a page to share.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from os import PathLike
@@ -59,7 +60,6 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
     asammdf = import_optional("asammdf", "mdf")
     # Opened here, because asammdf leaves a damaged file open.
     with open(path, "rb") as source:
-        # Such a file fails in asammdf once more when it is removed.
         if source.read(8) not in _BEGINNINGS:
             raise ValueError("not an MDF file")
         source.seek(0)
@@ -68,9 +68,23 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
         except Exception as error:
             # Of a damaged file asammdf raises whatever its bytes lead to.
             reason = short(" ".join(str(error).split()))
+            _drop(error)
             raise ValueError(f"not a readable MDF file: {reason}") from None
         with file:
             yield file
+
+
+def _drop(error: Exception) -> None:
+    """Drop the half-read file, which only an error's traceback holds.
+
+    asammdf fails once more when it closes such a file, and Python would print that.
+    """
+    hook = sys.unraisablehook
+    sys.unraisablehook = lambda _: None
+    try:
+        error.__traceback__ = None
+    finally:
+        sys.unraisablehook = hook
 
 
 def _groups(file: Any, names: Sequence[str]) -> list[list[int]]:  # noqa: ANN401 - of asammdf
