@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import sys
+import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from os import PathLike
@@ -68,23 +68,23 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
         except Exception as error:
             # Of a damaged file asammdf raises whatever its bytes lead to.
             reason = short(" ".join(str(error).split()))
-            _drop(error)
+            _give_header(error)
             raise ValueError(f"not a readable MDF file: {reason}") from None
         with file:
             yield file
 
 
-def _drop(error: Exception) -> None:
-    """Drop the half-read file, which only an error's traceback holds.
+def _give_header(error: Exception) -> None:
+    """Give a half-read file the header that it lacks.
 
-    asammdf fails once more when it closes such a file, and Python would print that.
+    asammdf removes the header when the file is closed, and where there is none Python would print
+    that as an error of its own.
     """
-    hook = sys.unraisablehook
-    sys.unraisablehook = lambda _: None
-    try:
-        error.__traceback__ = None
-    finally:
-        sys.unraisablehook = hook
+    for frame, _ in traceback.walk_tb(error.__traceback__):
+        half_read: Any = frame.f_locals.get("self")
+        # MDF itself has a property of that name, which asks the reader of the version.
+        if type(half_read).__name__ in ("MDF3", "MDF4") and not hasattr(half_read, "header"):
+            half_read.header = None
 
 
 def _groups(file: Any, names: Sequence[str]) -> list[list[int]]:  # noqa: ANN401 - of asammdf
