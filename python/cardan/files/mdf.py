@@ -68,23 +68,22 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
         except Exception as error:
             # Of a damaged file asammdf raises whatever its bytes lead to.
             reason = short(" ".join(str(error).split()))
-            _give_header(error)
+            _call_closed(error)
             raise ValueError(f"not a readable MDF file: {reason}") from None
         with file:
             yield file
 
 
-def _give_header(error: Exception) -> None:
-    """Give a half-read file the header that it lacks.
+def _call_closed(error: Exception) -> None:
+    """Tell a half-read file that it is closed.
 
-    asammdf removes the header when the file is closed, and where there is none Python would print
-    that as an error of its own.
+    asammdf closes it once more when it is removed, which fails for want of what was not read, and
+    Python would print that as an error of its own.
     """
     for frame, _ in traceback.walk_tb(error.__traceback__):
         half_read: Any = frame.f_locals.get("self")
-        # MDF itself has a property of that name, which asks the reader of the version.
-        if type(half_read).__name__ in ("MDF3", "MDF4") and not hasattr(half_read, "header"):
-            half_read.header = None
+        if type(half_read).__name__ in ("MDF3", "MDF4"):
+            half_read._closed = True
 
 
 def _groups(file: Any, names: Sequence[str]) -> list[list[int]]:  # noqa: ANN401 - of asammdf
