@@ -75,7 +75,7 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
 
 
 def _call_closed(error: Exception) -> None:
-    """Tell a half-read file that it is closed.
+    """Close the temporary file of a half-read one and tell it that it is closed.
 
     asammdf closes it once more when it is removed, which fails for want of what was not read, and
     Python would print that as an error of its own.
@@ -84,6 +84,8 @@ def _call_closed(error: Exception) -> None:
         half_read: Any = frame.f_locals.get("self")
         if type(half_read).__name__ in ("MDF3", "MDF4"):
             half_read._closed = True
+            if half_read._tempfile is not None:
+                half_read._tempfile.close()
 
 
 def _groups(file: Any, names: Sequence[str]) -> list[list[int]]:  # noqa: ANN401 - of asammdf
