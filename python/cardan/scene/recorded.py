@@ -148,16 +148,18 @@ class Recording:
 
     def _check(self, rows: _Rows, first: int) -> None:
         for key, name in self._columns.items():
-            wrong = np.flatnonzero(np.abs(rows[key]) > _LARGEST)
-            if wrong.size:
-                value = f"is {rows[key][wrong[0]]}; it must lie within ±{_LARGEST:g}"
-                raise self._error(first + int(wrong[0]), name, value)
+            low, high = _extent(rows[key])
+            if low < -_LARGEST or high > _LARGEST:
+                row = int(np.argmax(np.abs(rows[key]) > _LARGEST))
+                value = f"is {rows[key][row]}; it must lie within ±{_LARGEST:g}"
+                raise self._error(first + row, name, value)
         end, unit = (math.pi / 2, "pi/2) rad") if self._bend_unit == "rad" else (90.0, "90) deg")
         for key, name in self._bends.items():
-            wrong = np.flatnonzero((rows[key] < 0.0) | (rows[key] >= end))
-            if wrong.size:
-                value = f"is {rows[key][wrong[0]]}; a bend must lie in [0, {unit}"
-                raise self._error(first + int(wrong[0]), name, value)
+            low, high = _extent(rows[key])
+            if low < 0.0 or high >= end:
+                row = int(np.argmax((rows[key] < 0.0) | (rows[key] >= end)))
+                value = f"is {rows[key][row]}; a bend must lie in [0, {unit}"
+                raise self._error(first + row, name, value)
         if self._timed:
             time = rows["time_column_s"]
             known = np.flatnonzero(~np.isnan(time))
@@ -178,8 +180,9 @@ class Recording:
     def _angles(self, held: _Rows, rows: slice, first: int) -> Angles:
         """The samples of some of the rows held."""
         part = {key: column[rows] for key, column in held.items()}
-        recorded = [part[key] for key in (*self._columns, *self._bends)]
-        known: NDArray[np.bool_] = ~np.any(np.isnan(np.stack(recorded)), axis=0)
+        known: NDArray[np.bool_] = np.ones(rows.stop - rows.start, np.bool_)
+        for key in (*self._columns, *self._bends):
+            known &= ~np.isnan(part[key])
         load: dict[str, FloatArray] = {}
         if self._timed:
             time, signal = held["time_column_s"], held[_SIGNAL]
@@ -194,9 +197,18 @@ class Recording:
         if "torque_column_Nm" in part:
             load["drive_torque_Nm"] = part["torque_column_Nm"]
         self._found |= bool(known.any())
-        load = {key: np.where(known, values, np.nan) for key, values in load.items()}
+        all_known = bool(known.all())
+
+        def with_gaps(values: FloatArray) -> FloatArray:
+            return values if all_known else np.where(known, values, np.nan)
+
+        def without_gaps(values: FloatArray) -> FloatArray:
+            return values if all_known else values[known]
+
+        load = {key: with_gaps(values) for key, values in load.items()}
+        part |= {key: with_gaps(part[key]) for key in self._columns}
         in_degrees = self._angle.endswith("deg")
-        column = np.where(known, part[self._angle or ANGLE_COLUMNS[1]], np.nan)
+        column = with_gaps(part[self._angle or ANGLE_COLUMNS[1]])
         bends = [_filled(part[key], known) for key in self._bends]
         stacked = np.stack(bends, -1) if bends else None
         if stacked is not None and self._bend_unit == "rad":
@@ -204,27 +216,23 @@ class Recording:
         return Angles(
             column if in_degrees else np.degrees(column),
             radians := np.radians(column) if in_degrees else column,
-            radians[known],
+            without_gaps(radians),
             stacked,
-            None if stacked is None else stacked[known],
-            np.where(known, part["time_column_s"], np.nan) if self._timed else None,
+            None if stacked is None else without_gaps(stacked),
+            part.get("time_column_s"),
             load,
-            {key: values[known] for key, values in load.items()},
-            tuple(self._signals(part, load, known)),
+            {key: without_gaps(values) for key, values in load.items()},
+            tuple(self._signals(part, load)),
         )
 
-    def _signals(
-        self, part: _Rows, load: Mapping[str, FloatArray], known: NDArray[np.bool_]
-    ) -> Iterator[Signal]:
+    def _signals(self, part: _Rows, load: Mapping[str, FloatArray]) -> Iterator[Signal]:
         """The extents of what is recorded besides angles, and of what is derived."""
         reach = self._reach
         found: list[Signal | None] = []
         for key, signal in _MEASURED.items():
             if key in self._columns:
                 unit = ENDINGS[split(key)[1]].symbol
-                found.append(
-                    Signal.of(signal, self._columns[key], unit, np.where(known, part[key], np.nan))
-                )
+                found.append(Signal.of(signal, self._columns[key], unit, part[key]))
             elif key == SPEED_COLUMNS[0] and self._timed and not self._speed:
                 found.append(Signal.of("speed", None, "rpm", load["speed_rad_s"] / RPM, reach))
         if self._timed:
@@ -238,6 +246,11 @@ _MEASURED: Mapping[str, Any] = {
     **dict.fromkeys(SPEED_COLUMNS, "speed"),
     "torque_column_Nm": "drive_torque",
 }
+
+
+def _extent(values: FloatArray) -> tuple[float, float]:
+    """The least and the largest number, or NaN twice."""
+    return float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
 
 
 def _filled(bend: FloatArray, known: NDArray[np.bool_]) -> FloatArray:

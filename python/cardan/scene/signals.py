@@ -43,11 +43,12 @@ class Signal:
         cls, signal: Measured, column: str | None, unit: str, values: FloatArray, reach: int = 0
     ) -> Signal | None:
         """Return the extent of values, ``(samples,)``; ``None`` where all are missing."""
-        known = values[~np.isnan(values)]
-        if not known.size:
+        known = ~np.isnan(values)
+        if not known.any():
             return None
-        ends = float(known[0]), float(known[-1])
-        return cls(signal, column, unit, *ends, float(np.min(known)), float(np.max(known)), reach)
+        ends = float(values[np.argmax(known)]), float(values[~np.argmax(known[::-1])])
+        extent = float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
+        return cls(signal, column, unit, *ends, *extent, reach)
 
     def followed_by(self, later: Signal) -> Signal:
         """Return the extent of this signal and what comes after it."""
