@@ -21,7 +21,7 @@ def signals_text(drive_angles: Mapping[str, Any]) -> str:
         return ""
     time = next((signal for signal in signals if signal["signal"] == "time"), None)
     duration = time["last"] - time["first"] if time else 0.0
-    samples = drive_angles["samples"] - drive_angles["missing_samples"]
+    samples = drive_angles["samples"]
     step = duration / (samples - 1) if samples > 1 else 0.0
     lines = [(_label(signal), "; ".join(_parts(signal, step))) for signal in signals]
     return f"Recording\n{aligned(lines, max(len(label) for label, _ in lines) + 4, '  ')}"
