@@ -91,6 +91,7 @@ KEYS = {
         *("at_drive_angle_deg", "at_drive_angle_rad"),
         *("drivelines", "axes", "figures", "column", "least", "largest", "at"),
         *("key", "values", "min", "max"),
+        *("signals", "signal", "unit", "first", "last", "filter_samples"),
         *("file", "rows", "parts", "found"),
     },
     "check": {

@@ -84,7 +84,7 @@ def test_text_in_a_number_column(folder: Path) -> None:
 def test_missing_recording(folder: Path) -> None:
     refused(
         JOINT + "[angles]\nfile = 'run.csv'\nangle_column_deg = 'crank'\n",
-        "run.csv: No such file or directory",
+        "a.toml, line 4: [angles] file is 'run.csv'; it cannot be read: No such file or directory",
     )
 
 

@@ -34,9 +34,9 @@ from cardan.figures.summary import Row, summary
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.plots import plot_scene, space, write_picture
+from cardan.plots.bands import Bands
 from cardan.plots.key_figures import key_figures
 from cardan.plots.space import View
-from cardan.plots.turns import Turns
 from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
@@ -238,20 +238,20 @@ def test_few_turns_are_curves(turns: int, is_band: bool) -> None:
 def test_turns_of_a_recording() -> None:
     """Angles that begin anew each turn, samples that are missing, very many turns."""
     steps = np.arange(0, 360 * 5 + 1, 30, dtype=np.float64)
-    whole, wrapped = Turns.of(steps + 77), Turns.of(steps % 360)
+    whole, wrapped = Bands.of_turns(steps + 77), Bands.of_turns(steps % 360)
     assert whole is not None
     assert wrapped is not None
-    np.testing.assert_array_equal(whole.turn, wrapped.turn)
-    np.testing.assert_array_equal(np.bincount(whole.turn), [12, 12, 12, 12, 13])
+    np.testing.assert_array_equal(whole.part, wrapped.part)
+    np.testing.assert_array_equal(np.bincount(whole.part), [12, 12, 12, 12, 13])
     gaps = steps.copy()
     gaps[[0, 20]] = np.nan
-    missing = Turns.of(gaps)
+    missing = Bands.of_turns(gaps)
     assert missing is not None
-    assert list(np.flatnonzero(missing.turn < 0)) == [0, 20]
+    assert list(np.flatnonzero(missing.part < 0)) == [0, 20]
     values = np.arange(len(steps), dtype=np.float64)
     least, largest, mean = missing.extremes(values)
     assert (least[0], largest[0], mean[0]) == (1, 12, 6.5)
-    long = Turns.of(np.arange(0, 360 * 5000, 90, dtype=np.float64))
+    long = Bands.of_turns(np.arange(0, 360 * 5000, 90, dtype=np.float64))
     assert long is not None
     assert len(long.edges) <= 401
 

@@ -11,7 +11,7 @@ import pytest
 
 from cardan import Driveline, Limits, Sweep
 from cardan.figures.summary import Row, drive_angles, summary
-from cardan.scene import Scene
+from cardan.scene import Scene, SceneError
 from cardan.scene.format import FORMAT, FORMS, TEETH, describe
 from cardan.words.summary import summary_lines, summary_text
 
@@ -244,10 +244,11 @@ ERRORS: list[tuple[str, int | None, str]] = [
     ("title = 3\n" + JOINT, 1, "title is 3; it must be text in quotes"),
     ("titel = 'a'\n" + JOINT, 1, "unknown key 'titel'; did you mean 'title'?"),
     (
-        "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nspeed_column_rpm = 'n'\n",
+        "[angles]\nfile = 'a.csv'\nangle_column_deg = 'a'\nmoment_column_Nm = 'm'\n",
         4,
-        "[angles] unknown key 'speed_column_rpm'; known are file, angle_column_deg, "
-        "angle_column_rad, bend_columns_deg, bend_columns_rad",
+        "[angles] unknown key 'moment_column_Nm'; known are file, angle_column_deg, "
+        "angle_column_rad, time_column_s, speed_column_rpm, speed_column_rad_s, torque_column_Nm, "
+        "start_deg, filter_reach, raster_s, bend_columns_deg, bend_columns_rad",
     ),
     ("[drivline]\n", 1, "unknown section 'drivline'; did you mean 'driveline'?"),
     ("driveline = 3", 1, "driveline is 3; it must be a section [driveline]"),
@@ -783,9 +784,13 @@ def test_recorded_bends_out_of_range(tmp_path: Path) -> None:
 
 
 def test_missing_recording(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError) as caught:
-        Scene.parse(f"{JOINT}[angles]\n{COLUMN}", folder=tmp_path)
-    assert Path(caught.value.filename) == tmp_path / "run.csv"
+    with pytest.raises(SceneError) as caught:
+        Scene.parse(f"{JOINT}[angles]\n{COLUMN}", folder=Path("missing"))
+    assert (caught.value.line, caught.value.key) == (4, "angles.file")
+    path = str(Path("missing") / "run.csv")
+    assert str(caught.value) == (
+        f"scene, line 4: [angles] file is {path!r}; it cannot be read: No such file or directory"
+    )
 
 
 # Shafts and joints
@@ -929,7 +934,8 @@ def test_validate_finds_all_at_once(tmp_path: Path) -> None:
         f"{path}, line 7: [sweep] turns is -1; it must be positive",
         f"{path}, line 8: [sweep] start_deg is 'b'; it must be a number",
         f"{path}, line 9: [angles] file is missing",
-        f"{path}, line 9: [angles] angle_column_deg is missing; or give angle_column_rad",
+        f"{path}, line 9: [angles] angle_column_deg is missing; or give angle_column_rad, "
+        "speed_column_rpm or speed_column_rad_s",
     ]
     path.write_text("[driveline]\nbends_deg = [95]\n")
     assert Scene.validate(path) == [

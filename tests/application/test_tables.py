@@ -62,7 +62,7 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
     whole = tmp_path / "whole.parquet"
     write_curves(Scene.load(scene).run(), whole, radians=radians)
     steps: list[tuple[int, int]] = []
-    path, written, missing, ends, turns = stream(
+    path, written, missing, ends, turns, signals = stream(
         scene,
         tmp_path,
         radians=radians,
@@ -73,6 +73,7 @@ def test_a_scene_by_chunks_is_the_scene_at_once(
     found = drive_angles(Scene.load(scene))
     assert ends == (found["first_deg"], found["last_deg"])
     assert turns == pytest.approx(found["turns"])
+    assert signals == ()
     assert parquet.read_table(path).equals(parquet.read_table(whole))
     assert steps[-1] == (ROWS, ROWS)
     assert len(steps) >= ROWS // rows
@@ -148,7 +149,7 @@ def test_memory_is_that_of_a_chunk(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("before", "after", "message"),
     [
-        ("in.parquet", "in.csv", "in.csv must end in .parquet to be read in chunks"),
+        ("in.parquet", "in.csv", "in.csv'; it cannot be read: No such file or directory"),
         ("out.parquet", "out.csv", "line 13: [output] curves must name a .parquet file for a"),
         ('curves = "out.parquet"', "", "[output] curves must name a .parquet file"),
         ("curves", 'reduce = ["mean"]\ncurves', "reduce does not go with streaming; it needs all"),

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, get_args
 
 import numpy as np
 
@@ -47,6 +47,7 @@ from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
+from cardan.plots.abscissa import Over
 from cardan.report import write_report
 from cardan.scene import load_scene, starters
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -58,6 +59,7 @@ from cardan.words.ball_joint import ball_joint_text
 from cardan.words.drive_speed import drive_speed_text
 from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
+from cardan.words.signals import signals_text
 from cardan.words.slip import slip_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
@@ -209,6 +211,8 @@ def commands() -> click.Group:
             return
         if whole.title:
             say_before_files(f"{whole.title}\n")
+        if recorded := signals_text(angles):
+            say_before_files(f"{recorded}\n")
         say_before_files(summary_text(rows, angles, radians=radians))
         if whole.missing:
             say_before_files(f"\n{missing_of(whole)}")
@@ -240,8 +244,12 @@ def commands() -> click.Group:
             raise click.ClickException(hint) from None
         rate = done.rows / (time.perf_counter() - begun) / 1e6
         say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
-        angles = recorded_angles(done.rows, done.missing, done.ends_deg, done.turns, radians)
+        angles = recorded_angles(
+            done.rows, done.missing, done.ends_deg, done.turns, done.signals, radians
+        )
         say(f"drive angles {angles_text(angles, radians=radians)}")
+        if done.signals:
+            say(signals_text(angles))
         if warning := few_samples_text(angles["samples_per_turn"]):
             say(f"cardan: {warning}", on_error=True)
         if done.missing:
@@ -260,7 +268,14 @@ def commands() -> click.Group:
         metavar="FIGURE",
         help="Draw this figure of the study instead.",
     )
-    def plot(scene: Path, output: Path | None, study: str | None) -> None:
+    @click.option(
+        "--over",
+        type=click.Choice(get_args(Over)),
+        help="Draw over this; default: the time where it was recorded, else the turns.",
+    )
+    def plot(scene: Path, output: Path | None, study: str | None, over: Over | None) -> None:
+        if study is not None and over is not None:
+            raise click.UsageError("--over does not go with --study")
         path = output or Path(f"{scene.stem}.svg")
         loaded = load_scene(scene)
         if isinstance(loaded, BallJointScene):
@@ -271,11 +286,12 @@ def commands() -> click.Group:
         with progress_bar() as progress:
             result = loaded.run(progress)
         try:
-            write_picture(result, path, study)
+            write_picture(result, path, study, over=over)
         except ArgumentValueError as error:
-            if error.argument != "column":
+            option = {"column": "--study", "over": "--over"}.get(error.argument)
+            if option is None:
                 raise
-            raise ValueError(f"--study {error.problem}") from None
+            raise ValueError(f"{option} {error.problem}") from None
         say(f"wrote {path}")
 
     @cardan.command(help=help_text.REPORT, short_help="Write a page to share.")

@@ -49,8 +49,7 @@ A file appears complete or not at all.
 STREAM = """\
 Evaluate a recording of any length, in chunks that fit in memory.
 
-The scene needs a section [angles] with a .parquet file, and curves that end in .parquet. Only the
-curves are written.
+The scene needs a section [angles], and curves that end in .parquet. Only the curves are written.
 
 \b
 Example:
@@ -73,7 +72,9 @@ Draw a scene and write the picture to a file that ends in {", ".join(SUFFIXES)}.
 Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
+  cardan plot shaft.toml --over orders
 
+"--over orders" draws the amplitudes of each quantity by multiples of the drive's rotation.
 "--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
 one key, a map over two.
 """
@@ -138,7 +139,7 @@ Examples:
 IDENTIFY = """\
 Find the bend that a recording of a driveline shows.
 
-FILE is a recording in CSV, Parquet or NPZ. It has columns for the angles of the drive and of a
+FILE is a recording in CSV, Parquet, NPZ or MDF. It has columns for the angles of the drive and of a
 driven shaft, or for the speed ratio of the driven shaft. The angles may start anew at each turn.
 With the angle of the shaft between two joints, both bends and the phase are found.
 

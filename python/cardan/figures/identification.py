@@ -29,7 +29,7 @@ def identification_data(
     """Find the joints that a file's columns show, and return them as ``IDENTIFY_SCHEMA`` says.
 
     Args:
-        path: a recording in CSV, Parquet or NPZ.
+        path: a recording in CSV, Parquet, NPZ or MDF.
         drive: name of the column with the drive angle.
         driven: name of the column with the angle of the driven shaft.
         speed_ratio: or: name of the column with its speed over that of the drive.
@@ -38,7 +38,7 @@ def identification_data(
         radians: whether the angles of the file and of the answer are in radians.
 
     Raises:
-        ImportError: Parquet without pyarrow.
+        ImportError: Parquet without pyarrow, MDF without asammdf.
         OSError: the file cannot be read.
         ValueError: columns that are missing or do not fit, less than a turn, too few samples.
     """

@@ -50,7 +50,8 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
     blocks = []
     rows = math.prod(scene.study.shape)
     for first, line, load in scene.study.blocks():
-        speed = load.speed if load and turns else None
+        # Of a recorded speed the largest counts.
+        speed = scene.speed if scene.speed_recorded else load.speed if load and turns else None
         blocks.append(line.check(speed, scene.limits).findings)
         if progress:
             progress(first + line.shape[0], rows)

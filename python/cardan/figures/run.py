@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, get_args
 
 from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
 from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
@@ -14,6 +14,7 @@ from cardan.outputs import OUTPUTS
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.scene import Scene
+from cardan.scene.signals import Measured
 
 
 def run_data(
@@ -61,6 +62,23 @@ _VALUE = {
 _OF_DRIVELINE = ("bend", "twist", "phase", "equivalent_bend", "non_uniformity")
 _OF_DRIVE = ("speed", "acceleration_at_steady_drive")
 _ITEM = {"shaft": _COUNT, "joint": _COUNT}
+_SIGNAL = record(
+    {
+        "signal": {"enum": list(get_args(Measured))},
+        "column": {
+            "type": ["string", "null"],
+            "description": "the recorded column; null of what was derived from others",
+        },
+        "unit": {"enum": ["s", "rpm", "rad/s", "rad/s²", "N m"]},
+        **{end: {"type": "number"} for end in ("first", "last", "min", "max")},
+    },
+    {
+        "filter_samples": {
+            **_COUNT,
+            "description": "samples of the parabola that derived it by differentiating",
+        }
+    },
+)
 _AT = {
     "type": "array",
     "description": "the keys on which the figure depends there",
@@ -87,6 +105,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
                 {f"{end}_{angle}": {"type": "number"} for angle in ANGLE}
                 for end in ("first", "last")
             ),
+            optional={"signals": {"type": "array", "items": _SIGNAL}},
         ),
         "rows": {
             "type": "array",

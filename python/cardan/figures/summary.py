@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from cardan.figures.rounding import CANCELLED, first_peak, is_cancelled
 from cardan.figures.turn_extremes import magnitudes, peak
 from cardan.outputs import OUTPUTS, Output
 from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.signals import Signal
 from cardan.scene.units import RPM, ending_of, in_degrees
 
 Statistic = Literal["value", "min", "max", "peak"]
@@ -74,16 +75,23 @@ def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
     degrees = scene.without_missing().drive_angle_deg
     turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
     ends = (float(degrees[0]), float(degrees[-1]))
-    found = recorded_angles(len(scene.drive_angle_deg), scene.missing, ends, turns, radians)
+    found = recorded_angles(
+        len(scene.drive_angle_deg), scene.missing, ends, turns, scene.signals, radians
+    )
     return found if scene.recording else {**found, "source": "sweep"}
 
 
 def recorded_angles(
-    samples: int, missing: int, ends_deg: tuple[float, float], turns: float, radians: bool
+    samples: int,
+    missing: int,
+    ends_deg: tuple[float, float],
+    turns: float,
+    signals: Sequence[Signal],
+    radians: bool,
 ) -> dict[str, Any]:
     """Return recorded drive angles as plain data, from what is known of them."""
     unit, turned = ("rad", math.radians) if radians else ("deg", float)
-    return {
+    data = {
         "source": "recording",
         "samples": samples,
         "missing_samples": missing,
@@ -92,6 +100,16 @@ def recorded_angles(
         "turns": turns,
         "samples_per_turn": (samples - missing - 1) / turns if turns else None,
     }
+    if signals:
+        data["signals"] = [_signal(signal) for signal in signals]
+    return data
+
+
+def _signal(signal: Signal) -> dict[str, Any]:
+    """A signal as plain data; only of one that a filter derived with the samples of the filter."""
+    data = asdict(signal)
+    reach = data.pop("reach")
+    return {**data, "filter_samples": 2 * reach + 1} if reach else data
 
 
 def summary_data(rows: Sequence[Row], *, radians: bool = False) -> list[dict[str, Any]]:
@@ -259,10 +277,10 @@ def _noise(scene: Scene) -> float:
     load = scene.load_case
     if load is None:
         return 0.0
-    size = abs(float(load.torque))
+    size = float(np.nanmax(np.abs(load.torque)))
     if load.inertias is not None:
         unevenness = np.max(np.tan(scene.line.bends / 2.0) ** 2)
-        rate = float(load.speed) ** 2 * unevenness + abs(float(load.acceleration))
+        rate = scene.speed**2 * unevenness + np.nanmax(np.abs(load.acceleration))
         size += float(np.sum(load.inertias)) * float(rate)
     return CANCELLED * size
 

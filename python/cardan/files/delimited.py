@@ -23,17 +23,51 @@ _BLOCK = 4096
 _NO_TABLE = "the file is not a table of numbers with headings"
 
 
-def read_csv(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray]:
-    """Return columns of a CSV file; an empty cell is NaN.
+def read_csv(
+    path: str | PathLike[str], names: Sequence[str], rows: int | None = None, _: None = None
+) -> Iterator[tuple[list[FloatArray], int]]:
+    """Yield columns of a CSV file and the number of all rows; an empty cell is NaN.
+
+    Args:
+        path: the file.
+        names: the columns wanted.
+        rows: largest number of rows at a time, of which some 4000 are read together; ``None`` for
+            all. The number of all rows is then that of the lines until the last piece.
 
     Raises:
         OSError: the file cannot be read.
         ValueError: a column that is missing, a cell that is no number, a row that does not fit the
             header, a file that is not a table.
     """
+    lines = 0 if rows is None else _lines(path)
+    read = [array("d") for _ in names]
+    done = 0
+    for block in _blocks(path, names, _BLOCK if rows is None else min(rows, _BLOCK)):
+        if rows is not None and len(read[0]) + len(block[0]) > rows:
+            done += len(read[0])
+            yield _as_arrays(read), max(lines, done + 1)
+            read = [array("d") for _ in names]
+        for numbers, column in zip(block, read, strict=True):
+            column.extend(numbers)
+    yield _as_arrays(read), done + len(read[0])
+
+
+def _as_arrays(read: Sequence[array[float]]) -> list[FloatArray]:
+    return [np.array(column, dtype=np.float64) for column in read]
+
+
+def _lines(path: str | PathLike[str]) -> int:
+    """The line ends of a file."""
+    with open(path, "rb") as file:
+        return sum(part.count(b"\n") for part in iter(lambda: file.read(1 << 20), b""))
+
+
+def _blocks(
+    path: str | PathLike[str], names: Sequence[str], size: int
+) -> Iterator[list[array[float]]]:
+    """Columns of some rows at a time."""
     with _rows(path) as (rows, delimiter):
         header = [name.strip() for name in next(rows, [])]
-        read = [array("d") for _ in names]
         filled = ((rows.line_num, row) for row in rows if row)
         begun = list(islice(filled, 1))
         # What else a file holds, as one of passwords, is not shown.
@@ -41,13 +75,13 @@ def read_csv(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray
         if header and not is_table and not set(names) <= set(header):
             raise ValueError(f"no column {_first_missing(names, header)!r}; {_NO_TABLE}")
         places = [place_of_column(name, header) for name in names]
-        while block := begun + list(islice(filled, _BLOCK)):
+        while block := begun + list(islice(filled, size - len(begun))):
             begun = []
             found = _fast_numbers([row for _, row in block], places, len(header))
             if found is not None:
-                for numbers, column in zip(found, read, strict=True):
-                    column.extend(numbers)
+                yield found
                 continue
+            read = [array("d") for _ in names]
             for line, row in block:
                 if len(row) != len(header):
                     raise ValueError(_misfit(line, row, header, delimiter))
@@ -57,7 +91,7 @@ def read_csv(path: str | PathLike[str], names: Sequence[str]) -> list[FloatArray
                     except ValueError as error:
                         shown = error if is_table else f"is no number; {_NO_TABLE}"
                         raise ValueError(f"line {line}, column {name!r} {shown}") from None
-    return [np.array(column, dtype=np.float64) for column in read]
+            yield read
 
 
 def line_of(path: str | PathLike[str], row: int) -> int:

@@ -1,4 +1,4 @@
-"""Recorded columns of numbers from CSV, Parquet and NPZ files."""
+"""Recorded columns of numbers from CSV, Parquet, NPZ and MDF files, at once or in pieces."""
 
 from __future__ import annotations
 
@@ -16,81 +16,100 @@ import numpy as np
 from cardan.arrays import FloatArray, import_optional
 from cardan.files.delimited import line_of, read_csv
 from cardan.files.headings import place_of_column, short
+from cardan.files.mdf import read_mdf
 
 _Columns = list[FloatArray]
+# Columns of some rows, and the number of all rows.
+_Pieces = Iterator[tuple[_Columns, int]]
 
 MOST_ROWS = 100_000_000
 """Rows of a Parquet file that are read at once at most."""
 
 
-def read_columns(path: str | PathLike[str], names: Sequence[str]) -> _Columns:
+def read_columns(
+    path: str | PathLike[str], names: Sequence[str], raster_s: float | None = None
+) -> _Columns:
     """Return columns of a file, all of one length, as doubles; what is missing is NaN.
 
-    Missing are empty cells of a CSV file, nulls of a Parquet file, and NaN anywhere.
+    Missing are empty cells of a CSV file, nulls of a Parquet file, samples that an MDF file marks
+    as invalid, and NaN anywhere.
 
     A CSV file has its names in the first line and commas, semicolons or tabs between the columns;
-    of an NPZ file each array of one dimension is a column.
+    of an NPZ file each array of one dimension is a column; of an MDF file each channel of one
+    channel group, the time among them.
 
     Args:
         path: the file; its suffix names the format.
         names: the columns wanted.
+        raster_s: of an MDF file: interpolate channels of any groups at steps of so many seconds.
 
     Raises:
-        ImportError: Parquet without pyarrow.
+        ImportError: Parquet without pyarrow, MDF without asammdf.
         OSError: the file cannot be read.
         ValueError: a column that is missing, not of numbers, infinite somewhere or without any
             number, columns of different lengths, a damaged file; one line with file, line or row,
             column and value.
     """
-    suffix = Path(path).suffix
-    if suffix not in SUFFIXES:
-        raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
-    with _of_file(path):
-        read = SUFFIXES[suffix](path, names)
-        for name, column in zip(names, read, strict=True):
-            if len(column) != len(read[0]):
-                raise ValueError(
-                    f"column {name!r} has {len(column)} rows, {names[0]!r} has {len(read[0])}"
-                )
-        _check_numbers(path, names, read)
-        _check_some(names, (not np.isnan(column).all() for column in read))
-    return read
+    chunks = [chunk.columns for chunk in read_chunks(path, names, None, raster_s)]
+    return chunks[0] if len(chunks) == 1 else list(map(np.concatenate, zip(*chunks, strict=True)))
 
 
 class Chunk(NamedTuple):
-    """Some rows of columns."""
+    """Some rows of columns.
+
+    Attributes:
+        first: the first of the rows, counted from 0.
+        columns: the columns.
+        total: the number of all rows; of a CSV file that of its lines until the last chunk.
+    """
 
     first: int
     columns: list[FloatArray]
     total: int
 
 
-def read_chunks(path: str | PathLike[str], names: Sequence[str], rows: int) -> Iterator[Chunk]:
-    """Yield columns of a Parquet file in chunks of so many rows, each as ``read_columns`` does.
+def read_chunks(
+    path: str | PathLike[str],
+    names: Sequence[str],
+    rows: int | None,
+    raster_s: float | None = None,
+) -> Iterator[Chunk]:
+    """Yield columns of a file in chunks of so many rows, each as ``read_columns`` does.
 
-    Memory is that of a chunk, however long the file and its row groups are.
+    Memory is that of a chunk, however long the file is; except for NPZ files, and MDF files with a
+    raster, of which the columns must fit in memory.
+
+    Args:
+        path: the file; its suffix names the format.
+        names: the columns wanted.
+        rows: largest number of rows at a time; ``None`` for all at once.
+        raster_s: as ``read_columns`` takes it.
 
     Raises:
-        ImportError: pyarrow is missing.
+        ImportError: as for ``read_columns``.
         OSError: the file cannot be read.
-        ValueError: as for ``read_columns``; a file of another format.
+        ValueError: as for ``read_columns``.
     """
-    if Path(path).suffix != ".parquet":
-        raise ValueError(f"{os.fspath(path)} must end in .parquet to be read in chunks")
-    with _of_file(path), _parquet_file(path, names) as file:
-        total = file.metadata.num_rows
-        if not total:
-            raise ValueError(f"column {names[0]!r} has no rows")
+    suffix = Path(path).suffix
+    if suffix not in SUFFIXES:
+        raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
+    if raster_s is not None and suffix not in RASTERED:
+        raise ValueError(f"{os.fspath(path)} has no channels to resample; only MDF files have")
+    with _of_file(path):
         first = 0
         found = [False] * len(names)
-        for batch in file.iter_batches(rows, columns=list(names)):
-            read = _of_arrow(batch, names)
+        for read, total in SUFFIXES[suffix](path, names, rows, raster_s):
+            for name, column in zip(names, read, strict=True):
+                if len(column) != len(read[0]):
+                    raise ValueError(
+                        f"column {name!r} has {len(column)} rows, {names[0]!r} has {len(read[0])}"
+                    )
             _check_numbers(path, names, read, first)
             found = [
                 some or not np.isnan(column).all() for some, column in zip(found, read, strict=True)
             ]
             yield Chunk(first, read, total)
-            first += batch.num_rows
+            first += len(read[0])
         _check_some(names, found)
 
 
@@ -134,14 +153,19 @@ def place_of(path: str | PathLike[str], row: int) -> str:
     return f"row {row + 1}, counted from 1"
 
 
-def _parquet(path: str | PathLike[str], names: Sequence[str]) -> _Columns:
+def _parquet(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: None) -> _Pieces:
     with _parquet_file(path, names) as file:
-        if file.metadata.num_rows > MOST_ROWS:
+        total = file.metadata.num_rows
+        if rows is None and total > MOST_ROWS:
             raise ValueError(
-                f"{file.metadata.num_rows} rows are too many to be read at once, "
+                f"{total} rows are too many to be read at once, "
                 f"{MOST_ROWS} at most; cardan stream takes any number"
             )
-        return _of_arrow(file.read(columns=list(names)), names)
+        if rows is None or not total:
+            yield _of_arrow(file.read(columns=list(names)), names), total
+            return
+        for batch in file.iter_batches(rows, columns=list(names)):
+            yield _of_arrow(batch, names), total
 
 
 @contextmanager
@@ -182,7 +206,7 @@ def _of_arrow(table: Any, names: Sequence[str]) -> _Columns:  # noqa: ANN401 - o
 _DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError)
 
 
-def _npz(path: str | PathLike[str], names: Sequence[str]) -> _Columns:
+def _npz(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: None) -> _Pieces:
     with open(path, "rb") as source:
         try:
             _check_archive(source)
@@ -198,7 +222,11 @@ def _npz(path: str | PathLike[str], names: Sequence[str]) -> _Columns:
                 f"column {name!r} has shape {column.shape} and dtype {column.dtype}; "
                 "it must hold numbers in one dimension"
             )
-    return [column.astype(np.float64) for column in read]
+    total = max(map(len, read))
+    step = rows or max(1, total)
+    for first in range(0, max(1, total), step):
+        part = slice(first, first + step)
+        yield [column[part].astype(np.float64) for column in read], total
 
 
 def _check_archive(source: IO[bytes]) -> None:
@@ -224,9 +252,16 @@ def _array(file: Any, name: str) -> Any:  # noqa: ANN401 - an open NPZ file and 
         raise ValueError(f"column {name!r} holds objects; it must hold numbers") from None
 
 
-SUFFIXES: Mapping[str, Callable[[str | PathLike[str], Sequence[str]], list[FloatArray]]] = {
+_Read = Callable[[str | PathLike[str], Sequence[str], int | None, Any], _Pieces]
+
+SUFFIXES: Mapping[str, _Read] = {
     ".csv": read_csv,
     ".npz": _npz,
     ".parquet": _parquet,
+    ".mf4": read_mdf,
+    ".mdf": read_mdf,
 }
-"""Formats of a file of recorded columns, by suffix."""
+"""Formats of a file of recorded columns, by suffix, and what reads its columns in pieces."""
+
+RASTERED = (".mf4", ".mdf")
+"""Formats in which columns have times of their own, which a raster replaces."""

@@ -12,8 +12,8 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.figures.rounding import flat_limits
 from cardan.outputs import Output
+from cardan.plots.bands import Bands
 from cardan.plots.style import degree_ticks, line_style, value_ticks
-from cardan.plots.turns import Turns
 from cardan.scene.units import in_degrees
 from cardan.sweep import Sweep
 
@@ -54,22 +54,22 @@ def draw(
 
 
 def draw_bands(
-    axes: Axes, turns: Turns, curves: Iterable[tuple[str, FloatArray]], scale: float = 1.0
+    axes: Axes, bands: Bands, curves: Iterable[tuple[str, FloatArray]], scale: float = 1.0
 ) -> None:
-    """Draw curves of many turns: a band of the extremes of each turn, a line of its mean.
+    """Draw curves of many turns: bands of the extremes of each part, a line of its mean.
 
     Args:
         axes: where.
-        turns: the turns of the samples.
+        bands: the parts of the run.
         curves: label and values of each, ``(samples,)``.
         scale: what values that are all 0 would be measured in.
     """
     from matplotlib.colors import to_rgb
     from matplotlib.patches import StepPatch
 
-    edges, drawn = turns.edges, []
+    edges, drawn = bands.edges, []
     for place, (label, curve) in enumerate(curves):
-        least, largest, mean = turns.extremes(curve)
+        least, largest, mean = bands.extremes(curve)
         style = line_style(place)
         colour = to_rgb(style["color"])
         look: dict[str, Any] = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,9 +11,10 @@ import numpy as np
 import cardan.plots.panel as panel
 from cardan.arrays import FloatArray
 from cardan.outputs import Output
+from cardan.plots.abscissa import Abscissa
 from cardan.plots.style import LINES, legend_above
-from cardan.plots.turns import Turns
 from cardan.scene.scene import SceneResult
+from cardan.scene.units import RPM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,22 +47,18 @@ class Quantity:
     left_out: int = 0
     vector: bool = False
 
-    def draw(self, axes: Axes, angle_deg: FloatArray, turns: Turns | None, aside: float) -> None:
+    def draw(self, axes: Axes, over: Abscissa, aside: float) -> None:
         """Draw the panel with its heading and, of several curves, its legend.
 
         Args:
             axes: where.
-            angle_deg: drive angles, ``(samples,)``.
-            turns: the turns of the samples, if these are too many for curves.
+            over: what is along it.
             aside: how far to the left of the axes heading and legend begin, in points.
         """
         names = [f"{self.per} {self.items[0]}", *map(str, self.items[1:])]
         labels = names if len(self.items) > 1 else [""]
         curves = list(zip(labels, self.curves, strict=True))
-        if turns is None:
-            panel.draw(axes, angle_deg, curves, self.unit_size)
-        else:
-            panel.draw_bands(axes, turns, curves, self.unit_size)
+        over.draw(axes, curves, self.unit_size)
         # Over the ticks too, where long headings and six names need the width.
         left = -aside / axes.bbox.width * axes.figure.dpi / 72.0
         many = len(self.items) > 1
@@ -72,13 +69,16 @@ class Quantity:
 
 
 def quantities(result: SceneResult) -> list[Quantity]:
-    """Return the panels of a scene: one per quantity, three for one that is a vector."""
+    """Return the panels of a scene: one per quantity, three for one that is a vector.
+
+    The speed and acceleration of a drive that was recorded over time come first.
+    """
     found: dict[str, tuple[Output, list[int], list[FloatArray]]] = {}
     for output, item, values in result.curves():
         _, items, curves = found.setdefault(output.name, (output, [], []))
         items.append(item)
         curves.append(values)
-    panels = []
+    panels = list(_drive(result))
     for output, items, curves in found.values():
         if output.vector:
             along = _along(result)
@@ -89,6 +89,17 @@ def quantities(result: SceneResult) -> list[Quantity]:
         else:
             panels.append(_panel(result, output, items, curves, "", output.name))
     return panels
+
+
+def _drive(result: SceneResult) -> Iterator[Quantity]:
+    scene = result.scene
+    if not scene.speed_recorded or scene.load_case is None:
+        return
+    for heading, values in (
+        ("drive speed [rpm]", scene.load_case.speed / RPM),
+        ("drive acceleration [rad/s²]", scene.load_case.acceleration),
+    ):
+        yield Quantity(heading, "shaft", (0,), (values,), heading)
 
 
 def _panel(
@@ -104,7 +115,8 @@ def _panel(
     unit = panel.in_unit(output, np.empty(0))[1]
     if output.name == "acceleration_ratio" and result.scene.speed:
         size = result.scene.speed**2
-        in_unit, unit = [values * size for values in in_unit], " [rad/s²]"
+        speed = result.scene.load_case.speed if result.scene.load_case else 0.0
+        in_unit, unit = [values * speed**2 for values in in_unit], " [rad/s²]"
         heading = "acceleration" + " at steady drive" * result.scene.accelerates
     extents = np.array([_extent(values) for values in in_unit])
     # Those that vary most, of equal ones the first, in the order of the driveline.

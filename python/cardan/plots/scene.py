@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from cardan.figures.summary import summary
+from cardan.plots.abscissa import Abscissa, Over, abscissa
 from cardan.plots.driveline import plot_driveline
 from cardan.plots.key_figures import key_figures
 from cardan.plots.quantities import MOST, Quantity, quantities
 from cardan.plots.study import plot_study
 from cardan.plots.style import MM, STYLE, WIDTH, matplotlib, number, save, text_width, value_ticks
-from cardan.plots.turns import Turns
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.units import RPM
 
@@ -34,36 +34,47 @@ _LOW = 8.0
 _IN_ONE_ROW = 3
 
 
-def plot_scene(result: SceneResult) -> Figure:
+def plot_scene(result: SceneResult, *, over: Over | None = None) -> Figure:
     """Return a page, A4 across, of everything that the scene evaluates.
 
     It has a sketch of the driveline, the key figures, and a panel for each quantity, with a curve
     for each shaft or joint on one scale: at most 6, those that vary most. The components of a
     vector have a panel each; those across the driveline share a scale, that along it has its own.
     Up to three turns are drawn over the drive angle in degrees; of more turns bands show the
-    extremes of each turn and lines the mean of its samples. With the speed of the drive given,
-    acceleration is in rad/s² instead of a ratio.
+    extremes of each turn, or span of time, and lines the mean of its samples. With the speed of the
+    drive given, acceleration is in rad/s² instead of a ratio.
+
+    Args:
+        result: an evaluated scene.
+        over: ``"turns"``, ``"time"`` or ``"orders"``, amplitudes by multiples of the drive's
+            rotation; by default the time where it was recorded, and else the turns.
 
     Raises:
         ImportError: matplotlib is missing.
+        ValueError: times that were not recorded; orders of less than a turn or of a drive that
+            turns back.
     """
     with matplotlib().rc_context(STYLE):
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(_PAGE[0] * MM, _PAGE[1] * MM))
-        turns = Turns.of(result.scene.drive_angle_deg)
+        along = abscissa(result.scene, over)
         drawn = quantities(result)
         top = _title(figure, result.scene)
         height = _SKETCH_HEIGHTS[len(drawn) <= _IN_ONE_ROW]
         _sketch(figure, result.scene, top, height)
         _key_figures(figure, result, top, height)
-        foot = _notes(figure, result.scene, drawn, turns)
-        _panels(figure, result.scene, drawn, turns, top - height - _GAP, foot)
+        foot = _notes(figure, result.scene, drawn, along)
+        _panels(figure, drawn, along, top - height - _GAP, foot)
     return figure
 
 
 def write_picture(
-    result: SceneResult, path: str | PathLike[str], column: str | None = None
+    result: SceneResult,
+    path: str | PathLike[str],
+    column: str | None = None,
+    *,
+    over: Over | None = None,
 ) -> None:
     """Write the picture of a scene in the format that the path's suffix names.
 
@@ -71,13 +82,15 @@ def write_picture(
         result: an evaluated scene.
         path: file to write.
         column: a figure of the scene's study, to draw over its keys as ``plot_study`` does.
+        over: what to draw the scene over, as ``plot_scene`` takes it.
 
     Raises:
         ImportError: matplotlib is missing.
         OSError: the file cannot be written; nothing of it is left behind then.
-        ValueError: an unknown suffix or column, a study of no key or more than two.
+        ValueError: an unknown suffix or column, a study of no key or more than two, what
+            ``plot_scene`` cannot draw.
     """
-    save(plot_scene(result) if column is None else _study(result, column), path)
+    save(plot_scene(result, over=over) if column is None else _study(result, column), path)
 
 
 def _study(result: SceneResult, column: str) -> Figure:
@@ -117,9 +130,14 @@ def _title(figure: Figure, scene: Scene) -> float:
     first, last = (number(round(float(find(angles)), 2)) for find in (np.nanmin, np.nanmax))
     said = [f"drive angle {first}° to {last}°", f"{len(angles)} samples"]
     said[1] += f" of {scene.recording.name}" if scene.recording else ""
-    said += [f"drive at {number(float(f'{scene.speed / RPM:.6g}'))} rpm"] if scene.speed else []
+    if scene.speed:
+        said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)} rpm"]
     _text(figure, _MARGIN, y - 0.5, ", ".join(said))
     return y - 5.0
+
+
+def _rpm(speed: float) -> str:
+    return number(float(f"{speed / RPM:.6g}"))
 
 
 def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
@@ -144,9 +162,8 @@ def _key_figures(figure: Figure, result: SceneResult, top: float, height: float)
 
 def _panels(
     figure: Figure,
-    scene: Scene,
     drawn: Sequence[Quantity],
-    turns: Turns | None,
+    along: Abscissa,
     top: float,
     foot: float,
 ) -> None:
@@ -168,27 +185,26 @@ def _panels(
             height - _OVER - _UNDER,
             quantity.heading,
         )
-        quantity.draw(axes, scene.drive_angle_deg, turns, 0.8 * _BESIDE / 25.4 * 72.0)
+        quantity.draw(axes, along, 0.8 * _BESIDE / 25.4 * 72.0)
         if rows > 2:
             value_ticks(axes.yaxis, 3)
         by_scale.setdefault(quantity.scale, []).append(axes)
         # The lowest panel of each column names what is along it.
         if i + columns >= count:
-            axes.set_xlabel("turns of the drive" if turns else "drive angle [deg]", labelpad=1.0)
+            axes.set_xlabel(along.label, labelpad=1.0)
     for sharing in by_scale.values():
         limits = [axes.get_ylim() for axes in sharing]
         for axes in sharing:
             axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
 
 
-def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], turns: Turns | None) -> float:
+def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], along: Abscissa) -> float:
     """Write what the panels cannot say; return the height above it."""
     said = []
     if scene.line.shape:
         said.append("The driveline is drawn with the bends of the first sample.")
-    if turns:
-        each = "turn" if turns.edges[1] - turns.edges[0] == 1.0 else "group of turns"
-        said.append(f"Bands: from the least to the largest sample of each {each}; lines: the mean.")
+    if along.note:
+        said.append(along.note)
     if any(quantity.left_out for quantity in drawn):
         said.append(
             f"Panels show the {MOST} shafts or joints that vary most; "

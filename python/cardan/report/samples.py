@@ -180,9 +180,10 @@ class Samples:
             if unit == "rad":
                 unit, factor = "deg", math.degrees(1.0)
             if output.name == "acceleration_ratio" and scene.speed:
-                heading, unit, factor = "acceleration", "rad/s²", scene.speed**2
+                heading, unit, scale = "acceleration", "rad/s²", scene.speed**2
                 heading += " at constant drive speed" if scene.accelerates else ""
-                scale = factor
+                speed = scene.load_case.speed if scene.load_case else 0.0
+                curves = {item: speed**2 * values for item, values in curves.items()}
             if output.needs_load:
                 heading += self.assumed
             # The last shaft is what a driveline is there for.

@@ -88,11 +88,12 @@ def inputs(scene: Scene) -> dict[str, Table]:
 def _drive(scene: Scene) -> list[tuple[str, str]]:
     load, given = scene.load_case, []
     if load is not None:
-        given += [(f"Torque at the {load.end}", f"{_figure(float(load.torque))} N m")]
-        rpm = scene.speed / RPM
-        given += [("Speed of the drive", f"{_figure(scene.speed)} rad/s, {_figure(rpm)} rpm")]
+        given += [(f"Torque at the {load.end}", f"{_span(_known(load.torque))} N m")]
+        speed = _known(load.speed)
+        given += [("Speed of the drive", f"{_span(speed)} rad/s, {_span(speed / RPM)} rpm")]
         if scene.accelerates:
-            given += [("Acceleration of the drive", f"{_figure(load.acceleration)} rad/s²")]
+            acceleration = _span(_known(load.acceleration))
+            given += [("Acceleration of the drive", f"{acceleration} rad/s²")]
     known = scene.without_missing().drive_angle_deg
     left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
     given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
@@ -240,6 +241,11 @@ def _fixed(angles: FloatArray | float) -> str:
     low, high = (f"{end + 0.0:.4f}" for end in (np.min(angles), np.max(angles)))
     low, high = (end.removeprefix("-") if float(end) == 0.0 else end for end in (low, high))
     return low if low == high else f"{low} to {high}"
+
+
+def _known(values: FloatArray) -> FloatArray:
+    """Values without those of missing samples."""
+    return values[~np.isnan(values)]
 
 
 def _span(values: FloatArray | float) -> str:

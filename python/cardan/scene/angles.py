@@ -1,21 +1,19 @@
-"""The drive angles of a scene, swept or recorded, and the bends recorded with them."""
+"""The drive angles of a scene, and what was recorded with them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
-from cardan.files.recording import place_of, read_columns
-from cardan.scene.format import BEND_COLUMNS, FORMAT
+from cardan.scene.format import FORMAT
 from cardan.scene.rules import shown
+from cardan.scene.signals import Signal
 from cardan.sweep import Sweep
 
 _MOST_STEPS = 10_000_000
@@ -23,9 +21,10 @@ _MOST_STEPS = 10_000_000
 
 @dataclass(frozen=True, eq=False)
 class Angles:
-    """Drive angles, and the bends recorded with them.
+    """Drive angles, and what was recorded with them.
 
-    A sample of which a recorded number is missing has a drive angle of NaN.
+    A sample of which a recorded number is missing has a drive angle of NaN, and so have its time
+    and its load.
 
     Attributes:
         degrees: the angles in degrees, for tables and pictures.
@@ -33,6 +32,10 @@ class Angles:
         to_reduce: those of them to take figures over.
         bends: bends recorded with the angles, in degrees, if any.
         bends_to_reduce: those of them that go with the angles to reduce.
+        time: recorded times in s, if any.
+        load: recorded values of the keys of [load], ``(samples,)`` each.
+        load_to_reduce: those of them that go with the angles to reduce.
+        signals: the extents of what was recorded besides angles and bends.
     """
 
     degrees: FloatArray
@@ -40,6 +43,10 @@ class Angles:
     to_reduce: FloatArray | Sweep
     bends: FloatArray | None = None
     bends_to_reduce: FloatArray | None = None
+    time: FloatArray | None = None
+    load: Mapping[str, FloatArray] = field(default_factory=dict)
+    load_to_reduce: Mapping[str, FloatArray] = field(default_factory=dict)
+    signals: tuple[Signal, ...] = ()
 
     @classmethod
     def swept(cls, values: Mapping[str, Any]) -> Self:
@@ -75,59 +82,3 @@ class Angles:
         # The last angle of whole turns is the first one again: in a mean it would count twice.
         whole = float(turns).is_integer()
         return cls(degrees, sweep(steps + 1), sweep(steps if whole else steps + 1))
-
-    @classmethod
-    def recorded(cls, values: Mapping[str, Any], folder: Path) -> Self:
-        """Read the file of the section [angles]."""
-        return cls.of(values, folder, read_columns(folder / values["file"], cls.columns(values)), 0)
-
-    @staticmethod
-    def columns(values: Mapping[str, Any]) -> list[str]:
-        """Return the columns that the section [angles] names, that of the angles first."""
-        in_degrees = "angle_column_deg" in values
-        angles = values["angle_column_deg" if in_degrees else "angle_column_rad"]
-        return [angles, *_bend_columns(values)]
-
-    @classmethod
-    def of(
-        cls, values: Mapping[str, Any], folder: Path, read: Sequence[FloatArray], first: int
-    ) -> Self:
-        """Take columns as they were read, from some row on."""
-        column, *bend_columns = read
-        end, unit = (math.pi / 2, "pi/2) rad") if BEND_COLUMNS[1] in values else (90.0, "90) deg")
-        for name, bend in zip(_bend_columns(values), bend_columns, strict=True):
-            wrong = np.flatnonzero((bend < 0.0) | (bend >= end))
-            if wrong.size:
-                file = folder / values["file"]
-                where = place_of(file, first + int(wrong[0]))
-                raise ValueError(
-                    f"{file}: {where}, column {name!r} is {bend[wrong[0]]}; "
-                    f"a bend must lie in [0, {unit}"
-                )
-        known: NDArray[np.bool_] = ~np.any(np.isnan(np.stack(read)), axis=0)
-        if not known.all():
-            column = np.where(known, column, np.nan)
-            bend_columns = [_filled(bend, known) for bend in bend_columns]
-        in_degrees = "angle_column_deg" in values
-        radians = np.radians(column) if in_degrees else column
-        degrees = column if in_degrees else np.degrees(column)
-        bends = np.stack(bend_columns, -1) if bend_columns else None
-        if bends is not None and BEND_COLUMNS[1] in values:
-            bends = np.degrees(bends)
-        of_known = None if bends is None else bends[known]
-        return cls(degrees, radians, radians[known], bends, of_known)
-
-
-def _filled(bend: FloatArray, known: NDArray[np.bool_]) -> FloatArray:
-    """Bends of which those at missing samples are replaced by the last known ones.
-
-    A driveline needs all its bends; that the sample is missing shows in its drive angle.
-    """
-    if not known.any():
-        return np.zeros_like(bend)
-    places = np.where(known, np.arange(bend.size), int(np.argmax(known)))
-    return bend[np.maximum.accumulate(places)]
-
-
-def _bend_columns(values: Mapping[str, Any]) -> list[str]:
-    return next((values[key] for key in BEND_COLUMNS if key in values), [])

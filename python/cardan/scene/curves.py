@@ -8,7 +8,7 @@ from pathlib import Path
 from cardan.arrays import FloatArray
 from cardan.files.columns import write_columns
 from cardan.files.progress import Progress
-from cardan.scene.scene import SceneResult
+from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.study import StudyPart, StudyResult
 from cardan.scene.units import converted
 
@@ -17,7 +17,8 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
     """Return the curves as columns of equal length, in SI units and angles in degrees.
 
     The names carry shaft or joint, component and unit: ``angle_error_deg``, ``moment_0_x_Nm``. The
-    last shaft has no number where the scene names no shafts.
+    last shaft has no number where the scene names no shafts. A drive that was recorded over time
+    has ``time_s``, ``drive_speed_rad_s`` and ``drive_acceleration_rad_s2`` as well.
 
     Args:
         result: an evaluated scene.
@@ -28,6 +29,7 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
         table = {"drive_angle_rad": scene.drive_angle}
     else:
         table = {"drive_angle_deg": scene.drive_angle_deg}
+    table |= _drive(scene, with_units=True)
     for output, item, values in result.curves():
         last = output.per == "shaft" and scene.shafts is None
         name = output.name if last else f"{output.name}_{item}"
@@ -38,6 +40,18 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
             suffix, in_unit = converted(curve, output.unit, radians)
             table[f"{part}{suffix}"] = in_unit
     return table
+
+
+def _drive(scene: Scene, *, with_units: bool) -> dict[str, FloatArray]:
+    """The time and the motion of a drive that was recorded over time."""
+    if scene.time is None or scene.load_case is None:
+        return {}
+    found = {
+        ("time", "_s"): scene.time,
+        ("drive_speed", "_rad_s"): scene.load_case.speed,
+        ("drive_acceleration", "_rad_s2"): scene.load_case.acceleration,
+    }
+    return {name + unit * with_units: values for (name, unit), values in found.items()}
 
 
 def study_columns(
@@ -74,7 +88,8 @@ def write_curves(
         ValueError: an unknown suffix.
     """
     if Path(path).suffix == ".npz":
-        return write_columns(path, {"drive_angle": result.drive_angle, **result.values})
+        drive = {"drive_angle": result.drive_angle, **_drive(result.scene, with_units=False)}
+        return write_columns(path, {**drive, **result.values})
     return write_columns(path, columns(result, radians=radians), progress)
 
 

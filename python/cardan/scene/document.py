@@ -78,8 +78,10 @@ class Document:
         for keys in section.needed:
             with self.within(name):
                 if not set(keys) & set(values):
-                    others = "".join(f"; or give {key}" for key in keys[1:])
-                    raise ArgumentValueError(keys[0], f"is missing{others}")
+                    *others, last = keys[1:] or ("",)
+                    choice = f"{', '.join(others)} or {last}" if others else last
+                    problem = f"is missing; or give {choice}" if choice else "is missing"
+                    raise ArgumentValueError(keys[0], problem)
         for key, other in section.with_key:
             with self.within(name):
                 if key in values and other not in values:

@@ -61,6 +61,12 @@ TEETH = "teeth"
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
 """The keys for recorded bends; a scene uses at most one of them."""
 
+ANGLE_COLUMNS = ("angle_column_deg", "angle_column_rad")
+"""The keys for recorded drive angles; a scene uses at most one of them."""
+
+SPEED_COLUMNS = ("speed_column_rpm", "speed_column_rad_s")
+"""The keys for a recorded speed of the drive; a scene uses at most one of them."""
+
 DRIVE_ANGLES = ("sweep", "angles")
 """The sections that give the drive angles; a scene has at most one of them."""
 
@@ -170,7 +176,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
         ),
         "angles": Section(
-            "instead of [sweep]: recorded drive angles, one sample per row of a file",
+            "instead of [sweep]: recorded drive angles or speeds, one sample per row of a file",
             {
                 "file": Key(
                     kinds.RECORDING,
@@ -179,14 +185,45 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 ),
                 "angle_column_deg": Key(kinds.TEXT, "name of the column in degrees"),
                 "angle_column_rad": Key(kinds.TEXT, "or: of the column in radians"),
+                "time_column_s": Key(
+                    kinds.TEXT,
+                    "name of the column of times; angles or speeds then make speed and "
+                    "acceleration of the drive",
+                ),
+                "speed_column_rpm": Key(
+                    kinds.TEXT, "name of the column of the drive's speed, integrated to the angle"
+                ),
+                "speed_column_rad_s": Key(kinds.TEXT, "or: the same in rad/s"),
+                "torque_column_Nm": Key(
+                    kinds.TEXT, "name of the column of the torque put into shaft 0"
+                ),
+                "start_deg": Key(
+                    kinds.START, "with a speed: drive angle of the first sample", default=0
+                ),
+                "filter_reach": Key(
+                    kinds.REACH,
+                    "with times: samples on each side of the parabola that differentiates",
+                    default=5,
+                ),
+                "raster_s": Key(
+                    kinds.POSITIVE,
+                    "of an MDF file with a speed: interpolate all channels at steps of so many "
+                    "seconds; default: the channels have common times",
+                ),
                 "bend_columns_deg": Key(
                     kinds.COLUMNS,
                     "instead of bends_deg: one column per joint with its bend at each sample",
                 ),
                 "bend_columns_rad": Key(kinds.COLUMNS, "or: the same in radians"),
             },
-            together=(("angle_column_deg", "angle_column_rad"), BEND_COLUMNS),
-            needed=(("file",), ("angle_column_deg", "angle_column_rad")),
+            together=(
+                ANGLE_COLUMNS,
+                SPEED_COLUMNS,
+                BEND_COLUMNS,
+                *((key, angle) for key in ("start_deg", "raster_s") for angle in ANGLE_COLUMNS),
+            ),
+            needed=(("file",), (*ANGLE_COLUMNS, *SPEED_COLUMNS)),
+            with_key=tuple((key, "time_column_s") for key in (*SPEED_COLUMNS, "filter_reach")),
         ),
         "limits": Section(
             "what check compares with; a figure is a number or [limit, maximum]: within up to the "

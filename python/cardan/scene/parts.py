@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -15,6 +16,7 @@ from cardan.geometry import sloping
 from cardan.load import Load
 from cardan.scene.format import FORMAT, FORMS, TEETH, Form
 
+_TORQUES = ("drive_torque_Nm", "output_torque_Nm")
 _MOTION = ("speed_rpm", "speed_rad_s", "acceleration_rad_s2")
 
 
@@ -119,6 +121,35 @@ def make_load(values: Mapping[str, Any], varied: Container[str] = ()) -> Load:
                 for key, value in values.items()
             }
         )
+
+
+def check_not_recorded(values: Mapping[str, Any], recorded: Container[str]) -> None:
+    """Refuse keys of a load, or of a study, for what was recorded.
+
+    Raises:
+        ValueError: a motion or a torque of which the recording says another.
+    """
+    for keys, signal, said in (
+        (_MOTION, "speed_rad_s", "times, from which speed and acceleration follow"),
+        (_TORQUES, "drive_torque_Nm", "a torque"),
+    ):
+        if signal in recorded:
+            for key in keys:
+                if key in values:
+                    raise ArgumentValueError(key, f"does not go with [angles], which gives {said}")
+
+
+def at_samples(load: Load, which: NDArray[np.bool_]) -> Load:
+    """Return the load at some of the samples of a recording."""
+    values = {
+        f"{load.end}_torque": load.torque,
+        "speed": load.speed,
+        "acceleration": load.acceleration,
+    }
+    return Load(
+        inertias=load.inertias,
+        **{name: value[which] if value.ndim else value for name, value in values.items()},
+    )
 
 
 def _check_count(key: str, values: Sequence[Any], wanted: int, why: str) -> None:

@@ -16,7 +16,6 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
-from cardan.files.recording import read_chunks
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
@@ -28,8 +27,17 @@ from cardan.scene.ball_joint_scene import BallJointScene, is_alone
 from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
-from cardan.scene.parts import check_load, form_of, make_driveline, make_load, teeth_of
-from cardan.scene.reductions import LENGTH
+from cardan.scene.parts import (
+    at_samples,
+    check_load,
+    check_not_recorded,
+    form_of,
+    make_driveline,
+    make_load,
+    teeth_of,
+)
+from cardan.scene.recorded import Recording
+from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
@@ -49,7 +57,7 @@ class Scene:
         name: where it came from, for messages.
         title: heading, or "".
         line: the driveline; if its bends were recorded, a batch ``(samples,)``.
-        load_case: its load, if any.
+        load_case: its load, if any; what was recorded of it is ``(samples,)``.
         limits: what a check compares it with.
         drive_angle_deg: drive angles in degrees, ``(samples,)``.
         angle: the same to evaluate at: a sweep, or recorded angles in rad.
@@ -66,6 +74,8 @@ class Scene:
         points: ends and joint centres as the scene gives them, ``(n + 2, 3)``, if it does.
         ball_joint: its ball joint, if any.
         slip: the spline of a shaft that changes its length, if the scene gives one.
+        time: recorded times in s, ``(samples,)``, if any.
+        signals: the extents of what was recorded besides angles and bends.
     """
 
     name: str
@@ -88,16 +98,18 @@ class Scene:
     points: FloatArray | None = None
     ball_joint: BallJointCase | None = None
     slip: Slip | None = None
+    time: FloatArray | None = None
+    signals: tuple[Signal, ...] = ()
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
         """Read a scene file; paths in it are relative to its folder.
 
         Raises:
-            ImportError: it names a Parquet file and pyarrow is missing.
-            OSError: the file or a recording cannot be read.
-            ValueError: it is not a scene; one line with file, line where that is certain,
-                section, key, rule and value.
+            ImportError: it names a file whose library is missing.
+            OSError: the file cannot be read.
+            ValueError: it is not a scene, or its recording cannot be read; one line with file, line
+                where that is certain, section, key, rule and value.
         """
         return cls.parse(read_text(path), fspath(path), Path(path).parent)
 
@@ -111,10 +123,9 @@ class Scene:
             folder: the folder to which paths in it are relative.
 
         Raises:
-            ImportError: it names a Parquet file and pyarrow is missing.
-            OSError: a recording cannot be read.
-            ValueError: it is not a scene; one line with name, line where that is certain, section,
-                key, rule and value.
+            ImportError: it names a file whose library is missing.
+            ValueError: it is not a scene, or its recording cannot be read; one line with name, line
+                where that is certain, section, key, rule and value.
         """
         return cls._of(Document(text, name), Path(folder))
 
@@ -130,10 +141,10 @@ class Scene:
             the scene with the next angles, and the number of all.
 
         Raises:
-            ImportError: pyarrow is missing.
-            OSError: the file or its recording cannot be read.
-            ValueError: as for ``load``; no recording or curves in Parquet files; a key of which the
-                value needs all angles.
+            ImportError: pyarrow or the library for the recording is missing.
+            OSError: the file cannot be read.
+            ValueError: as for ``load``; no recording, no curves in a Parquet file; a key of which
+                the value needs all angles.
         """
         document, folder = Document(read_text(path), fspath(path)), Path(path).parent
         recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
@@ -148,14 +159,14 @@ class Scene:
             for key in ("reduce", "closed_forms", "table", "picture"):
                 if key in output:
                     raise ArgumentValueError(key, "does not go with streaming; it needs all angles")
-        chunks = read_chunks(folder / recorded["file"], Angles.columns(recorded), rows)
+        pieces = Recording(recorded, folder).pieces(rows)
         while True:
             with document.within("angles"):
-                chunk = next(chunks, None)
-                if chunk is None:
-                    return
-                angle = Angles.of(recorded, folder, chunk.columns, chunk.first)
-            yield cls._of(document, folder, angle), chunk.total
+                piece = next(pieces, None)
+            if piece is None:
+                return
+            angle, total = piece
+            yield cls._of(document, folder, angle), total
 
     @classmethod
     def validate(cls, path: str | PathLike[str]) -> list[str]:
@@ -165,8 +176,8 @@ class Scene:
         values that do not fit together are found.
 
         Raises:
-            ImportError: it names a Parquet file and pyarrow is missing.
-            OSError: the file or a recording cannot be read.
+            ImportError: it names a file whose library is missing.
+            OSError: the file cannot be read.
         """
         try:
             document = Document(read_text(path), fspath(path), gather=True)
@@ -203,7 +214,7 @@ class Scene:
                 raise ValueError(f"sections {both} are both given; give one of them")
         with document.within("angles"):
             if recorded and angle is None:
-                angle = Angles.recorded(recorded, folder)
+                angle = Recording(recorded, folder).whole()
         with document.within("sweep"):
             angle = angle or Angles.swept(given.get("sweep", {}))
         with document.within("driveline"):
@@ -211,8 +222,16 @@ class Scene:
             form, driveline = _filled(described, angle)
             line = make_driveline(form, driveline)
             teeth = teeth_of(given.get("driveline", {}), line.n_joints)
+        for section in ("load", "study"):
+            with document.within(section):
+                check_not_recorded(given.get(section, {}), angle.load)
         with document.within("load"):
-            load = None
+            load, reduced_load = None, loaded
+            if angle.load:
+                loaded, reduced_load = (
+                    {**(loaded or {}), **recorded_load}
+                    for recorded_load in (angle.load, angle.load_to_reduce)
+                )
             if loaded is not None:
                 check_load(loaded, line.n_joints)
                 load = make_load(loaded, given.get("study", {}))
@@ -250,7 +269,7 @@ class Scene:
                     axes_of(varied, driveline, loaded),
                     form,
                     reduced,
-                    loaded,
+                    reduced_load,
                     angle.to_reduce,
                     _reduced(output, quantities, loaded),
                     tuple(output.get("reduce", ("peak",))),
@@ -285,6 +304,8 @@ class Scene:
             ),
             ball_joint=ball_joint,
             slip=slip,
+            time=angle.time,
+            signals=angle.signals,
         )
 
     @property
@@ -304,17 +325,30 @@ class Scene:
         known = ~np.isnan(self.drive_angle)
         line = self.line[known] if self.line.shape else self.line
         degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
-        return replace(self, line=line, drive_angle_deg=degrees, angle=radians)
+        load = self.load_case and at_samples(self.load_case, known)
+        time = None if self.time is None else self.time[known]
+        return replace(
+            self, line=line, drive_angle_deg=degrees, angle=radians, load_case=load, time=time
+        )
 
     @property
     def speed(self) -> float:
-        """Speed of the drive in rad/s; 0 if the scene does not give it."""
-        return float(self.load_case.speed) if self.load_case else 0.0
+        """Speed of the drive in rad/s, the largest one of a recording; 0 if it is not given."""
+        if self.load_case is None:
+            return 0.0
+        speeds = np.atleast_1d(self.load_case.speed)
+        known = speeds[~np.isnan(speeds)]
+        return float(known[np.argmax(np.abs(known))]) if known.size else 0.0
+
+    @property
+    def speed_recorded(self) -> bool:
+        """Whether the speed of the drive was recorded, or follows from what was."""
+        return self.time is not None
 
     @property
     def accelerates(self) -> bool:
         """Whether the speed of the drive changes."""
-        return self.load_case is not None and float(self.load_case.acceleration) != 0.0
+        return self.load_case is not None and bool(np.any(self.load_case.acceleration != 0.0))
 
     def run(self, progress: Progress | None = None) -> SceneResult:
         """Evaluate the scene and its study; writes nothing.

@@ -14,6 +14,7 @@ from cardan.files.progress import Progress
 from cardan.files.tables import ROWS, write_pieces
 from cardan.scene.curves import columns
 from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.signals import Signal, joined
 
 
 class Streamed(NamedTuple):
@@ -27,6 +28,8 @@ class Streamed(NamedTuple):
     """First and last drive angle in degrees."""
     turns: float
     """How far the drive goes, forward and back, in turns."""
+    signals: tuple[Signal, ...]
+    """The extents of what was recorded besides angles and bends."""
 
 
 def stream(
@@ -41,10 +44,11 @@ def stream(
 
     The file has the same rows, columns and bits as that of ``cardan run``, with one exception: if
     bends are recorded too, the steepest in a chunk determines the polynomial for the inverse
-    tangent, which may change the last digits.
+    tangent, which may change the last digits. Memory is that of a chunk; of an NPZ file, and of an
+    MDF file with ``raster_s``, that of the columns as well.
 
     Args:
-        scene: a scene file with ``[angles]`` from a Parquet file and ``curves`` into one.
+        scene: a scene file with ``[angles]``, and ``curves`` into a Parquet file.
         into: folder for the curves.
         radians: whether angles are written in radians.
         rows: largest number of rows at a time.
@@ -55,7 +59,7 @@ def stream(
 
     Raises:
         ImportError: pyarrow is missing.
-        OSError: a file cannot be read or written.
+        OSError: the scene cannot be read or the curves not be written.
         ValueError: as for ``Scene.load``; keys of the scene that need all samples at once.
     """
     parts = Scene.parts(scene, rows)
@@ -67,6 +71,7 @@ def stream(
 
     missing, way = 0, 0.0
     ends: list[float] = []
+    signals: tuple[Signal, ...] = ()
 
     def pieces() -> Iterable[tuple[Mapping[str, NDArray[Any]], int]]:
         yield curves(first), total
@@ -74,8 +79,9 @@ def stream(
             yield curves(part), total
 
     def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
-        nonlocal missing, way
+        nonlocal missing, way, signals
         missing += part.missing
+        signals = joined(signals, part.signals)
         # From the last angle of the chunk before.
         known = part.without_missing().drive_angle_deg
         degrees = np.concatenate([ends[1:], known])
@@ -86,4 +92,4 @@ def stream(
 
     written = write_pieces(path, pieces(), progress)
     # A recording without any number is refused.
-    return Streamed(path, written, missing, (ends[0], ends[1]), way / 360.0)
+    return Streamed(path, written, missing, (ends[0], ends[1]), way / 360.0, signals)

@@ -28,6 +28,7 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "rad": Unit("rad", "radians"),
         "m": Unit("m", "metres"),
         "mm": Unit("mm", "millimetres"),
+        "s": Unit("s", "seconds"),
         "rpm": Unit("rpm", "revolutions per minute"),
         "rad_s": Unit("rad/s", "rad/s"),
         "rad_s2": Unit("rad/s²", "rad/s²"),
@@ -44,6 +45,7 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
 _OTHER_ENDINGS = (
     *("degree", "degrees", "radian", "radians", "mrad", "gon", "turns"),
     *("cm", "metre", "metres", "meters", "in", "inch", "inches", "ft"),
+    *("ms", "us", "min", "h", "second", "seconds"),
     *("rps", "hz", "1_min", "1_s", "deg_s", "deg_s2", "rpm_s", "m_s2"),
     *("kn", "pa", "kpa", "gpa", "bar", "n_mm2", "psi", "um_per_n_mm2", "mm_per_mpa"),
     *("knm", "nmm", "n_m", "lbft", "lbf_ft", "gm2", "kg_m2", "kgmm2", "kgcm2"),

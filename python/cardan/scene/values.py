@@ -51,6 +51,8 @@ NUMBER = Kind("number", Number())
 POSITIVE = Kind("positive number", Number(0, above=True))
 # As far as sweeps go, and small enough for their steps to be told apart.
 START = Kind("number", Number(-1e12, 1e12))
+# With one on each side, the first and the last sample would be those of no parabola.
+REACH = Kind("whole number", Whole(2, most=1000))
 NATURAL = Kind("whole number", Whole(1))
 NUMBERS = Kind("number or numbers", OneOrMore(ListOf(Number(), "numbers"), (int, float)))
 BENDS = Kind("number or numbers", OneOrMore(ListOf(_BEND, "numbers"), (int, float)))

@@ -51,11 +51,11 @@ def identification_text(data: Mapping[str, Any], *, radians: bool = False) -> st
         ("purity", "unknown" if purity is None else figure_text(purity)),
         ("not explained, rms", size(joint[f"residual{ending}"])),
     ]
-    notes = "\n\n".join(textwrap.fill(note, 79) for note in _notes(joint, sign))
+    notes = "\n\n".join(textwrap.fill(note, 79) for note in _notes(joint, sign, bool(two)))
     return f"{data['title']}\n\n{aligned(lines)}\n\n{notes}"
 
 
-def _notes(joint: Mapping[str, Any], sign: str) -> list[str]:
+def _notes(joint: Mapping[str, Any], sign: str, two: bool) -> list[str]:
     notes = [
         "The offset is what to add to the recorded drive angle so that the driving pin lies in the "
         f"bend plane of the equivalent joint at 0{sign}."
@@ -70,5 +70,11 @@ def _notes(joint: Mapping[str, Any], sign: str) -> list[str]:
     notes.append(
         "An ovality of an encoder has order 2 as well. A recording with straight joints tells it "
         "from a bend."
+    )
+    notes.append(
+        "Phase and twist cannot be told apart: only their difference shows."
+        if two
+        else "Bends and phases of several joints cannot be told apart by two encoders: only the "
+        "equivalent bend shows."
     )
     return notes

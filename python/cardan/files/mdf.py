@@ -1,0 +1,179 @@
+"""Channels of MDF files, the format of measuring systems (ASAM), as columns of equal length."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from os import PathLike
+from typing import Any
+
+import numpy as np
+
+from cardan.arrays import FloatArray, import_optional
+from cardan.files.headings import place_of_column, short
+
+# What an MDF file begins with; the second is of a file whose logger was switched off.
+_BEGINNINGS = (b"MDF     ", b"UnFinMF ")
+
+_MOST_ROWS = 100_000_000
+
+
+def read_mdf(
+    path: str | PathLike[str], names: Sequence[str], rows: int | None, raster_s: float | None
+) -> Iterator[tuple[list[FloatArray], int]]:
+    """Yield channels of an MDF file as columns, and the number of all rows; invalid ones are NaN.
+
+    The channels are those of one channel group, whose master channel, the time, is a column like
+    the others. With a raster they may belong to any groups and are interpolated linearly.
+
+    Args:
+        path: the file, of version 3 or 4.
+        names: the channels wanted.
+        rows: largest number of rows at a time; ``None`` for all.
+        raster_s: interpolate at steps of so many seconds, while all of the channels are recorded.
+
+    Raises:
+        ImportError: asammdf is missing.
+        OSError: the file cannot be read.
+        ValueError: channels that are missing, not of numbers or of several groups without a raster,
+            a damaged file.
+    """
+    with _opened(path) as file:
+        groups = _groups(file, names)
+        shared = set.intersection(*map(set, groups))
+        if raster_s is not None:
+            yield from _resampled(file, names, groups, raster_s, rows)
+            return
+        if not shared:
+            raise ValueError(_apart(names, groups))
+        group = min(shared)
+        total = int(file.groups[group].channel_group.cycles_nr)
+        step = rows or max(1, total)
+        for first in range(0, max(1, total), step):
+            part = {"record_offset": first, "record_count": min(step, total - first)}
+            yield [_numbers(file, name, group, **part) for name in names], total
+
+
+@contextmanager
+def _opened(path: str | PathLike[str]) -> Iterator[Any]:
+    asammdf = import_optional("asammdf", "mdf")
+    # Opened here, because asammdf leaves a damaged file open.
+    with open(path, "rb") as source:
+        if source.read(8) not in _BEGINNINGS:
+            raise ValueError("not an MDF file")
+        source.seek(0)
+        try:
+            file = asammdf.MDF(source)
+        except Exception as error:
+            # Of a damaged file asammdf raises whatever its bytes lead to.
+            reason = short(" ".join(str(error).split()))
+            _call_closed(error)
+            raise ValueError(f"not a readable MDF file: {reason}") from None
+        with file:
+            yield file
+
+
+def _call_closed(error: Exception) -> None:
+    """Close the temporary file of a half-read one and tell it that it is closed.
+
+    asammdf closes it once more when it is removed, which fails for want of what was not read, and
+    Python would print that as an error of its own.
+    """
+    for frame, _ in traceback.walk_tb(error.__traceback__):
+        half_read: Any = frame.f_locals.get("self")
+        if type(half_read).__name__ in ("MDF3", "MDF4"):
+            half_read._closed = True
+            if half_read._tempfile is not None:
+                half_read._tempfile.close()
+
+
+def _groups(file: Any, names: Sequence[str]) -> list[list[int]]:  # noqa: ANN401 - of asammdf
+    """The channel groups of each channel."""
+    # A channel has further names with its device in front.
+    known = [name for name in file.channels_db if "\\" not in name or name in names]
+    for name in names:
+        place_of_column(name, known)
+    return [sorted({group for group, _ in file.channels_db[name]}) for name in names]
+
+
+def _apart(names: Sequence[str], groups: Sequence[Sequence[int]]) -> str:
+    """Say of which groups channels are that have none in common."""
+    parts = (
+        f"{name!r} in {', '.join(map(str, found))}"
+        for name, found in zip(names, groups, strict=True)
+    )
+    return short(
+        "the channels were recorded at times of their own; the channel groups are "
+        f"{'; '.join(parts)}; raster_s of [angles] resamples measured speeds"
+    )
+
+
+def _numbers(
+    file: Any,  # noqa: ANN401 - of asammdf
+    name: str,
+    group: int,
+    **part: int,
+) -> FloatArray:
+    """Some rows of a channel; those that the logger marked as invalid are NaN."""
+    places = [index for found, index in file.channels_db[name] if found == group]
+    if len(places) > 1:
+        raise ValueError(f"column {name!r} appears {len(places)} times in channel group {group}")
+    try:
+        samples, invalid = file.get(
+            group=group,
+            index=places[0],
+            samples_only=True,
+            ignore_invalidation_bits=True,
+            **part,
+        )
+    except Exception as error:
+        reason = short(" ".join(str(error).split()))
+        raise ValueError(f"column {name!r} is not readable: {reason}") from None
+    if samples.ndim != 1 or samples.dtype.kind not in "fiub":
+        raise ValueError(
+            f"column {name!r} has shape {samples.shape} and dtype {samples.dtype}; "
+            "it must hold numbers in one dimension"
+        )
+    column = samples.astype(np.float64)
+    if invalid is not None:
+        column[np.asarray(invalid, bool)] = np.nan
+    return np.asarray(column, np.float64)
+
+
+def _resampled(
+    file: Any,  # noqa: ANN401 - of asammdf
+    names: Sequence[str],
+    groups: Sequence[Sequence[int]],
+    raster_s: float,
+    rows: int | None,
+) -> Iterator[tuple[list[FloatArray], int]]:
+    masters = [file.masters_db.get(found[0]) for found in groups]
+    signals: list[tuple[FloatArray, FloatArray] | None] = []
+    for name, (group, *_), master in zip(names, groups, masters, strict=True):
+        if any(index == master for found, index in file.channels_db[name] if found == group):
+            # The times themselves.
+            signals.append(None)
+            continue
+        values = _numbers(file, name, group)
+        time = np.asarray(file.get_master(group), np.float64)
+        known = ~(np.isnan(time) | np.isnan(values))
+        if not known.any():
+            raise ValueError(f"column {name!r} has no numbers")
+        if not np.all(np.diff(time[known]) > 0.0):
+            raise ValueError(f"the times of column {name!r} do not increase")
+        signals.append((time[known], values[known]))
+    spans = [(time[0], time[-1]) for time, _ in filter(None, signals)]
+    if not spans:
+        raise ValueError("raster_s needs a channel besides the time")
+    first, last = max(begin for begin, _ in spans), min(end for _, end in spans)
+    if last < first:
+        raise ValueError("the channels have no time in common")
+    # A rounding error must not cost the last sample.
+    total = int(min((last - first) / raster_s * (1.0 + 1e-12), float(_MOST_ROWS))) + 1
+    if total > _MOST_ROWS:
+        raise ValueError(f"raster_s is {raster_s:g}; that makes more than {_MOST_ROWS} rows")
+    step = rows or total
+    for begin in range(0, total, step):
+        time = first + raster_s * np.arange(begin, min(begin + step, total))
+        yield [time if of is None else np.interp(time, *of) for of in signals], total

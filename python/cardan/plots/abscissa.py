@@ -1,0 +1,109 @@
+"""What is along the panels of a scene's page: drive angles, turns, time or orders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+import cardan.plots.panel as panel
+from cardan.arrays import FloatArray
+from cardan.errors import ArgumentValueError
+from cardan.figures.orders import orders
+from cardan.plots.bands import Bands
+from cardan.plots.style import line_style, value_ticks
+from cardan.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Over = Literal["turns", "time", "orders"]
+"""What a scene's curves are drawn over."""
+
+_Curves = Sequence[tuple[str, FloatArray]]
+
+
+@dataclass(frozen=True, eq=False)
+class Abscissa:
+    """What is along the panels.
+
+    Attributes:
+        label: its name with the unit.
+        note: what must be known to read the panels; "" for nothing.
+        draw: draws curves by their labels, ``(samples,)`` each, on axes; the last argument is what
+            values that are all 0 would be measured in.
+    """
+
+    label: str
+    note: str
+    draw: Callable[[Axes, _Curves, float], None]
+
+
+def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
+    """Return what to draw the curves of a scene over.
+
+    Args:
+        scene: the scene.
+        over: what; by default the time where it was recorded, and else the turns of the drive. Up
+            to three turns are drawn over the drive angle in both cases.
+
+    Raises:
+        ValueError: times that were not recorded, a drive of which there are no orders.
+    """
+    degrees = scene.drive_angle_deg
+    if over == "time" and scene.time is None:
+        raise ArgumentValueError("over", "is 'time'; the scene has no time_column_s")
+    if over == "orders":
+        return _orders(scene)
+    if scene.time is not None and over != "turns":
+        bands = Bands.of_time(scene.time, degrees)
+    else:
+        bands = Bands.of_turns(degrees)
+    if bands is None:
+        draw = partial(_over_angle, angle_deg=degrees)
+        return Abscissa("drive angle [deg]", "", draw)
+    note = f"Bands: from the least to the largest sample of each {bands.each}; lines: the mean."
+    return Abscissa(bands.label, note, partial(_over_bands, bands=bands))
+
+
+def _over_angle(axes: Axes, curves: _Curves, scale: float, *, angle_deg: FloatArray) -> None:
+    panel.draw(axes, angle_deg, curves, scale)
+
+
+def _over_bands(axes: Axes, curves: _Curves, scale: float, *, bands: Bands) -> None:
+    panel.draw_bands(axes, bands, curves, scale)
+
+
+def _orders(scene: Scene) -> Abscissa:
+    angle = scene.drive_angle
+    try:
+        found = orders(angle, angle[np.newaxis])
+    except ValueError as error:
+        raise ArgumentValueError("over", f"is 'orders'; {error}") from None
+    turns = f"{found.turns} turn{'s' if found.turns > 1 else ''}"
+    note = (
+        f"Amplitudes by order, from samples at equal steps of the drive angle over {turns}, less "
+        "their linear trend"
+    )
+    if found.segments > 1:
+        note += f"; root mean squares of {found.segments} such segments"
+    return Abscissa("order of the drive's rotation", f"{note}.", partial(_by_order, angle=angle))
+
+
+def _by_order(axes: Axes, curves: _Curves, scale: float, *, angle: FloatArray) -> None:
+    """Draw amplitudes by order, without that of order 0, the mean."""
+    from matplotlib.ticker import MaxNLocator
+
+    found = orders(angle, np.stack([values for _, values in curves]))
+    for place, ((label, _), sizes) in enumerate(zip(curves, found.amplitudes, strict=True)):
+        axes.plot(found.orders[1:], sizes[1:], label=label, **line_style(place))
+    axes.grid(visible=True)
+    axes.set_xlim(0.0, float(found.orders[-1]))
+    axes.xaxis.set_major_locator(MaxNLocator(12, integer=True))
+    value_ticks(axes.yaxis)
+    largest = float(np.max(found.amplitudes[:, 1:]))
+    # Below a billionth of the unit there is rounding only.
+    axes.set_ylim(0.0, 1.05 * largest if largest > 1e-9 * scale else scale)

@@ -1,0 +1,501 @@
+"""Measured motion: angles from speeds, accelerations from a filter, torques sample by sample."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from numpy.typing import NDArray
+
+from cardan import Driveline, Load
+from cardan.command import commands
+from cardan.figures.schema import answers_schema
+from cardan.figures.summary import drive_angles
+from cardan.scene import Scene, stream
+from cardan.scene.curves import columns, write_curves
+from cardan.scene.motion import Integral, derivatives
+from cardan.scene.recorded import Recording
+from cardan.words.signals import signals_text
+
+RANDOM = np.random.default_rng(20)
+TIME = np.cumsum(RANDOM.uniform(0.5e-3, 1.5e-3, 3000))
+RPM = np.pi / 30.0
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+
+Floats = NDArray[np.float64]
+
+JOINTS = "[driveline]\nbends_deg = [10, 12]\nphases_deg = [20]\n"
+ANGLES = "[angles]\nfile = 'run.csv'\ntime_column_s = 't'\nspeed_column_rpm = 'n'\n"
+
+
+def command(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(commands(), [*map(str, arguments)])
+
+
+def written(folder: Path, **table: Sequence[float] | Floats) -> Path:
+    """A CSV file of columns, every digit of them; NaN as an empty cell."""
+    rows = zip(*(np.asarray(column, float).tolist() for column in table.values()), strict=True)
+    lines = [
+        ",".join(table),
+        *(",".join("" if x != x else repr(x) for x in row) for row in rows),
+    ]
+    path = folder / "run.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def measured(folder: Path, text: str, **table: Sequence[float] | Floats) -> Scene:
+    written(folder, **table)
+    return Scene.parse(text, folder=folder)
+
+
+# The integral
+
+
+def test_a_ramp_is_integrated_exactly() -> None:
+    """The trapezoidal rule has no error where the speed is constant or grows evenly."""
+    for slope in (0.0, 7.0):
+        got = Integral(2.0).at(TIME, 100.0 + slope * TIME)
+        ran, start = TIME - TIME[0], TIME[0]
+        exact = 2.0 + 100.0 * ran + slope * (start * ran + ran**2 / 2.0)
+        np.testing.assert_allclose(got, exact, rtol=1e-14)
+
+
+def test_the_integral_of_a_wave() -> None:
+    """It is off by at most the sum of h³/12 times the largest curvature."""
+    speed = 100.0 + 3.0 * np.sin(40.0 * TIME)
+    exact = 100.0 * (TIME - TIME[0]) - 0.075 * (np.cos(40.0 * TIME) - np.cos(40.0 * TIME[0]))
+    bound = np.cumsum(np.diff(TIME, prepend=TIME[0]) ** 3) / 12.0 * 3.0 * 40.0**2
+    error = np.abs(Integral(0.0).at(TIME, speed) - exact)
+    assert np.all(error <= bound + 1e-11)
+    assert np.max(error) > 1e-5
+
+
+def test_rounding_does_not_grow_with_the_samples() -> None:
+    """Of 3 million steps, of which plain sums would lose five digits more."""
+    step = 1.0 / 3.0
+    time = np.arange(3_000_000.0)
+    got = Integral(0.0).at(time, np.full(time.size, step))
+    np.testing.assert_allclose(got[10_000:], time[10_000:] * step, rtol=3e-15)
+
+
+@pytest.mark.parametrize("size", [1, 7, 1024, 4096, 4097])
+def test_the_integral_in_pieces(size: int) -> None:
+    time = np.cumsum(RANDOM.uniform(0.5, 1.5, 10_000))
+    speed = RANDOM.normal(1.0, 0.3, time.size)
+    whole, pieces = Integral(1.0).at(time, speed), Integral(1.0)
+    parts = [pieces.at(time[i : i + size], speed[i : i + size]) for i in range(0, 10_000, size)]
+    np.testing.assert_array_equal(np.concatenate(parts), whole)
+
+
+# The filter
+
+
+@pytest.mark.parametrize("reach", [2, 3, 5, 40])
+def test_a_parabola_is_differentiated_exactly(reach: int) -> None:
+    """At the ends and at unequal steps too."""
+    values = 3.0 - 2.0 * TIME + 5.0 * TIME**2
+    first, second = derivatives(TIME, values, np.ones(TIME.size, bool), reach)
+    np.testing.assert_allclose(first, 10.0 * TIME - 2.0, rtol=1e-8)
+    np.testing.assert_allclose(second, 10.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize("reach", [1, 3, 8])
+def test_a_parabola_as_numpy_fits_it(reach: int) -> None:
+    values = RANDOM.normal(size=TIME.size)
+    known = RANDOM.random(TIME.size) < 0.8
+    first, second = derivatives(TIME, np.where(known, values, np.nan), known, reach)
+    for place in (*range(12), *range(2988, 3000), *range(1500, 1540)):
+        near = np.arange(max(0, place - reach), min(TIME.size, place + reach + 1))
+        near = near[known[near]]
+        if not known[place] or near.size < 3:
+            assert np.isnan(first[place])
+            continue
+        curve, slope, _ = np.polyfit(TIME[near] - TIME[place], values[near], 2)
+        assert first[place] == pytest.approx(slope, rel=1e-7, abs=1e-6)
+        assert second[place] == pytest.approx(2.0 * curve, rel=1e-7, abs=1e-3)
+
+
+@pytest.mark.parametrize("reach", [1, 2, 5])
+def test_the_share_that_the_filter_keeps(reach: int) -> None:
+    """As the documentation states it, at equal steps."""
+    step = 0.01
+    time: Floats = np.asarray(step * np.arange(2001), np.float64)
+    for wave in (1.0, 2.0, 4.0):
+        signal = np.asarray(np.sin(wave * time), np.float64)
+        first, _ = derivatives(time, signal, np.ones(time.size, bool), reach)
+        inner = slice(reach, -reach)
+        kept = float(first[inner] @ np.cos(wave * time[inner])) / wave
+        kept /= float(np.cos(wave * time[inner]) @ np.cos(wave * time[inner]))
+        lost = (3 * reach**2 + 3 * reach - 1) * (wave * step) ** 2 / 30.0
+        assert 1.0 - kept == pytest.approx(lost, rel=0.02)
+
+
+# Scenes
+
+
+def test_speed_and_torque_of_a_file(tmp_path: Path) -> None:
+    """Angle, speed, acceleration and torque of each sample reach the library's call."""
+    speed = 600.0 + 50.0 * TIME
+    torque = 40.0 + 5.0 * np.sin(TIME)
+    text = (
+        f"{JOINTS}{ANGLES}torque_column_Nm = 'm'\nstart_deg = 30\n"
+        "[load]\ninertias_kgm2 = [0.1, 0.02, 0.5]\n[output]\nquantities = ['torque', 'moment']\n"
+    )
+    scene = measured(tmp_path, text, t=TIME, n=speed, m=torque)
+    ran = TIME - TIME[0]
+    angle = np.radians(30.0) + RPM * (600.0 * ran + 50.0 * (TIME[0] * ran + ran**2 / 2.0))
+    np.testing.assert_allclose(scene.drive_angle, angle, rtol=1e-14)
+    line = Driveline.from_bends([10, 12], 0, 20, degrees=True)
+    load = Load(
+        drive_torque=torque,
+        speed_rpm=speed,
+        acceleration=50.0 * RPM,
+        inertias=[0.1, 0.02, 0.5],
+    )
+    want = line.evaluate(angle, ("torque", "moment"), load=load)
+    got = scene.run().values
+    np.testing.assert_allclose(got.torque, want.torque, rtol=1e-8)
+    np.testing.assert_allclose(got.moment, want.moment, rtol=1e-8, atol=1e-6)
+    # What a constant speed would leave out is far more than that.
+    steady = Load(drive_torque=torque, speed_rpm=speed, inertias=[0.1, 0.02, 0.5])
+    assert np.min(np.abs(got.torque - line.evaluate(angle, "torque", load=steady).torque)) > 0.5
+
+
+def test_speed_in_radians_per_second(tmp_path: Path) -> None:
+    speed = 60.0 + 3.0 * np.sin(TIME)
+    scene = measured(tmp_path, JOINTS + ANGLES, t=TIME, n=speed / RPM)
+    other = Scene.parse(JOINTS + ANGLES.replace("_rpm", "_rad_s"), folder=tmp_path)
+    assert other.load_case is not None
+    np.testing.assert_array_equal(other.load_case.speed, speed / RPM)
+    np.testing.assert_allclose(RPM * other.drive_angle, scene.drive_angle, rtol=1e-13)
+
+
+@pytest.mark.parametrize("unit", ["deg", "rad"])
+@pytest.mark.parametrize("modulo", [False, True])
+def test_angles_and_times(tmp_path: Path, unit: str, modulo: bool) -> None:
+    """Speed and acceleration follow from angles, also where a counter starts anew at each turn."""
+    turn = 360.0 if unit == "deg" else 2.0 * np.pi
+    angle = turn * (5.0 * TIME + 0.4 * TIME**2)
+    text = (
+        f"{JOINTS}[angles]\nfile = 'run.csv'\ntime_column_s = 't'\nangle_column_{unit} = 'a'\n"
+        "[load]\ndrive_torque_Nm = 3\ninertias_kgm2 = [0, 1, 0]\n"
+    )
+    scene = measured(tmp_path, text, t=TIME, a=angle % turn if modulo else angle)
+    assert scene.load_case is not None
+    np.testing.assert_allclose(scene.load_case.speed, 2 * np.pi * (5.0 + 0.8 * TIME), rtol=1e-9)
+    np.testing.assert_allclose(scene.load_case.acceleration, 1.6 * np.pi, rtol=1e-5)
+    np.testing.assert_array_equal(
+        scene.drive_angle_deg if unit == "deg" else scene.drive_angle,
+        angle % turn if modulo else angle,
+    )
+
+
+def test_recorded_angle_and_speed(tmp_path: Path) -> None:
+    """The angle is the recorded one, and the acceleration is that of the speed."""
+    text = f"{JOINTS}{ANGLES}angle_column_rad = 'a'\n"
+    scene = measured(tmp_path, text, t=TIME, n=100.0 + TIME, a=5.0 * TIME)
+    assert scene.load_case is not None
+    np.testing.assert_array_equal(scene.drive_angle, 5.0 * TIME)
+    np.testing.assert_allclose(scene.load_case.acceleration, RPM, rtol=1e-8)
+
+
+def test_missing_rows(tmp_path: Path) -> None:
+    """They keep their place, are NaN, are bridged in the integral, and are counted."""
+    speed = 600.0 + 50.0 * TIME
+    torque = np.full(TIME.size, 7.0)
+    time, gap = TIME.copy(), speed.copy()
+    gap[0] = gap[100:140] = np.nan
+    time[500] = np.nan
+    torque[700] = np.nan
+    text = (
+        f"{JOINTS}{ANGLES}torque_column_Nm = 'm'\n[load]\ninertias_kgm2 = [0, 1, 0]\n"
+        "[output]\nquantities = ['torque']\ncurves = 'c.csv'\nreduce = ['mean']\n"
+    )
+    scene = measured(tmp_path, text, t=time, n=gap, m=torque)
+    missing = np.zeros(TIME.size, bool)
+    missing[[0, *range(100, 140), 500, 700]] = True
+    assert scene.missing == 43
+    np.testing.assert_array_equal(np.isnan(scene.drive_angle), missing)
+    result = scene.run()
+    for column in columns(result).values():
+        np.testing.assert_array_equal(np.isnan(column), missing)
+    # A ramp is bridged without an error.
+    ran, start = TIME - TIME[1], TIME[1]
+    exact = RPM * (600.0 * ran + 50.0 * (start * ran + ran**2 / 2.0))
+    np.testing.assert_allclose(scene.drive_angle[~missing], exact[~missing], rtol=1e-13, atol=1e-13)
+    known = scene.without_missing()
+    assert known.load_case is not None
+    assert known.time is not None
+    np.testing.assert_allclose(known.load_case.acceleration, 50.0 * RPM, rtol=1e-7)
+    np.testing.assert_array_equal(known.time, TIME[~missing])
+    assert result.study is not None
+    torques = result.values.torque[~missing]
+    assert result.study.values["torque_mean"] == pytest.approx(np.mean(torques), rel=1e-12)
+    (tmp_path / "run.toml").write_text(text)
+    said = command("run", tmp_path / "run.toml", "--into", tmp_path).output
+    assert "43 of 3000 samples are missing in run.csv; their results are NaN." in said
+
+
+def test_samples_alone_among_missing_ones(tmp_path: Path) -> None:
+    """Two samples make no parabola: without an acceleration they are missing."""
+    speed = np.full(60, 600.0)
+    speed[10:20] = speed[22:40] = np.nan
+    text = f"{JOINTS}{ANGLES}filter_reach = 2\n"
+    scene = measured(tmp_path, text, t=TIME[:60], n=speed)
+    assert scene.missing == 30
+    assert np.isnan(scene.drive_angle[20:22]).all()
+
+
+PIECES = """\
+[driveline]
+twists_deg = [180]
+phases_deg = [30]
+[angles]
+file = "run.parquet"
+time_column_s = "t"
+torque_column_Nm = "m"
+{angles}
+[load]
+inertias_kgm2 = [0.1, 0.2, 0.3]
+[output]
+quantities = ["angle_error", "torque"]
+curves = "out.parquet"
+"""
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        "speed_column_rpm = 'n'",
+        "speed_column_rpm = 'n'\nfilter_reach = 50\nstart_deg = 12",
+        "angle_column_deg = 'a'",
+    ],
+)
+@pytest.mark.parametrize("rows", [1, 2, 11, 97, 2999, 3000, 5000])
+def test_pieces_give_the_bits_of_the_whole(tmp_path: Path, columns: str, rows: int) -> None:
+    pyarrow = pytest.importorskip("pyarrow")
+    parquet = pytest.importorskip("pyarrow.parquet")
+    random = np.random.default_rng(1)
+    table = {
+        "t": TIME.copy(),
+        "n": 600.0 + 30.0 * random.normal(size=TIME.size),
+        "a": (3600.0 * TIME + 2.0 * np.sin(100.0 * TIME)) % 360.0,
+        "m": random.normal(size=TIME.size),
+    }
+    for name, column in table.items():
+        column[random.integers(0, TIME.size, 30 if name == "t" else 60)] = np.nan
+    # A gap beyond the reach of any filter, and one at each end.
+    for part in (slice(0, 3), slice(1500, 1700), slice(2990, None)):
+        table["n"][part] = table["a"][part] = np.nan
+    parquet.write_table(pyarrow.table(table), tmp_path / "run.parquet", row_group_size=333)
+    text = PIECES.format(angles=columns).replace("twists_deg", "bends_deg = [8, 9]\ntwists_deg")
+    (tmp_path / "run.toml").write_text(text)
+    scene = Scene.load(tmp_path / "run.toml")
+    write_curves(scene.run(), tmp_path / "whole.parquet")
+    done = stream(tmp_path / "run.toml", tmp_path, rows=rows)
+    streamed, whole = (
+        parquet.read_table(tmp_path / f"{name}.parquet") for name in ("out", "whole")
+    )
+    assert streamed.column_names == whole.column_names
+    for name in whole.column_names:
+        np.testing.assert_array_equal(streamed[name].to_numpy(), whole[name].to_numpy(), name)
+    found = drive_angles(scene)
+    assert (done.rows, done.missing) == (TIME.size, scene.missing)
+    assert done.ends_deg == (found["first_deg"], found["last_deg"])
+    assert done.turns == pytest.approx(found["turns"], rel=1e-12)
+    assert done.signals == scene.signals
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
+@pytest.mark.parametrize("rows", [1, 10, 1000, None])
+def test_every_format_in_pieces(tmp_path: Path, suffix: str, rows: int | None) -> None:
+    path = written(tmp_path, t=TIME, n=100.0 + TIME)
+    if suffix == ".npz":
+        np.savez(tmp_path / "run.npz", t=TIME, n=100.0 + TIME)
+    elif suffix == ".parquet":
+        parquet = pytest.importorskip("pyarrow.parquet")
+        table = pytest.importorskip("pyarrow").table({"t": TIME, "n": 100.0 + TIME})
+        parquet.write_table(table, tmp_path / "run.parquet")
+    values = {"file": path.with_suffix(suffix).name, "time_column_s": "t", "speed_column_rpm": "n"}
+    pieces = list(Recording(values, tmp_path).pieces(rows))
+    whole = Recording(values, tmp_path).whole()
+    assert all(len(angles.degrees) <= (rows or TIME.size) for angles, _ in pieces)
+    assert pieces[-1][1] == TIME.size
+    for name in ("degrees", "drive", "time", "to_reduce"):
+        parts = np.concatenate([getattr(angles, name) for angles, _ in pieces])
+        np.testing.assert_array_equal(parts, getattr(whole, name))
+    for key, values_of_key in whole.load.items():
+        parts = np.concatenate([angles.load[key] for angles, _ in pieces])
+        np.testing.assert_array_equal(parts, values_of_key)
+
+
+def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
+    """First and last value, rate and extent of each signal are printed."""
+    text = f"{JOINTS}{ANGLES}torque_column_Nm = 'm'\n"
+    time = 0.001 * np.arange(2001)
+    table: dict[str, Any] = {"t": time, "n": 600.0 + 60.0 * time, "m": 5.0 - time}
+    scene = measured(tmp_path, text, **table)
+    said = signals_text(drive_angles(scene))
+    assert said.splitlines() == [
+        "Recording",
+        "  time, column 't'          0 to 2 s; 1000 samples per second",
+        "  speed, column 'n'         first 600.0, last 720.0 rpm; 600 to 720 rpm",
+        "  drive torque, column 'm'  first 5.000, last 3.000 N m; 3.00 to 5.00 N m",
+        "  acceleration              first 6.283, last 6.283 rad/s²; by parabolas over",
+        "                            11 samples, 0.01000 s",
+    ]
+    (tmp_path / "run.toml").write_text(text)
+    done = command("run", tmp_path / "run.toml")
+    assert done.stdout.startswith(f"{said}\n\nDriveline\n")
+    assert "22.00 turns" not in done.stdout
+    assert "0.00° to 7920.00°, 22 turns of 90.91 samples" in done.stdout
+    answer = json.loads(command("run", tmp_path / "run.toml", "--json").stdout)
+    ANSWERS.validate(answer)
+    signals = answer["drive_angles"]["signals"]
+    assert [signal["column"] for signal in signals] == ["t", "n", "m", None]
+    assert signals[1] == {
+        "signal": "speed",
+        "column": "n",
+        "unit": "rpm",
+        "first": 600.0,
+        "last": 720.0,
+        "min": 600.0,
+        "max": 720.0,
+    }
+    assert signals[3]["filter_samples"] == 11
+    # Times in ms look like a machine that turns a thousand times as often between samples.
+    scene = measured(tmp_path, text, **{**table, "t": 1e3 * time})
+    done = command("run", tmp_path / "run.toml")
+    assert "only 0.09091 samples per turn" in done.stderr
+    assert "1.000 samples per second" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "table", "message"),
+    [
+        (ANGLES, {"t": [0, 1, 1], "n": [1, 2, 3]}, "line 4, column 't' is 1.0 after 1.0; times"),
+        (ANGLES, {"t": [0, 2, np.nan, 1], "n": [1] * 4}, "line 5, column 't' is 1.0 after 2.0; t"),
+        (ANGLES, {"t": [0, 1e31], "n": [1, 1]}, "column 't' is 1e+31; it must lie within ±1e+30"),
+        (
+            ANGLES,
+            {"t": [0, np.nan, 2], "n": [np.nan, 1, np.nan]},
+            "no row has a number in each of the columns 't', 'n'",
+        ),
+        (ANGLES, {"t": [0, 1], "n": [1, 1]}, "no row has a number in each of the columns 't', 'n'"),
+    ],
+)
+@pytest.mark.parametrize("rows", [None, 1])
+def test_what_is_refused_in_a_file(
+    tmp_path: Path, text: str, table: dict[str, Any], message: str, rows: int | None
+) -> None:
+    path = written(tmp_path, **table)
+    scene = tmp_path / "run.toml"
+    scene.write_text(f"{JOINTS}{text}[output]\ncurves = 'c.parquet'\n")
+    with pytest.raises(ValueError, match="run") as caught:
+        Scene.load(scene) if rows is None else list(Scene.parts(scene, rows))
+    assert str(caught.value).startswith(f"{scene}, line 4: [angles] {path}: ")
+    # Too few samples for a parabola are missing.
+    assert message in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "[angles]\nfile = 'run.csv'\nspeed_column_rpm = 'n'\n",
+            "line 6: [angles] speed_column_rpm needs time_column_s",
+        ),
+        (
+            "[angles]\nfile = 'run.csv'\nangle_column_deg = 'n'\nfilter_reach = 3\n",
+            "line 7: [angles] filter_reach needs time_column_s",
+        ),
+        (
+            "[angles]\nfile = 'run.csv'\ntime_column_s = 't'\n",
+            "line 4: [angles] angle_column_deg is missing; or give angle_column_rad, "
+            "speed_column_rpm or speed_column_rad_s",
+        ),
+        (ANGLES + "speed_column_rad_s = 'n'\n", "speed_column_rpm and speed_column_rad_s are both"),
+        (ANGLES + "angle_column_deg = 'n'\nstart_deg = 3\n", "start_deg and angle_column_deg are"),
+        (ANGLES + "raster_s = 0.1\n", "run.csv has no channels to resample; only MDF files have"),
+        (
+            ANGLES.replace("time_column_s", "time_column_ms"),
+            "unknown key 'time_column_ms'; the unit stands in the name: time_column_s holds sec",
+        ),
+        (ANGLES + "filter_reach = 0\n", "filter_reach is 0; it must be a whole number from 2 to"),
+        (
+            ANGLES + "[load]\nspeed_rpm = 3\n",
+            "line 9: [load] speed_rpm does not go with [angles], which gives times, from which "
+            "speed and acceleration follow",
+        ),
+        (
+            ANGLES + "[study]\nacceleration_rad_s2 = [3, 4]\n",
+            "line 9: [study] acceleration_rad_s2 does not go with [angles], which gives times",
+        ),
+        (
+            ANGLES + "torque_column_Nm = 'n'\n[load]\noutput_torque_Nm = 3\n",
+            "line 10: [load] output_torque_Nm does not go with [angles], which gives a torque",
+        ),
+    ],
+)
+def test_what_is_refused_in_a_scene(tmp_path: Path, text: str, message: str) -> None:
+    written(tmp_path, t=TIME, n=TIME)
+    with pytest.raises(ValueError, match="scene") as caught:
+        Scene.parse(JOINTS + text, folder=tmp_path)
+    assert message in str(caught.value)
+
+
+def test_a_study_over_a_measured_load(tmp_path: Path) -> None:
+    """Each driveline of the study carries the recorded torque and motion."""
+    speed, torque = 600.0 + 50.0 * TIME, 40.0 + np.sin(TIME)
+    torque[5] = np.nan
+    text = (
+        f"{JOINTS}{ANGLES}torque_column_Nm = 'm'\n[load]\ninertias_kgm2 = [0, 0, 0.5]\n"
+        "[study]\nphases_deg = [0, 20]\ninertias_kgm2.2 = [0.5, 1]\n"
+        "[output]\nquantities = ['torque']\nreduce = ['peak']\n"
+    )
+    scene = measured(tmp_path, text, t=TIME, n=speed, m=torque)
+    result = scene.run()
+    assert result.study is not None
+    table = result.study.values["torque_peak"]
+    assert table.shape == (2, 2)
+    assert table[1, 0] == pytest.approx(np.nanmax(np.abs(result.values.torque)), rel=1e-12)
+    known = scene.without_missing()
+    assert known.load_case is not None
+    load = Load(
+        drive_torque=known.load_case.torque,
+        speed=known.load_case.speed,
+        acceleration=known.load_case.acceleration,
+        inertias=[0, 0, 1],
+    )
+    line = Driveline.from_bends([10, 12], 0, 0, degrees=True)
+    torques = line.evaluate(known.drive_angle, "torque", load=load).torque
+    assert table[0, 1] == pytest.approx(np.max(np.abs(torques)), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["check", "report", "explain", "phase"])
+def test_other_commands(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = f"{JOINTS}{ANGLES}torque_column_Nm = 'm'\n[load]\ninertias_kgm2 = [0, 0, 0.5]\n"
+    torque = np.full(TIME.size, 5.0)
+    torque[3] = np.nan
+    written(tmp_path, t=TIME, n=600.0 + TIME, m=torque)
+    (tmp_path / "run.toml").write_text(text)
+    done = command(name, "run.toml")
+    assert done.exit_code in (0, 1), done.output
+    if name == "report":
+        page = (tmp_path / "run.html").read_text()
+        assert "602.9" in page or "603" in page
+        assert not re.search(r"\bnan\b", page, re.IGNORECASE)
+
+
+def test_check_takes_the_largest_speed(tmp_path: Path) -> None:
+    scene = measured(tmp_path, JOINTS + ANGLES, t=TIME, n=-600.0 - TIME)
+    assert scene.speed == pytest.approx(-RPM * (600.0 + TIME[-1]))
