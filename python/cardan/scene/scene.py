@@ -37,6 +37,7 @@ from cardan.scene.parts import (
     teeth_of,
 )
 from cardan.scene.recorded import Recording
+from cardan.scene.reductions import LENGTH
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
 from cardan.scene.study import Study, StudyResult
