@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal, Protocol, SupportsIndex, TypeAlias
 
 import numpy as np
@@ -17,6 +17,8 @@ from cardan.outputs import nearest
 
 Items: TypeAlias = int | slice | Sequence[int] | None
 Reduction: TypeAlias = Literal["min", "max", "mean", "rms", "peak"]
+Axes: TypeAlias = Literal["space", "shaft"]
+AngleOf: TypeAlias = Literal["drive", "driven"]
 
 REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
 """What rows of samples can be reduced to."""
@@ -49,6 +51,12 @@ class Request:
     dtype: DTypeLike | None = None
     tolerance: float | None = None
     workers: int | None = None
+    axes: Axes = "space"
+    angle_of: AngleOf = "drive"
+
+    def arguments(self) -> tuple[Any, ...]:
+        """Return the values in order."""
+        return tuple(getattr(self, field.name) for field in fields(self))
 
 
 def item_index(argument: str, value: SupportsIndex, count: int, place: Place = ()) -> int:
