@@ -99,13 +99,11 @@ class ShaftAxesPlan(Plan):
             if name == "moment":
                 for plane, joint in zip(planes, self._joints, strict=True):
                     plane[0], plane[2] = torque[joint], driven[joint]
-                none = 1
             else:
                 for plane, shaft in zip(planes, self._shafts, strict=True):
                     _support(plane, shaft, line, driven.get(shaft - 1), driving.get(shaft))
-                none = 0
-            # No component is 0 where the angle is none.
-            planes[:, none] = 0.0 * planes[:, 2] + 0.0
+            # Where the angle is NaN, so is what is 0 elsewhere.
+            planes[:, :2] += 0.0 * planes[:, 2:]
             arrays[name] = view(planes.reshape(-1, *shape), (0, items, True))
         return arrays
 
@@ -178,15 +176,14 @@ def _signed_bending(
 
 def _support(planes: NDArray[Any], shaft: int, line: Any, driven: Any, driving: Any) -> None:  # noqa: ANN401
     """Fill the components of a support moment from the ``D tan t`` at both ends of the shaft."""
-    _, y, z = planes
     if driven is not None:
-        z -= driven
+        planes[2] -= driven
     if driving is not None and shaft == 0:
-        z -= driving
+        planes[2] -= driving
     elif driving is not None:
         phase = line.phases[..., shaft - 1]
-        y += np.sin(phase) * driving
-        z -= np.cos(phase) * driving
+        planes[1] += np.sin(phase) * driving
+        planes[2] -= np.cos(phase) * driving
 
 
 def _listed(items: int | list[int]) -> list[int]:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, array_namespace_of
 from cardan.arrays.libraries import LIBRARIES
+from cardan.errors import ArgumentValueError
 from cardan.plan import Plan
 from cardan.request import Plannable, Request
 from cardan.result import Result
@@ -55,6 +56,12 @@ class DrivenPlan(Plan):
             TypeError, ValueError, MemoryError, RuntimeError: as of any plan.
         """
         if (name := array_namespace_of(angle)) and LIBRARIES[name].wraps:
+            if self._line_shape:
+                raise ArgumentValueError(
+                    "angle",
+                    "has labels, and each driveline of the batch has drive angles of its own; "
+                    "give its values",
+                )
             return super().__call__(angle, out)
         return self._at_drive(self._drive_angle(angle)["angle"], out)
 

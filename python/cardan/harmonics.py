@@ -166,9 +166,9 @@ def _closed(
     series = np.broadcast_to(_after_items(series, len(rows) + 1), (*shape, len(order)))
     error = np.broadcast_to(_after_items(error, len(rows)), shape)
     return (
-        series.reshape(*items, *rows, len(order)),
+        series.reshape((*items, *rows, len(order))),
         np.full((*items, *rows), mean),
-        error.reshape(*items, *rows),
+        error.reshape((*items, *rows)),
     )
 
 

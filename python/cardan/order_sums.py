@@ -93,8 +93,8 @@ def order_sums(
                 rule, samples, _MOST, request.tolerance, vector
             )
     own = () if items is None else (items,)
-    sums = sums.reshape(*own, *rows, *sums.shape[2:])
-    return sums[..., 1:], sums[..., 0].real, error.reshape(*own, *rows, *error.shape[2:])
+    sums = sums.reshape((*own, *rows, *sums.shape[2:]))
+    return sums[..., 1:], sums[..., 0].real, error.reshape((*own, *rows, *error.shape[2:]))
 
 
 def _refined(
