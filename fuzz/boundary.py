@@ -127,7 +127,8 @@ def public(given: Input) -> None:
     if what == 0:
         line.optimal_phases()
         line.equivalent(given.ConsumeIntInRange(-3, 3))
-        line.harmonics(given.often([1, 2, 6], given.array()))
+        names = given.pick((("angle_error",), ("tilt_driven", "speed_ratio")))
+        line.harmonics(given.often([1, 2, 6], given.array()), outputs=names)
         line.check(given.array())
         line.with_phases(given.array())
         return
@@ -204,6 +205,7 @@ def native(given: Input) -> None:
             given.pick((None, 0.0, 1e-9, 1e-3, float("nan"))),
             single,
             reduction,
+            given.ConsumeBool(),
         )
         sweep = _core.Sweep((0.0, 1.0), given.ConsumeIntInRange(1, 9), 0)
         if given.ConsumeBool():

@@ -13,12 +13,12 @@ from cardan.arrays import FloatArray, deferring
 from cardan.batch import Batch
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
+from cardan.driven_angle import planned
 from cardan.equivalent import EquivalentJoint, Transmission, equivalent
 from cardan.harmonics import Harmonics
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
-from cardan.planning import planned
 from cardan.reduced import PlanOfReductions
 from cardan.request import AngleOf, Axes, Items, Reduction, is_index, item_index
 from cardan.result import Result
@@ -250,7 +250,7 @@ class Driveline(Batch):
         """
         if is_index(shaft):
             shaft = item_index("shaft", shaft, self.n_joints + 1)  # type: ignore[arg-type]
-        return planned(self, outputs, shaft, joints, load, axes=axes).harmonics(orders)
+        return Plan(self, outputs, shaft, joints, load, axes=axes).harmonics(orders)
 
     def transmission(self, shaft: int = -1) -> Transmission:
         """Return how a shaft follows the drive: motion at one angle, derivatives by ``q``.
@@ -412,7 +412,8 @@ class Driveline(Batch):
             axes: axes of vectors, at rest (``"space"``) or turning with the shaft on which the
                 vector acts (``"shaft"``): x along the shaft, y along its input-side pin (shaft 0:
                 its output-side pin), z their cross product. A ``moment`` acts on the joint's driven
-                shaft; in its axes it is ``(torque, 0, ± bending_driven)``.
+                shaft; in its axes it is ``(torque, 0, ± bending_driven)``. Turning a vector adds
+                rounding of 2 ulp of its length (1 with ``tolerance=0``).
             angle_of: the shaft whose angle ``angle`` is: that of the drive (``"drive"``), or the
                 output ``angle`` of the last shaft (``"driven"``), as an encoder at the output
                 measures it. The drive angles are then found by the inverse chain, within 1 ulp, and
@@ -428,13 +429,9 @@ class Driveline(Batch):
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
 
-        as_usual = axes == "space" and angle_of == "drive"
-
         def plan_of(reduction: Reduction | None) -> Plan:
-            options = (load, reduction, dtype, tolerance, workers)
-            if as_usual:
-                return Plan(self, outputs, shafts, joints, *options)
-            return planned(self, outputs, shafts, joints, *options, axes, angle_of)
+            options = (load, reduction, dtype, tolerance, workers, axes, angle_of)
+            return planned(self, outputs, shafts, joints, *options)
 
         plan: Plan | PlanOfReductions
         if isinstance(reduce, list | tuple):
@@ -485,7 +482,5 @@ class Driveline(Batch):
             ValueError: an unknown output, reduction or dtype, a load that is missing or has not
                 one inertia per shaft, a tolerance or number of threads out of range.
         """
-        arguments = (outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
-        if axes == "space" and angle_of == "drive":
-            return Plan(self, *arguments)
-        return planned(self, *arguments, axes, angle_of)
+        options = (load, reduce, dtype, tolerance, workers, axes, angle_of)
+        return planned(self, outputs, shafts, joints, *options)

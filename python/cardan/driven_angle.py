@@ -9,17 +9,18 @@ drive so. The inverse is therefore a driveline like any other, and nothing is it
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan.arrays import FloatArray, array_namespace_of
 from cardan.arrays.libraries import LIBRARIES
 from cardan.errors import ArgumentValueError
+from cardan.load import Load
 from cardan.plan import Plan
-from cardan.request import Plannable, Request
+from cardan.request import AngleOf, Axes, Items, Plannable, Reduction, Request, checked_choice
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -34,11 +35,10 @@ class DrivenPlan(Plan):
 
     def __init__(self, at_drive: Plan) -> None:
         """Keep the plan that is called with drive angles."""
-        request = at_drive.request
-        super().__init__(*at_drive._arguments[:9])
-        self._arguments = (*at_drive._arguments[:9], request.axes, "driven")
+        super().__init__(*at_drive._arguments)
+        line, self._arguments = self._arguments[0], (*self._arguments, "driven")
         self._at_drive = at_drive
-        self._drive_angle = Plan(inverse(request.line), "angle", tolerance=0, workers=self._workers)
+        self._drive_angle = Plan(inverse(line), "angle", tolerance=0, workers=self._workers)
 
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
@@ -65,9 +65,9 @@ class DrivenPlan(Plan):
             return super().__call__(angle, out)
         return self._at_drive(self._drive_angle(angle)["angle"], out)
 
-    def again(self, request: Request) -> Plan:
+    def _again(self, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""
-        return DrivenPlan(self._at_drive.again(request))
+        return DrivenPlan(self._at_drive._again(request))
 
     def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
         """Return the steps for the drive angles and for the outputs, as ``Plan.explain`` does."""
@@ -80,6 +80,31 @@ class DrivenPlan(Plan):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle as the plan that is called with drive angles."""
         return (DrivenPlan, (self._at_drive,))
+
+
+def planned(
+    line: Plannable,
+    names: str | Iterable[str],
+    shafts: Items = None,
+    joints: Items = None,
+    load: Load | None = None,
+    reduce: Reduction | None = None,
+    dtype: DTypeLike | None = None,
+    tolerance: float | None = None,
+    workers: int | None = None,
+    axes: Axes = "space",
+    angle_of: AngleOf = "drive",
+) -> Plan:
+    """Return the plan for these arguments of ``Driveline.plan``.
+
+    Raises:
+        IndexError, TypeError, ValueError: as there.
+    """
+    plan = Plan(line, names, shafts, joints, load, reduce, dtype, tolerance, workers, axes)
+    if angle_of == "drive":
+        return plan
+    checked_choice("angle_of", angle_of, ("drive", "driven"))
+    return DrivenPlan(plan)
 
 
 def inverse(line: Plannable) -> Any:  # noqa: ANN401 - a driveline

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from cardan.arrays import FloatArray
 from cardan.arrays.planes import Place
 from cardan.equivalent import equivalent
+from cardan.errors import wrong_element
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.request import Request, item_indices
@@ -42,6 +43,7 @@ _ROUNDING = 32.0 * float(np.finfo(np.float64).eps)
 _BLOCK = 1 << 20
 # Samples of half a turn.
 _FEWEST, _MOST, _MOST_WITH_KINKS = 16, 1 << 20, 1 << 12
+_HIGHEST = _MOST >> 2
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
@@ -54,7 +56,7 @@ class Repeatable(Protocol):
     def request(self) -> Request:
         """What it was made from."""
 
-    def again(self, request: Request) -> Callable[[Any], Result]:
+    def _again(self, request: Request) -> Callable[[Any], Result]:
         """Return a plan of the same kind for another request."""
 
 
@@ -69,6 +71,9 @@ def order_sums(
         rows: shape of the drivelines and loads together.
         order: the orders.
     """
+    if np.any(order > _HIGHEST):
+        limit = f"; an order of {name} is at most {_HIGHEST}"
+        raise wrong_element("orders", order, order > _HIGHEST, limit)
     request = replace(plan.request, names=(name,), dtype=None)
     _, items, vector = plan.places[name]
     count = math.prod(rows)
@@ -115,7 +120,7 @@ def _refined(
 def _by_equal_steps(
     plan: Repeatable, request: Request, name: str, order: NDArray[np.int64], alone: bool
 ) -> Callable[[int], _Sums]:
-    own = plan.again(request)
+    own = plan._again(request)
     every = np.array([0, *order])
     # Of a scalar, or of each component of a vector.
     changes = np.array(_changes_sign(name, request.axes))
@@ -141,7 +146,7 @@ def _by_panels(
     plan: Repeatable, request: Request, name: str, order: NDArray[np.int64]
 ) -> Callable[[int], _Sums]:
     """Sums from one kink to the next, half a turn later; only of scalars of one joint."""
-    own = plan.again(request)
+    own = plan._again(request)
     every = np.array([0, *order])
     start = _ZEROS[name](request)
 

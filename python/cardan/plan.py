@@ -19,10 +19,12 @@ from cardan.load import Load
 from cardan.request import (
     DOUBLE,
     SINGLE,
+    Axes,
     Items,
     Plannable,
     Reduction,
     Request,
+    checked_choice,
     checked_dtype,
     checked_reduction,
     checked_tolerance,
@@ -70,6 +72,7 @@ class Plan:
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
+        axes: Axes = "space",
         level: str | None = None,
     ) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
@@ -82,7 +85,7 @@ class Plan:
                 "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
             )
         # In the order of this method, for pickling. A ``Request`` costs a fifth of a small call.
-        arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
+        arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers, axes)
         self._arguments: tuple[Any, ...] = arguments
         self.dtype = checked_dtype(dtype)
         self._reduce = checked_reduction(reduce)
@@ -109,6 +112,10 @@ class Plan:
             checked_tolerance(tolerance),
             self.dtype is SINGLE,
             reduce,
+            # Lengths are the same in all axes.
+            axes != "space"
+            and checked_choice("axes", axes, ("space", "shaft")) == "shaft"
+            and reduce != "peak",
         )
         # The last shaft is asked for, not a list of one.
         one_shaft = shafts is None or is_index(shafts)
@@ -247,14 +254,15 @@ class Plan:
 
         Raises:
             TypeError: orders that are not integers.
-            ValueError: an order below 1; the output ``angle``, which is not periodic; a plan with a
-                reduction; a load that does not broadcast against the batch.
+            ValueError: an order below 1, or above 2**18 of what is summed; the output ``angle``,
+                which is not periodic; a plan with a reduction; a load that does not broadcast
+                against the batch.
         """
         return harmonics(self, orders)
 
-    def again(self, request: Request) -> Plan:
+    def _again(self, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""
-        return Plan(*request.arguments()[:9])
+        return Plan(*request.arguments()[:-1])
 
     @property
     def request(self) -> Request:

@@ -191,11 +191,11 @@ def test_labelled_angles() -> None:
     pandas = pytest.importorskip("pandas")
     expected = LINE.evaluate(ANGLES, angle_of="driven")
     labelled = xarray.DataArray(ANGLES, dims="time", coords={"time": np.arange(41)})
-    data = LINE.evaluate(labelled, angle_of="driven")
+    data: Any = LINE.evaluate(labelled, angle_of="driven")
     assert np.array_equal(data.speed_ratio, expected.speed_ratio)
     assert np.array_equal(data.drive_angle, expected.drive_angle)
     assert data.drive_angle.dims == ("time",)
-    frame = LINE.evaluate(pandas.Series(ANGLES, index=np.arange(41) + 3), angle_of="driven")
+    frame: Any = LINE.evaluate(pandas.Series(ANGLES, index=np.arange(41) + 3), angle_of="driven")
     assert np.array_equal(frame.speed_ratio, expected.speed_ratio)
     assert frame.index[0] == 3
     for angle in (labelled, pandas.Series(ANGLES)):

@@ -208,7 +208,7 @@ def test_parseval(bends: list[float], between: list[float], name: str) -> None:
 
 def test_half_a_turn_reverses_the_pins_and_nothing_else() -> None:
     for axes in ("space", "shaft"):
-        found = LINE.plan(PERIODIC, load=LOAD, axes=axes).harmonics(ORDERS)  # type: ignore[arg-type]
+        found = LINE.plan(PERIODIC, load=LOAD, axes=axes).harmonics(ORDERS)
         for name in PERIODIC:
             even, odd = (found.amplitude[name][..., start::2] for start in (1, 0))
             if name.startswith("tilt"):
@@ -340,6 +340,11 @@ REFUSED: list[tuple[Callable[[], object], type[Exception], str]] = [
         "reduce is 'max'; harmonics need a plan without a reduction",
     ),
     (lambda: LINE.harmonics([2, 0]), ArgumentValueError, r"orders\[1\] is 0; an order is at least"),
+    (
+        lambda: LINE.harmonics([2, 1 << 30], outputs="tilt_driven"),
+        ArgumentValueError,
+        r"orders\[1\] is 1073741824; an order of tilt_driven is at most 262144",
+    ),
     (lambda: LINE.harmonics([[2]]), ArgumentValueError, r"orders has shape \(1, 1\); it must be a"),
     (lambda: LINE.harmonics([2.0]), ArgumentTypeError, "orders has dtype float64; an order is an"),
     (lambda: LINE.harmonics(2, 4), IndexError, "shaft is 4; there are 4, counted from 0"),

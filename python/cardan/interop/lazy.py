@@ -18,12 +18,12 @@ from cardan.arrays import array_namespace_of, as_float64, common_shape, import_o
 from cardan.arrays.planes import components_first, view
 from cardan.degrees import PlanInDegrees
 from cardan.driveline import Driveline
+from cardan.driven_angle import planned
 from cardan.equivalent import EquivalentJoint
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.geometry import Geometry
 from cardan.load import Load
 from cardan.plan import Plan
-from cardan.planning import planned
 from cardan.request import item_index
 from cardan.result import Result
 from cardan.sweep import Sweep

@@ -30,7 +30,7 @@ from cardan.scene.parts import check_load, form_of, make_driveline, make_load, t
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
-_OPTIONS = ("tolerance", "dtype", "workers")
+_OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
 _CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
 

@@ -12,5 +12,6 @@ pub mod joint;
 pub(crate) mod moment;
 pub mod motion;
 pub mod phasing;
+pub(crate) mod shaft_axes;
 pub mod transmission;
 pub(crate) mod turning;

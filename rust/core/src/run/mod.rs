@@ -15,6 +15,7 @@ mod motion;
 pub mod phases;
 mod reduce;
 mod scratch;
+mod shaft_axes;
 mod sines;
 mod sink;
 mod stores_as;
