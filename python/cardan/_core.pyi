@@ -64,7 +64,6 @@ class Plan:
         tolerance: float | None,
         single: bool,
         reduction: str | None,
-        shaft_axes: bool,
     ) -> Plan: ...
     def explain(self, shape: tuple[int, ...], sweep: Sweep | None) -> str: ...
     def run(

@@ -250,7 +250,7 @@ class Driveline(Batch):
         """
         if is_index(shaft):
             shaft = item_index("shaft", shaft, self.n_joints + 1)  # type: ignore[arg-type]
-        return Plan(self, outputs, shaft, joints, load, axes=axes).harmonics(orders)
+        return planned(self, outputs, shaft, joints, load, axes=axes).harmonics(orders)
 
     def transmission(self, shaft: int = -1) -> Transmission:
         """Return how a shaft follows the drive: motion at one angle, derivatives by ``q``.
@@ -412,8 +412,7 @@ class Driveline(Batch):
             axes: axes of vectors, at rest (``"space"``) or turning with the shaft on which the
                 vector acts (``"shaft"``): x along the shaft, y along its input-side pin (shaft 0:
                 its output-side pin), z their cross product. A ``moment`` acts on the joint's driven
-                shaft; in its axes it is ``(torque, 0, ± bending_driven)``. Turning a vector adds
-                rounding of 2 ulp of its length (1 with ``tolerance=0``).
+                shaft; in its axes it is ``(torque, 0, ± bending_driven)``.
             angle_of: the shaft whose angle ``angle`` is: that of the drive (``"drive"``), or the
                 output ``angle`` of the last shaft (``"driven"``), as an encoder at the output
                 measures it. The drive angles are then found by the inverse chain, within 1 ulp, and

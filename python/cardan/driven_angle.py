@@ -17,8 +17,10 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan.arrays import FloatArray, array_namespace_of
 from cardan.arrays.libraries import LIBRARIES
+from cardan.axes import ShaftAxesPlan
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
+from cardan.outputs import OUTPUTS, checked
 from cardan.plan import Plan
 from cardan.request import AngleOf, Axes, Items, Plannable, Reduction, Request, checked_choice
 from cardan.result import Result
@@ -35,10 +37,11 @@ class DrivenPlan(Plan):
 
     def __init__(self, at_drive: Plan) -> None:
         """Keep the plan that is called with drive angles."""
-        super().__init__(*at_drive._arguments)
-        line, self._arguments = self._arguments[0], (*self._arguments, "driven")
+        request = at_drive.request
+        super().__init__(*request.arguments()[:9])
+        self._arguments = (*request.arguments()[:-1], "driven")
         self._at_drive = at_drive
-        self._drive_angle = Plan(inverse(line), "angle", tolerance=0, workers=self._workers)
+        self._drive_angle = Plan(inverse(request.line), "angle", tolerance=0, workers=self._workers)
 
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
@@ -100,11 +103,16 @@ def planned(
     Raises:
         IndexError, TypeError, ValueError: as there.
     """
-    plan = Plan(line, names, shafts, joints, load, reduce, dtype, tolerance, workers, axes)
-    if angle_of == "drive":
-        return plan
+    arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
+    if axes == "space" and angle_of == "drive":
+        return Plan(*arguments)
+    names = checked(names)
+    checked_choice("axes", axes, ("space", "shaft"))
     checked_choice("angle_of", angle_of, ("drive", "driven"))
-    return DrivenPlan(plan)
+    # Lengths are the same in all axes.
+    turned = axes == "shaft" and reduce != "peak" and any(OUTPUTS[name].vector for name in names)
+    plan = ShaftAxesPlan(*arguments) if turned else Plan(*arguments)
+    return DrivenPlan(plan) if angle_of == "driven" else plan
 
 
 def inverse(line: Plannable) -> Any:  # noqa: ANN401 - a driveline

@@ -19,12 +19,10 @@ from cardan.load import Load
 from cardan.request import (
     DOUBLE,
     SINGLE,
-    Axes,
     Items,
     Plannable,
     Reduction,
     Request,
-    checked_choice,
     checked_dtype,
     checked_reduction,
     checked_tolerance,
@@ -72,7 +70,6 @@ class Plan:
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
-        axes: Axes = "space",
         level: str | None = None,
     ) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
@@ -85,7 +82,7 @@ class Plan:
                 "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
             )
         # In the order of this method, for pickling. A ``Request`` costs a fifth of a small call.
-        arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers, axes)
+        arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
         self._arguments: tuple[Any, ...] = arguments
         self.dtype = checked_dtype(dtype)
         self._reduce = checked_reduction(reduce)
@@ -112,10 +109,6 @@ class Plan:
             checked_tolerance(tolerance),
             self.dtype is SINGLE,
             reduce,
-            # Lengths are the same in all axes.
-            axes != "space"
-            and checked_choice("axes", axes, ("space", "shaft")) == "shaft"
-            and reduce != "peak",
         )
         # The last shaft is asked for, not a list of one.
         one_shaft = shafts is None or is_index(shafts)
@@ -262,7 +255,7 @@ class Plan:
 
     def _again(self, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""
-        return Plan(*request.arguments()[:-1])
+        return Plan(*request.arguments()[:9])
 
     @property
     def request(self) -> Request:

@@ -291,7 +291,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     f"file for the picture; its name ends in {', '.join(pictures.SUFFIXES)}",
                 ),
                 "axes": Key(
-                    kinds.AXES,
+                    kinds.VECTOR_AXES,
                     "of vectors: space, or shaft for axes that turn with the shaft on which they "
                     "act (x along it, y along its input-side pin); default: space",
                 ),

@@ -109,7 +109,6 @@ impl NativePlan {
         tolerance: Option<f64>,
         single: bool,
         reduction: Option<&str>,
-        shaft_axes: bool,
     ) -> PyResult<Self> {
         let [shaft_items, joint_items] =
             [numbers(shaft_items.iter())?, numbers(joint_items.iter())?];
@@ -136,7 +135,6 @@ impl NativePlan {
             inertias: &inertias,
         };
         let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
-        let plan = if shaft_axes { plan.in_shaft_axes() } else { plan };
         let precision = plan.precision(tolerance, single);
         let reduction = reduction.map(self::reduction).transpose()?;
         let results = reduction.map_or(plan.planes(), |reduction| reduction.results(&plan));

@@ -12,6 +12,5 @@ pub mod joint;
 pub(crate) mod moment;
 pub mod motion;
 pub mod phasing;
-pub(crate) mod shaft_axes;
 pub mod transmission;
 pub(crate) mod turning;

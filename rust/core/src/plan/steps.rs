@@ -57,19 +57,6 @@ pub struct Plan {
     /// One step per joint, needed or not.
     pub(crate) joints: Vec<JointStep>,
     pub(crate) load: Option<LoadStep>,
-    /// The vectors to turn into the axes of their shafts.
-    pub(crate) turned: Vec<TurnedVector>,
-}
-
-/// A vector that is turned into the axes of its shaft.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct TurnedVector {
-    /// The plane of its first component.
-    pub(crate) plane: usize,
-    /// The shaft on which it acts.
-    pub(crate) shaft: usize,
-    /// The component that is always zero.
-    pub(crate) vanishing: Option<usize>,
 }
 
 /// What to compute for one shaft: the plane of each output, and the rates that the load needs.
@@ -175,7 +162,6 @@ impl Plan {
             shafts: vec![],
             joints,
             load: None,
-            turned: vec![],
         };
         let mut torque = vec![None; n + 1];
         for (i, &output) in request.outputs.iter().enumerate() {
@@ -220,29 +206,6 @@ impl Plan {
         }
         plan.shafts.sort_by_key(|step| step.shaft);
         Ok(plan)
-    }
-
-    /// The same plan with vectors in axes that turn with the shaft on which they act: x along the
-    /// shaft, y along its input-side pin (shaft 0: its output-side pin), z perpendicular to both.
-    #[must_use]
-    pub fn in_shaft_axes(mut self) -> Self {
-        for (j, step) in self.joints.iter().enumerate() {
-            // A joint's moment is perpendicular to both pins of its cross.
-            if let Some(plane) = step.planes.get(Output::Moment) {
-                self.turned.push(TurnedVector { plane, shaft: j + 1, vanishing: Some(1) });
-            }
-            for support in step.support.iter().flatten().filter(|support| support.last) {
-                let shaft = if support.driving { j } else { j + 1 };
-                let plane = support.plane;
-                self.turned.push(TurnedVector { plane, shaft, vanishing: Some(0) });
-            }
-        }
-        self
-    }
-
-    /// Whether a vector is turned into the axes of the shaft.
-    pub(crate) fn needs_axes(&self, shaft: usize) -> bool {
-        self.turned.iter().any(|vector| vector.shaft == shaft)
     }
 
     /// The cheapest arithmetic whose errors are within a tolerance, relative to the largest value
@@ -334,7 +297,7 @@ impl Plan {
 
     /// Whether the sense of a pin matters, not only its line.
     pub(crate) fn needs_sense(&self) -> bool {
-        !self.turned.is_empty() || self.joints.iter().any(|step| step.needs_tilt)
+        self.joints.iter().any(|step| step.needs_tilt)
     }
 
     /// The first joint that is bent in any driveline; the shafts before it turn with the drive.

@@ -176,9 +176,6 @@ impl Plan {
                 steps.push(format!("joint {}: {} from the torsion", shaft - 1, names.join(", ")));
             }
         }
-        for vector in &self.turned {
-            steps.push(format!("shaft {}: a vector turned into its axes", vector.shaft));
-        }
         if let Some(reduction) = call.reduction {
             steps.push(format!("each row to its {}; no sample is stored", reduction.name()));
         }

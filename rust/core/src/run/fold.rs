@@ -11,7 +11,6 @@ use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 use crate::mechanics::moment::Pose;
-use crate::mechanics::shaft_axes::ShaftAxes;
 use crate::mechanics::turning::Turning;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
@@ -38,8 +37,6 @@ pub(crate) struct Folded<T: Angle> {
     pub(crate) lines: Vec<usize>,
     /// Per shaft; empty unless the load needs its speed with all digits of a double-double.
     pub(crate) turnings: Vec<Vec<Turning<T>>>,
-    /// Per shaft; empty unless a vector is turned into its axes.
-    pub(crate) axes: Vec<Vec<ShaftAxes<T>>>,
     /// The frames of the drivelines that are folded together, if vectors need their error terms.
     frames: Vec<Frame>,
     maps: Maps,
@@ -98,8 +95,7 @@ impl<T: Angle> Folded<T> {
         }
         let (poses, waves) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
         let turnings = vec![vec![]; plan.joint_count + 1];
-        let axes = vec![vec![]; plan.joint_count + 1];
-        Self { shafts, poses, waves, turnings, lines: vec![], axes, frames: vec![], maps, turns }
+        Self { shafts, poses, waves, turnings, lines: vec![], frames: vec![], maps, turns }
     }
 
     /// The route of a shaft in a chunk with this geometry, and its range of tangents.
@@ -128,7 +124,6 @@ impl<T: Angle> Folded<T> {
         self.poses.iter_mut().for_each(Vec::clear);
         self.turnings.iter_mut().for_each(Vec::clear);
         self.waves.iter_mut().for_each(Vec::clear);
-        self.axes.iter_mut().for_each(Vec::clear);
         self.lines.clear();
         for start in (0..count).step_by(LANES) {
             let length = LANES.min(count - start);
@@ -146,8 +141,7 @@ impl<T: Angle> Folded<T> {
         line_of: impl Fn(usize) -> usize,
     ) {
         let n = plan.joint_count;
-        let Self { shafts, poses, waves, turnings, lines: numbers, axes, frames, maps, turns } =
-            self;
+        let Self { shafts, poses, waves, turnings, lines: numbers, frames, maps, turns } = self;
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
         if T::LOW {
@@ -191,19 +185,6 @@ impl<T: Angle> Folded<T> {
                     let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
                     Pose::new(&maps.at(i), &joint::<T>(bends[i]), frame)
                 }));
-            }
-            let [drive, behind] = [j == 0 && plan.needs_axes(0), plan.needs_axes(j + 1)];
-            if drive || behind {
-                let maps = maps.read(length);
-                for (i, &bend) in bends.iter().enumerate() {
-                    let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
-                    if drive {
-                        axes[0].push(ShaftAxes::of_drive(&maps.at(i), frame));
-                    }
-                    if behind {
-                        axes[j + 1].push(ShaftAxes::behind(&maps.at(i), &joint::<T>(bend), frame));
-                    }
-                }
             }
             if T::LOW && j > 0 && plan.joints[j].needs_tilt {
                 let maps = maps.read(length);

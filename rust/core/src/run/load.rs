@@ -12,7 +12,6 @@ use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
 use crate::run::map;
 use crate::run::scratch::Scratch;
-use crate::run::shaft_axes::turn_vectors;
 use crate::run::sines::pins_of;
 use crate::sincos::array::SinCos;
 
@@ -103,7 +102,6 @@ pub(crate) fn run_load<T: Number, W: Float>(
             absorb(-1.0, power.view_mut(size));
         }
     }
-    turn_vectors(&plan.turned, &folded.axes, geometry, pins, planes, size);
 }
 
 /// Speed ratio and acceleration ratio of a shaft, instead of those with fewer digits.

@@ -15,7 +15,6 @@ mod motion;
 pub mod phases;
 mod reduce;
 mod scratch;
-mod shaft_axes;
 mod sines;
 mod sink;
 mod stores_as;
