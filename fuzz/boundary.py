@@ -127,7 +127,8 @@ def public(given: Input) -> None:
     if what == 0:
         line.optimal_phases()
         line.equivalent(given.ConsumeIntInRange(-3, 3))
-        line.harmonics(given.often([1, 2, 6], given.array()))
+        names = given.pick((("angle_error",), ("tilt_driven", "speed_ratio")))
+        line.harmonics(given.often([1, 2, 6], given.array()), outputs=names)
         line.check(given.array())
         line.with_phases(given.array())
         return

@@ -229,7 +229,8 @@ def of_closed_forms() -> Iterator[Case]:
     for name, line in lines.items():
         for shaft in range(line.n_joints + 1):
             yield f"{name}, equivalent {shaft}", vars(line.equivalent(shaft))
-        yield f"{name}, harmonics", digits(vars(line.harmonics([1, 2, 4, 6, 40])))
+        series = line.harmonics([1, 2, 4, 6, 40])
+        yield f"{name}, harmonics", digits({"orders": series.orders, **series.amplitude})
         findings = line.check(90.0).findings
         yield f"{name}, check", digits({f.figure: f.value for f in findings})
         yield name, {"optimal_phases": line.optimal_phases()}

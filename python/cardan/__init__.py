@@ -18,10 +18,11 @@ from cardan._core import __version__
 from cardan.ball_joint import BallJoint
 from cardan.check import Check
 from cardan.driveline import Driveline
-from cardan.equivalent import EquivalentJoint, Harmonics, Motion, Transmission
+from cardan.equivalent import EquivalentJoint, Motion, Transmission
 from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
 from cardan.finding import Finding
 from cardan.free_running import FreeRunning
+from cardan.harmonics import Harmonics
 from cardan.identification import (
     Identification,
     TwoJoints,

@@ -19,9 +19,16 @@ from cardan.sweep import Sweep
 class PlanInDegrees:
     """A plan called with degrees; the results that are angles come in degrees as well."""
 
-    def __init__(self, plan: Callable[[Any, Any], Result]) -> None:
-        """Keep the plan, or what else evaluates at angles in rad, and fills arrays."""
+    def __init__(self, plan: Callable[[Any, Any], Result], driven: bool = False) -> None:
+        """Keep the plan, or what else evaluates at angles in rad, and fills arrays.
+
+        Args:
+            plan: evaluates.
+            driven: whether it takes angles of the last shaft, so that its results have drive angles
+                of their own.
+        """
         self._plan = plan
+        self._driven = driven
 
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
@@ -54,7 +61,7 @@ class PlanInDegrees:
             for name, array in result.items()
         }
         labels = None if result._labels is None else (*result._labels[:4], "deg")
-        return Result(arrays, labels, angle)
+        return Result(arrays, labels, np.degrees(result._angle) if self._driven else angle)
 
 
 def is_angle(name: str) -> bool:

@@ -12,19 +12,15 @@ from cardan import _core, approximations, geometry, threads
 from cardan.arrays import FloatArray, deferring
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
-from cardan.equivalent import (
-    EquivalentJoint,
-    Harmonics,
-    Transmission,
-    equivalent,
-    harmonics,
-)
+from cardan.driven_angle import planned
+from cardan.equivalent import EquivalentJoint, Transmission, equivalent
+from cardan.harmonics import Harmonics
 from cardan.installed import Installed
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
-from cardan.request import Items, Reduction
+from cardan.request import AngleOf, Axes, Items, Reduction, is_index, item_index
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -218,26 +214,43 @@ class Driveline(Installed):
         """
         return equivalent(self._geometry, shaft)
 
-    def harmonics(self, orders: ArrayLike = (2, 4, 6, 8), shaft: int = -1) -> Harmonics:
-        """Return the amplitudes of a shaft's motion at orders of the drive's rotation.
+    def harmonics(
+        self,
+        orders: ArrayLike = (2, 4, 6, 8),
+        shaft: Items = -1,
+        *,
+        outputs: str | Iterable[str] = ("angle_error", "speed_ratio"),
+        joints: Items = None,
+        load: Load | None = None,
+        axes: Axes = "space",
+    ) -> Harmonics:
+        """Return the mean of outputs over a turn, and their amplitudes and phases by order.
 
-        At order ``2 n`` they are ``k**n / n`` of the angle error and ``2 k**n`` of the speed ratio,
-        with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4).
+        At order ``2 n`` the amplitudes are ``k**n / n`` of the angle error and ``2 k**n`` of the
+        speed ratio, with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4).
 
         Args:
-            orders: positive integers, ``(m,)`` or one; odd orders have amplitude 0. By default the
-                first four even orders.
-            shaft: index of the shaft, by default the last.
+            orders: positive integers, ``(m,)`` or one; odd orders of the motion have amplitude 0.
+                By default the first four even orders.
+            shaft: shaft for the outputs per shaft, by default the last; also a slice or a list.
+            outputs: names from ``cardan.OUTPUTS``, except ``angle``.
+            joints: joints for the outputs per joint; default: all.
+            load: for the outputs that need one; constant over the turn.
+            axes: of vectors, as for ``evaluate``.
 
         Returns:
-            amplitudes in rad and as ratios, ``(..., m)``.
+            mean, amplitudes and phases, with the orders on the last axis. ``Plan.harmonics`` has
+            the details.
 
         Raises:
-            IndexError: a shaft that does not exist.
+            IndexError: a shaft or joint that does not exist.
             TypeError: orders that are not integers.
-            ValueError: an order below 1.
+            ValueError: an order below 1, an unknown output, the output ``angle``, a load that is
+                missing or does not fit.
         """
-        return harmonics(self._geometry, orders, shaft)
+        if is_index(shaft):
+            shaft = item_index("shaft", shaft, self.n_joints + 1)  # type: ignore[arg-type]
+        return planned(self, outputs, shaft, joints, load, axes=axes).harmonics(orders)
 
     def transmission(self, shaft: int = -1) -> Transmission:
         """Return how a shaft follows the drive: motion at one angle, derivatives by ``q``.
@@ -344,6 +357,8 @@ class Driveline(Installed):
         tolerance: float | None = None,
         workers: int | None = None,
         degrees: bool = False,
+        axes: Axes = "space",
+        angle_of: AngleOf = "drive",
     ) -> Result:
         """Evaluate outputs over drive angles.
 
@@ -394,6 +409,14 @@ class Driveline(Installed):
             degrees: whether the drive angle is in degrees. Outputs that are angles are then in
                 degrees as well; all others do not change. Both conversions round. A ``Sweep``
                 must have been made with ``degrees=True`` or by ``Sweep.revolutions``.
+            axes: axes of vectors, at rest (``"space"``) or turning with the shaft on which the
+                vector acts (``"shaft"``): x along the shaft, y along its input-side pin (shaft 0:
+                its output-side pin), z their cross product. A ``moment`` acts on the joint's driven
+                shaft; in its axes it is ``(torque, 0, ± bending_driven)``.
+            angle_of: the shaft whose angle ``angle`` is: that of the drive (``"drive"``), or the
+                output ``angle`` of the last shaft (``"driven"``), as an encoder at the output
+                measures it. The drive angles are then found by the inverse chain, within 1 ulp, and
+                are the ``drive_angle`` of the result. They are stored, also with ``reduce``.
 
         Raises:
             IndexError: a shaft or joint that does not exist.
@@ -406,15 +429,17 @@ class Driveline(Installed):
         """
 
         def plan_of(reduction: Reduction | None) -> Plan:
-            options = (load, reduction, dtype, tolerance, workers)
-            return Plan(self, outputs, shafts, joints, *options)
+            options = (load, reduction, dtype, tolerance, workers, axes, angle_of)
+            return planned(self, outputs, shafts, joints, *options)
 
         plan: Plan | PlanOfReductions
         if isinstance(reduce, list | tuple):
             plan = PlanOfReductions(reduce, plan_of)
         else:
             plan = plan_of(reduce)
-        return PlanInDegrees(plan)(angle, out) if degrees else plan(angle, out)
+        if degrees:
+            return PlanInDegrees(plan, angle_of == "driven")(angle, out)
+        return plan(angle, out)
 
     def plan(
         self,
@@ -427,6 +452,8 @@ class Driveline(Installed):
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
+        axes: Axes = "space",
+        angle_of: AngleOf = "drive",
     ) -> Plan:
         """Prepare an evaluation for any number of calls ``plan(angle, out=...)``.
 
@@ -441,6 +468,8 @@ class Driveline(Installed):
             dtype: of the results.
             tolerance: permitted error.
             workers: largest number of threads.
+            axes: of vectors.
+            angle_of: the shaft whose angle is given.
 
         Returns:
             the plan; calling it gives the result of ``evaluate``.
@@ -452,4 +481,5 @@ class Driveline(Installed):
             ValueError: an unknown output, reduction or dtype, a load that is missing or has not
                 one inertia per shaft, a tolerance or number of threads out of range.
         """
-        return Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
+        options = (load, reduce, dtype, tolerance, workers, axes, angle_of)
+        return planned(self, outputs, shafts, joints, *options)

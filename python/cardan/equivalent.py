@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core
 from cardan.arrays import as_float64, common_shape, scalar_or_array
-from cardan.errors import ArgumentTypeError, wrong_element
 from cardan.geometry import Geometry
 from cardan.request import Plannable, item_index
 
@@ -81,32 +80,6 @@ class EquivalentJoint:
     def max_angle_error_at_deg(self) -> NDArray[np.float64]:
         """``max_angle_error_at`` in degrees."""
         return np.degrees(self.max_angle_error_at)
-
-
-@dataclass(frozen=True, eq=False)
-class Harmonics:
-    """Amplitudes of one shaft's motion by order of the drive's rotation.
-
-    With the equivalent joint's ``k`` and input angle ``a`` the motion is exactly the series
-    ``angle_error = sum k**n sin(2 n a) / n``, ``speed_ratio = 1 + sum 2 k**n cos(2 n a)``: only
-    even orders ``2 n`` occur.
-
-    Source: the angle error by Thoma's (4) is ``arg(1 - k exp(-2 i a))``; its series and derivative.
-
-    Attributes:
-        orders: the orders asked for, ``(m,)``.
-        angle_error: amplitude in rad, ``(..., m)``.
-        speed_ratio: amplitude, ``(..., m)``.
-    """
-
-    orders: NDArray[np.int64]
-    angle_error: NDArray[np.float64]
-    speed_ratio: NDArray[np.float64]
-
-    @property
-    def angle_error_deg(self) -> NDArray[np.float64]:
-        """``angle_error`` in degrees."""
-        return np.degrees(self.angle_error)
 
 
 class Motion(NamedTuple):
@@ -207,16 +180,3 @@ def equivalent(geometry: Geometry, shaft: int) -> EquivalentJoint:
     bends, twists, phases, *_ = geometry.flat()
     columns = _core.equivalent(n_joints, index, bends, twists, phases)
     return EquivalentJoint(*(scalar_or_array(c.reshape(shape)) for c in columns))
-
-
-def harmonics(geometry: Geometry, orders: ArrayLike, shaft: int) -> Harmonics:
-    """Find the amplitudes as ``Driveline.harmonics`` does."""
-    order = np.atleast_1d(np.asarray(orders))
-    if order.dtype.kind not in "iu":
-        raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
-    if np.any(order < 1):
-        raise wrong_element("orders", order, order < 1, "; an order is at least 1")
-    n = order / 2
-    k = np.asarray(equivalent(geometry, shaft).k)[..., np.newaxis]
-    power = np.where(order % 2 == 0, k**n, 0.0)
-    return Harmonics(order.astype(np.int64), power / n, 2.0 * power)

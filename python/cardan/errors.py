@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,7 +64,7 @@ def located(argument: str, place: Place) -> str:
 
 
 def wrong_element(
-    argument: str, array: NDArray[np.float64], wrong: NDArray[np.bool_], rule: str
+    argument: str, array: NDArray[Any], wrong: NDArray[np.bool_], rule: str
 ) -> ArgumentValueError:
     """Return the error for the first wrong element of an array.
 

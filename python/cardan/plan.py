@@ -14,6 +14,7 @@ from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
 from cardan.arrays.planes import Place, components_first, view
 from cardan.errors import ArgumentTypeError, ArgumentValueError
+from cardan.harmonics import Harmonics, harmonics
 from cardan.load import Load
 from cardan.request import (
     DOUBLE,
@@ -223,6 +224,38 @@ class Plan:
         if self._core.run(samples, angles, planes, workers, self._level) is None:
             raise RuntimeError("out is in use by another call")
         return Result(self._filled(given, planes, rows), self.labels, angle)
+
+    def harmonics(self, orders: ArrayLike = (2, 4, 6, 8)) -> Harmonics:
+        """Return the mean and the orders of each output over a turn of the drive.
+
+        Speed, acceleration, torque and inertias are constant over the turn. Arrays of them
+        broadcast against the batch, so that each drives drivelines of its own. The motion has its
+        series in closed form (Fourier series of Thoma's 4). Everything else is summed over as many
+        samples as its steepest joint and the highest order need. Half as many samples give a second
+        sum, and the difference is part of the ``error``. It is far below rounding, except where an
+        inertia reverses the torque, at which the magnitudes of bending moments have kinks.
+
+        Half a turn only reverses the pins, so that an order is exactly 0 where it must be: the even
+        ones of tilts and of what is along the axes y and z of ``axes="shaft"``, and the odd ones of
+        everything else. Orders are those of the angle that the plan takes.
+
+        Args:
+            orders: positive integers, ``(m,)`` or one, as ``range(1, 13)``.
+
+        Returns:
+            mean, amplitudes and phases, in double precision.
+
+        Raises:
+            TypeError: orders that are not integers.
+            ValueError: an order below 1, or above 2**18 of what is summed; the output ``angle``,
+                which is not periodic; a plan with a reduction; a load that does not broadcast
+                against the batch.
+        """
+        return harmonics(self, orders)
+
+    def _again(self, request: Request) -> Plan:
+        """Return a plan of the same kind for another request."""
+        return Plan(*request.arguments()[:9])
 
     @property
     def request(self) -> Request:

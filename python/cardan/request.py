@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Literal, Protocol, SupportsIndex, TypeAlias
 
 import numpy as np
@@ -17,6 +17,8 @@ from cardan.outputs import nearest
 
 Items: TypeAlias = int | slice | Sequence[int] | None
 Reduction: TypeAlias = Literal["min", "max", "mean", "rms", "peak"]
+Axes: TypeAlias = Literal["space", "shaft"]
+AngleOf: TypeAlias = Literal["drive", "driven"]
 
 REDUCTIONS: tuple[Reduction, ...] = ("min", "max", "mean", "rms", "peak")
 """What rows of samples can be reduced to."""
@@ -49,6 +51,12 @@ class Request:
     dtype: DTypeLike | None = None
     tolerance: float | None = None
     workers: int | None = None
+    axes: Axes = "space"
+    angle_of: AngleOf = "drive"
+
+    def arguments(self) -> tuple[Any, ...]:
+        """Return the values in order."""
+        return tuple(getattr(self, field.name) for field in fields(self))
 
 
 def item_index(argument: str, value: SupportsIndex, count: int, place: Place = ()) -> int:
@@ -96,6 +104,14 @@ def checked_dtype(dtype: DTypeLike | None) -> np.dtype[Any]:
         if word == known:
             return known
     raise ArgumentValueError("dtype", f"is {dtype!r}; it must be float64 or float32")
+
+
+def checked_choice(argument: str, value: Any, known: tuple[str, str]) -> str:  # noqa: ANN401
+    """Return one of two words."""
+    if not isinstance(value, str) or value not in known:
+        wanted = " or ".join(map(repr, known))
+        raise ArgumentValueError(argument, f"is {value!r}; it must be {wanted}")
+    return value
 
 
 def checked_reduction(reduce: str | None) -> str | None:

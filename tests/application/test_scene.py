@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, Limits, Sweep
+from cardan import Driveline, Limits, Load, Sweep
 from cardan.figures.summary import Row, drive_angles, summary
 from cardan.scene import Scene, SceneError
 from cardan.scene.format import FORMAT, FORMS, TEETH, describe
@@ -581,6 +581,23 @@ def test_messages(text: str, line: int | None, message: str) -> None:
         Scene.parse(text, "shaft.toml")
     place = f"shaft.toml, line {line}" if line else "shaft.toml"
     assert str(caught.value) == f"{place}: {message}"
+
+
+def test_axes_of_vectors() -> None:
+    text = """[driveline]
+bends_deg = [20, 30]
+[load]
+drive_torque_Nm = 5.0
+[output]
+quantities = ["moment"]
+axes = "shaft"
+"""
+    found = Scene.parse(text).run().values["moment"]
+    line, load = Driveline.from_bends([20, 30], degrees=True), Load(drive_torque=5.0)
+    wanted = line.evaluate(Scene.parse(text).angle, "moment", load=load, axes="shaft").moment
+    assert np.array_equal(found, wanted)
+    with pytest.raises(ValueError, match=r"\[output\] axes is 'shafts'; did you mean 'shaft'"):
+        Scene.parse(text.replace('"shaft"', '"shafts"'))
 
 
 def test_tolerances_of_a_scene() -> None:

@@ -88,7 +88,7 @@ def _dataset(result: Result, given: xarray.DataArray | None) -> xarray.Dataset:
         coordinates[output.per] = (of_items, items, {"long_name": f"{output.per}, counted from 0"})
         of_vector = ("component",) if output.vector and "peak" not in samples.reductions else ()
         if of_vector:
-            axis = {"long_name": "component along an axis of the driveline"}
+            axis = {"long_name": "component along one of the axes"}
             coordinates["component"] = ("component", list("xyz"), axis)
         attributes = {
             "units": _cf(result.units[name]),

@@ -18,12 +18,13 @@ from cardan.arrays import array_namespace_of, as_float64, common_shape, import_o
 from cardan.arrays.planes import components_first, view
 from cardan.degrees import PlanInDegrees
 from cardan.driveline import Driveline
+from cardan.driven_angle import planned
 from cardan.equivalent import EquivalentJoint
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.geometry import Geometry
 from cardan.load import Load
 from cardan.plan import Plan
-from cardan.request import Request, item_index
+from cardan.request import item_index
 from cardan.result import Result
 from cardan.sweep import Sweep
 
@@ -81,6 +82,10 @@ class LazyDriveline:
             IndexError, TypeError, ValueError: as there, for what is known before computing.
         """
         plan = self._stand_in.plan(outputs, **options)
+        if plan.request.angle_of == "driven":
+            raise ArgumentValueError(
+                "angle_of", "is 'driven'; drivelines of dask arrays take the drive angle"
+            )
         evaluated = functools.partial(_evaluated, plan, self._make, self._parts, self.shape)
         if not degrees:
             return evaluated(angle, out)
@@ -174,7 +179,7 @@ def _evaluated(
     if out is not None:
         raise ArgumentTypeError("out", "does not go with dask arrays; their results are new arrays")
     request = plan.request
-    plan = _plan(replace(request, workers=request.workers or 1))
+    plan = planned(*replace(request, workers=request.workers or 1).arguments())
     load, reduce = request.load, request.reduce
     sweep = angle if isinstance(angle, Sweep) else None
     more = {} if sweep else {"angle": _part("angle", angle, 0)}
@@ -269,7 +274,7 @@ def _task(
     if make or named:
         line = make(*pieces[: len(pieces) - len(more)]) if make else request.line
         request = replace(request, line=line, load=_loaded(request.load, named))
-        plan = _plan(request)
+        plan = planned(*request.arguments())
     result = plan(angle)
     rows = np.broadcast_shapes(request.line.shape, angle.shape)
     rows = (*rows[:-1], 1) if request.reduce else rows
@@ -278,10 +283,6 @@ def _task(
         for name, place in plan.places.items()
     ]
     return np.concatenate(planes)
-
-
-def _plan(request: Request) -> Plan:
-    return Plan(*(getattr(request, field.name) for field in fields(request)))
 
 
 def _equivalent(

@@ -294,6 +294,11 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     kinds.PICTURE_FILE,
                     f"file for the picture; its name ends in {', '.join(pictures.SUFFIXES)}",
                 ),
+                "axes": Key(
+                    kinds.VECTOR_AXES,
+                    "of vectors: space, or shaft for axes that turn with the shaft on which they "
+                    "act (x along it, y along its input-side pin); default: space",
+                ),
                 "tolerance": Key(
                     kinds.TOLERANCE,
                     "permitted error, relative to the largest magnitude of each quantity; 0 for "

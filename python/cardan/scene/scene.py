@@ -43,7 +43,7 @@ from cardan.scene.slip import Slip, slip_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
-_OPTIONS = ("tolerance", "dtype", "workers")
+_OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
 _CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
 

@@ -1,0 +1,198 @@
+"""Vectors in axes that turn with the shaft on which they act.
+
+The axis x points along the shaft, y along its input-side pin (along the output-side pin of shaft
+0), and z is the cross product of both. The moment of a joint is perpendicular to the pins of its
+cross. It has therefore no component along the driven shaft's y, and in those axes it is
+
+``(D, 0, D tan t)``
+
+with the torque ``D`` that enters the driven shaft and the tilt ``t`` of the cross against it (from
+Thoma 5 and Grossmann 5). In the same axes of the driving shaft, but with y along its output-side
+pin, it is ``(D', 0, -D' tan t')``. The phase turns these into those at the input side. The
+magnitudes of the components along z are the bending moments.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
+from cardan.arrays.planes import view
+from cardan.outputs import OUTPUTS
+from cardan.plan import Plan
+from cardan.request import Request
+from cardan.result import Result
+from cardan.sweep import Sweep
+
+# Samples at a time of rows that are reduced.
+_PIECE = 1 << 18
+
+
+class ShaftAxesPlan(Plan):
+    """A plan whose vectors have the axes of their shafts; made by ``Driveline.plan``."""
+
+    __slots__ = ("_driven_side", "_driving_side", "_joints", "_scalars", "_shafts")
+
+    def __init__(self, *arguments: Any) -> None:  # noqa: ANN401 - those of Plan
+        """Prepare as ``Plan`` does, with the same arguments."""
+        super().__init__(*arguments)
+        self._arguments = (*self._arguments, "shaft")
+        line, names, shafts, joints, load, reduce, dtype, tolerance, workers = self._arguments[:9]
+        options = (dtype, tolerance, workers)
+        scalars = [name for name in names if not OUTPUTS[name].vector]
+        self._scalars = (
+            Plan(line, scalars, shafts, joints, load, reduce, *options) if scalars else None
+        )
+        self._shafts, self._joints = (_listed(items) for items in self.labels[:2])
+        before, after = set(), set()
+        if "moment" in names:
+            before |= {joint + 1 for joint in self._joints}
+        if "support_moment" in names:
+            before |= {shaft for shaft in self._shafts if shaft > 0}
+            after |= {shaft for shaft in self._shafts if shaft < line.n_joints}
+        self._driven_side = self._side("driven", [shaft - 1 for shaft in sorted(before)])
+        self._driving_side = self._side("driving", sorted(after))
+
+    def _side(self, side: str, joints: list[int]) -> _Side | None:
+        """The plan of the torque behind some joints and of bending and tilt on one side of them."""
+        if not joints:
+            return None
+        line, _, _, _, load, _, dtype, tolerance, workers = self._arguments[:9]
+        names = ("torque", f"bending_{side}", f"tilt_{side}")
+        behind = [joint + 1 for joint in joints]
+        return joints, Plan(line, names, behind, joints, load, None, dtype, tolerance, workers)
+
+    def __call__(
+        self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
+    ) -> Result:
+        """Evaluate as any plan does; with ``out``, the arrays are filled at the end."""
+        if not isinstance(angle, Sweep):
+            if name := array_namespace_of(angle):
+                elsewhere: Result = adapter(name).evaluate(self, angle, out)
+                return elsewhere
+            angle = as_float64("angle", angle)
+        shape = self._sample_shape(angle.shape)
+        rows = self._rows(shape) if self._reduce else shape
+        given = {} if out is None else self._checked_out(out, rows)
+        arrays = dict(self._scalars(angle)) if self._scalars else {}
+        arrays |= self._reduced(angle, shape) if self._reduce else self._vectors(angle, shape)
+        for name, target in given.items():
+            target[...] = arrays[name]
+            arrays[name] = target
+        return Result({name: arrays[name] for name in self.places}, self.labels, angle)
+
+    def _vectors(self, angle: FloatArray | Sweep, shape: tuple[int, ...]) -> dict[str, Any]:
+        """The vectors among the outputs at every sample."""
+        driven, torque = _signed_bending(self._driven_side, "driven", angle)
+        driving, _ = _signed_bending(self._driving_side, "driving", angle)
+        line = self.request.line
+        arrays = {}
+        for name, (_, items, vector) in self.places.items():
+            if not vector:
+                continue
+            planes = np.zeros((1 if items is None else items, 3, *shape), self.dtype)
+            if name == "moment":
+                for plane, joint in zip(planes, self._joints, strict=True):
+                    plane[0], plane[2] = torque[joint], driven[joint]
+            else:
+                for plane, shaft in zip(planes, self._shafts, strict=True):
+                    _support(plane, shaft, line, driven.get(shaft - 1), driving.get(shaft))
+            # Where the angle is NaN, so is what is 0 elsewhere.
+            planes[:, :2] += 0.0 * planes[:, 2:]
+            arrays[name] = view(planes.reshape(-1, *shape), (0, items, True))
+        return arrays
+
+    def _reduced(self, angle: FloatArray | Sweep, shape: tuple[int, ...]) -> dict[str, Any]:
+        """Each component over the last axis of the samples, some samples at a time."""
+        reduce, combine = _REDUCTIONS[str(self._reduce)]
+        length = shape[-1]
+        along = angle.shape[-1:] == (length,)
+        load = self.request.load
+        fixed = [self._line_shape, *(array.shape for array in self._load)]
+        if load is not None and load.inertias is not None:
+            fixed.append(load.inertias.shape[:-1])
+        step = max(1, _PIECE // max(1, math.prod(shape[:-1])))
+        if not along or any(other and other[-1] > 1 for other in fixed):
+            # What is paired with the angles is not cut.
+            step = length
+        found: dict[str, list[Any]] = {}
+        for start in range(0, length, step):
+            piece = min(step, length - start)
+            own = angle if step >= length else _part(angle, start, piece)
+            for name, array in self._vectors(own, (*shape[:-1], piece)).items():
+                found.setdefault(name, []).append(reduce(array.astype(np.float64), axis=-2))
+        return {
+            name: combine(np.stack(parts), length).astype(self.dtype)
+            for name, parts in found.items()
+        }
+
+    def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
+        """Return the steps of the parts, as ``Plan.explain`` does."""
+        sides = [side[1] for side in (self._driven_side, self._driving_side) if side]
+        plans = [plan for plan in (self._scalars, *sides) if plan]
+        return "\n".join(["vectors in axes of their shafts", *(p.explain(angle) for p in plans)])
+
+    def _again(self, request: Request) -> Plan:
+        """Return a plan of the same kind for another request."""
+        return ShaftAxesPlan(*request.arguments()[:9])
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as what it was made from."""
+        return (ShaftAxesPlan, self._arguments[:9])
+
+
+_Side: TypeAlias = tuple[list[int], Plan]
+
+# Of the samples of one piece, and of the pieces of a row of that many samples.
+_REDUCTIONS: Mapping[str, tuple[Callable[..., Any], Callable[[FloatArray, int], Any]]] = {
+    "min": (np.min, lambda parts, length: np.min(parts, axis=0)),
+    "max": (np.max, lambda parts, length: np.max(parts, axis=0)),
+    "mean": (np.sum, lambda parts, length: np.sum(parts, axis=0) / length),
+    "rms": (
+        lambda samples, axis: np.sum(samples**2, axis=axis),
+        lambda parts, length: np.sqrt(np.sum(parts, axis=0) / length),
+    ),
+}
+
+
+def _signed_bending(
+    side: _Side | None, name: str, angle: FloatArray | Sweep
+) -> tuple[dict[int, Any], dict[int, Any]]:
+    """Of each joint ``D tan t`` of one side, and the torque behind the joint."""
+    if side is None:
+        return {}, {}
+    joints, plan = side
+    result = plan(angle)
+    # The bending moment is its magnitude, to the last digits also where the tilt is steep.
+    signed = np.copysign(result[f"bending_{name}"], result[f"tilt_{name}"])
+    np.negative(signed, out=signed, where=np.signbit(result.torque))
+    return dict(zip(joints, signed, strict=True)), dict(zip(joints, result.torque, strict=True))
+
+
+def _support(planes: NDArray[Any], shaft: int, line: Any, driven: Any, driving: Any) -> None:  # noqa: ANN401
+    """Fill the components of a support moment from the ``D tan t`` at both ends of the shaft."""
+    if driven is not None:
+        planes[2] -= driven
+    if driving is not None and shaft == 0:
+        planes[2] -= driving
+    elif driving is not None:
+        phase = line.phases[..., shaft - 1]
+        planes[1] += np.sin(phase) * driving
+        planes[2] -= np.cos(phase) * driving
+
+
+def _listed(items: int | list[int]) -> list[int]:
+    return items if isinstance(items, list) else [items]
+
+
+def _part(angle: FloatArray | Sweep, start: int, count: int) -> FloatArray:
+    if not isinstance(angle, Sweep):
+        return angle[..., start : start + count]
+    angles = np.empty(count)
+    angle._core.fill(start, angles)
+    return angles

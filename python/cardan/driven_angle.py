@@ -1,0 +1,129 @@
+"""Plans that take the angle of the last shaft in place of the drive angle.
+
+A chain takes the direction ``w = exp(i a)`` of the drive's pin to ``A w + B conj(w)``. With ``q =
+B/A`` the mean-synchronous angle of the last shaft is ``a + arg(1 + q exp(-2 i a))`` (from Thoma 4).
+Its inverse has the same form with ``-q``. That is the same chain with its drive a quarter turn
+ahead, because ``i w`` goes to ``i (A w - B conj(w))``. A straight joint before the chain turns the
+drive so. The inverse is therefore a driveline like any other, and nothing is iterated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike, NDArray
+
+from cardan.arrays import FloatArray, array_namespace_of
+from cardan.arrays.libraries import LIBRARIES
+from cardan.axes import ShaftAxesPlan
+from cardan.errors import ArgumentValueError
+from cardan.load import Load
+from cardan.outputs import OUTPUTS, checked
+from cardan.plan import Plan
+from cardan.request import AngleOf, Axes, Items, Plannable, Reduction, Request, checked_choice
+from cardan.result import Result
+from cardan.sweep import Sweep
+
+
+class DrivenPlan(Plan):
+    """A plan that is called with angles of the last shaft; made by ``Driveline.plan``.
+
+    The ``drive_angle`` of a result is the drive angle that belongs to each of them.
+    """
+
+    __slots__ = ("_at_drive", "_drive_angle")
+
+    def __init__(self, at_drive: Plan) -> None:
+        """Keep the plan that is called with drive angles."""
+        request = at_drive.request
+        super().__init__(*request.arguments()[:9])
+        self._arguments = (*request.arguments()[:-1], "driven")
+        self._at_drive = at_drive
+        self._drive_angle = Plan(inverse(request.line), "angle", tolerance=0, workers=self._workers)
+
+    def __call__(
+        self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
+    ) -> Result:
+        """Evaluate at angles of the last shaft.
+
+        The drive angles are stored, also if the outputs are reduced.
+
+        Args:
+            angle: mean-synchronous angles of the last shaft in rad, as the output ``angle`` has
+                them; otherwise as for any plan.
+            out: arrays to fill, by output name.
+
+        Raises:
+            TypeError, ValueError, MemoryError, RuntimeError: as of any plan.
+        """
+        if (name := array_namespace_of(angle)) and LIBRARIES[name].wraps:
+            if self._line_shape:
+                raise ArgumentValueError(
+                    "angle",
+                    "has labels, and each driveline of the batch has drive angles of its own; "
+                    "give its values",
+                )
+            return super().__call__(angle, out)
+        return self._at_drive(self._drive_angle(angle)["angle"], out)
+
+    def _again(self, request: Request) -> Plan:
+        """Return a plan of the same kind for another request."""
+        return DrivenPlan(self._at_drive._again(request))
+
+    def explain(self, angle: ArrayLike | Sweep | None = None) -> str:
+        """Return the steps for the drive angles and for the outputs, as ``Plan.explain`` does."""
+        shape: Any = angle
+        if isinstance(angle, Sweep):
+            shape = np.broadcast_to(0.0, np.broadcast_shapes(self._line_shape, angle.shape))
+        drive, outputs = self._drive_angle.explain(angle), self._at_drive.explain(shape)
+        return f"drive angles from angles of the last shaft\n{drive}\n{outputs}"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as the plan that is called with drive angles."""
+        return (DrivenPlan, (self._at_drive,))
+
+
+def planned(
+    line: Plannable,
+    names: str | Iterable[str],
+    shafts: Items = None,
+    joints: Items = None,
+    load: Load | None = None,
+    reduce: Reduction | None = None,
+    dtype: DTypeLike | None = None,
+    tolerance: float | None = None,
+    workers: int | None = None,
+    axes: Axes = "space",
+    angle_of: AngleOf = "drive",
+) -> Plan:
+    """Return the plan for these arguments of ``Driveline.plan``.
+
+    Raises:
+        IndexError, TypeError, ValueError: as there.
+    """
+    arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
+    if axes == "space" and angle_of == "drive":
+        return Plan(*arguments)
+    names = checked(names)
+    checked_choice("axes", axes, ("space", "shaft"))
+    checked_choice("angle_of", angle_of, ("drive", "driven"))
+    # Lengths are the same in all axes.
+    turned = axes == "shaft" and reduce != "peak" and any(OUTPUTS[name].vector for name in names)
+    plan = ShaftAxesPlan(*arguments) if turned else Plan(*arguments)
+    return DrivenPlan(plan) if angle_of == "driven" else plan
+
+
+def inverse(line: Plannable) -> Any:  # noqa: ANN401 - a driveline
+    """Return the driveline whose last shaft turns as the drive if driven as this one's last shaft.
+
+    It has the bends, twists and phases of the line behind a straight joint.
+    """
+    own: Any = line
+
+    def behind(angles: FloatArray) -> FloatArray:
+        return np.concatenate([np.zeros((*own.shape, 1)), angles], axis=-1)
+
+    between = behind(own.twists), behind(own.phases)
+    return type(own).from_bends(behind(own.bends), *between)

@@ -1,0 +1,292 @@
+"""Orders of an output as sums over samples of half a turn.
+
+Half a turn tells the whole: ideal joints look the same after it, except that their pins have the
+opposite sense. What depends on that sense has odd orders only, everything else even ones.
+
+A smooth output is sampled at ``N`` equal steps. The sum then differs from the integral by the
+amplitudes of the orders ``2 N - m`` and beyond, and each order is about the ``k`` of the equivalent
+joint times the one two below it. The magnitudes of bending moments have kinks where a pin passes
+the bend plane or its normal; Gauss's sums between these keep that rate. Whatever else is not smooth
+is noticed, because every sum is compared with the one over half as many samples.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray
+from cardan.arrays.planes import Place
+from cardan.equivalent import equivalent
+from cardan.errors import wrong_element
+from cardan.load import Load
+from cardan.outputs import OUTPUTS
+from cardan.request import Request, item_indices
+from cardan.result import Result
+from cardan.sweep import Sweep
+
+ComplexArray: TypeAlias = NDArray[np.complex128]
+Series: TypeAlias = tuple[ComplexArray, FloatArray, FloatArray]
+"""Complex amplitudes with the orders last, mean, and bound on the error of both."""
+
+_Sums: TypeAlias = tuple[ComplexArray, ComplexArray, FloatArray]
+"""Mean and complex amplitudes, the same of half as many samples, and the largest magnitude."""
+
+# Outputs have errors of some ulp, and chains amplify those of their constants.
+_ROUNDING = 32.0 * float(np.finfo(np.float64).eps)
+# Samples at a time, to keep them in bounded memory.
+_BLOCK = 1 << 20
+# Samples of half a turn.
+_FEWEST, _MOST, _MOST_WITH_KINKS = 16, 1 << 20, 1 << 12
+_HIGHEST = _MOST >> 2
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
+
+
+class Repeatable(Protocol):
+    """What sums need of a plan."""
+
+    places: dict[str, Place]
+
+    @property
+    def request(self) -> Request:
+        """What it was made from."""
+
+    def _again(self, request: Request) -> Callable[[Any], Result]:
+        """Return a plan of the same kind for another request."""
+
+
+def order_sums(
+    plan: Repeatable, name: str, rows: tuple[int, ...], order: NDArray[np.int64]
+) -> Series:
+    """Find the orders of one output of a plan.
+
+    Args:
+        plan: evaluates the output.
+        name: of the output.
+        rows: shape of the drivelines and loads together.
+        order: the orders.
+    """
+    if np.any(order > _HIGHEST):
+        limit = f"; an order of {name} is at most {_HIGHEST}"
+        raise wrong_element("orders", order, order > _HIGHEST, limit)
+    request = replace(plan.request, names=(name,), dtype=None)
+    _, items, vector = plan.places[name]
+    count = math.prod(rows)
+    kinked = name in _ZEROS
+    steepness = np.broadcast_to(_steepness(request), rows).ravel()
+    shape = (1 if items is None else items, count, *((3,) if vector else ()))
+    sums = np.empty((*shape, 1 + len(order)), np.complex128)
+    error = np.empty(shape)
+    samples = _samples(float(np.max(steepness, initial=0.0)), order)
+    for block in _blocks(count, max(1, _BLOCK // (samples * shape[0] * math.prod(shape[2:])))):
+        part = _of_rows(request, rows, block)
+        samples = _samples(float(np.max(steepness[block])), order)
+        if kinked:
+            joints = item_indices("joints", _all(request.joints), request.line.n_joints)
+            for item, joint in enumerate(joints):
+                rule = _by_panels(plan, replace(part, joints=joint), name, order)
+                found = _refined(rule, samples, _MOST_WITH_KINKS, request.tolerance, vector)
+                sums[item, block], error[item, block] = found
+        else:
+            rule = _by_equal_steps(plan, part, name, order, items is None)
+            sums[:, block], error[:, block] = _refined(
+                rule, samples, _MOST, request.tolerance, vector
+            )
+    own = () if items is None else (items,)
+    sums = sums.reshape((*own, *rows, *sums.shape[2:]))
+    return sums[..., 1:], sums[..., 0].real, error.reshape((*own, *rows, *error.shape[2:]))
+
+
+def _refined(
+    rule: Callable[[int], _Sums], samples: int, most: int, tolerance: float | None, vector: bool
+) -> tuple[ComplexArray, FloatArray]:
+    """Sums over enough samples, with their error."""
+    while True:
+        sums, halved, size = rule(samples)
+        if vector:
+            size = np.broadcast_to(np.max(size, axis=-1, keepdims=True), size.shape)
+        rounding = max(tolerance or 0.0, _ROUNDING) * size
+        apart = np.max(np.abs(sums - halved), axis=-1)
+        if 2 * samples > most or not np.any(apart > rounding):
+            return sums, apart + rounding
+        samples *= 2
+
+
+def _by_equal_steps(
+    plan: Repeatable, request: Request, name: str, order: NDArray[np.int64], alone: bool
+) -> Callable[[int], _Sums]:
+    own = plan._again(request)
+    every = np.array([0, *order])
+    # Of a scalar, or of each component of a vector.
+    changes = np.array(_changes_sign(name, request.axes))
+    kept = np.equal.outer(changes, every % 2 == 1)
+
+    def rule(samples: int) -> _Sums:
+        array = own(Sweep.revolutions(0.5, 2 * samples))[name]
+        values = np.moveaxis(array, -1, -2) if changes.ndim else array
+        values = values[np.newaxis] if alone else values
+        # Whole numbers of steps lose no digit of a high order's angle.
+        steps = np.arange(samples)[:, np.newaxis] * every % (2 * samples)
+        turns = _parts(np.exp(-1j * np.pi / samples * steps))
+        sums, halved = (
+            np.where(kept, _whole(values[..., ::each] @ turns[::each]) * each / samples, 0.0)
+            for each in (1, 2)
+        )
+        return _doubled(sums), _doubled(halved), np.max(np.abs(values), axis=-1)
+
+    return rule
+
+
+def _by_panels(
+    plan: Repeatable, request: Request, name: str, order: NDArray[np.int64]
+) -> Callable[[int], _Sums]:
+    """Sums from one kink to the next, half a turn later; only of scalars of one joint."""
+    own = plan._again(request)
+    every = np.array([0, *order])
+    start = _ZEROS[name](request)
+
+    def rule(samples: int) -> _Sums:
+        panels = max(2, samples // len(_NODES))
+        rules = [_panels(panels), _panels(panels // 2)]
+        angles = np.concatenate([at for at, _ in rules])
+        values = own(start + angles)[name]
+        turns = np.where(every % 2 == 0, np.exp(-1j * every * start), 0.0)
+        sums, first = [], 0
+        for at, weights in rules:
+            matrix = _parts(np.exp(-1j * np.outer(at, every)) * weights[:, np.newaxis])
+            sums.append(_whole(values[:, first : first + len(at)] @ matrix) * turns)
+            first += len(at)
+        return _doubled(sums[0]), _doubled(sums[1]), np.max(np.abs(values), axis=-1)
+
+    return rule
+
+
+def _panels(count: int) -> tuple[FloatArray, FloatArray]:
+    """Places and weights of the mean over half a turn, by Gauss in each of equal panels."""
+    width = np.pi / count
+    at = (np.arange(count)[:, np.newaxis] + 0.5 * (1.0 + _NODES)) * width
+    return at.ravel(), np.tile(_WEIGHTS, count) / (2.0 * count)
+
+
+def _parts(turns: NDArray[Any]) -> FloatArray:
+    """Real and imaginary parts next to each other: real samples need no complex product."""
+    return np.concatenate([turns.real, turns.imag], axis=-1)
+
+
+def _whole(parts: FloatArray) -> ComplexArray:
+    real, imaginary = np.split(parts, 2, axis=-1)
+    return np.asarray(real + 1j * imaginary)
+
+
+def _doubled(sums: ComplexArray) -> ComplexArray:
+    """The mean, and amplitudes: the order ``m`` of a real output is also at ``-m``."""
+    sums[..., 1:] *= 2.0
+    return sums
+
+
+def _changes_sign(name: str, axes: str) -> bool | Sequence[bool]:
+    """Whether half a turn changes the sign of an output, or of each component of a vector."""
+    if OUTPUTS[name].vector:
+        # The axes y and z follow the pin.
+        return (False, True, True) if axes == "shaft" else (False, False, False)
+    return name in ("tilt_driving", "tilt_driven")
+
+
+def _zero_driving(request: Request) -> FloatArray:
+    """The angle at which the driving pin of a joint is in the bend plane, ``(rows, 1)``.
+
+    A chain takes ``w = exp(i a)`` to ``A w + B conj(w)``, which is real there.
+    """
+    a, b = _chain(request)
+    return _given(request, np.arctan2(-(a + b).imag, (a - b).real))
+
+
+def _zero_driven(request: Request) -> FloatArray:
+    """The angle at which the driving pin of a joint is normal to the bend plane."""
+    a, b = _chain(request)
+    return _given(request, np.arctan2((a + b).real, (a - b).imag))
+
+
+_ZEROS: Mapping[str, Callable[[Request], FloatArray]] = {
+    "bending_driving": _zero_driving,
+    "bending_driven": _zero_driven,
+}
+"""Where the magnitudes with a kink are zero."""
+
+
+def _given(request: Request, drive: FloatArray) -> FloatArray:
+    """The angle that the plan takes, for a drive angle."""
+    if request.angle_of == "drive":
+        return drive
+    line: Any = request.line
+    angle: FloatArray = line.evaluate(drive, "angle").angle
+    return angle
+
+
+def _chain(request: Request) -> tuple[ComplexArray, ComplexArray]:
+    """``A`` and ``B`` of the chain before the joint of the request."""
+    line: Any = request.line
+    a = np.ones(line.shape, np.complex128)
+    b = np.zeros(line.shape, np.complex128)
+    for joint in range(item_indices("joints", _all(request.joints), line.n_joints)[0]):
+        k = np.tan(line.bends[..., joint] / 2.0) ** 2
+        a, b = a - k * b.conj(), b - k * a.conj()
+        turn = 1j * np.exp(1j * (line.phases[..., joint] - line.twists[..., joint]))
+        a, b = turn * a, turn * b
+    return a, b
+
+
+def _all(items: Any) -> Any:  # noqa: ANN401 - an index, a slice or a list
+    return slice(None) if items is None else items
+
+
+def _steepness(request: Request) -> FloatArray:
+    """The largest ``k`` of any shaft."""
+    line: Any = request.line
+    shafts = range(1, line.n_joints + 1)
+    k = np.array([equivalent(line._geometry, shaft).k for shaft in shafts])
+    steepest = np.max(k, axis=0)
+    if request.angle_of == "driven":
+        # Steps in the hyperbolic plane, in which a chain's q is a point at distance 2 artanh k.
+        steepest = (steepest + k[-1]) / (1.0 + steepest * k[-1])
+    return np.asarray(steepest)
+
+
+def _samples(k: float, order: NDArray[np.int64]) -> int:
+    """Samples of half a turn, of which every second leaves an error below rounding."""
+    highest = int(np.max(order, initial=2)) / 2.0
+    decay = -math.log(k) if k > 0.0 else math.inf
+    length = 40.0 / decay if decay > 0.0 else float(_MOST)
+    # Products of several ratios have poles of higher order, whose amplitudes decay later.
+    wanted = 2.0 * (highest + 2.0 + length * (1.0 + 0.1 * math.log1p(length)))
+    fewest = max(_FEWEST, 4.0 * (highest + 1.0))
+    return 1 << math.ceil(math.log2(max(fewest, min(wanted, _MOST))))
+
+
+def _blocks(count: int, size: int) -> Iterator[slice]:
+    return (slice(start, min(start + size, count)) for start in range(0, count, size))
+
+
+def _of_rows(request: Request, rows: tuple[int, ...], block: slice) -> Request:
+    """The request for some of the rows, each an entry of the first of two axes."""
+    line: Any = request.line
+    index = np.broadcast_to(np.arange(line.size).reshape(line.shape), rows).ravel()[block]
+    load = request.load
+    if load is not None:
+        values: dict[str, Any] = {"inertias": load.inertias}
+        for name in ("torque", "speed", "acceleration"):
+            array = getattr(load, name)
+            taken = np.broadcast_to(array, rows).ravel()[block, np.newaxis]
+            values[name] = taken if array.ndim else array
+        if load.inertias is not None and load.inertias.ndim > 1:
+            each = load.inertias.shape[-1]
+            spread = np.broadcast_to(load.inertias, (*rows, each)).reshape(-1, each)
+            values["inertias"] = spread[block, np.newaxis]
+        values[f"{load.end}_torque"] = values.pop("torque")
+        load = Load(**values)
+    return replace(request, line=line.reshape(-1)[index][:, np.newaxis], load=load)

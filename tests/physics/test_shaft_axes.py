@@ -1,0 +1,240 @@
+"""Vectors in axes that turn with their shafts, against the pins of the vector picture."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from cardan import ArgumentValueError, Driveline, Load, Sweep, axes
+from oracle import Turn, mp
+from vectors import Frames, Loads, Vector, cross, dot, length
+
+NAMES = ("moment", "support_moment")
+LOADS: dict[str, dict[str, Any]] = {
+    "drive": {"drive_torque": 7.0},
+    "braked": {"drive_torque": -7.0},
+    "output": {"output_torque": 7.0},
+    "inertias": {"output_torque": 1.0, "speed": 30.0, "acceleration": 5.0, "inertias": 0.02},
+}
+LINE = Driveline.from_bends([0.5, 0.3, 0.8], [0.4, -2.0], [0.3, 1.1])
+BATCH = Driveline.from_bends(
+    [[[0.4, 0.3]], [[0.1, 0.9]], [[0.0, 0.0]]], 0.2, [[[0.7]], [[1.0]], [[0.3]]]
+)
+LOAD = Load(drive_torque=3.0, speed=20.0, inertias=[0.1, 0.02, 0.03])
+LOAD_OF_FOUR = Load(drive_torque=3.0, speed=20.0, inertias=[0.1, 0.02, 0.03, 0.01])
+ANGLES = np.linspace(-9.0, 30.0, 41)
+
+
+def of_line(load: dict[str, Any], line: Driveline) -> dict[str, Any]:
+    inertias = {"inertias": [load["inertias"]] * (line.n_joints + 1)} if "inertias" in load else {}
+    return {**load, **inertias}
+
+
+def exact(line: Driveline, angle: float, load: dict[str, Any]) -> dict[str, list[Vector]]:
+    """The vectors along each shaft, its pin and their cross product."""
+    frames, at = Frames.of(line), Turn.by(angle)
+    loads, pins = Loads.of(frames, at, **load), frames.pins(at)
+    along = [pins[0][0], *(driven for _, driven in pins)]
+
+    def components(vector: Vector, shaft: int) -> Vector:
+        u, pin = frames.directions[shaft], along[shaft]
+        return (dot(vector, u), dot(vector, pin), dot(vector, cross(u, pin)))
+
+    return {
+        "moment": [components(m, j + 1) for j, m in enumerate(loads.moment)],
+        "support_moment": [components(m, i) for i, m in enumerate(loads.support_moment)],
+    }
+
+
+def worst(line: Driveline, angle: float, load: dict[str, Any], **options: Any) -> float:  # noqa: ANN401
+    """The largest error in ulp of the largest moment of all joints."""
+    result = line.evaluate(
+        angle, NAMES, load=Load(**load), shafts=slice(None), axes="shaft", **options
+    )
+    wanted = exact(line, angle, load)
+    largest = max(float(length(vector)) for vector in wanted["moment"])
+    return max(
+        float(abs(mp.mpf(float(got)) - want) / np.spacing(largest))
+        for name in NAMES
+        for vector, exact_vector in zip(result[name], wanted[name], strict=True)
+        for got, want in zip(vector, exact_vector, strict=True)
+    )
+
+
+@pytest.mark.parametrize("load", LOADS.values(), ids=LOADS)
+@pytest.mark.parametrize("joints", [1, 2, 4])
+def test_components_are_those_along_shaft_and_pin(joints: int, load: dict[str, Any]) -> None:
+    random = np.random.default_rng(joints)
+    for tolerance, permitted in ((None, 8.0), (0.0, 3.0)):
+        for _ in range(8):
+            bends, between = random.uniform(0, 0.9, joints), random.uniform(-4, 4, (2, joints - 1))
+            line = Driveline.from_bends(bends, *between)
+            angle = float(random.uniform(-20, 20))
+            off = worst(line, angle, of_line(load, line), tolerance=tolerance)
+            assert off <= permitted, (bends, between, angle)
+
+
+@given(
+    st.lists(st.one_of(st.just(0.0), st.floats(1e-9, 1.5)), min_size=1, max_size=3),
+    st.lists(st.floats(-4.0, 4.0), min_size=4, max_size=4),
+    st.floats(-1e6, 1e6),
+    st.sampled_from([*LOADS]),
+)
+def test_any_driveline(bends: list[float], between: list[float], angle: float, load: str) -> None:
+    n = len(bends)
+    line = Driveline.from_bends(bends, between[: n - 1], between[2 : n + 1])
+    # Shafts between steep joints amplify the rounding of the chain.
+    amplified = 1.0 / math.prod(math.cos(bend) for bend in bends)
+    assert worst(line, angle, of_line(LOADS[load], line), tolerance=0) <= 4.0 * amplified
+
+
+def test_a_steep_joint_keeps_its_digits() -> None:
+    line = Driveline.from_bends([math.radians(89.9999)])
+    for angle in (0.0, 1e-7, 0.3, math.pi / 2, 3.1):
+        assert worst(line, angle, {"drive_torque": 2.0}, tolerance=0) <= 2.0
+
+
+def test_the_moment_is_torque_and_bending() -> None:
+    names = ("moment", "torque", "bending_driven")
+    result = LINE.evaluate(ANGLES, names, shafts=[1, 2, 3], load=LOAD_OF_FOUR, axes="shaft")
+    x, y, z = np.moveaxis(result.moment, -1, 0)
+    assert np.array_equal(x, result.torque)
+    assert not np.any(y)
+    assert np.array_equal(np.abs(z), result.bending_driven)
+    # The pin is back after a turn and reversed after half of one.
+    for turn, sign in ((2.0 * math.pi, 1.0), (math.pi, -1.0)):
+        later = LINE.evaluate(ANGLES + turn, "moment", load=LOAD_OF_FOUR, axes="shaft").moment[
+            ..., 2
+        ]
+        assert later == pytest.approx(sign * z, abs=1e-12)
+
+
+def test_lengths_are_those_in_space() -> None:
+    options: dict[str, Any] = {"shafts": slice(None), "load": LOAD_OF_FOUR}
+    space = LINE.evaluate(ANGLES, NAMES, **options)
+    shaft = LINE.evaluate(ANGLES, NAMES, **options, axes="shaft")
+    for name in NAMES:
+        lengths = np.linalg.norm(space[name], axis=-1)
+        assert np.linalg.norm(shaft[name], axis=-1) == pytest.approx(lengths, rel=1e-12)
+    one = LINE.evaluate(ANGLES, NAMES, **options, reduce="peak")
+    assert one == LINE.evaluate(ANGLES, NAMES, **options, reduce="peak", axes="shaft")
+
+
+def test_batches_sweeps_and_items() -> None:
+    names = ("speed_ratio", *NAMES)
+    options: dict[str, Any] = {"load": LOAD, "axes": "shaft", "joints": 1, "shafts": [2, 0]}
+    whole = BATCH.evaluate(ANGLES, names, **options)
+    assert whole.moment.shape == (3, 41, 3)
+    assert whole.support_moment.shape == (2, 3, 41, 3)
+    for i, line in enumerate(BATCH[:, 0]):
+        own = line.evaluate(ANGLES, names, **options)
+        assert np.array_equal(own.moment, whole.moment[i])
+        assert np.array_equal(own.support_moment, whole.support_moment[:, i])
+    all_of_it = LINE.evaluate(ANGLES, NAMES, load=LOAD_OF_FOUR, axes="shaft", shafts=slice(None))
+    some = LINE.evaluate(ANGLES, NAMES, load=LOAD_OF_FOUR, axes="shaft", joints=[2, 0], shafts=1)
+    assert np.array_equal(some.moment, all_of_it.moment[[2, 0]])
+    assert np.array_equal(some.support_moment, all_of_it.support_moment[1])
+    sweep = Sweep(-9.0, 30.0, 41)
+    swept = LINE.evaluate(sweep, NAMES, load=LOAD_OF_FOUR, axes="shaft", shafts=slice(None))
+    for name in NAMES:
+        assert swept[name] == pytest.approx(all_of_it[name], abs=1e-12)
+
+
+@pytest.mark.parametrize("line", [LINE, BATCH], ids=["one", "batch"])
+@pytest.mark.parametrize("piece", [1 << 18, 7])
+def test_reductions(line: Driveline, piece: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(axes, "_PIECE", piece)
+    load = Load(drive_torque=3.0, speed=20.0, inertias=[0.01] * (line.n_joints + 1))
+    options: dict[str, Any] = {"load": load, "axes": "shaft", "shafts": slice(None)}
+    for angle in (ANGLES, Sweep.revolutions(1, 50)):
+        samples = line.evaluate(angle, NAMES, **options)
+        found = line.evaluate(angle, NAMES, reduce=["min", "max", "mean", "rms"], **options)
+        for name in NAMES:
+            array = samples[name]
+            wanted = [f(array, axis=-2) for f in (np.min, np.max, np.mean)]
+            wanted.append(np.sqrt(np.mean(array**2, axis=-2)))
+            assert found[name] == pytest.approx(np.stack(wanted, axis=1), abs=1e-13)
+    with_none = line.evaluate([1.0, math.nan], NAMES, reduce="max", **options)
+    assert np.isnan(with_none.moment).all()
+
+
+def test_reductions_of_loads_that_change_with_the_angle() -> None:
+    load = Load(drive_torque=np.linspace(-1.0, 1.0, 41))
+    found = LINE.evaluate(ANGLES, "moment", load=load, axes="shaft", reduce="max")
+    samples = LINE.evaluate(ANGLES, "moment", load=load, axes="shaft")
+    assert np.array_equal(found.moment, samples.moment.max(axis=1))
+
+
+def test_arrays_to_fill_and_single_precision() -> None:
+    plan = LINE.plan(("torque", "moment"), load=LOAD_OF_FOUR, axes="shaft", dtype=np.float32)
+    new = plan(ANGLES)
+    assert new.moment.dtype == np.float32
+    double = LINE.evaluate(ANGLES, "moment", load=LOAD_OF_FOUR, axes="shaft").moment
+    assert new.moment == pytest.approx(double, rel=1e-4, abs=1e-4)
+    out = {"moment": np.empty((3, 41, 3), np.float32), "torque": np.empty(41, np.float32)}
+    filled = plan(ANGLES, out=out)
+    assert filled.moment is out["moment"]
+    assert filled == new
+    with pytest.raises(ArgumentValueError, match=r"out\['moment'\] has shape \(3,\)"):
+        plan(ANGLES, out={"moment": np.empty(3, np.float32)})
+
+
+def test_what_has_no_components_does_not_change() -> None:
+    for names in ("angle", ("torque", "bending_driving")):
+        one, other = (
+            LINE.evaluate(ANGLES, names, load=LOAD_OF_FOUR, axes=a) for a in ("space", "shaft")
+        )
+        assert one == other
+
+
+def test_no_angle_has_no_vector() -> None:
+    result = LINE.evaluate([math.nan, 1.0], NAMES, load=LOAD_OF_FOUR, axes="shaft")
+    assert np.isnan(result.moment[:, 0]).all()
+    assert np.isnan(result.support_moment[0]).all()
+    assert np.isfinite(result.moment[:, 1]).all()
+
+
+@pytest.mark.parametrize("value", ["shafts", None, 3, ["shaft"]])
+def test_unknown_axes_are_refused(value: Any) -> None:  # noqa: ANN401
+    with pytest.raises(ArgumentValueError, match=r"axes is .*; it must be 'space' or 'shaft'"):
+        LINE.evaluate(ANGLES, axes=value)
+
+
+def test_a_load_is_needed() -> None:
+    with pytest.raises(ArgumentValueError, match="which needs a load"):
+        LINE.plan("moment", axes="shaft")
+
+
+def test_labels_and_arrays_computed_later() -> None:
+    array = pytest.importorskip("dask.array")
+    expected = LINE.evaluate(ANGLES, NAMES, load=LOAD_OF_FOUR, axes="shaft")
+    later = LINE.evaluate(
+        array.from_array(ANGLES, chunks=9), NAMES, load=LOAD_OF_FOUR, axes="shaft"
+    )
+    assert later.compute() == expected
+    lines = Driveline.from_bends(array.from_array(BATCH.bends), 0.2, BATCH.phases)
+    batch = lines.evaluate(ANGLES, NAMES, load=LOAD, axes="shaft", reduce="max").compute()
+    assert batch == BATCH.evaluate(ANGLES, NAMES, load=LOAD, axes="shaft", reduce="max")
+    xarray = pytest.importorskip("xarray")
+    data = LINE.evaluate(
+        xarray.DataArray(ANGLES, dims="time"), NAMES, load=LOAD_OF_FOUR, axes="shaft"
+    )
+    assert np.array_equal(data.moment, expected.moment)
+
+
+def test_the_plan_explains_its_parts() -> None:
+    text = LINE.plan(("angle", *NAMES), load=LOAD_OF_FOUR, axes="shaft").explain()
+    assert text.startswith("vectors in axes of their shafts\nplan for angle; 3 joints\n")
+    assert "plan for torque, bending_driven, tilt_driven; 3 joints" in text
+
+
+def test_over_the_driven_angle() -> None:
+    plan = LINE.plan(NAMES, load=LOAD_OF_FOUR, axes="shaft", angle_of="driven")
+    result = plan(ANGLES)
+    again = LINE.evaluate(result.drive_angle, NAMES, load=LOAD_OF_FOUR, axes="shaft")
+    assert result == again
