@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, Self
 
@@ -404,16 +405,13 @@ class Driveline(Batch):
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-
-        def plan_of(reduction: Reduction | None) -> Plan:
-            options = (load, reduction, dtype, tolerance, workers)
-            return Plan(self, outputs, shafts, joints, *options)
-
         plan: Plan | PlanOfReductions
-        if isinstance(reduce, list | tuple):
-            plan = PlanOfReductions(reduce, plan_of)
+        if isinstance(reduce, (list, tuple)):
+            given = {"dtype": dtype, "tolerance": tolerance, "workers": workers}
+            of = functools.partial(Plan, self, outputs, shafts, joints, load, **given)
+            plan = PlanOfReductions(reduce, of)
         else:
-            plan = plan_of(reduce)
+            plan = Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
         return PlanInDegrees(plan)(angle, out) if degrees else plan(angle, out)
 
     def plan(
