@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Mapping
 from typing import Any, Literal, Self
 
@@ -427,16 +428,16 @@ class Driveline(Installed):
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-
-        def plan_of(reduction: Reduction | None) -> Plan:
-            options = (load, reduction, dtype, tolerance, workers, axes, angle_of)
-            return planned(self, outputs, shafts, joints, *options)
-
-        plan: Plan | PlanOfReductions
-        if isinstance(reduce, list | tuple):
-            plan = PlanOfReductions(reduce, plan_of)
-        else:
-            plan = plan_of(reduce)
+        options = {
+            "dtype": dtype,
+            "tolerance": tolerance,
+            "workers": workers,
+            "axes": axes,
+            "angle_of": angle_of,
+        }
+        of = functools.partial(planned, self, outputs, shafts, joints, load, **options)
+        stacked = isinstance(reduce, (list, tuple))
+        plan: Plan | PlanOfReductions = PlanOfReductions(reduce, of) if stacked else of(reduce)
         if degrees:
             return PlanInDegrees(plan, angle_of == "driven")(angle, out)
         return plan(angle, out)

@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cardan import _core, outputs, threads
+from cardan import _core, threads
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
 from cardan.arrays.planes import Place, components_first, view
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.harmonics import Harmonics, harmonics
+from cardan.layout import layout_of
 from cardan.load import Load
 from cardan.request import (
     DOUBLE,
@@ -24,10 +25,7 @@ from cardan.request import (
     Reduction,
     Request,
     checked_dtype,
-    checked_reduction,
     checked_tolerance,
-    is_index,
-    item_indices,
 )
 from cardan.result import Result
 from cardan.sweep import Sweep
@@ -73,26 +71,23 @@ class Plan:
         level: str | None = None,
     ) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
-        names = outputs.checked(names)
-        n = line.n_joints
-        shaft_items = [n] if shafts is None else item_indices("shafts", shafts, n + 1)
-        joint_items = [*range(n)] if joints is None else item_indices("joints", joints, n)
+        n, shape = line.n_joints, line.shape
+        layout = layout_of(names, n, shafts, joints, reduce)
         if load is not None and not isinstance(load, Load):
             raise ArgumentTypeError(
                 "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
             )
         # In the order of this method, for pickling. A ``Request`` costs a fifth of a small call.
-        arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
+        arguments = (line, layout.names, shafts, joints, load, reduce, dtype, tolerance, workers)
         self._arguments: tuple[Any, ...] = arguments
-        self.dtype = checked_dtype(dtype)
-        self._reduce = checked_reduction(reduce)
+        self.dtype = DOUBLE if dtype is None else checked_dtype(dtype)
+        self._reduce = reduce
         # What rows are reduced to is found in double.
         self._word = DOUBLE if reduce else self.dtype
-        inertias = _inertias(n, load)
+        inertias = {} if load is None else _inertias(n, load)
         # Read at every call.
         self._load = () if load is None else (load.torque, load.speed, load.acceleration)
         # Nothing but the angles changes from sample to sample.
-        shape = line.shape
         self._only_angle_varies = not shape and not (
             load and _changes(*self._load, *inertias.values())
         )
@@ -102,35 +97,21 @@ class Plan:
         self._level = level
         self._core = _core.Plan(
             line._lines,
-            names,
-            shaft_items,
-            joint_items,
+            layout.names,
+            layout.shafts,
+            layout.joints,
             None if load is None else (load.end, *self._load, [*inertias.items()]),
-            checked_tolerance(tolerance),
+            None if tolerance is None else checked_tolerance(tolerance),
             self.dtype is SINGLE,
             reduce,
         )
-        # The last shaft is asked for, not a list of one.
-        one_shaft = shafts is None or is_index(shafts)
-        one_joint = joints is not None and is_index(joints)
-        shafts_shown = shaft_items[0] if one_shaft else shaft_items
-        joints_shown = joint_items[0] if one_joint else joint_items
-        self.labels = (shafts_shown, joints_shown, shape, reduce, "rad")
-        self.places: dict[str, Place] = {}
-        first, alone = 0, True
-        for name in names:
-            output = outputs.OUTPUTS[name]
-            per_shaft = output.per == "shaft"
-            vector = output.vector and reduce != "peak"
-            count = len(shaft_items if per_shaft else joint_items)
-            items = None if (one_shaft if per_shaft else one_joint) else count
-            self.places[name] = (first, items, vector)
-            first += 3 * count if vector else count
-            alone = alone and items is None and not vector
-        self.planes = first
-        self._scalar_outputs = alone
+        self.labels = (*layout.shown, shape, reduce, "rad")
+        self.places = layout.places
+        self.planes = layout.planes
+        self._scalar_outputs = alone = layout.scalar_outputs
         self._fast_path = alone and self._single_row and self._word is self.dtype
-        threads.at_most(workers)
+        if workers is not None:
+            threads.at_most(workers)
 
     def __call__(
         self, angle: ArrayLike | Sweep, out: Mapping[str, NDArray[Any]] | None = None
@@ -152,9 +133,9 @@ class Plan:
             # The usual call: on a few angles every question shows, that for equal lengths too.
             block = self._core.run(None, angle, None, threads.at_most(self._workers), self._level)
             if block is not None:
-                return Result(dict(zip(self.places, block)), self.labels, angle)  # noqa: B905
+                return Result(self.places, self.labels, angle, block)
         angles: FloatArray | NativeSweep
-        if type(angle) is np.ndarray and angle.dtype == DOUBLE:
+        if type(angle) is np.ndarray and (angle.dtype is DOUBLE or angle.dtype == DOUBLE):
             angles = angle
         elif isinstance(angle, Sweep):
             angles = angle._core
@@ -175,8 +156,7 @@ class Plan:
             return self(as_float64("angle", angle))
         if self._word is not self.dtype:
             block = block.astype(self.dtype)
-        arrays = {name: view(block, place) for name, place in self.places.items()}
-        return Result(arrays, self.labels, angle)
+        return Result(self.places, self.labels, angle, block)
 
     def _into(
         self,
@@ -189,16 +169,20 @@ class Plan:
     ) -> Result:
         """Evaluate into existing arrays, without a copy if their layout allows it."""
         # What is a dictionary is known at once, other mappings are looked up.
-        if isinstance(out, (dict, Mapping)) and out.keys() == self.places.keys():
+        if isinstance(out, (dict, Mapping)) and len(out) == len(self.places):
             alone, dtype, wanted = self._scalar_outputs, self.dtype, rows
             arrays, planes = {}, []
-            for name in self.places:
-                array = arrays[name] = out[name]
+            for name, place in self.places.items():
+                array = out.get(name)
                 if not alone:
-                    wanted = self._shape(self.places[name], rows)
-                if type(array) is not np.ndarray or array.dtype != dtype or array.shape != wanted:
+                    wanted = self._shape(place, rows)
+                if type(array) is not np.ndarray or array.shape != wanted:
                     break
-                planes.append(array if alone else components_first(array, self.places[name]))
+                # Identity is known at once.
+                if array.dtype is not dtype and array.dtype != dtype:
+                    break
+                arrays[name] = array
+                planes.append(array if alone else components_first(array, place))
             else:
                 run, level = self._core.run, self._level
                 if dtype is self._word and run(samples, angles, planes, workers, level) is not None:
@@ -400,9 +384,9 @@ def _changes(*arrays: FloatArray) -> bool:
     return any(array.ndim for array in arrays)
 
 
-def _inertias(n: int, load: Load | None) -> dict[int, FloatArray]:
+def _inertias(n: int, load: Load) -> dict[int, FloatArray]:
     """The inertia of each shaft that has one, as a contiguous array."""
-    if load is None or load.inertias is None:
+    if load.inertias is None:
         return {}
     if load.inertias.shape[-1] != n + 1:
         shape = load.inertias.shape

@@ -92,10 +92,8 @@ def item_indices(argument: str, value: int | slice | Sequence[int], count: int) 
 DOUBLE, SINGLE = np.dtype(np.float64), np.dtype(np.float32)
 
 
-def checked_dtype(dtype: DTypeLike | None) -> np.dtype[Any]:
+def checked_dtype(dtype: DTypeLike) -> np.dtype[Any]:
     """Return the dtype of the results, one of two objects."""
-    if dtype is None:
-        return DOUBLE
     try:
         word = np.dtype(dtype)
     except TypeError:
@@ -121,10 +119,8 @@ def checked_reduction(reduce: str | None) -> str | None:
     return reduce
 
 
-def checked_tolerance(tolerance: float | None) -> float | None:
+def checked_tolerance(tolerance: float) -> float:
     """Return the tolerance as a number that is not negative."""
-    if tolerance is None:
-        return None
     try:
         permitted = float(tolerance)
     except (TypeError, ValueError, OverflowError):

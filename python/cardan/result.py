@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cardan import notebook
 from cardan.arrays import adapter, import_optional
 from cardan.arrays.libraries import picture_of
+from cardan.arrays.planes import Place, view
 from cardan.outputs import OUTPUTS
 from cardan.sweep import Sweep
 
@@ -41,18 +42,28 @@ class Result(Mapping[str, NDArray[Any]]):
     answer per sample.
     """
 
-    __slots__ = ("_angle", "_arrays", "_labels")
+    __slots__ = ("_angle", "_labels", "_made", "_names", "_planes")
+
+    _made: Any  # the arrays that exist, by name
+    _names: Mapping[str, Any]  # all outputs in order: the arrays, or where they lie in the planes
 
     def __init__(
         self,
-        arrays: Mapping[str, NDArray[Any]],
+        arrays: Mapping[str, NDArray[Any]] | Mapping[str, Place],
         labels: Labels | None = None,
         angle: Any = None,  # noqa: ANN401 - an array of any library, or a sweep
+        planes: NDArray[Any] | None = None,
     ) -> None:
-        """Keep the arrays under their names."""
-        self._arrays = arrays
+        """Keep the arrays under their names.
+
+        With ``planes``, ``arrays`` says where each output lies among them. Its view is made when it
+        is asked for: making all of them takes a third of a call on a few angles.
+        """
+        self._names = arrays
+        self._made = arrays if planes is None else {}
         self._labels = labels
         self._angle = angle
+        self._planes = planes
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         """Return the array of one output.
@@ -61,12 +72,16 @@ class Result(Mapping[str, NDArray[Any]]):
             KeyError: no such output.
         """
         try:
-            return self._arrays[name]
+            array: NDArray[Any] | None = self._made.get(name)
+            if array is None:
+                # Threads that ask at the same time get the same array.
+                array = self._made.setdefault(name, view(self._planes, self._names[name]))
+            return array
         except (KeyError, TypeError):
-            held = ", ".join(self._arrays)
+            held = ", ".join(self._names)
             hint = ""
             if not isinstance(name, str):
-                first = next(iter(self._arrays), "angle")
+                first = next(iter(self._names), "angle")
                 hint = f"; samples are indexed in an output: result.{first}[{name!r}]"
             raise KeyError(f"{name!r} is no output; the result holds {held}{hint}") from None
 
@@ -76,7 +91,7 @@ class Result(Mapping[str, NDArray[Any]]):
             return NotImplemented
         if self.keys() != other.keys() or self._angle_unit != other._angle_unit:
             return False
-        return all(_same(array, other._arrays[name]) for name, array in self._arrays.items())
+        return all(_same(array, other[name]) for name, array in self._arrays.items())
 
     __hash__ = None  # type: ignore[assignment]
 
@@ -98,9 +113,13 @@ class Result(Mapping[str, NDArray[Any]]):
     @property
     def units(self) -> Mapping[str, str]:
         """Unit of each output and of the drive angle: ``"N m"``, ``"1"`` for ratios."""
-        angles = {name: OUTPUTS[name].unit for name in self._arrays if name in OUTPUTS}
+        angles = {name: OUTPUTS[name].unit for name in self._names if name in OUTPUTS}
         units = {name: self._angle_unit if u == "rad" else u for name, u in angles.items()}
         return MappingProxyType({**units, "drive_angle": self._angle_unit})
+
+    @property
+    def _arrays(self) -> Mapping[str, NDArray[Any]]:
+        return self._names if self._planes is None else {name: self[name] for name in self._names}
 
     @property
     def _angle_unit(self) -> str:
@@ -108,22 +127,22 @@ class Result(Mapping[str, NDArray[Any]]):
 
     def __iter__(self) -> Iterator[str]:
         """Iterate over the output names, in the order asked for."""
-        return iter(self._arrays)
+        return iter(self._names)
 
     def __len__(self) -> int:
         """Return the number of outputs."""
-        return len(self._arrays)
+        return len(self._names)
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         """Return the array of one output."""
         # Copying and unpickling ask for attributes before there is anything to look in.
-        if name != "_arrays" and name in self._arrays:
-            return self._arrays[name]
+        if name != "_names" and name in self._names:
+            return self[name]
         raise AttributeError(f"the result holds no {name!r}")
 
     def __dir__(self) -> list[str]:
         """List the outputs and the methods."""
-        return [*super().__dir__(), *self._arrays]
+        return [*super().__dir__(), *self._names]
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the outputs as variables of a Dataset, with units and long names.
@@ -200,7 +219,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
     def _repr_html_(self) -> str:
         """Show name, unit, shape and extent of every output as a table."""
-        units = {**dict.fromkeys(self._arrays, ""), **self.units}
+        units = {**dict.fromkeys(self._names, ""), **self.units}
         return notebook.result(f"Result, angles in {self._angle_unit}", self._arrays, units)
 
 

@@ -446,6 +446,41 @@ def test_the_result_is_a_mapping_with_attributes() -> None:
     assert np.array_equal(again.angle, got.angle)
 
 
+def test_arrays_of_a_result_are_made_once_and_keep_their_order() -> None:
+    names = ("moment", "speed_ratio", "angle")
+    load = Load(drive_torque=1.0)
+    got, other = (THREE.evaluate(GRID, names, load=load) for _ in range(2))
+    last = got.angle
+    assert last is got["angle"]
+    assert last is [*got.values()][2]
+    assert tuple(got) == tuple(dict(got)) == tuple(pickle.loads(pickle.dumps(got))) == names
+    assert got == other
+    last[:] = 7.0
+    assert (dict(got)["angle"] == 7.0).all()
+    assert (pickle.loads(pickle.dumps(got)).angle == 7.0).all()
+    assert got != other
+    assert got.moment.base is last.base
+
+
+def test_what_was_asked_before_changes_nothing() -> None:
+    wanted = ONE.evaluate(GRID, ["angle"], shafts=1)
+    with pytest.raises(TypeError, match=r"shafts is 1\.0"):
+        ONE.evaluate(GRID, ["angle"], shafts=1.0)  # type: ignore[arg-type]
+    assert ONE.evaluate(GRID, ["angle"], shafts=True) == wanted
+    assert ONE.evaluate(GRID, ["angle"], shafts=np.int64(1)) == wanted  # type: ignore[arg-type]
+    names = ["angle"]
+    assert [*ONE.evaluate(GRID, names)] == names
+    names.append("speed_ratio")
+    assert [*ONE.evaluate(GRID, names)] == names
+    once = iter(names)
+    assert [*ONE.evaluate(GRID, once)] == names
+    assert [*ONE.evaluate(GRID, once)] == []
+    assert [type(name) for name in ONE.evaluate(GRID, (np.str_("angle"),))] == [str]
+    assert THREE.evaluate(GRID, "angle").angle.shape == GRID.shape
+    assert THREE.evaluate(GRID, "tilt_driven").tilt_driven.shape == (3, *GRID.shape)
+    assert ONE.evaluate(GRID, "tilt_driven").tilt_driven.shape == (1, *GRID.shape)
+
+
 def test_vectors_are_planes_behind_the_scenes() -> None:
     moment = THREE.evaluate(GRID, "moment", load=Load(drive_torque=1.0)).moment
     assert moment.shape == (3, 60, 3)

@@ -120,7 +120,7 @@ def test_every_length(line: Driveline) -> None:
 def test_every_number_of_threads(workers: int | None) -> None:
     line = LINES["three joints"]
     angle = np.tile(ANGLES, 50)
-    assert angle.size > 98304  # from here on threads are used
+    assert angle.size > 65536  # from here on threads are used
     names = ("angle", "acceleration_ratio", "moment")
     got = evaluate(line, angle, names, workers=workers)
     once = evaluate(line, ANGLES, names)

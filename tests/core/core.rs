@@ -404,6 +404,43 @@ fn elements_lie_as_far_apart_as_the_strides_say() {
 }
 
 #[test]
+fn runs_within_jobs_of_a_pool_have_the_same_bits() {
+    let line = Geometry::from_bends(&[0.5, 0.3], &[0.2], &[1.0]).unwrap();
+    let plan = plan(2, &[Output::Angle, Output::AccelerationRatio], &[1, 2]);
+    let angle: Vec<f64> = (0..200_000).map(|i| 0.37 * f64::from(i)).collect();
+    let flat =
+        |vectors: &[Vector]| vectors.iter().flat_map(|v| [v.x, v.y, v.z]).collect::<Vec<_>>();
+    let (directions, normals) = (flat(&line.directions), flat(&line.normals));
+    let run = |workers: Option<usize>| {
+        let samples = Samples {
+            shape: &[angle.len()],
+            lines: Drivelines {
+                bends: &line.bends,
+                twists: &line.twists,
+                phases: &line.phases,
+                directions: &directions,
+                normals: &normals,
+            },
+            line_strides: &[0],
+            angle: Angles::Array(Source { data: &angle, strides: &[1] }),
+            load: None,
+        };
+        let mut planes = vec![vec![0.0; angle.len()]; plan.planes()];
+        let mut views: Vec<&mut [f64]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
+        let execution = Execution { workers, ..Execution::default() };
+        plan.run(&samples, None, Precision::Double, Planes::Double(&mut views), execution).unwrap();
+        planes
+    };
+    let alone = run(Some(1));
+    for threads in [1, 2, 5] {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let runs = pool.install(|| rayon::join(|| run(None), || run(Some(2))));
+        assert!(runs.0 == alone && runs.1 == alone);
+    }
+    assert!(run(Some(0)) == alone && run(None) == alone);
+}
+
+#[test]
 fn directions_may_be_subnormal() {
     let tiny = 5e-324;
     let spans = [Vector::new(tiny, 0.0, 0.0), Vector::new(tiny, tiny, 0.0)];

@@ -65,7 +65,7 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) stop: Option<&'a AtomicBool>,
 }
 
-/// A block and its buffers.
+/// A thread's buffers for the blocks that it runs one after another.
 pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     shared: &'a Shared<'a, 's, T>,
     /// The folded drivelines: the only one, those of `rows`, or those of the samples of one chunk.
@@ -103,11 +103,8 @@ impl<T: Number> Shared<'_, '_, T> {
 }
 
 impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
-    pub(crate) fn new(
-        shared: &'a Shared<'a, 's, T>,
-        samples: &Range<usize>,
-        staging: bool,
-    ) -> Self {
+    /// Buffers for runs of at most so many rows each.
+    pub(crate) fn new(shared: &'a Shared<'a, 's, T>, rows: usize, staging: bool) -> Self {
         let Shared { plan, table, ref routes, .. } = *shared;
         let row_length = table.row_length();
         let chunk_length = if plan.load.is_some() {
@@ -121,7 +118,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             CHUNK
         };
         let longest = chunk_length.min(row_length).next_multiple_of(strips::length::<T>());
-        let rows = (samples.end - 1) / row_length + 1 - samples.start / row_length;
         let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
                 GeometryVariation::One => (1, false),

@@ -109,13 +109,12 @@ impl Plan {
         let of_joint = 896 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
         let of_planes = (16 * CHUNK).saturating_mul(self.planes);
         let of_thread = (self.joint_count + 1).saturating_mul(of_joint).saturating_add(of_planes);
-        let total = samples.shape.iter().fold(1_usize, |total, &n| total.saturating_mul(n));
         let parts = match (reduction, samples.shape.split_last()) {
             (Some(_), Some((&length, rows))) if length > 0 => {
                 let rows = rows.iter().fold(1_usize, |rows, &n| rows.saturating_mul(n));
                 rows.saturating_mul(length.div_ceil(BLOCK))
             }
-            _ => total.div_ceil(BLOCK),
+            _ => 0,
         };
         let of_parts = parts.saturating_mul(24 * self.planes);
         of_thread.saturating_mul(threads).saturating_add(of_parts)

@@ -14,6 +14,7 @@ mod load;
 mod map;
 mod motion;
 pub mod phases;
+mod queue;
 mod reduce;
 mod scratch;
 mod sines;

@@ -1,9 +1,8 @@
 //! The phases closest to constant velocity for a batch of drivelines, on several threads.
 
-use rayon::prelude::*;
-
 use crate::mechanics::phasing::{is_set, search_phases};
 use crate::run::execution::Execution;
+use crate::run::queue::work_off;
 
 /// The number of drivelines in a piece of work for one thread, and the fewest pieces that use
 /// threads.
@@ -25,7 +24,7 @@ pub fn optimal_phases_of_batch(
         return;
     }
     let Execution { workers, stop, .. } = execution;
-    let run = |(i, phases): (usize, &mut [f64])| {
+    let run = |(): &mut (), (i, phases): (usize, &mut [f64])| {
         let lines = phases.chunks_mut(between).zip(twists.chunks(between).skip(i * PIECE));
         for ((phases, twists), bends) in lines.zip(bends.chunks(joints).skip(i * PIECE)) {
             if !is_set(stop) {
@@ -35,12 +34,14 @@ pub fn optimal_phases_of_batch(
     };
     let size = PIECE.saturating_mul(between);
     let pieces = phases.len().div_ceil(size);
-    if workers == Some(1) || pieces < MIN_PARALLEL_PIECES {
-        phases.chunks_mut(size).enumerate().for_each(run);
+    // The pool, which may not exist, is not queried for one thread.
+    let threads = if workers == Some(1) || pieces < MIN_PARALLEL_PIECES {
+        1
     } else {
-        let least = workers.map_or(1, |workers| pieces.div_ceil(workers.max(1)));
-        phases.par_chunks_mut(size).enumerate().with_min_len(least).for_each(run);
-    }
+        let pool = rayon::current_num_threads();
+        workers.map_or(pool, |workers| pool.min(workers))
+    };
+    work_off(phases.chunks_mut(size).enumerate(), threads, || (), run);
 }
 
 #[cfg(test)]

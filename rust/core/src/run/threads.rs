@@ -1,15 +1,12 @@
-//! One call on several threads: its samples are cut into blocks, and rows are reduced in the same
+//! One call on several threads: its samples are cut into pieces, and rows are reduced in the same
 //! parts on any number of threads.
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
 
 use cardan_memory::write_strips;
-use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::input::table::{GeometryVariation, Table};
-use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
@@ -18,16 +15,24 @@ use crate::run::block::{Block, CHUNK, Shared, Target};
 use crate::run::execution::Execution;
 use crate::run::fold::FoldedDriveline;
 use crate::run::level::Level;
+use crate::run::queue::work_off;
 use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
 
-/// The most samples per block of a threaded run: about 20 µs of work. It is a multiple of the
-/// chunk.
+/// The most samples in a part of a row that is reduced: about 20 µs of work. It is a multiple of
+/// the chunk.
 pub(crate) const BLOCK: usize = 16 * CHUNK;
 
-/// The fewest samples for which a run uses threads: about 100 µs of work. There one thread and four
-/// take the same time for the cheapest output.
-const THREADED: usize = 6 * BLOCK;
+/// The fewest samples for which a run uses threads: about 70 µs of work. There the calling thread
+/// alone and with a pool that has to wake up take the same time.
+const THREADED: usize = 4 * BLOCK;
+
+/// The fewest samples for each thread that is woken.
+const SHARE: usize = BLOCK;
+
+/// The most samples of a piece that a thread takes from the queue: drivelines of so many rows are
+/// folded together, and a period is computed once per piece.
+const LONGEST: usize = 4 * BLOCK;
 
 /// The fewest bytes of angles and results that are stored past the caches. Fewer may still be in a
 /// cache when they are read.
@@ -50,7 +55,6 @@ pub(crate) struct Run<'a, 's> {
 impl<'a, 's> Run<'a, 's> {
     /// Fills the planes, in blocks if threads save time.
     pub(crate) fn fill<T: StoresAs<W>, W: Float>(&self, planes: &mut [&mut [W]]) -> Result<()> {
-        let workers = self.execution.workers;
         let total = self.table.samples();
         if planes.len() != self.plan.planes || planes.iter().any(|plane| plane.len() != total) {
             let (given, needed) = (planes.len(), self.plan.planes);
@@ -60,20 +64,30 @@ impl<'a, 's> Run<'a, 's> {
         if total == 0 || planes.is_empty() {
             return Ok(());
         }
-        let size = block_size(total, workers);
+        let threads = threads(total, self.execution.workers);
         let shared = self.shared::<T, _>();
-        if size >= total {
-            fill_block(&shared, 0..total, planes);
+        let staging = T::direct(&mut []).is_none();
+        let new_block = |longest| Block::<T, W>::new(&shared, self.rows_of(longest), staging);
+        let fill = |block: &mut Block<'_, '_, T, W>, samples, planes: &mut [&mut [W]]| {
+            write_strips(planes, shared.past_caches, |planes| {
+                block.run(samples, &mut Target::Planes(planes));
+            });
+        };
+        if threads == 1 {
+            fill(&mut new_block(total), 0..total, planes);
             return Ok(());
         }
-        let mut chunks: Vec<_> = planes.iter_mut().map(|plane| plane.chunks_mut(size)).collect();
-        let blocks: Vec<Vec<&mut [W]>> = (0..total.div_ceil(size))
-            .map(|_| chunks.iter_mut().filter_map(Iterator::next).collect())
-            .collect();
-        blocks.into_par_iter().enumerate().for_each(|(i, mut block)| {
-            let samples = i * size..total.min((i + 1) * size);
-            fill_block(&shared, samples, &mut block);
-        });
+        let pieces = Pieces {
+            planes: planes.iter_mut().map(|plane| &mut **plane).collect(),
+            rest: 0..total,
+            threads,
+        };
+        work_off(
+            pieces,
+            threads,
+            || new_block(LONGEST),
+            |block, (samples, mut planes)| fill(block, samples, &mut planes),
+        );
         Ok(())
     }
 
@@ -84,7 +98,6 @@ impl<'a, 's> Run<'a, 's> {
         reduction: Reduction,
         out: &mut [&mut [f64]],
     ) -> Result<()> {
-        let workers = self.execution.workers;
         let (rows, length) = (self.table.rows(), self.table.row_length());
         let groups = reduction.groups(self.plan);
         if out.len() != groups.len() || out.iter().any(|plane| plane.len() != rows) {
@@ -101,7 +114,7 @@ impl<'a, 's> Run<'a, 's> {
         let mut partials = vec![reduction.start(); rows * parts * results];
         let per_block = rows_per_block * results;
         let shared = self.shared::<T, _>();
-        let run = |(i, partials): (usize, &mut [DoubleDouble])| {
+        let run = |block: &mut Block<'_, '_, T, f64>, (i, partials): (usize, &mut [_])| {
             let samples = if parts > 1 {
                 let (row, part) = (i / parts, i % parts);
                 row * length + part * BLOCK..row * length + length.min((part + 1) * BLOCK)
@@ -109,19 +122,11 @@ impl<'a, 's> Run<'a, 's> {
                 let first = i * rows_per_block;
                 first * length..(first + partials.len() / results) * length
             };
-            run_block(&shared, samples, Target::Reduced(reduction, &groups, partials));
+            block.run(samples, &mut Target::Reduced(reduction, &groups, partials));
         };
-        if block_size(rows * length, workers) >= rows * length {
-            partials.chunks_mut(per_block).enumerate().for_each(run);
-        } else {
-            let blocks = rows.div_ceil(rows_per_block) * parts;
-            let min_length = workers.map_or(1, |workers| blocks.div_ceil(workers.max(1)));
-            partials
-                .par_chunks_mut(per_block)
-                .with_min_len(if workers.is_some() { min_length } else { 1 })
-                .enumerate()
-                .for_each(run);
-        }
+        let new_block = || Block::new(&shared, rows_per_block, true);
+        let threads = threads(rows * length, self.execution.workers);
+        work_off(partials.chunks_mut(per_block).enumerate(), threads, new_block, run);
         for row in 0..rows {
             for (result, plane) in out.iter_mut().enumerate() {
                 let own = (0..parts).map(|part| partials[(row * parts + part) * results + result]);
@@ -129,6 +134,11 @@ impl<'a, 's> Run<'a, 's> {
             }
         }
         Ok(())
+    }
+
+    /// The most rows that so many samples, one after another, can touch.
+    fn rows_of(&self, samples: usize) -> usize {
+        self.table.rows().min(samples / self.table.row_length() + 2)
     }
 
     /// The data that the blocks of this run share.
@@ -148,47 +158,36 @@ impl<'a, 's> Run<'a, 's> {
     }
 }
 
-/// Fills planes with a range of the samples.
-fn fill_block<T: StoresAs<W>, W: Float>(
-    shared: &Shared<'_, '_, T>,
-    samples: Range<usize>,
-    planes: &mut [&mut [W]],
-) {
-    write_strips(planes, shared.past_caches, |planes| {
-        run_block(shared, samples, Target::Planes(planes));
-    });
+/// The planes of the samples that no thread has begun, cut off piece by piece.
+struct Pieces<'p, W> {
+    planes: Vec<&'p mut [W]>,
+    rest: Range<usize>,
+    threads: usize,
 }
 
-/// Runs a range of the samples.
-fn run_block<T: StoresAs<W>, W: Float>(
-    shared: &Shared<'_, '_, T>,
-    samples: Range<usize>,
-    mut target: Target<'_, '_, W>,
-) {
-    if shared.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) {
-        return;
+impl<'p, W> Iterator for Pieces<'p, W> {
+    type Item = (Range<usize>, Vec<&'p mut [W]>);
+
+    /// Pieces get shorter towards the end, so that the threads end at nearly the same time.
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let share = self.rest.len().div_ceil(2 * self.threads).next_multiple_of(CHUNK);
+        let length = share.min(LONGEST).min(self.rest.len());
+        let start = self.rest.start;
+        self.rest.start += length;
+        let pieces = self.planes.iter_mut().filter_map(|plane| plane.split_off_mut(..length));
+        Some((start..start + length, pieces.collect()))
     }
-    let staging = match &mut target {
-        Target::Planes(planes) => T::direct(planes).is_none(),
-        Target::Reduced(..) => true,
-    };
-    let mut block = Block::<T, W>::new(shared, &samples, staging);
-    block.run(samples, &mut target);
 }
 
-/// Samples per block; all of them if threads save no time.
-fn block_size(total: usize, workers: Option<usize>) -> usize {
-    match workers {
-        _ if !uses_threads(total) => total,
-        // This does not query the pool, which may not exist.
-        Some(1) => total,
-        Some(workers) if workers < rayon::current_num_threads() => {
-            total.div_ceil(workers.max(1)).next_multiple_of(BLOCK)
-        }
-        // At least two blocks per thread, so that no thread waits long for the last block.
-        _ => {
-            let shared = total.div_ceil(2 * rayon::current_num_threads());
-            BLOCK.min(shared.next_multiple_of(CHUNK))
-        }
+/// The number of threads for so many samples, the calling one among them.
+fn threads(samples: usize, workers: Option<usize>) -> usize {
+    // The pool, which may not exist, is not queried for one thread.
+    if !uses_threads(samples) || workers == Some(1) {
+        return 1;
     }
+    let pool = rayon::current_num_threads().min(samples / SHARE);
+    workers.map_or(pool, |workers| pool.min(workers.max(1)))
 }

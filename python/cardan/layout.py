@@ -1,0 +1,104 @@
+"""Where the outputs of a plan lie among the planes of its result, and of which items they are."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from cardan import outputs
+from cardan.arrays.planes import Place
+from cardan.request import Items, Reduction, checked_reduction, is_index, item_indices
+
+# Lists of the joints of longer drivelines would take too much memory to be remembered.
+_LONGEST = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What a plan knows of its result before it knows the driveline.
+
+    Attributes:
+        names: the outputs.
+        shafts: the shafts of the outputs per shaft.
+        joints: the joints of the outputs per joint.
+        shown: the same as asked for, an index or a list.
+        places: where each output lies among the planes.
+        planes: the number of planes.
+        scalar_outputs: whether every output is one plane without an axis of its own.
+    """
+
+    names: tuple[str, ...]
+    shafts: list[int]
+    joints: list[int]
+    shown: tuple[int | list[int], int | list[int]]
+    places: Mapping[str, Place]
+    planes: int
+    scalar_outputs: bool
+
+
+def layout_of(
+    names: str | Iterable[str],
+    n: int,
+    shafts: Items,
+    joints: Items,
+    reduce: Reduction | None,
+) -> Layout:
+    """Return the layout of outputs of a driveline with ``n`` joints.
+
+    Args:
+        names: names of outputs.
+        n: number of joints.
+        shafts: shafts for the outputs per shaft; the last by default.
+        joints: joints for the outputs per joint; all by default.
+        reduce: what rows of samples are reduced to.
+
+    Raises:
+        IndexError: a shaft or joint that does not exist.
+        TypeError: names or indices of another type.
+        ValueError: an unknown or repeated name, an unknown reduction.
+    """
+    names = names if isinstance(names, str) else tuple(names)
+    # Only what compares equal if it is the same: 1.0 is no index.
+    plain = (shafts is None or type(shafts) is int) and (joints is None or type(joints) is int)
+    if plain and n <= _LONGEST:
+        try:
+            return _remembered(names, n, shafts, joints, reduce)
+        except TypeError:
+            pass  # What is wrong is said below: here it may be that a name has no hash.
+    return _layout(names, n, shafts, joints, reduce)
+
+
+def _layout(
+    names: str | tuple[str, ...],
+    n: int,
+    shafts: Items,
+    joints: Items,
+    reduce: Reduction | None,
+) -> Layout:
+    listed = tuple(map(str, outputs.checked(names)))
+    # The last shaft is asked for, not a list of one.
+    one_shaft = shafts is None or is_index(shafts)
+    one_joint = joints is not None and is_index(joints)
+    shaft_items = [n] if shafts is None else item_indices("shafts", shafts, n + 1)
+    joint_items = [*range(n)] if joints is None else item_indices("joints", joints, n)
+    checked_reduction(reduce)
+    places: dict[str, Place] = {}
+    first, alone = 0, True
+    for name in listed:
+        output = outputs.OUTPUTS[name]
+        per_shaft = output.per == "shaft"
+        vector = output.vector and reduce != "peak"
+        count = len(shaft_items if per_shaft else joint_items)
+        items = None if (one_shaft if per_shaft else one_joint) else count
+        places[name] = (first, items, vector)
+        first += 3 * count if vector else count
+        alone = alone and items is None and not vector
+    shown = (
+        shaft_items[0] if one_shaft else shaft_items,
+        joint_items[0] if one_joint else joint_items,
+    )
+    return Layout(listed, shaft_items, joint_items, shown, places, first, alone)
+
+
+_remembered = functools.lru_cache(maxsize=256)(_layout)
