@@ -28,9 +28,9 @@ class Batch:
         self = object.__new__(cls)
         self._geometry = own
         self._n_joints, self._shape = own.n_joints, own.shape
-        for array in own:
+        for array in own.arrays:
             array.flags.writeable = False
-        self._lines = _core.Lines(self._n_joints, self._shape, own.flat())
+        self._lines = _core.Lines(self._n_joints, self._shape, own.flat()[:5])
         return self
 
     @classmethod
@@ -108,7 +108,7 @@ class Batch:
         They are if they have the same number of joints and the same shape, and no angle, direction
         or normal differs by more than the tolerance. Twists count modulo 360°, phases modulo 180°,
         because a yoke looks the same after half a turn. Drivelines of equal angles that point in
-        different directions are not equal.
+        different directions are not equal. Lengths and bearings are not compared.
 
         Args:
             other: the driveline or batch to compare with.
@@ -122,7 +122,7 @@ class Batch:
         if (self.n_joints, self.shape) != (other.n_joints, other.shape):
             return False
         turns = (0.0, 2.0 * np.pi, np.pi, 0.0, 0.0)
-        for one, another, turn in zip(self._geometry, other._geometry, turns, strict=True):
+        for one, another, turn in zip(self._geometry[:5], other._geometry[:5], turns, strict=True):
             apart = one - another
             if turn:
                 apart -= turn * np.round(apart / turn)
@@ -131,8 +131,8 @@ class Batch:
         return True
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the five arrays."""
-        return (_unpickled, (type(self), *self._geometry))
+        """Pickle as the arrays, with the shafts of the bearings."""
+        return (_unpickled, (type(self), self._geometry.bearings, *self._geometry.arrays))
 
     def __copy__(self) -> Self:
         """Return the driveline itself: it never changes."""
@@ -215,6 +215,7 @@ class Batch:
         return self._geometry.normals
 
 
-def _unpickled(cls: type[Batch], *arrays: FloatArray) -> Batch:
+def _unpickled(cls: type[Batch], bearings: tuple[int, ...], *arrays: FloatArray) -> Batch:
     # What came in a message lies anywhere in it.
-    return cls._of(Geometry(*(np.require(a, requirements=["C", "A"]) for a in arrays)))
+    whole = (np.require(a, requirements=["C", "A"]) for a in arrays)
+    return cls._of(Geometry._make([*whole, bearings]))

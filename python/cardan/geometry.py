@@ -1,4 +1,4 @@
-"""The geometry of drivelines: five arrays, the ways to lay them out and to rearrange them."""
+"""The geometry of drivelines: their arrays, the ways to lay them out and to rearrange them."""
 
 from __future__ import annotations
 
@@ -23,6 +23,10 @@ class Geometry(NamedTuple):
         phases: ``(..., n - 1)``.
         directions: ``(..., n + 1, 3)``.
         normals: ``(..., n, 3)``.
+        lengths: length of each shaft, ``(..., n + 1)``; ``(..., 0)`` if unknown.
+        positions: position of each bearing along its shaft, in the unit of the lengths,
+            ``(..., m)``.
+        bearings: the shaft of each bearing, ``m`` in number.
     """
 
     bends: FloatArray
@@ -30,6 +34,9 @@ class Geometry(NamedTuple):
     phases: FloatArray
     directions: FloatArray
     normals: FloatArray
+    lengths: FloatArray
+    positions: FloatArray
+    bearings: tuple[int, ...] = ()
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -42,18 +49,30 @@ class Geometry(NamedTuple):
         n: int = self.bends.shape[-1]
         return n
 
+    @property
+    def arrays(self) -> tuple[FloatArray, ...]:
+        """The arrays, each with the axes of the batch first."""
+        return self[:-1]
+
     def flat(self) -> list[FloatArray]:
         """Return each array as one run of elements, which the native module takes."""
-        return [array.reshape(-1) for array in self]
+        return [array.reshape(-1) for array in self.arrays]
+
+    def each(self, change: Callable[[FloatArray], FloatArray]) -> Geometry:
+        """Return the geometry with every array changed."""
+        return Geometry._make([*map(change, self.arrays), self.bearings])
+
+    def batched(self, shape: tuple[int, ...]) -> Geometry:
+        """Broadcast to a batch of that shape."""
+        batch = len(self.shape)
+        return self.each(lambda array: _spread(array, shape, array.ndim - batch))
 
     def with_phases(self, phases: ArrayLike, degrees: bool) -> Geometry:
         """Set the yokes as ``Driveline.with_phases`` does."""
         # A copy, since it may be the caller's own array.
         new = np.array(_per_shaft("phases", phases, self.n_joints, degrees))
         shape = common_shape(driveline=self.shape, phases=new.shape[:-1])
-        batch = len(self.shape)
-        spread = Geometry(*(_spread(array, shape, array.ndim - batch) for array in self))
-        return spread._replace(phases=_spread(new, shape, 1))
+        return self.batched(shape)._replace(phases=_spread(new, shape, 1))
 
     def reversed(self) -> Geometry:
         """Turn round as ``Driveline.reversed`` does."""
@@ -63,6 +82,9 @@ class Geometry(NamedTuple):
             np.array(self.phases[..., ::-1]),
             -self.directions[..., ::-1, :],
             -self.normals[..., ::-1, :],
+            np.array(self.lengths[..., ::-1]),
+            self.lengths[..., list(self.bearings)] - self.positions,
+            tuple(self.n_joints - shaft for shaft in self.bearings),
         )
 
     def taken(self, index: Any) -> Geometry:  # noqa: ANN401 - whatever NumPy takes
@@ -71,8 +93,9 @@ class Geometry(NamedTuple):
             raise TypeError("a single driveline has no batch to index")
         size, batch = math.prod(self.shape), len(self.shape)
         places = np.arange(size).reshape(self.shape)[index]
-        rows = (array.reshape(size, *array.shape[batch:]) for array in self)
-        return Geometry(*(array.take(places, axis=0) for array in rows))
+        return self.each(
+            lambda array: array.reshape(size, *array.shape[batch:]).take(places, axis=0)
+        )
 
     def reshaped(self, shape: tuple[int, ...]) -> Geometry:
         """Give the batch another shape as ``Driveline.reshape`` does."""
@@ -84,7 +107,7 @@ class Geometry(NamedTuple):
             raise ArgumentValueError(
                 "shape", f"is {shape}, which has no room for just {size} drivelines"
             ) from None
-        return Geometry(*(np.array(a).reshape(*full, *a.shape[batch:]) for a in self))
+        return self.each(lambda array: np.array(array).reshape(*full, *array.shape[batch:]))
 
 
 def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
@@ -103,7 +126,19 @@ def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
                 f"they may differ along axis {axis} only",
                 (i,),
             )
-    return Geometry(*(np.concatenate(arrays, axis=axis) for arrays in zip(*parts, strict=True)))
+        if parts[i].bearings != parts[0].bearings:
+            raise ArgumentValueError(
+                "lines",
+                f"has bearings on shafts {parts[i].bearings} and lines[0] on {parts[0].bearings}; "
+                "they must be the same",
+                (i,),
+            )
+    if not all(part.lengths.shape[-1] for part in parts):
+        # Lengths that some lack are of no use to all.
+        parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
+    every = zip(*(part.arrays for part in parts), strict=True)
+    joined = (np.concatenate(arrays, axis=axis) for arrays in every)
+    return Geometry._make([*joined, parts[0].bearings])
 
 
 def from_bends(bends: ArrayLike, twists: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:
@@ -132,7 +167,8 @@ def from_points(points: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry
     array = _vectors("points", points, 3)
     n = array.shape[-2] - 2
     turned = _per_shaft("phases", phases, n, degrees)
-    return _laid_out(_core.from_points, n, vectors=(array, 2), phases=(turned, 1))
+    made = _laid_out(_core.from_points, n, vectors=(array, 2), phases=(turned, 1))
+    return made._replace(lengths=_spread(_lengths(array), made.shape, 1))
 
 
 def from_slopes(
@@ -171,7 +207,18 @@ def _laid_out(
         np.array(spread[-1]),
         directions.reshape(*shape, n + 1, 3),
         normals.reshape(*shape, n, 3),
+        np.empty((*shape, 0)),
+        np.empty((*shape, 0)),
     )
+
+
+def _lengths(points: FloatArray) -> FloatArray:
+    """The distances between successive points, without overflow of their squares."""
+    spans = np.diff(points, axis=-2)
+    largest = np.abs(spans).max(axis=-1, keepdims=True)
+    spans /= largest
+    lengths: FloatArray = largest[..., 0] * np.sqrt(np.einsum("...i,...i->...", spans, spans))
+    return lengths
 
 
 def _spread(array: FloatArray, shape: tuple[int, ...], own: int) -> FloatArray:

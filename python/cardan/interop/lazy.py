@@ -158,8 +158,9 @@ def evaluate(
     line = cast(Driveline, plan.request.line)
     if not line.shape:
         return _evaluated(plan, None, (), (), angle, out)
-    parts = [_Part(array, array.ndim - len(line.shape)) for array in line._geometry]
-    return _evaluated(plan, functools.partial(_copied, type(line)), parts, line.shape, angle, out)
+    parts = [_Part(array, array.ndim - len(line.shape)) for array in line._geometry.arrays]
+    make = functools.partial(_copied, type(line), line._geometry.bearings)
+    return _evaluated(plan, make, parts, line.shape, angle, out)
 
 
 def _evaluated(
@@ -302,9 +303,9 @@ def _made(
     return line
 
 
-def _copied(cls: type[Driveline], *arrays: NDArray[Any]) -> Driveline:
+def _copied(cls: type[Driveline], bearings: tuple[int, ...], *arrays: NDArray[Any]) -> Driveline:
     # A driveline makes its arrays read-only, and these may be dask's.
-    return cls._of(Geometry(*map(np.array, arrays)))
+    return cls._of(Geometry._make([*map(np.array, arrays), bearings]))
 
 
 def _load_parts(load: Load) -> dict[str, _Part]:
