@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, approximations, geometry, threads
 from cardan.arrays import FloatArray, deferring
-from cardan.batch import Batch
+from cardan.bearings import Mounted
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
 from cardan.equivalent import (
@@ -29,7 +29,7 @@ from cardan.result import Result
 from cardan.sweep import Sweep
 
 
-class Driveline(Batch):
+class Driveline(Mounted):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or

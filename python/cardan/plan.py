@@ -119,10 +119,14 @@ class Plan:
         first, alone = 0, True
         for name in names:
             output = outputs.OUTPUTS[name]
-            per_shaft = output.per == "shaft"
             vector = output.vector and reduce != "peak"
-            count = len(shaft_items if per_shaft else joint_items)
-            items = None if (one_shaft if per_shaft else one_joint) else count
+            if output.per == "bearing":
+                count, one = line.n_bearings, False
+            elif output.per == "shaft":
+                count, one = len(shaft_items), one_shaft
+            else:
+                count, one = len(joint_items), one_joint
+            items = None if one else count
             self.places[name] = (first, items, vector)
             first += 3 * count if vector else count
             alone = alone and items is None and not vector
