@@ -154,6 +154,20 @@ def test_pieces() -> None:
     )
 
 
+def test_drivelines_that_are_computed_later() -> None:
+    dask = pytest.importorskip("dask.array")
+    points = POINTS * np.array([1.0, 1.1, 1.2])[:, None, None]
+    lazy = Driveline.from_points(dask.from_array(points[:, None], chunks=(2, -1, -1, -1)))
+    got = lazy.with_bearings(BEARINGS).evaluate(ANGLE, NAMES, load=LOAD).compute()
+    want = BATCH[:, None].evaluate(ANGLE, NAMES, load=LOAD)
+    for name in NAMES:
+        np.testing.assert_array_equal(got[name], want[name])
+    with pytest.raises(ValueError, match="must have the same places on all drivelines"):
+        lazy.with_bearings([(0, [0.1, 0.2, 0.1])])
+    with pytest.raises(ValueError, match=r"is 1.3 on shaft 1 of length 1.2"):
+        lazy.with_bearings([(1, 1.3)]).compute()
+
+
 def test_the_plan_says_what_it_does() -> None:
     text = LINE.plan(NAMES, load=LOAD).explain()
     for line in (

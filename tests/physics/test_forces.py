@@ -167,6 +167,17 @@ def exact(
     return {"bearing_force": both[: len(bearings)], "joint_force": both[len(bearings) :]}
 
 
+def shortest_span(line: Driveline, bearings: Sequence[Bearing], way: Way) -> float:
+    """Return the smallest distance between the two supports of a shaft."""
+    places: list[list[float]] = [[] for _ in range(line.n_joints + 1)]
+    for shaft, position in bearings:
+        places[shaft].append(position)
+    for joint, held in enumerate(way):
+        if held is not None:
+            places[held].append(line._geometry.lengths[held] if held == joint else 0.0)
+    return min(abs(b - a) for a, b in (pair for pair in places if len(pair) == 2))
+
+
 def errors(
     line: Driveline,
     bearings: Sequence[Bearing],
@@ -177,12 +188,12 @@ def errors(
 ) -> dict[str, float]:
     """Return the largest errors, of a vector in ulp of its largest component.
 
-    With the default the unit is the ulp of the largest force of the bearings and joints, whose
-    terms may cancel in another.
+    With the default the terms of a force may cancel: the unit is the ulp of the largest moment of
+    the joints over the smallest distance between the supports of a shaft.
     """
     names = ("joint_force", "bearing_force") if bearings else ("joint_force",)
     got = line.evaluate(angles, names, load=Load(**load), tolerance=tolerance)
-    frames = Frames.of(line)
+    frames, span = Frames.of(line), mp.mpf(shortest_span(line, bearings, way))
     worst = dict.fromkeys(names, 0.0)
     for sample, angle in enumerate(angles):
         loads = Loads.of(frames, Turn.by(angle), **load)
@@ -191,9 +202,7 @@ def errors(
             name: [Exact.of(x if abs(x) > 1e-40 else mp.mpf(0) for x in v) for v in wanted[name]]
             for name in names
         }
-        largest = max(
-            unit for of in vectors.values() for v in of for unit in v.ulp[[np.abs(v.high).argmax()]]
-        )
+        largest = Exact.of([max(abs(x) for moment in loads.moment for x in moment) / span]).ulp[0]
         for name in names:
             for found, v in zip(got[name][:, sample], vectors[name], strict=True):
                 unit = v.ulp[np.abs(v.high).argmax()] if tolerance == 0 else largest

@@ -46,8 +46,8 @@ impl Statics {
         let floats = |shaft: usize| shaft > 0 && shaft < joints && own[shaft].is_empty();
         let shafts = vec![Carried::ByMachine; joints + 1];
         let mut statics = Self { shafts, supported: vec![None; joints] };
-        for shaft in 0..=joints {
-            match own[shaft][..] {
+        for (shaft, own) in own.iter().enumerate() {
+            match own[..] {
                 [] if floats(shaft) => {
                     statics.shafts[shaft] =
                         Carried::By([Carrier::UpstreamJoint, Carrier::DownstreamJoint]);
@@ -61,7 +61,7 @@ impl Statics {
                 [..] => {
                     statics.shafts[shaft] = Carried::Unknown(format!(
                         "shaft {shaft} has {} bearings; forces are determinate with two",
-                        own[shaft].len()
+                        own.len()
                     ));
                 }
             }

@@ -25,6 +25,8 @@ pub(crate) struct ForceStep {
     terms: usize,
     /// In an order in which each needs only earlier ones.
     pub(crate) balances: Vec<Balance>,
+    /// The index of each shaft's balance, if it is planned.
+    balance_of: Vec<Option<usize>>,
     pub(crate) targets: Vec<Target>,
 }
 
@@ -76,7 +78,15 @@ impl ForceStep {
     /// Without any force, for drivelines with `joints` joints and with bearings on these shafts.
     pub(crate) fn new(joints: usize, bearings: &[usize]) -> Self {
         let statics = Statics::new(joints, bearings);
-        Self { statics, bearings: bearings.len(), terms: 0, balances: vec![], targets: vec![] }
+        let balance_of = vec![None; joints + 1];
+        Self {
+            statics,
+            bearings: bearings.len(),
+            terms: 0,
+            balances: vec![],
+            balance_of,
+            targets: vec![],
+        }
     }
 
     /// Adds the force that a joint exerts on its driven shaft.
@@ -153,17 +163,16 @@ impl ForceStep {
 
     /// The force of one of a shaft's supports on it.
     fn of_carrier(&mut self, shaft: usize, carrier: Carrier) -> Determinate<ForceOf> {
-        let balance = match self.balances.iter().position(|balance| balance.shaft == shaft) {
-            Some(known) => known,
-            None => {
-                // Each of these needs only those before it.
-                for other in self.neighbours(shaft) {
-                    if self.balances.iter().all(|balance| balance.shaft != other) {
-                        self.plan_balance(other)?;
-                    }
+        let balance = if let Some(known) = self.balance_of[shaft] {
+            known
+        } else {
+            // Each of these needs only those before it.
+            for other in self.neighbours(shaft) {
+                if self.balance_of[other].is_none() {
+                    self.plan_balance(other)?;
                 }
-                self.plan_balance(shaft)?
             }
+            self.plan_balance(shaft)?
         };
         let carriers = &self.balances[balance].carriers;
         match carriers.iter().position(|&other| other == carrier) {
@@ -225,7 +234,9 @@ impl ForceStep {
         let index = |(joint, part): (usize, usize)| (joint - joints.start) * PARTS + part;
         let terms = parts.into_iter().map(index).collect();
         self.balances.push(Balance { shaft, carriers, loads, joints, terms });
-        Ok(self.balances.len() - 1)
+        let balance = self.balances.len() - 1;
+        self.balance_of[shaft] = Some(balance);
+        Ok(balance)
     }
 }
 

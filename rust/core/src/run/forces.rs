@@ -224,14 +224,14 @@ impl<T: Real> Terms<'_, T> {
                 for (factor, &term) in factors.iter_mut().zip(self.group) {
                     *factor = self.coefficients[term][index][self.axis];
                 }
-                sum(columns, Shared(factors), previous, size, out);
+                sum(columns, &Shared(factors), previous, size, out);
             }
             GeometryIndex::PerSample => {
                 let mut factors: [&[[T; 3]]; N] = [&[]; N];
                 for (factor, &term) in factors.iter_mut().zip(self.group) {
                     *factor = &self.coefficients[term][..size];
                 }
-                sum(columns, PerSample(factors, self.axis), previous, size, out);
+                sum(columns, &PerSample(factors, self.axis), previous, size, out);
             }
         }
     }
@@ -267,7 +267,7 @@ impl<T: Real, const N: usize> Factors<T, N> for PerSample<'_, T, N> {
 #[inline(always)]
 fn sum<T: Real, const N: usize>(
     columns: [View<'_, T>; N],
-    factors: impl Factors<T, N>,
+    factors: &impl Factors<T, N>,
     previous: Option<View<'_, T>>,
     size: usize,
     out: impl Sink<T>,
