@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, Self, TypeAlias
+from typing import Any, Self, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,9 @@ from cardan.request import item_index
 
 Bearings: TypeAlias = Iterable[tuple[int, ArrayLike]]
 """Pairs of a shaft and the position of a bearing on it."""
+
+
+_Line = TypeVar("_Line", bound="Mounted")
 
 
 class Mounted(Batch):
@@ -61,6 +64,18 @@ class Mounted(Batch):
         """Shaft and position of each bearing; positions have the shape of the batch."""
         positions = np.moveaxis(self._geometry.positions, -1, 0)
         return tuple(zip(self._geometry.bearings, positions, strict=True))
+
+
+def in_metres(line: _Line, unit: float) -> _Line:
+    """Return the driveline with its lengths and positions in metres.
+
+    Args:
+        line: drivelines.
+        unit: the unit of their points, in metres.
+    """
+    own = line._geometry
+    lengths, positions = own.lengths * unit, own.positions * unit
+    return line._of(own._replace(lengths=lengths, positions=positions))
 
 
 def _pairs(bearings: Bearings) -> Iterable[tuple[Any, ArrayLike]]:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load
+from cardan import Driveline, Load, Scene
 from cardan.figures.forces import force_figures
 
 LINE = Driveline.from_points(
@@ -42,3 +42,24 @@ def test_a_force_that_is_not_determinate() -> None:
         force_figures(LINE.with_bearings([*LINE.bearings, (3, 0.25)]), LOAD)
     rows = force_figures(LINE.with_bearings([*LINE.bearings, (3, 0.25)]), LOAD, ["joint_force"])
     assert len(rows) == 3
+
+
+def test_scenes_give_forces_in_newtons_whatever_the_unit_of_their_points() -> None:
+    points = [[0, 0, 0], [300, 0, 0], [1500, -60, 20], [1800, -20, 30]]
+    scene = """
+    [driveline]
+    {key} = {points}
+    [load]
+    output_torque_Nm = 100
+    [output]
+    quantities = ["joint_force"]
+    """
+    in_mm = Scene.parse(scene.format(key="points_mm", points=points))
+    in_m = Scene.parse(scene.format(key="points_m", points=(np.array(points) / 1e3).tolist()))
+    line = Driveline.from_points(np.array(points) / 1e3)
+    turn = in_m.drive_angle
+    want = line.evaluate(turn, "joint_force", load=Load(output_torque=100.0)).joint_force
+    size = np.abs(want).max()
+    for found in (in_mm, in_m):
+        np.testing.assert_allclose(found.run().values["joint_force"], want, atol=1e-12 * size)
+    assert 10.0 < size < 20.0

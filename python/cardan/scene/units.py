@@ -31,6 +31,7 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "rpm": Unit("rpm", "revolutions per minute"),
         "rad_s": Unit("rad/s", "rad/s"),
         "rad_s2": Unit("rad/s²", "rad/s²"),
+        "N": Unit("N", "newtons"),
         "Nm": Unit("N m", "N m"),
         "kgm2": Unit("kg m²", "kg m²"),
     }
