@@ -41,6 +41,7 @@ impl Case {
             joints: &[],
             load: None,
             inertias: &[],
+            bearings: None,
         };
         let plan = Plan::new(&request).expect("the request is valid");
         let turn = std::f64::consts::TAU / samples as f64;
@@ -65,6 +66,7 @@ impl Case {
                 phases: &self.line.phases,
                 directions: &self.directions,
                 normals: &self.normals,
+                ..Drivelines::default()
             },
             line_strides: &[0],
             angle: match self.sweep {

@@ -190,7 +190,12 @@ def native(given: Input) -> None:
             n = given.ConsumeIntInRange(1, 4)
             sizes = (n, n - 1, n - 1, 3 * (n + 1), 3 * n)
             five = [np.linspace(0.1, 1.0, size) for size in sizes]
-        lines = _core.Lines(n, [] if fitting else given.counts(), five)
+            bearings = [given.ConsumeIntInRange(0, n) for _ in range(given.ConsumeIntInRange(0, 4))]
+            more = [np.full(size, 0.5) for size in (n + 1, len(bearings))]
+        else:
+            more, bearings = [given.flat(), given.flat()], given.counts()
+        shape = [] if fitting else given.counts()
+        lines = _core.Lines(n, shape, [*five, *more], bearings)
         inertias = [(given.count(), given.flat())] if given.ConsumeBool() else []
         end = given.pick((None, "drive", "output", "?"))
         load = end and (end, given.flat(), given.flat(), np.array(1.0), inertias)

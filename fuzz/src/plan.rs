@@ -22,7 +22,9 @@ const MOST: usize = 2500;
 fn case(u: &mut Unstructured<'_>) -> Result<()> {
     let n = u.int_in_range(1..=JOINTS)?;
     let lines = u.int_in_range(1..=3)?;
-    let mut flat = [const { Vec::<f64>::new() }; 5];
+    let count = u.int_in_range(0..=4)?;
+    let bearings = (0..count).map(|_| u.int_in_range(0..=n)).collect::<Result<Vec<_>>>()?;
+    let mut flat = [const { Vec::<f64>::new() }; 7];
     for _ in 0..lines {
         let (bends, twists) = (several(u, n, bend)?, several(u, n - 1, number)?);
         let Ok(line) = Geometry::from_bends(&bends, &twists, &several(u, n - 1, number)?) else {
@@ -33,13 +35,16 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
         flat[2].extend(line.phases);
         flat[3].extend(line.directions.iter().flat_map(|v| v.iter()));
         flat[4].extend(line.normals.iter().flat_map(|v| v.iter()));
+        flat[5].extend(several(u, n + 1, number)?);
+        flat[6].extend(several(u, bearings.len(), number)?);
     }
     if u.ratio(1, 64)? {
-        let array = u.int_in_range(0..=4)?;
+        let array = u.int_in_range(0..=6)?;
         flat[array].pop();
     }
-    let [bends, twists, phases, directions, normals] = flat.each_ref().map(Vec::as_slice);
-    let lines = Drivelines { bends, twists, phases, directions, normals };
+    let [bends, twists, phases, directions, normals, lengths, positions] =
+        flat.each_ref().map(Vec::as_slice);
+    let lines = Drivelines { bends, twists, phases, directions, normals, lengths, positions };
 
     let outputs: Vec<Output> =
         Output::ALL.into_iter().filter(|_| u.arbitrary().unwrap_or(false)).collect();
@@ -55,6 +60,7 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
         joints: &joints,
         load,
         inertias: &inertias,
+        bearings: if u.arbitrary()? { Some(&bearings) } else { None },
     };
     let Ok(plan) = Plan::new(&request) else { return Ok(()) };
 

@@ -25,7 +25,7 @@ __all__ = [
 __version__: str
 
 def levels() -> list[str]: ...
-def outputs() -> list[tuple[str, Literal["shaft", "joint"], str, list[str], bool]]: ...
+def outputs() -> list[tuple[str, Literal["shaft", "joint", "bearing"], str, list[str], bool]]: ...
 def from_bends(
     joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat
 ) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...
@@ -50,7 +50,9 @@ class Sweep:
 
 @final
 class Lines:
-    def __new__(cls, joints: int, shape: Sequence[int], arrays: list[_Flat]) -> Lines: ...
+    def __new__(
+        cls, joints: int, shape: Sequence[int], arrays: list[_Flat], bearings: Sequence[int]
+    ) -> Lines: ...
 
 @final
 class Plan:

@@ -30,7 +30,7 @@ class Batch:
         self._n_joints, self._shape = own.n_joints, own.shape
         for array in own.arrays:
             array.flags.writeable = False
-        self._lines = _core.Lines(self._n_joints, self._shape, own.flat()[:5])
+        self._lines = _core.Lines(self._n_joints, self._shape, own.flat(), own.bearings)
         return self
 
     @classmethod

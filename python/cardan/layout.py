@@ -43,6 +43,7 @@ def layout_of(
     shafts: Items,
     joints: Items,
     reduce: Reduction | None,
+    bearings: int,
 ) -> Layout:
     """Return the layout of outputs of a driveline with ``n`` joints.
 
@@ -52,6 +53,7 @@ def layout_of(
         shafts: shafts for the outputs per shaft; the last by default.
         joints: joints for the outputs per joint; all by default.
         reduce: what rows of samples are reduced to.
+        bearings: number of bearings.
 
     Raises:
         IndexError: a shaft or joint that does not exist.
@@ -63,10 +65,10 @@ def layout_of(
     plain = (shafts is None or type(shafts) is int) and (joints is None or type(joints) is int)
     if plain and n <= _LONGEST:
         try:
-            return _remembered(names, n, shafts, joints, reduce)
+            return _remembered(names, n, shafts, joints, reduce, bearings)
         except TypeError:
             pass  # What is wrong is said below: here it may be that a name has no hash.
-    return _layout(names, n, shafts, joints, reduce)
+    return _layout(names, n, shafts, joints, reduce, bearings)
 
 
 def _layout(
@@ -75,6 +77,7 @@ def _layout(
     shafts: Items,
     joints: Items,
     reduce: Reduction | None,
+    bearings: int,
 ) -> Layout:
     listed = tuple(map(str, outputs.checked(names)))
     # The last shaft is asked for, not a list of one.
@@ -87,10 +90,14 @@ def _layout(
     first, alone = 0, True
     for name in listed:
         output = outputs.OUTPUTS[name]
-        per_shaft = output.per == "shaft"
         vector = output.vector and reduce != "peak"
-        count = len(shaft_items if per_shaft else joint_items)
-        items = None if (one_shaft if per_shaft else one_joint) else count
+        if output.per == "bearing":
+            count, one = bearings, False
+        elif output.per == "shaft":
+            count, one = len(shaft_items), one_shaft
+        else:
+            count, one = len(joint_items), one_joint
+        items = None if one else count
         places[name] = (first, items, vector)
         first += 3 * count if vector else count
         alone = alone and items is None and not vector

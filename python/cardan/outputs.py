@@ -17,7 +17,7 @@ class Output:
 
     Attributes:
         name: the name by which to request it.
-        per: ``"shaft"`` or ``"joint"``.
+        per: ``"shaft"``, ``"joint"`` or ``"bearing"``.
         unit: SI unit; ``"1"`` for a ratio.
         meaning: one line.
         source: its equation, with where it comes from; ``a`` is the input angle of the joint,
@@ -27,7 +27,7 @@ class Output:
     """
 
     name: str
-    per: Literal["shaft", "joint"]
+    per: Literal["shaft", "joint", "bearing"]
     unit: str
     meaning: str
     source: str
@@ -122,6 +122,14 @@ _PROSE = {
     "bending_driven": (
         "magnitude of the bending moment in the driven shaft",
         "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)",
+    ),
+    "joint_force": (
+        "force vector that the joint exerts on its driven shaft, across the shaft that it supports",
+        "balance of that shaft; for a floating shaft of length L: (u x support moment) / L",
+    ),
+    "bearing_force": (
+        "force vector that the bearing exerts on its shaft, across the shaft",
+        "balance of the shaft: moments about its other support",
     ),
     "tilt_driving": (
         "signed tilt of the cross, driving shaft",

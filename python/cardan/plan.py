@@ -72,7 +72,7 @@ class Plan:
     ) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
         n, shape = line.n_joints, line.shape
-        layout = layout_of(names, n, shafts, joints, reduce)
+        layout = layout_of(names, n, shafts, joints, reduce, line.n_bearings)
         if load is not None and not isinstance(load, Load):
             raise ArgumentTypeError(
                 "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"

@@ -37,6 +37,10 @@ class Plannable(Protocol):
     def shape(self) -> tuple[int, ...]:
         """Shape of the batch."""
 
+    @property
+    def n_bearings(self) -> int:
+        """Number of bearings."""
+
 
 @dataclass(frozen=True, eq=False)
 class Request:

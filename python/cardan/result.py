@@ -125,6 +125,12 @@ class Result(Mapping[str, NDArray[Any]]):
     def _angle_unit(self) -> str:
         return "rad" if self._labels is None else self._labels[4]
 
+    @property
+    def _bearings(self) -> list[int]:
+        """The numbers of the bearings, which are evaluated all or not at all."""
+        of = (array for name, array in self.items() if OUTPUTS[name].per == "bearing")
+        return next((list(range(array.shape[0])) for array in of), [])
+
     def __iter__(self) -> Iterator[str]:
         """Iterate over the output names, in the order asked for."""
         return iter(self._names)

@@ -408,7 +408,9 @@ POINTS: list[list[float]] = [
     [3450, -196, 45],
 ]
 SHORT: list[list[float]] = [[0, 0, 0], [1, 0.1, 0], [1.1, 0, 0], [2.5, 0, 0.1], [2.7, 0, 0]]
-TRUCK = Driveline.from_points(POINTS, phases=[0.3, -0.7])
+TRUCK = Driveline.from_points(POINTS, phases=[0.3, -0.7]).with_bearings(
+    [(0, 100), (0, 300), (1, 1200), (3, 60), (3, 200)]
+)
 FLYWHEEL = Load(speed=100.0, inertias=[0.0, 0.1, 0.2, 0.3], output_torque=50.0)
 COMPENSATION = """\
 [driveline]
@@ -593,8 +595,9 @@ def test_more_curves_than_can_be_told_apart_are_refused() -> None:
 @pytest.mark.parametrize("name", OUTPUTS)
 def test_curves_of_every_output(name: str) -> None:
     output, angle = OUTPUTS[name], np.linspace(-1.0, 7.0, 50)
-    axes = plots.plot_curves(TRUCK, name, shaft=2, joint=1, load=FLYWHEEL, angle=angle)
+    axes = plots.plot_curves(TRUCK, name, shaft=2, joint=1, bearing=3, load=FLYWHEEL, angle=angle)
     want = TRUCK.evaluate(angle, name, shafts=2, joints=1, load=FLYWHEEL)[name]
+    want = want[3] if output.per == "bearing" else want
     if output.unit == "rad":
         want = np.degrees(want)
     rows = want.T if output.vector else [want]
@@ -604,7 +607,7 @@ def test_curves_of_every_output(name: str) -> None:
         np.testing.assert_array_equal(x, np.degrees(angle))
         np.testing.assert_array_equal(y, row)
     unit = {"rad": " [deg]", "1": ""}.get(output.unit, f" [{output.unit}]")
-    item = "shaft 2" if output.per == "shaft" else "joint 1"
+    item = {"shaft": "shaft 2", "joint": "joint 1", "bearing": "bearing 3"}[output.per]
     assert axes.get_ylabel() == f"{output.label}\n{item}{unit}"
 
 

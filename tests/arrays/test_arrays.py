@@ -24,7 +24,9 @@ from cardan import (
 )
 
 ONE = Driveline.from_bends([0.5])
-THREE = Driveline.from_bends([0.5, 0.4, 0.3], [0.1, 0.2], [0.3, 0.9])
+THREE = Driveline.from_bends([0.5, 0.4, 0.3], [0.1, 0.2], [0.3, 0.9]).with_bearings(
+    [(1, 0.7), (0, 0.1), (3, 0.2), (0, 0.2), (3, 0.3)], lengths=[0.3, 1.0, 1.2, 0.4]
+)
 GRID = np.linspace(-3.0, 9.0, 60)
 
 

@@ -447,7 +447,11 @@ def test_the_native_module_takes_nothing_on_trust(data: st.DataObject) -> None:
     if fitting:
         n = draw(st.integers(1, 3))
         first, second, third = np.full(n, 0.3), np.zeros(n - 1), np.zeros(n - 1)
-    rest = [np.full(3 * (n + 1), 0.5), np.full(3 * n, 0.5)] if fitting else [first, third]
+    rest, bearings = [first, third, draw(FLAT), draw(FLAT)], draw(INDICES)
+    if fitting:
+        bearings = draw(st.lists(st.integers(0, n), max_size=4))
+        sizes = (3 * (n + 1), 3 * n, n + 1, len(bearings))
+        rest = [np.full(size, 0.5) for size in sizes]
     for call in (
         lambda: _core.from_bends(n, shape, first, second, third),
         lambda: _core.from_directions(n, shape, first, second),
@@ -456,7 +460,7 @@ def test_the_native_module_takes_nothing_on_trust(data: st.DataObject) -> None:
         lambda: _core.optimal_phases(n, first, second, third, draw(st.sampled_from([None, 0, 1]))),
         lambda: _core.Sweep(draw(st.sampled_from([None, (0.0, 1.0)])), n, 7).fill(0, np.empty(5)),
         lambda: planned(
-            draw, _core.Lines(n, [] if fitting else shape, [first, second, third, *rest])
+            draw, _core.Lines(n, [] if fitting else shape, [first, second, third, *rest], bearings)
         ),
     ):
         with contextlib.suppress(ValueError, MemoryError):

@@ -11,7 +11,9 @@ import pytest
 import cardan
 from cardan import Driveline, Load, Result, Sweep
 
-ONE = Driveline.from_bends([20, 10], 30, 40, degrees=True)
+ONE = Driveline.from_bends([20, 10], 30, 40, degrees=True).with_bearings(
+    [(0, 0.1), (0, 0.2), (2, 0.3)], lengths=[0.3, 1.0, 0.4]
+)
 BATCH = Driveline.from_bends(np.arange(12.0).reshape(6, 2), degrees=True)
 TURN = np.linspace(0.0, 360.0, 25)
 LOAD = Load(drive_torque=100.0)

@@ -17,7 +17,9 @@ from cardan import OUTPUTS, Driveline, Load, Result, Sweep  # noqa: E402
 from cardan.scene import Scene  # noqa: E402
 
 ANGLE = np.linspace(-3.0, 9.0, 8)
-LINE = Driveline.from_bends([0.5, 0.4], 0.1, 0.3)
+LINE = Driveline.from_bends([0.5, 0.4], 0.1, 0.3).with_bearings(
+    [(2, 0.1), (0, 0.1), (0, 0.2), (2, 0.3)], lengths=[0.3, 1.0, 0.4]
+)
 BATCH = Driveline.from_bends(np.linspace(0.1, 0.6, 6).reshape(3, 2))
 LOAD = Load(drive_torque=2.0, speed=3.0, inertias=[0.0, 0.1, 0.2])
 
@@ -28,6 +30,7 @@ def test_a_dataset_of_everything() -> None:
     assert set(dataset.data_vars) == set(OUTPUTS)
     assert dataset.shaft.values.tolist() == [0, 2]
     assert dataset.joint.values.tolist() == [1, 0]
+    assert dataset.bearing.values.tolist() == [0, 1, 2, 3]
     assert dataset.component.values.tolist() == ["x", "y", "z"]
     assert np.array_equal(dataset.drive_angle, ANGLE)
     assert dataset.drive_angle.attrs["units"] == "rad"

@@ -17,6 +17,7 @@ fn plan(joints: usize, outputs: &[Output], shafts: &[usize]) -> Plan {
         joints: &[],
         load: None,
         inertias: &[],
+        bearings: None,
     })
     .unwrap()
 }
@@ -134,6 +135,7 @@ proptest! {
             joints: &[1],
             load: Some(End::Drive),
             inertias: &[1],
+            bearings: None,
         }).unwrap();
         let run = |shape: &[usize], line_strides: &[usize], angle: Source<'_>, torque: Source<'_>,
                    line: Option<usize>, level| {
@@ -151,6 +153,7 @@ proptest! {
                 lines: Drivelines {
                     bends: &bends, twists: &twists, phases: &phases,
                     directions: &directions, normals: &normals,
+                    ..Drivelines::default()
                 },
                 line_strides,
                 angle: Angles::Array(angle),
@@ -229,6 +232,8 @@ fn arrays_that_do_not_fit_are_refused() {
         phases: &[],
         directions: &directions,
         normals: &[0.0; 3],
+        lengths: &[],
+        positions: &[],
     };
     let run = |angle: &[f64], planes: &mut [&mut [f64]]| {
         let angle = Angles::Array(Source { data: angle, strides: &[1] });
@@ -247,6 +252,8 @@ const ONE_JOINT: Drivelines<'static> = Drivelines {
     phases: &[],
     directions: &[1.0; 6],
     normals: &[0.0; 3],
+    lengths: &[],
+    positions: &[],
 };
 
 #[test]
@@ -307,6 +314,8 @@ fn means_over_turns_count_every_turn() {
         phases: &[],
         directions: &[1.0; 6],
         normals: &[0.0; 3],
+        lengths: &[],
+        positions: &[],
     };
     for (turns, per_turn) in [(1, 720), (5, 721), (100, 720)] {
         let count = turns * per_turn;
@@ -328,6 +337,8 @@ fn a_sweep_of_one_sample_is_one_angle_for_all() {
         phases: &[],
         directions: &[1.0; 18],
         normals: &[0.0; 9],
+        lengths: &[],
+        positions: &[],
     };
     let plan = plan(1, &[Output::SpeedRatio], &[1]);
     let shapes: [(&[usize], &[usize]); 3] = [(&[3], &[1]), (&[3, 1], &[1, 0]), (&[1, 3], &[0, 1])];
@@ -375,6 +386,7 @@ fn elements_lie_as_far_apart_as_the_strides_say() {
                 phases: &[],
                 directions: &directions,
                 normals: &normals,
+                ..Drivelines::default()
             },
             line_strides: &strides,
             angle: Angles::Array(Source { data: &angle, strides: &strides }),
@@ -388,6 +400,7 @@ fn elements_lie_as_far_apart_as_the_strides_say() {
             joints: &[],
             load,
             inertias: &[],
+            bearings: None,
         })
         .unwrap();
         let mut plane = vec![0.0; 2 * LENGTH];

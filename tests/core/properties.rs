@@ -68,6 +68,7 @@ fn run(
         joints: &[0],
         load: Some(cardan::End::Drive),
         inertias: &[n - 1],
+        bearings: None,
     })
     .unwrap();
     let (directions, normals) = (flat(&line.directions), flat(&line.normals));
@@ -77,6 +78,7 @@ fn run(
         phases: &line.phases,
         directions: &directions,
         normals: &normals,
+        ..Drivelines::default()
     };
     let still = vec![0; shape.len()];
     let constant = |data| Source { data, strides: &still };

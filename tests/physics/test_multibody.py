@@ -17,8 +17,9 @@ rigid model does not have.
   the cross, so the cut pin gives up its three forces and keeps two moments across the pin. The
   joints then pass on pure couples and each bearing answers with a moment: cardan's support moment.
 * *Floating*: the shaft between two joints has no bearing. It hangs in the first cross, slides in
-  length, and the cut pin keeps all five constraints. Forces now pass through the centres, and
-  they have to be those of the same support moment over the length of the shaft.
+  length, and the cut pin keeps all five constraints. Forces now pass through the centres:
+  cardan's joint forces. The hinges of the outer shafts answer them, and have to give what two
+  bearings on each of these shafts give together.
 
 The loops are closed by the engine's Jacobians, mass matrix and forces of motion in one linear
 system, not by its own soft or proximal solver, and the moments are then read from what the engine's
@@ -351,6 +352,9 @@ def found(rig: Rig, load: Running) -> Found:
     drive = np.array([b.drive for b in loaded])
     torque = [drive] + [m @ u for m, u in zip(moment, axes[1:], strict=True)]
     support = [across(w, u) for w, u in zip(bearings[shafts, :, :3], axes, strict=True)]
+    # What holds the outer shafts at the centres of their joints: forces, and moments.
+    held = [bearings[shafts[i], :, part] for i in (0, -1) for part in (slice(3, 6), slice(3))]
+    outer = [axes[i] for i in (0, 0, -1, -1)]
     tilts = [rig.tilts(b) for b in unloaded]
     scale = float(np.max(np.abs(moment)))
     return Found(
@@ -365,7 +369,8 @@ def found(rig: Rig, load: Running) -> Found:
             "support_moment": np.array(support),
             "bending_driving": bending(axes[:-1]),
             "bending_driven": bending(axes[1:]),
-            "force": forces,
+            "joint_force": forces,
+            "held": np.array([across(w, u) for w, u in zip(held, outer, strict=True)]),
             "tilt_driving": np.array([first for first, _ in tilts]).T,
             "tilt_driven": np.array([second for _, second in tilts]).T,
         },
@@ -408,11 +413,18 @@ MOTION = ("angle", "speed_ratio", "acceleration_ratio", "tilt_driving", "tilt_dr
 MOMENTS = ("torque", "moment", "support_moment", "bending_driving", "bending_driven")
 
 
-def cardans(drawing: Drawing, load: Running) -> dict[str, Doubles]:
+BEARINGS = ((2, 0.9), (0, 0.1), (0, 0.7), (2, 0.2))
+"""Shaft, and position as a part of its length."""
+
+
+def cardans(drawing: Drawing, load: Running, floats: bool) -> dict[str, Doubles]:
     line = Driveline.from_points(drawing.points, phases=drawing.phases or 0.0)
+    lengths = [math.dist(*ends) for ends in itertools.pairwise(drawing.points)]
+    if floats:
+        line = line.with_bearings([(shaft, part * lengths[shaft]) for shaft, part in BEARINGS])
     result = line.evaluate(
         ANGLES,
-        (*MOTION, *MOMENTS),
+        (*MOTION, *MOMENTS, *(("joint_force", "bearing_force") if floats else ())),
         shafts=slice(None),
         load=Load(
             drive_torque=None if load.output else load.torque,
@@ -422,11 +434,24 @@ def cardans(drawing: Drawing, load: Running) -> dict[str, Doubles]:
             inertias=drawing.inertias[: line.n_joints + 1],
         ),
     )
-    return {name: np.array(result[name]) for name in result}
+    outputs = {name: np.array(result[name]) for name in result}
+    if floats:
+        given = outputs.pop("bearing_force")
+        held = []
+        for shaft, centre in ((0, lengths[0]), (2, 0.0)):
+            u = line.directions[shaft]
+            own = [
+                (p * lengths[s] - centre, given[i])
+                for i, (s, p) in enumerate(BEARINGS)
+                if s == shaft
+            ]
+            held += [sum(force for _, force in own), sum(arm * np.cross(u, f) for arm, f in own)]
+        outputs["held"] = np.array(held)
+    return outputs
 
 
 def differences(
-    want: dict[str, Doubles], got: dict[str, Doubles], drawing: Drawing, floats: bool
+    want: dict[str, Doubles], got: dict[str, Doubles], floats: bool
 ) -> dict[str, float]:
     """Return the largest difference of each output.
 
@@ -438,14 +463,11 @@ def differences(
         # Constant offsets are dropped from angles.
         outputs["angle"] = outputs["angle"] - outputs["angle"][:, :1]
     if floats:
-        # Without a bearing the joints push the shaft sideways, by theory's F = (S x u) / L.
-        length = math.dist(*drawing.points[1:3])
-        push = np.cross(got["support_moment"][1], drawing.axes[1]) / length
-        got["force"] = -np.array([push, push])
+        # The middle shaft has no bearing.
         for outputs in (want, got):
             outputs["support_moment"] = outputs["support_moment"][[0, 2]]
     else:
-        del want["force"]
+        del want["joint_force"], want["held"]
     largest = float(np.max(np.abs(want["moment"])))
     apart = {}
     for name, x in want.items():
@@ -466,7 +488,8 @@ def rig(engine: str, name: str, model: Callable[[Drawing], Model]) -> Rig:
 def compared(at: Rig, load: Running) -> tuple[dict[str, float], float]:
     """Return the differences of one case, and what the engine's own error explains of them."""
     want = found(at, load)
-    apart = differences(want.outputs, cardans(at.drawing, load), at.drawing, at.model.forces)
+    floats = at.model.forces
+    apart = differences(want.outputs, cardans(at.drawing, load, floats), floats)
     # Rounding of cardan's, of the closing, of the motion and of the balance.
     return apart, 4 * want.error
 
@@ -487,13 +510,13 @@ def test_engines_agree(
 def test_a_mirrored_result_is_noticed(engine: str, output: str) -> None:
     # Thoma's axes turned the other way round, for the first joint: the sign trap of his (6), (7).
     at, load = rig(engine, "string", in_bearings), LOADS["running"]
-    got = cardans(at.drawing, load)
+    got = cardans(at.drawing, load, floats=False)
     if output in MOTION:
         got[output][0] *= -1
     else:
         m = at.drawing.normals[0]
         got[output][0] -= 2 * (got[output][0] @ m)[:, np.newaxis] * m
-    apart = differences(found(at, load).outputs, got, at.drawing, at.model.forces)
+    apart = differences(found(at, load).outputs, got, floats=False)
     assert [name for name, value in apart.items() if value > 1e-3] == [output]
 
 

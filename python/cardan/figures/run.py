@@ -57,11 +57,11 @@ _NUMBER = {"type": ["number", "null"], "description": "null if it is not finite"
 _COUNT = {"type": "integer", "minimum": 0}
 _VALUE = {
     f"value{ending}": _NUMBER
-    for ending in ("", "_deg", "_rad", "_rpm", "_rad_s2", "_Nm", "_m", "_mm")
+    for ending in ("", "_deg", "_rad", "_rpm", "_rad_s2", "_Nm", "_N", "_m", "_mm")
 }
 _OF_DRIVELINE = ("bend", "twist", "phase", "equivalent_bend", "non_uniformity")
 _OF_DRIVE = ("speed", "acceleration_at_steady_drive")
-_ITEM = {"shaft": _COUNT, "joint": _COUNT}
+_ITEM = {"shaft": _COUNT, "joint": _COUNT, "bearing": _COUNT}
 _SIGNAL = record(
     {
         "signal": {"enum": list(get_args(Measured))},

@@ -46,7 +46,7 @@ class Row:
     """
 
     quantity: str
-    per: Literal["shaft", "joint"]
+    per: Literal["shaft", "joint", "bearing"]
     item: int
     statistic: Statistic
     value: float
@@ -155,7 +155,7 @@ def _equivalent(scene: Scene) -> Iterator[Row]:
 
 
 def _extent(
-    name: str, per: Literal["shaft", "joint"], item: int, values: FloatArray, unit: str
+    name: str, per: Literal["shaft", "joint", "bearing"], item: int, values: FloatArray, unit: str
 ) -> Iterator[Row]:
     """The value, or the ends of what was recorded."""
     if not np.ndim(values):

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -61,17 +62,29 @@ def peak(line: Driveline, name: str, item: int, load: Load | None = None) -> Pea
     Args:
         line: one driveline.
         name: an output that repeats, which ``angle`` does not.
-        item: shaft or joint.
+        item: shaft, joint or bearing.
         load: a constant load, if the output needs one.
     """
     output = OUTPUTS[name]
-    which: dict[str, Any] = {f"{output.per}s": item}
 
     def sizes(angles: FloatArray) -> FloatArray:
-        return magnitudes(output, line.evaluate(angles, name, load=load, **which)[name])
+        return magnitudes(output, values_of(line, name, item, angles, load))
 
     angles = _half_turn(line)
     return _largest(sizes, angles, sizes(angles))
+
+
+def values_of(
+    line: Driveline, name: str, item: int, angles: ArrayLike, load: Load | None
+) -> FloatArray:
+    """Return the values of an output of one shaft, joint or bearing."""
+    per = OUTPUTS[name].per
+    if per == "bearing":
+        values: FloatArray = line.evaluate(angles, name, load=load)[name][item]
+    else:
+        which: dict[str, Any] = {f"{per}s": item}
+        values = line.evaluate(angles, name, load=load, **which)[name]
+    return values
 
 
 def magnitudes(output: Output, values: FloatArray) -> FloatArray:

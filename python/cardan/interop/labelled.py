@@ -162,7 +162,7 @@ class _Samples(NamedTuple):
         elif reduce is not None:
             reductions = reduce
             dims, shape = ("reduction", *dims), (len(reduce), *shape)
-        items = {"shaft": shafts, "joint": joints}
+        items = {"shaft": shafts, "joint": joints, "bearing": result._bearings}
         return cls(items, reductions, dims, shape, angle_dims, angle, methods)
 
 
@@ -249,7 +249,7 @@ def _spread(values: NDArray[Any], dims: tuple[str, ...], samples: _Samples) -> N
 def _parts(
     output: Output, array: NDArray[Any], samples: _Samples
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Each shaft or joint and component of an output under a name of its own."""
+    """Each shaft, joint or bearing and component of an output under a name of its own."""
     items = samples.items[output.per]
     named = {output.name: array}
     if not isinstance(items, int):

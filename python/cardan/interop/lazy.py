@@ -12,10 +12,11 @@ from dataclasses import fields, replace
 from typing import Any, NamedTuple, cast
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import array_namespace_of, as_float64, common_shape, import_optional
 from cardan.arrays.planes import components_first, view
+from cardan.bearings import Bearings
 from cardan.degrees import PlanInDegrees
 from cardan.driveline import Driveline
 from cardan.driven_angle import planned
@@ -91,6 +92,25 @@ class LazyDriveline:
             return evaluated(angle, out)
         bare = angle.data if array_namespace_of(angle) == "xarray" else angle
         return PlanInDegrees(evaluated)(bare, out)
+
+    def with_bearings(self, bearings: Bearings, lengths: ArrayLike | None = None) -> LazyDriveline:
+        """Return the drivelines with bearings, as ``Driveline.with_bearings`` does.
+
+        Args:
+            bearings: pairs of a shaft and one position for all drivelines.
+            lengths: length of each shaft, ``(n + 1,)``, the same for all drivelines.
+
+        Raises:
+            IndexError, TypeError, ValueError: as there, for what is known before computing.
+        """
+        pairs = list(bearings)
+        # Lengths that are computed later are checked then.
+        known = np.full(self.n_joints + 1, np.finfo(float).max) if lengths is None else lengths
+        stand_in = self._stand_in.with_bearings(pairs, known)
+        if stand_in.shape:
+            raise ArgumentValueError("bearings", "must have the same places on all drivelines")
+        make = functools.partial(_with_bearings, self._make, pairs, lengths)
+        return LazyDriveline(make, self._parts, stand_in)
 
     def equivalent(self, shaft: int = -1) -> EquivalentJoint:
         """Return the equivalent joints as ``Driveline.equivalent`` does, as dask arrays.
@@ -302,6 +322,15 @@ def _made(
     given = dict(zip(names, arrays, strict=True))
     line: Driveline = getattr(cls, constructor)(**given, **options)
     return line
+
+
+def _with_bearings(
+    make: Callable[..., Driveline],
+    bearings: Bearings,
+    lengths: ArrayLike | None,
+    *arrays: NDArray[Any],
+) -> Driveline:
+    return make(*arrays).with_bearings(bearings, lengths)
 
 
 def _copied(cls: type[Driveline], bearings: tuple[int, ...], *arrays: NDArray[Any]) -> Driveline:

@@ -28,6 +28,7 @@ def plot_curves(
     *,
     shaft: int = -1,
     joint: int = 0,
+    bearing: int = 0,
     load: Load | None = None,
     angle: ArrayLike | Sweep | None = None,
     labels: Sequence[str] | None = None,
@@ -43,6 +44,7 @@ def plot_curves(
         output: name from ``cardan.OUTPUTS``.
         shaft: of which shaft, if it is a quantity of shafts.
         joint: of which joint, if it is a quantity of joints.
+        bearing: of which bearing, if it is a quantity of bearings.
         load: the load, for the outputs that need one.
         angle: drive angles in rad, ``(samples,)``, or a ``Sweep``; by default a turn in
             steps of half a degree.
@@ -54,7 +56,7 @@ def plot_curves(
 
     Raises:
         ImportError: matplotlib is missing.
-        IndexError: a shaft or joint that does not exist.
+        IndexError: a shaft, joint or bearing that does not exist.
         ValueError: an unknown output, a load that is missing, a batch of more dimensions or of
             vectors, labels that do not fit, more curves than can be told apart.
     """
@@ -68,12 +70,15 @@ def plot_curves(
     turn = turn if isinstance(turn, Sweep) else as_float64("angle", turn)
     if len(turn.shape) != 1:
         raise ArgumentValueError("angle", f"has shape {turn.shape}; a curve needs (samples,)")
-    of_shaft = what.per == "shaft"
-    item = item_index(
-        what.per, shaft if of_shaft else joint, line.n_joints + 1 if of_shaft else line.n_joints
-    )
+    asked, count = {
+        "shaft": (shaft, line.n_joints + 1),
+        "joint": (joint, line.n_joints),
+        "bearing": (bearing, line.n_bearings),
+    }[what.per]
     batch = line[:, np.newaxis] if line.shape else line
     found = batch.evaluate(turn, (output,), shafts=shaft, joints=joint, load=load)[output]
+    item = item_index(what.per, asked, count)
+    found = found[item] if what.per == "bearing" else found
     values, unit = panel.in_unit(what, found)
     rows = values.T if what.vector else np.atleast_2d(values)
     names = panel.names(line, labels, "xyz" if what.vector else None)

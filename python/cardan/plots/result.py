@@ -71,7 +71,7 @@ def _curves(result: Result, output: Output, samples: int) -> tuple[list[str], ND
     """Labels and values of the curves of one output, ``(curves, samples)``."""
     assert result._labels is not None
     shafts, joints, *_ = result._labels
-    items = shafts if output.per == "shaft" else joints
+    items = {"shaft": shafts, "joint": joints, "bearing": result._bearings}[output.per]
     array = np.asarray(result[output.name])
     parts = [f"{output.per} {item}" for item in np.atleast_1d(items)]
     components = ["x", "y", "z"] if output.vector else [""]

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from numpy.typing import ArrayLike
+
 import cardan.scene.values as kinds
+from cardan.bearings import in_metres
 from cardan.driveline import Driveline
 from cardan.files import columns, pictures, recording
 from cardan.limits import OWN, PRESETS
@@ -73,10 +76,18 @@ DRIVE_ANGLES = ("sweep", "angles")
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
+
+def _from_points_in_mm(
+    points: ArrayLike, phases: ArrayLike = 0.0, *, degrees: bool = False
+) -> Driveline:
+    """A driveline from points in mm; its lengths are in metres, so that forces are in newtons."""
+    return in_metres(Driveline.from_points(points, phases, degrees=degrees), 1e-3)
+
+
 FORMS = (
     Form(Driveline.from_bends, (_BENDS,), (_TWISTS, _PHASES), 0),
     Form(Driveline.from_points, ("points_m",), (_PHASES,), 2),
-    Form(Driveline.from_points, ("points_mm",), (_PHASES,), 2),
+    Form(_from_points_in_mm, ("points_mm",), (_PHASES,), 2),
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
     Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
     Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),

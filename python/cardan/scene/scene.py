@@ -418,6 +418,7 @@ class SceneResult:
         items = {
             "shaft": (joints,) if shafts is None else shafts,
             "joint": range(joints) if self.scene.joints is None else self.scene.joints,
+            "bearing": range(self.scene.line.n_bearings),
         }
         for name, values in self.values.items():
             output = OUTPUTS[name]

@@ -51,7 +51,7 @@ class Column:
     name: str
     unit: str
     quantity: str
-    per: Literal["shaft", "joint"]
+    per: Literal["shaft", "joint", "bearing"]
     item: int
     statistic: str
     component: str = ""
@@ -166,7 +166,7 @@ class Study:
     @property
     def planes(self) -> int:
         """Numbers that the quantities take for one drive angle of one driveline."""
-        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints)}
+        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints), "bearing": 0}
         outputs = (OUTPUTS[name] for name in self.quantities)
         return sum(items[output.per] * output.components for output in outputs)
 
@@ -296,7 +296,7 @@ class Study:
                 yield column, own[:, 0]
         if not self.quantities:
             return
-        items = {"shaft": shafts, "joint": list(self.joints)}
+        items = {"shaft": shafts, "joint": list(self.joints), "bearing": []}
         found = reduced(
             line,
             self.angle,

@@ -171,6 +171,15 @@ impl<'a, W: Word> Plane<'a, W> {
         self.words
     }
 
+    /// Writes one word, after all stores of strips.
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, word: W) {
+        if self.past_caches {
+            complete();
+        }
+        self.words[i] = word;
+    }
+
     /// Writes strips from word `first` on; their words must fill whole cache lines.
     #[inline(always)]
     pub fn put(&mut self, stores: Stores, first: usize, strips: &[W]) {

@@ -7,12 +7,12 @@ use pyo3::prelude::*;
 use crate::convert::{argument_error, check_length, count, slice};
 use crate::watch::check_memory;
 
-/// Bends, twists, phases, directions and normals.
+/// Bends, twists, phases, directions, normals, lengths of shafts and positions of bearings.
 enum Arrays {
     /// The values of one driveline, copied.
-    One([Vec<f64>; 5]),
+    One([Vec<f64>; 7]),
     /// The arrays of a batch, which never change.
-    Batch([Py<PyArray1<f64>>; 5]),
+    Batch([Py<PyArray1<f64>>; 7]),
 }
 
 /// A driveline or a batch of drivelines.
@@ -21,18 +21,22 @@ pub(crate) struct Lines {
     arrays: Arrays,
     shape: Vec<usize>,
     largest_bends: Vec<f64>,
+    /// The shaft of each bearing, if the lengths of the shafts are known.
+    bearings: Option<Vec<usize>>,
 }
 
 #[pymethods]
 impl Lines {
     /// Drivelines with `joints` joints, one or a batch of the given shape, from flat arrays. A
-    /// batch keeps references to its arrays.
+    /// batch keeps references to its arrays. Each bearing is on one of the shafts; lengths may be
+    /// empty if there are no bearings.
     #[new]
     fn new(
         py: Python<'_>,
         joints: usize,
         shape: Vec<usize>,
-        arrays: [Bound<'_, PyArray1<f64>>; 5],
+        arrays: [Bound<'_, PyArray1<f64>>; 7],
+        bearings: Vec<usize>,
     ) -> PyResult<Self> {
         if joints == 0 {
             return Err(argument_error("joints", &[], "is 0; a driveline has at least one"));
@@ -41,25 +45,42 @@ impl Lines {
         check_memory(joints.saturating_mul(96))?;
         let count = count(&shape)?;
         let batch = Arrays::Batch(arrays.map(Bound::unbind));
-        let batch = Self { arrays: batch, shape, largest_bends: vec![] };
-        let (one, largest_bends) = batch.with(py, |lines| {
+        let batch = Self { arrays: batch, shape, largest_bends: vec![], bearings: None };
+        let (one, largest_bends, known) = batch.with(py, |lines| {
             check_length("bends", lines.bends.len(), count, joints)?;
             check_length("twists", lines.twists.len(), count, joints - 1)?;
             check_length("phases", lines.phases.len(), count, joints - 1)?;
             check_length("directions", lines.directions.len(), count, 3 * joints + 3)?;
             check_length("normals", lines.normals.len(), count, 3 * joints)?;
-            let own = [lines.bends, lines.twists, lines.phases, lines.directions, lines.normals];
+            let known = count == 0 || !lines.lengths.is_empty();
+            if known || !bearings.is_empty() {
+                check_length("lengths", lines.lengths.len(), count, joints + 1)?;
+            }
+            check_length("positions", lines.positions.len(), count, bearings.len())?;
+            let Drivelines { bends, twists, phases, directions, normals, lengths, positions } =
+                lines;
+            let own = [bends, twists, phases, directions, normals, lengths, positions];
             let one = count == 1;
-            Ok((one.then(|| own.map(<[f64]>::to_vec)), lines.largest_bends(joints)))
+            Ok((one.then(|| own.map(<[f64]>::to_vec)), lines.largest_bends(joints), known))
         })?;
+        if let Some(place) = bearings.iter().position(|&shaft| shaft > joints) {
+            let problem = format!("is on shaft {}; there are {}", bearings[place], joints + 1);
+            return Err(argument_error("bearings", &[place], problem));
+        }
         let arrays = one.map_or(batch.arrays, Arrays::One);
-        Ok(Self { arrays, shape: batch.shape, largest_bends })
+        let bearings = known.then_some(bearings);
+        Ok(Self { arrays, shape: batch.shape, largest_bends, bearings })
     }
 }
 
 impl Lines {
     pub(crate) fn largest_bends(&self) -> &[f64] {
         &self.largest_bends
+    }
+
+    /// The shaft of each bearing, if the lengths of the shafts are known.
+    pub(crate) fn bearings(&self) -> Option<&[usize]> {
+        self.bearings.as_deref()
     }
 
     /// The shape of the batch; empty for one driveline.
@@ -83,20 +104,24 @@ impl Lines {
         body: impl FnOnce(Drivelines<'_>) -> PyResult<R>,
     ) -> PyResult<R> {
         match &self.arrays {
-            Arrays::One([bends, twists, phases, directions, normals]) => {
-                body(Drivelines { bends, twists, phases, directions, normals })
+            Arrays::One(own) => {
+                let [bends, twists, phases, directions, normals, lengths, positions] = own;
+                body(Drivelines { bends, twists, phases, directions, normals, lengths, positions })
             }
             Arrays::Batch(arrays) => {
-                let [bends, twists, phases, directions, normals] =
+                let [bends, twists, phases, directions, normals, lengths, positions] =
                     arrays.each_ref().map(|array| array.bind(py).try_readonly());
                 let (bends, twists, phases) = (bends?, twists?, phases?);
                 let (directions, normals) = (directions?, normals?);
+                let (lengths, positions) = (lengths?, positions?);
                 body(Drivelines {
                     bends: slice("bends", &bends)?,
                     twists: slice("twists", &twists)?,
                     phases: slice("phases", &phases)?,
                     directions: slice("directions", &directions)?,
                     normals: slice("normals", &normals)?,
+                    lengths: slice("lengths", &lengths)?,
+                    positions: slice("positions", &positions)?,
                 })
             }
         }

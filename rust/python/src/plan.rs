@@ -133,6 +133,7 @@ impl NativePlan {
             joints: &joint_items,
             load: end,
             inertias: &inertias,
+            bearings: lines.get().bearings(),
         };
         let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
         let precision = plan.precision(tolerance, single);
@@ -481,7 +482,7 @@ pub(crate) fn levels() -> Vec<&'static str> {
     level::available().into_iter().map(|(name, _)| name).collect()
 }
 
-/// The table of outputs: name, `"shaft"` or `"joint"`, unit, names of the components, and whether
+/// The table of outputs: name, `"shaft"`, `"joint"` or `"bearing"`, unit, names of the components, and whether
 /// it needs a load.
 #[pyfunction]
 pub(crate) fn outputs() -> Vec<(&'static str, &'static str, &'static str, Vec<&'static str>, bool)>

@@ -136,6 +136,7 @@ fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
         phases: &line.phases,
         directions: &directions,
         normals: &normals,
+        ..Drivelines::default()
     };
     let plan = Plan::new(&Request {
         largest_bends: &line.bends,
@@ -144,6 +145,7 @@ fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
         joints: &[],
         load: None,
         inertias: &[],
+        bearings: None,
     })
     .expect("the request is sound");
     let angle = Angles::Array(Source { data: angles, strides: &[1] });

@@ -272,6 +272,7 @@ impl Job {
             phases: &[],
             directions: &directions,
             normals: &normals,
+            ..Drivelines::default()
         };
         let plan = Plan::new(&Request {
             largest_bends: &lines.largest_bends(1),
@@ -280,6 +281,7 @@ impl Job {
             joints: if self.shafts.len() == 2 { &[0] } else { &[] },
             load: self.end,
             inertias: if self.flywheel { &[1] } else { &[] },
+            bearings: None,
         })
         .expect("the request is sound");
         let (rows, row) = (block.bends.len(), BLOCK / block.bends.len());

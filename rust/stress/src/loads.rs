@@ -141,6 +141,7 @@ fn evaluate(line: &Geometry, loading: &Loading, angles: &[f64]) -> Vec<Vec<f64>>
         phases: &line.phases,
         directions: &directions,
         normals: &normals,
+        ..Drivelines::default()
     };
     let heavy = loading.heavy();
     let plan = Plan::new(&Request {
@@ -150,6 +151,7 @@ fn evaluate(line: &Geometry, loading: &Loading, angles: &[f64]) -> Vec<Vec<f64>>
         joints: &(0..n).collect::<Vec<_>>(),
         load: Some(loading.end),
         inertias: &heavy,
+        bearings: None,
     })
     .expect("the request is sound");
     let given = [loading.torque, loading.speed, loading.acceleration];

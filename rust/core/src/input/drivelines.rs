@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::mechanics::exact::Chains;
 
 /// A batch of drivelines with the same number `n` of joints, as flat arrays in C order.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Drivelines<'a> {
     /// Bend of each joint in rad, `(…, n)`.
     pub bends: &'a [f64],
@@ -16,6 +16,10 @@ pub struct Drivelines<'a> {
     pub directions: &'a [f64],
     /// Unit normal of each bend plane, `(…, n, 3)`.
     pub normals: &'a [f64],
+    /// Length of each shaft, `(…, n + 1)`, in m; only forces need it.
+    pub lengths: &'a [f64],
+    /// Distance of each bearing from the upstream end of its shaft, in m.
+    pub positions: &'a [f64],
 }
 
 impl Drivelines<'_> {

@@ -1,10 +1,12 @@
-//! The physics of one sample: geometry, frames, joints, chains, transmissions, moments and phasing. No
+//! The physics of one sample: geometry, frames, joints, chains, transmissions, moments, forces and phasing. No
 //! slices, no threads.
 
+pub(crate) mod bearings;
 pub mod chain;
 pub(crate) mod double_angle;
 pub(crate) mod exact;
 pub(crate) mod extremes;
+pub(crate) mod forces;
 pub(crate) mod frame;
 pub mod general;
 pub mod geometry;

@@ -29,7 +29,7 @@ pub(crate) struct Pose<T> {
     /// `sin β`.
     sine: T,
     /// `cos β`.
-    cosine: T,
+    pub(super) cosine: T,
     /// `tan β`.
     tangent: T,
     /// `u_in`.

@@ -115,6 +115,30 @@ impl<A: Strips, V, F: Fn(A::Value) -> V + Copy> Strips for Mapped<A, F> {
     }
 }
 
+impl<A: At, const N: usize> At for [A; N] {
+    type Value = [A::Value; N];
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> Self::Value {
+        std::array::from_fn(
+            #[inline(always)]
+            |k| self[k].at(i),
+        )
+    }
+}
+
+impl<A: Strips, const N: usize> Strips for [A; N] {
+    type Strip = [A::Strip; N];
+
+    #[inline(always)]
+    fn strip(&self, first: usize, length: usize) -> Self::Strip {
+        std::array::from_fn(
+            #[inline(always)]
+            |k| self[k].strip(first, length),
+        )
+    }
+}
+
 /// Implements the traits for tuples of values.
 macro_rules! tuples {
     ($(($($values:ident $number:tt),*))*) => {$(

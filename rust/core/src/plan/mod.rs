@@ -1,5 +1,6 @@
 //! Plans: the requested outputs, the steps that compute them, and the routes of a run.
 
+pub(crate) mod forces;
 pub mod output;
 pub mod reduction;
 pub(crate) mod route;

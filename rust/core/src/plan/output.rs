@@ -7,6 +7,8 @@ pub enum Per {
     Shaft,
     /// Each joint.
     Joint,
+    /// Each bearing.
+    Bearing,
 }
 
 impl Per {
@@ -15,6 +17,7 @@ impl Per {
         match self {
             Self::Shaft => "shaft",
             Self::Joint => "joint",
+            Self::Bearing => "bearing",
         }
     }
 }
@@ -33,6 +36,8 @@ pub(crate) enum Needs {
     Support,
     /// The torsion entering a joint.
     Torsion,
+    /// The balance of forces of a shaft.
+    Force,
 }
 
 /// The properties of an output.
@@ -40,7 +45,7 @@ pub(crate) enum Needs {
 pub struct Row {
     /// The name in requests.
     pub name: &'static str,
-    /// Whether the output describes shafts or joints.
+    /// Whether the output describes shafts, joints or bearings.
     pub per: Per,
     /// Its SI unit, `"1"` for a ratio.
     pub unit: &'static str,
@@ -105,6 +110,10 @@ outputs! {
     BendingDriving: "bending_driving", Joint, "N m", SCALAR, Needs::Torsion;
     /// Magnitude of the bending moment in a joint's driven shaft.
     BendingDriven: "bending_driven", Joint, "N m", SCALAR, Needs::Torsion;
+    /// Force that a joint exerts on its driven shaft.
+    JointForce: "joint_force", Joint, "N", VECTOR, Needs::Force;
+    /// Force that a bearing exerts on its shaft.
+    BearingForce: "bearing_force", Bearing, "N", VECTOR, Needs::Force;
     /// Signed tilt `ψ₁` of the cross against the driving shaft.
     TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Tilt;
     /// Signed tilt `ψ₂` of the cross against the driven shaft.
@@ -117,7 +126,7 @@ impl Output {
         !matches!(self.row().needs, Needs::Motion(_) | Needs::Tilt)
     }
 
-    /// The number of planes per shaft or joint: one for a scalar, three for a vector.
+    /// The number of planes per shaft, joint or bearing: one for a scalar, three for a vector.
     pub fn components(self) -> usize {
         self.row().components.len()
     }

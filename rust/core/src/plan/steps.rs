@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::mechanics::joint::Joint;
 use crate::number::Precision;
 use crate::number::atan::AtanRange;
+use crate::plan::forces::ForceStep;
 use crate::plan::output::{Needs, Output, OutputPlanes, Per};
 
 /// The end of the driveline at which the load's torque is given.
@@ -35,6 +36,8 @@ pub struct Request<'a> {
     pub load: Option<End>,
     /// The shafts with an inertia.
     pub inertias: &'a [usize],
+    /// The shaft of each bearing, if the lengths of the shafts are known.
+    pub bearings: Option<&'a [usize]>,
 }
 
 /// The steps for one request. The planes of the result are numbered by output, then by shaft or
@@ -57,6 +60,8 @@ pub struct Plan {
     /// One step per joint, needed or not.
     pub(crate) joints: Vec<JointStep>,
     pub(crate) load: Option<LoadStep>,
+    /// The balances behind the requested forces, if there are any.
+    pub(crate) forces: Option<ForceStep>,
 }
 
 /// What to compute for one shaft: the plane of each output, and the rates that the load needs.
@@ -91,6 +96,8 @@ pub(crate) struct JointStep {
     /// Whether any output is a tilt, and whether any needs the torsion.
     pub(crate) needs_tilt: bool,
     needs_moment: bool,
+    /// Whether any force depends on the joint's torsion.
+    pub(crate) needs_force: bool,
     /// The joint's contributions to the support moments of the shaft that the load leaves here and
     /// of the shaft that it enters.
     pub(crate) support: [Option<Support>; 2],
@@ -116,7 +123,7 @@ impl JointStep {
     }
 
     pub(crate) fn needs_torsion(&self) -> bool {
-        self.needs_moment || self.needs_support()
+        self.needs_moment || self.needs_support() || self.needs_force
     }
 }
 
@@ -162,7 +169,9 @@ impl Plan {
             shafts: vec![],
             joints,
             load: None,
+            forces: None,
         };
+        let bearings: Vec<usize> = (0..request.bearings.map_or(0, <[usize]>::len)).collect();
         let mut torque = vec![None; n + 1];
         for (i, &output) in request.outputs.iter().enumerate() {
             if request.outputs[..i].contains(&output) {
@@ -177,7 +186,11 @@ impl Plan {
             let items = match row.per {
                 Per::Shaft => request.shafts,
                 Per::Joint => request.joints,
+                Per::Bearing => &bearings,
             };
+            if row.needs == Needs::Force {
+                plan.start_forces(request, output, i)?;
+            }
             for &item in items {
                 let plane = plan.planes;
                 plan.planes += row.components.len();
@@ -198,8 +211,12 @@ impl Plan {
                         plan.joints[item].planes.set(output, plane);
                         plan.joints[item].needs_tilt = true;
                     }
+                    Needs::Force => plan.plan_force(request, output, item, plane, i)?,
                 }
             }
+        }
+        for joint in plan.forces.iter().flat_map(ForceStep::joints) {
+            plan.joints[joint].needs_force = true;
         }
         if let Some(end) = request.load {
             plan.plan_load(end, request.inertias, &torque);
@@ -287,7 +304,7 @@ impl Plan {
     /// Whether any output is a vector, which needs the frames of the joints.
     pub(crate) fn needs_frames(&self) -> bool {
         let moment = |step: &JointStep| step.planes.get(Output::Moment).is_some();
-        self.joints.iter().any(|step| moment(step) || step.needs_support())
+        self.joints.iter().any(|step| moment(step) || step.needs_support() || step.needs_force)
     }
 
     /// Whether every output has its extremes at known angles.

@@ -52,6 +52,7 @@ impl Plan {
         planes: Planes<'_, '_>,
         execution: Execution<'_>,
     ) -> Result<()> {
+        self.check_lines(&samples.lines)?;
         let table = Table::new(self.joint_count, self.load.is_some(), samples)?;
         let run = Run { plan: self, table: &table, folded, execution };
         match (precision, planes) {
@@ -82,6 +83,7 @@ impl Plan {
         planes: &mut [&mut [f64]],
         execution: Execution<'_>,
     ) -> Result<()> {
+        self.check_lines(&samples.lines)?;
         let table = Table::by_rows(self.joint_count, self.load.is_some(), samples)?;
         let run = Run { plan: self, table: &table, folded, execution };
         match precision {
@@ -108,7 +110,9 @@ impl Plan {
         };
         let of_joint = 896 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
         let of_planes = (16 * CHUNK).saturating_mul(self.planes);
+        let of_forces = self.forces.as_ref().map_or(0, |forces| 48 * lanes * forces.terms());
         let of_thread = (self.joint_count + 1).saturating_mul(of_joint).saturating_add(of_planes);
+        let of_thread = of_thread.saturating_add(of_forces);
         let parts = match (reduction, samples.shape.split_last()) {
             (Some(_), Some((&length, rows))) if length > 0 => {
                 let rows = rows.iter().fold(1_usize, |rows, &n| rows.saturating_mul(n));
@@ -137,6 +141,7 @@ impl Plan {
     ///     joints: &[],
     ///     load: None,
     ///     inertias: &[],
+    ///     bearings: None,
     /// })?;
     /// let ratio = &plan.evaluate(&joint, &[0.0])?[0];
     /// assert!((ratio[0] - 1.0 / 0.5_f64.cos()).abs() < 1e-15);
@@ -155,6 +160,7 @@ impl Plan {
                 phases: &line.phases,
                 directions: &directions,
                 normals: &normals,
+                ..Drivelines::default()
             },
             line_strides: &[0],
             angle: Angles::Array(Source { data: angle, strides: &[1] }),

@@ -58,7 +58,7 @@ impl Plan {
     /// # Errors
     /// Arrays whose lengths do not fit together, or an empty set of samples.
     pub fn explain(&self, samples: &Samples<'_>, call: Call) -> Result<String> {
-        samples.lines.check(self.joint_count)?;
+        self.check_lines(&samples.lines)?;
         if samples.shape.contains(&0) {
             return Err(Error::new("samples", &[], "are none; there is nothing to explain"));
         }
@@ -169,6 +169,7 @@ impl Plan {
                 let parts = [
                     (step.planes.get(Output::Moment).is_some(), "moment"),
                     (step.needs_support(), "support moments"),
+                    (step.needs_force, "parts for the forces"),
                     (step.planes.get(Output::BendingDriving).is_some(), "bending, driving side"),
                     (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
                 ];
@@ -176,6 +177,14 @@ impl Plan {
                     parts.iter().filter(|(computed, _)| *computed).map(|(_, name)| *name).collect();
                 steps.push(format!("joint {}: {} from the torsion", shaft - 1, names.join(", ")));
             }
+        }
+        for target in self.forces.iter().flat_map(|forces| &forces.targets) {
+            let (per, item) = target.of;
+            let what = match target.force {
+                Some(_) => format!("a sum of {} terms", target.terms.len()),
+                None => "zero because both its shafts have other supports".into(),
+            };
+            steps.push(format!("{} {item}: force, {what}", per.name()));
         }
         if let Some(reduction) = call.reduction {
             steps.push(format!("each row to its {}; no sample is stored", reduction.name()));

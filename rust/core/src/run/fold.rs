@@ -20,6 +20,7 @@ use crate::number::{Number, Precision};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::Plan;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
+use crate::run::forces::FoldedForces;
 use crate::run::lanes::{FirstJoint, LANES, Lane, Maps, PassJoint, Reset, Turns};
 use crate::run::level::{Level, compiled_for};
 
@@ -37,6 +38,8 @@ pub(crate) struct Folded<T: Angle> {
     pub(crate) lines: Vec<usize>,
     /// Per shaft; empty unless the load needs its speed with all digits of a double-double.
     pub(crate) turnings: Vec<Vec<Turning<T>>>,
+    /// The coefficients of forces, if any are requested.
+    pub(crate) forces: FoldedForces<T>,
     /// The frames of the drivelines that are folded together, if vectors need their error terms.
     frames: Vec<Frame>,
     maps: Maps,
@@ -61,7 +64,7 @@ impl Plan {
     /// # Errors
     /// Arrays whose lengths do not fit together, or no driveline.
     pub fn fold(&self, lines: &Drivelines<'_>, precision: Precision) -> Result<FoldedDriveline> {
-        lines.check(self.joint_count)?;
+        self.check_lines(lines)?;
         Ok(FoldedDriveline(match precision {
             Precision::Single => FoldedAs::Single(fold_first(self, lines)),
             Precision::Double => FoldedAs::Double(fold_first(self, lines)),
@@ -95,7 +98,8 @@ impl<T: Angle> Folded<T> {
         }
         let (poses, waves) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
         let turnings = vec![vec![]; plan.joint_count + 1];
-        Self { shafts, poses, waves, turnings, lines: vec![], frames: vec![], maps, turns }
+        let forces = FoldedForces::new(plan.forces.as_ref());
+        Self { shafts, poses, waves, turnings, lines: vec![], forces, frames: vec![], maps, turns }
     }
 
     /// The route of a shaft in a chunk with this geometry, and its range of tangents.
@@ -130,15 +134,21 @@ impl<T: Angle> Folded<T> {
         self.turnings.iter_mut().for_each(Vec::clear);
         self.waves.iter_mut().for_each(Vec::clear);
         self.lines.clear();
+        self.forces.clear();
         for (group, numbers) in numbers.chunks(LANES).enumerate() {
             self.fold_lanes(plan, lines, group * LANES, numbers);
+        }
+        if let Some(step) = &plan.forces {
+            for (i, &line) in numbers.iter().enumerate() {
+                self.forces.push(step, lines, line, |joint| self.poses[joint][i]);
+            }
         }
     }
 
     #[inline(always)]
     fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
         let (n, length) = (plan.joint_count, numbers.len());
-        let Self { shafts, poses, waves, turnings, lines: kept, frames, maps, turns } = self;
+        let Self { shafts, poses, waves, turnings, lines: kept, frames, maps, turns, .. } = self;
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
         if T::LOW {

@@ -11,6 +11,7 @@ use crate::plan::output::Output;
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, Support};
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
+use crate::run::forces::run_forces;
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
@@ -31,7 +32,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
     size: usize,
     compact: bool,
 ) {
-    let Scratch { gathered, pins, rates, power, torsion, parts, support, .. } = scratch;
+    let Scratch { gathered, pins, rates, power, torsion, parts, support, forces, .. } = scratch;
     let column = |index: usize| &gathered[index][..size];
     let pins = pins_of(pins, size);
     if T::LOW {
@@ -80,6 +81,10 @@ pub(crate) fn run_load<T: Number, W: Float>(
             let poses = &folded.poses[joint][..geometry.count(size)];
             with_constants!(compact, geometry, poses, at => {
                 run_bending(step, at, pins, torsion, outputs);
+                if step.needs_force {
+                    let parts = views_mut(&mut forces.parts[joint], 0, size);
+                    map::parts(at, pins, torsion, parts);
+                }
                 if step.needs_support() {
                     map::parts(at, pins, torsion, views_mut(parts, 0, size));
                 }
@@ -101,6 +106,9 @@ pub(crate) fn run_load<T: Number, W: Float>(
         if load.end == End::Drive {
             absorb(-1.0, power.view_mut(size));
         }
+    }
+    if let Some(step) = &plan.forces {
+        run_forces(step, &folded.forces, geometry, forces, outputs, size);
     }
 }
 

@@ -20,24 +20,25 @@ use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::number::strips::{self, At, Same, Strips};
 use crate::run::formula::MotionFormula;
-use crate::run::sink::{Plain, Sink, SinkStrip};
+use crate::run::sink::{Sink, SinkStrip};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
-/// A value for each sample, from its inputs, sine and cosine, `LINES` strips at once.
+/// A value for each sample, from its inputs, sine and cosine.
 ///
-/// The compiler unrolls short loops before it looks for vectors, and finds fewer then. A `LINES` of
-/// [`SHORT`] makes the loop of a short computation long enough.
+/// A `LONG` computation always goes strip by strip. Of a short one the compiler makes faster code in
+/// a plain loop, so it goes by strips only if these bypass the caches.
 #[inline(always)]
-pub(crate) fn over_sin_cos<const LINES: usize, T: Real, I: Strips, V, O: Sink<V>>(
+pub(crate) fn over_sin_cos<const LONG: bool, T: Real, I: Strips, V, O: Sink<V>>(
     sin_cos: impl SinCosBlocks<T>,
     inputs: I,
     mut out: O,
     value: impl Fn(I::Value, T, T) -> V,
 ) {
+    let strip = strips::length::<T>();
     for (start, block) in sin_cos.parts() {
         let length = block.len();
         let mut out = out.slice(start, length);
-        if !O::STRIPS {
+        if !LONG && !out.bypasses_caches() {
             let inputs = inputs.strip(start, length);
             for i in 0..length {
                 let (s, c) = block.get(i);
@@ -46,23 +47,15 @@ pub(crate) fn over_sin_cos<const LINES: usize, T: Real, I: Strips, V, O: Sink<V>
             continue;
         }
         let mut first = 0;
-        if LINES > 1 {
-            let strips = LINES * strips::length::<T>();
-            while first + strips <= length {
-                take_strip(
-                    first,
-                    strips,
-                    &block,
-                    inputs.strip(start + first, strips),
-                    &mut out,
-                    &value,
-                );
-                first += strips;
-            }
-        }
-        let strip = strips::length::<T>();
         while first + strip <= length {
-            take_strip(first, strip, &block, inputs.strip(start + first, strip), &mut out, &value);
+            let sin_cos = block.part(first, strip);
+            let inputs = inputs.strip(start + first, strip);
+            let mut results = out.strip(first, strip);
+            for i in 0..strip {
+                let (s, c) = sin_cos.get(i);
+                results.set(i, value(inputs.at(i), s, c));
+            }
+            out.put(first, strip, &results);
             first += strip;
         }
         if !rest_is_empty(&block) {
@@ -76,28 +69,6 @@ pub(crate) fn over_sin_cos<const LINES: usize, T: Real, I: Strips, V, O: Sink<V>
             }
         }
     }
-}
-
-/// The strips that loops with a short computation take at once.
-const SHORT: usize = 4;
-
-/// The values of `length` samples from `first` on, with the inputs of these samples.
-#[inline(always)]
-fn take_strip<T: Real, B: SinCosBlock<T>, I: At, V>(
-    first: usize,
-    length: usize,
-    block: &B,
-    inputs: I,
-    out: &mut impl Sink<V>,
-    value: &impl Fn(I::Value, T, T) -> V,
-) {
-    let sin_cos = block.part(first, length);
-    let mut results = out.strip(first, length);
-    for i in 0..length {
-        let (s, c) = sin_cos.get(i);
-        results.set(i, value(inputs.at(i), s, c));
-    }
-    out.put(first, length, &results);
 }
 
 /// Whether the type of a block alone shows that it has whole strips.
@@ -114,7 +85,7 @@ pub(crate) fn formula<T: Real, C: Strips, V>(
     sin_cos: impl SinCosBlocks<T>,
     out: impl Sink<V>,
 ) {
-    over_sin_cos::<SHORT, _, _, _, _>(
+    over_sin_cos::<false, _, _, _, _>(
         sin_cos,
         at,
         out,
@@ -128,21 +99,20 @@ pub(crate) fn formula<T: Real, C: Strips, V>(
 pub(crate) fn over_samples<T: Real, I: Strips>(
     length: usize,
     inputs: I,
-    mut out: impl Plain<T>,
+    mut out: impl Sink<T>,
     value: impl Fn(I::Value) -> T,
 ) {
+    let mut out = out.slice(0, length);
     if !out.bypasses_caches() {
         let inputs = inputs.strip(0, length);
-        assert!(out.length() == length);
-        out.fill(
-            #[inline(always)]
-            |i| value(inputs.at(i)),
-        );
+        for i in 0..length {
+            out.store(i, value(inputs.at(i)));
+        }
         return;
     }
+    let strip = strips::length::<T>();
     let mut first = 0;
     while first < length {
-        let strip = strips::length::<T>();
         let inputs = inputs.strip(first, strip);
         let mut results = out.strip(first, strip);
         for i in 0..strip {
@@ -173,7 +143,7 @@ pub(crate) fn angle_error<T: Number, C: Strips<Value: MotionFormula<T>>>(
 ) {
     macro_rules! by {
         ($tangent:expr, $atan:expr) => {
-            over_sin_cos::<1, _, _, _, _>(
+            over_sin_cos::<true, _, _, _, _>(
                 sin_cos,
                 at,
                 out,
@@ -214,7 +184,7 @@ pub(crate) fn motion<T: Number, C: Strips<Value: MotionFormula<T>>>(
 ) {
     macro_rules! by {
         ($atan:expr) => {
-            over_sin_cos::<1, _, _, _, _>(
+            over_sin_cos::<true, _, _, _, _>(
                 sin_cos,
                 at,
                 (rotations, rates),
@@ -235,7 +205,7 @@ pub(crate) fn motion<T: Number, C: Strips<Value: MotionFormula<T>>>(
 
 /// Copies a column.
 #[inline(always)]
-pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Plain<T>) {
+pub(crate) fn copy<T: Real>(column: View<'_, T>, out: impl Sink<T>) {
     over_samples(
         column.len(),
         column,
@@ -268,7 +238,7 @@ pub(crate) fn absorb<T: Real>(
 
 /// `a / b`, element by element.
 #[inline(always)]
-pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Plain<T>) {
+pub(crate) fn divide<T: Real>(a: View<'_, T>, b: View<'_, T>, out: impl Sink<T>) {
     over_samples(
         a.len(),
         (a, b),
@@ -307,7 +277,7 @@ pub(crate) fn parts<T: Real>(
     torsion: View<'_, T>,
     parts: [ViewMut<'_, T>; 3],
 ) {
-    over_sin_cos::<SHORT, _, _, _, _>(
+    over_sin_cos::<false, _, _, _, _>(
         pins,
         (at, torsion),
         parts,
@@ -327,7 +297,7 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     torsion: View<'_, T>,
     out: [impl Sink<T>; 3],
 ) {
-    over_sin_cos::<SHORT, _, _, _, _>(
+    over_sin_cos::<false, _, _, _, _>(
         pins,
         (at, torsion),
         out,
@@ -344,7 +314,7 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
     driving: bool,
     [square, product]: [View<'_, T>; 2],
     previous: impl Strips<Value = Option<T>>,
-    out: impl Plain<T>,
+    out: impl Sink<T>,
 ) {
     over_samples(
         square.len(),
@@ -366,7 +336,7 @@ pub(crate) fn magnitude<T: Real>(
     torsion: View<'_, T>,
     out: impl Sink<T>,
 ) {
-    over_sin_cos::<SHORT, _, _, _, _>(
+    over_sin_cos::<false, _, _, _, _>(
         pins,
         (at, torsion),
         out,
@@ -451,7 +421,7 @@ pub(crate) fn drive_angle<T: Number, W: Float>(drive: DriveAngles<'_>, out: &mut
 
 /// A constant; NaN where the angle is not finite.
 #[inline(always)]
-pub(crate) fn constant<T: Number>(value: f64, drive: DriveAngles<'_>, out: impl Plain<T>) {
+pub(crate) fn constant<T: Number>(value: f64, drive: DriveAngles<'_>, out: impl Sink<T>) {
     let length = out.length();
     match drive {
         DriveAngles::Array(angle) => over_samples(

@@ -6,6 +6,7 @@ pub mod execution;
 pub mod explain;
 mod extrema;
 pub mod fold;
+mod forces;
 mod formula;
 mod kernels;
 mod lanes;

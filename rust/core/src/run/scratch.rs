@@ -7,6 +7,7 @@ use crate::number::strips;
 use crate::plan::output::Output;
 use crate::plan::route::Routes;
 use crate::plan::steps::{JointStep, Plan};
+use crate::run::forces::ForceBuffers;
 use crate::sincos::rotation;
 
 /// The buffers of one block, each as long as its longest chunk.
@@ -29,6 +30,7 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) parts: [Column<T>; 3],
     /// The first contribution to the support moment of the shaft that the load has entered.
     pub(crate) support: [Column<T>; 3],
+    pub(crate) forces: ForceBuffers<T>,
     /// Angle errors of a period that is to be repeated, or of a chunk if the kernels are compact, for
     /// each shaft whose angle is requested.
     pub(crate) errors: Vec<Column<T>>,
@@ -66,6 +68,7 @@ impl<T: Number> Scratch<T> {
             torsion: Column::new(size(moments)),
             parts: columns(size(supports)),
             support: columns(size(supports)),
+            forces: ForceBuffers::new(plan, longest),
             errors: vec![],
         }
     }

@@ -1,5 +1,4 @@
 //! Sinks: the destinations of the kernels' results.
-#![allow(clippy::needless_range_loop, reason = "as in the loops over a chunk")]
 
 use cardan_memory::{Plane, Stores};
 
@@ -10,8 +9,8 @@ use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::sincos::array::sample_number;
 
-/// The most words of the strips that a loop takes at once.
-const LONGEST: usize = 64;
+/// The most words of a strip.
+const LONGEST: usize = 16;
 
 /// The destination of a loop's results: a column of numbers, words of a plane, or several of these.
 pub(crate) trait Sink<T> {
@@ -20,14 +19,14 @@ pub(crate) trait Sink<T> {
     where
         Self: 'a;
 
-    /// Whether strips leave for memory outside the caches, or might.
-    const STRIPS: bool;
-
-    /// The results of one strip, or of several, on their way to the sink.
+    /// The results of one strip on their way to the sink.
     type Strip: SinkStrip<T>;
 
     /// The number of results.
     fn length(&self) -> usize;
+
+    /// Whether strips bypass the caches.
+    fn bypasses_caches(&self) -> bool;
 
     /// The sink for `length` results from `start` on.
     fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_>;
@@ -40,15 +39,6 @@ pub(crate) trait Sink<T> {
 
     /// Stores result `i`.
     fn store(&mut self, i: usize, number: T);
-}
-
-/// A sink of one number per sample.
-pub(crate) trait Plain<T>: Sink<T> {
-    /// Whether strips bypass the caches.
-    fn bypasses_caches(&self) -> bool;
-
-    /// Stores the number of each sample. A plain loop over a short computation is faster than strips.
-    fn fill(&mut self, number: impl Fn(usize) -> T);
 }
 
 /// The results of one strip.
@@ -80,13 +70,16 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     where
         Self: 'a;
 
-    const STRIPS: bool = false;
-
     type Strip = NumberStrip<T>;
 
     #[inline(always)]
     fn length(&self) -> usize {
         self.len()
+    }
+
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        false
     }
 
     #[inline(always)]
@@ -107,21 +100,6 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     #[inline(always)]
     fn store(&mut self, i: usize, number: T) {
         self.set(i, number);
-    }
-}
-
-impl<T: Real> Plain<T> for ViewMut<'_, T> {
-    #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn fill(&mut self, number: impl Fn(usize) -> T) {
-        let mut column = self.reborrow();
-        for i in 0..column.len() {
-            column.set(i, number(i));
-        }
     }
 }
 
@@ -203,13 +181,16 @@ impl<T: Real, W: Float> Sink<T> for Words<'_, W> {
     where
         Self: 'a;
 
-    const STRIPS: bool = true;
-
     type Strip = WordStrip<W>;
 
     #[inline(always)]
     fn length(&self) -> usize {
         self.plane.len()
+    }
+
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        self.plane.bypasses_caches()
     }
 
     #[inline(always)]
@@ -229,22 +210,7 @@ impl<T: Real, W: Float> Sink<T> for Words<'_, W> {
 
     #[inline(always)]
     fn store(&mut self, i: usize, number: T) {
-        self.plane.words()[i] = W::near(number.value().into());
-    }
-}
-
-impl<T: Real, W: Float> Plain<T> for Words<'_, W> {
-    #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
-        self.plane.bypasses_caches()
-    }
-
-    #[inline(always)]
-    fn fill(&mut self, number: impl Fn(usize) -> T) {
-        let words = self.plane.words();
-        for i in 0..words.len() {
-            words[i] = W::near(number(i).value().into());
-        }
+        self.plane.set(i, W::near(number.value().into()));
     }
 }
 
@@ -262,13 +228,16 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     where
         Self: 'a;
 
-    const STRIPS: bool = A::STRIPS || B::STRIPS;
-
     type Strip = (A::Strip, B::Strip);
 
     #[inline(always)]
     fn length(&self) -> usize {
         self.0.length()
+    }
+
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        self.0.bypasses_caches() || self.1.bypasses_caches()
     }
 
     #[inline(always)]
@@ -310,13 +279,16 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     where
         Self: 'a;
 
-    const STRIPS: bool = S::STRIPS;
-
     type Strip = [S::Strip; 3];
 
     #[inline(always)]
     fn length(&self) -> usize {
         self[0].length()
+    }
+
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        self[0].bypasses_caches()
     }
 
     #[inline(always)]
@@ -454,13 +426,16 @@ impl<T: Number, D: DriveAngle, W: Float> Sink<T> for AngleSink<'_, D, W> {
     where
         Self: 'a;
 
-    const STRIPS: bool = true;
-
     type Strip = AngleStrip<D, W>;
 
     #[inline(always)]
     fn length(&self) -> usize {
         self.1.plane.len()
+    }
+
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        self.1.plane.bypasses_caches()
     }
 
     #[inline(always)]
@@ -480,6 +455,6 @@ impl<T: Number, D: DriveAngle, W: Float> Sink<T> for AngleSink<'_, D, W> {
 
     #[inline(always)]
     fn store(&mut self, i: usize, error: T) {
-        self.1.words()[i] = error.after(self.0.angle(i));
+        self.1.plane.set(i, error.after(self.0.angle(i)));
     }
 }

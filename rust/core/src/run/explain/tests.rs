@@ -27,6 +27,7 @@ impl Batch {
             phases: &self.between,
             directions: &self.frame,
             normals: &self.frame[..self.bends.len() * 3],
+            ..Drivelines::default()
         }
     }
 
@@ -38,6 +39,7 @@ impl Batch {
             joints: &[],
             load: None,
             inertias: &[],
+            bearings: None,
         };
         Plan::new(&request).unwrap()
     }

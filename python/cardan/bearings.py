@@ -1,0 +1,148 @@
+"""Bearings along the shafts of drivelines."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any, Self, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.batch import Batch
+from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.geometry import Geometry
+from cardan.request import item_index
+
+Bearings: TypeAlias = Iterable[tuple[int, ArrayLike]]
+"""Pairs of a shaft and the position of a bearing on it."""
+
+
+_Line = TypeVar("_Line", bound="Mounted")
+
+
+class Mounted(Batch):
+    """Drivelines whose shafts may have bearings."""
+
+    __slots__ = ()
+
+    def with_bearings(self, bearings: Bearings, lengths: ArrayLike | None = None) -> Self:
+        """Return the driveline with bearings at these positions, in place of any others.
+
+        A shaft needs two supports. With two bearings these are its own. With one bearing the second
+        support is a joint that supports no other shaft. An intermediate shaft without bearings
+        floats, supported by the joints at both its ends. A first or last shaft without bearings is
+        held by the machine of which it is a part. Other arrangements are allowed; their forces are
+        refused when they are asked for, if they are not determinate.
+
+        Args:
+            bearings: pairs of a shaft, counted from 0, and the position of the bearing: its
+                distance from the shaft's upstream end, in the direction of power flow. That end is
+                the shaft's input-side joint, for shaft 0 the driving end. Positions have the unit
+                of the points, and broadcast against the batch.
+            lengths: length of each shaft between its joints or ends, ``(..., n + 1)``, in the same
+                unit; by default those of the points. Forces are in newtons if lengths are in
+                metres.
+
+        Raises:
+            IndexError: a shaft that does not exist.
+            TypeError: a bearing that is not a pair of a shaft and a position, values that are not
+                real numbers.
+            ValueError: a position that is not between the ends of the shaft or is at a joint, two
+                bearings in one place, lengths that are missing or not positive and finite, shapes
+                that do not fit.
+        """
+        return self._of(_mounted(self._geometry, list(_pairs(bearings)), lengths))
+
+    @property
+    def n_bearings(self) -> int:
+        """Number of bearings of each driveline."""
+        return len(self._geometry.bearings)
+
+    @property
+    def bearings(self) -> tuple[tuple[int, FloatArray], ...]:
+        """Shaft and position of each bearing; positions have the shape of the batch."""
+        positions = np.moveaxis(self._geometry.positions, -1, 0)
+        return tuple(zip(self._geometry.bearings, positions, strict=True))
+
+
+def in_metres(line: _Line, unit: float) -> _Line:
+    """Return the driveline with its lengths and positions in metres.
+
+    Args:
+        line: drivelines.
+        unit: the unit of their points, in metres.
+    """
+    own = line._geometry
+    lengths, positions = own.lengths * unit, own.positions * unit
+    return line._of(own._replace(lengths=lengths, positions=positions))
+
+
+def _pairs(bearings: Bearings) -> Iterable[tuple[Any, ArrayLike]]:
+    if isinstance(bearings, str) or not isinstance(bearings, Iterable):
+        raise ArgumentTypeError("bearings", f"is {bearings!r}; it must be a list of pairs")
+    for i, pair in enumerate(bearings):
+        if isinstance(pair, str) or not isinstance(pair, Sequence) or len(pair) != 2:
+            raise ArgumentTypeError(
+                "bearings", f"is {pair!r}; it must be a pair of a shaft and a position", (i,)
+            )
+        yield pair
+
+
+def _mounted(
+    own: Geometry, bearings: list[tuple[Any, ArrayLike]], lengths: ArrayLike | None
+) -> Geometry:
+    n = own.n_joints
+    known = own.lengths if lengths is None else _lengths(lengths, n)
+    if bearings and known.shape[-1] == 0:
+        raise ArgumentValueError(
+            "lengths", "are missing; only drivelines from points have lengths of their own"
+        )
+    shafts = [item_index("bearings", pair[0], n + 1, (i, 0)) for i, pair in enumerate(bearings)]
+    places = [as_float64(f"bearings[{i}, 1]", pair[1]) for i, pair in enumerate(bearings)]
+    shape = common_shape(
+        driveline=own.shape,
+        lengths=known.shape[:-1],
+        **{f"bearings[{i}, 1]": place.shape for i, place in enumerate(places)},
+    )
+    positions = np.empty((*shape, len(places)))
+    for i, (shaft, place) in enumerate(zip(shafts, places, strict=True)):
+        positions[..., i] = place
+        _check(i, shaft, n, positions[..., i], known[..., shaft])
+        for other in range(i):
+            if shafts[other] == shaft and np.any(positions[..., i] == positions[..., other]):
+                raise ArgumentValueError(
+                    "bearings", f"is in the place of bearings[{other}] on shaft {shaft}", (i,)
+                )
+    spread = own._replace(lengths=own.lengths[..., :0], positions=own.positions[..., :0])
+    full = np.array(np.broadcast_to(known, (*shape, known.shape[-1])))
+    return spread.batched(shape)._replace(lengths=full, positions=positions, bearings=tuple(shafts))
+
+
+def _lengths(lengths: ArrayLike, n: int) -> FloatArray:
+    array = as_float64("lengths", lengths)
+    if array.ndim == 0 or array.shape[-1] != n + 1:
+        raise ArgumentValueError(
+            "lengths", f"has shape {array.shape}; {n + 1} shafts need (..., {n + 1})"
+        )
+    wrong = ~((array > 0.0) & np.isfinite(array))
+    if wrong.any():
+        raise wrong_element("lengths", array, wrong, "; a length must be positive and finite")
+    return array
+
+
+def _check(i: int, shaft: int, n: int, place: FloatArray, length: FloatArray) -> None:
+    """Check that a bearing is on its shaft, and not at a joint."""
+    place, length = np.broadcast_arrays(place, length)
+    upstream = place > 0.0 if shaft > 0 else place >= 0.0
+    downstream = place < length if shaft < n else place <= length
+    wrong = ~(upstream & downstream)
+    if wrong.any():
+        at = tuple(np.argwhere(wrong)[0])
+        ends = "the joints" if 0 < shaft < n else "the end and the joint"
+        raise ArgumentValueError(
+            "bearings",
+            f"is {place[at]} on shaft {shaft} of length {length[at]}; a bearing must lie "
+            f"between {ends} of its shaft",
+            (i, 1, *map(int, at)),
+        )

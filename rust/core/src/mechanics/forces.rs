@@ -1,0 +1,108 @@
+//! The transverse forces that carry a shaft.
+//!
+//! The joints leave the shaft with direction `u` the moment `−S` across it, so its supports must
+//! give it the moment `S`. With supports at the distances `x₁` and `x₂` from its upstream end, and
+//! with the forces `R_k` that its neighbours exert on it at `x_k`, moments about either support give
+//!
+//! `F₂ = [S × u − Σ (x_k − x₁) R_k⊥]/(x₂ − x₁)`, `F₁ = [u × S − Σ (x₂ − x_k) R_k⊥]/(x₂ − x₁)`,
+//!
+//! where `⊥` is the part across `u`; the shaft takes the rest as thrust. A floating shaft of length
+//! `L` between two joints has `F₂ = −F₁ = (S × u)/L`.
+//!
+//! `S × u` is a linear form in the torsion parts of the joints at both ends of the shaft. So is each
+//! force, and its coefficients are constants of the driveline.
+
+use crate::mechanics::moment::Pose;
+use crate::number::double_double::DoubleDouble;
+use crate::number::float::Real;
+
+/// The number of torsion parts of a joint: the fields of [`crate::mechanics::moment::TorsionParts`].
+pub(crate) const PARTS: usize = 3;
+
+/// The index of `D sin² α` among them, of `D cos² α`, and of `D sin α cos α`.
+pub(crate) const SINE2: usize = 0;
+pub(crate) const COSINE2: usize = 1;
+pub(crate) const PRODUCT: usize = 2;
+
+/// A force as a linear form: a vector for each torsion part of a series of joints.
+pub(crate) type LinearForce<T> = Vec<[T; 3]>;
+
+/// A force that a neighbour exerts on a shaft.
+pub(crate) struct Neighbour<'a, T> {
+    /// Distance from the shaft's upstream end.
+    pub(crate) position: f64,
+    pub(crate) force: &'a [[T; 3]],
+    /// Whether the shaft feels the opposite of it.
+    pub(crate) reversed: bool,
+    /// Index of its first coefficient among those of the shaft's forces.
+    pub(crate) first: usize,
+}
+
+/// The forces of a shaft's two supports at `positions`. Those of `forces` have zeros where
+/// `own_terms` and neighbours have none.
+pub(crate) fn balance<T: Real>(
+    direction: [T; 3],
+    [first, second]: [f64; 2],
+    own_terms: impl Iterator<Item = (usize, [T; 3])>,
+    neighbours: &[Neighbour<'_, T>],
+    [at_first, at_second]: &mut [LinearForce<T>; 2],
+) {
+    let span = DoubleDouble::two_sum(second, -first);
+    let part_of_span =
+        |from: f64, to: f64| T::from_double_double(DoubleDouble::two_sum(to, -from) / span);
+    let inverse = T::from_double_double(DoubleDouble::ONE / span);
+    let zero = [T::from_f64(0.0); 3];
+    at_first.fill(zero);
+    at_second.fill(zero);
+    for (index, term) in own_terms {
+        at_second[index] = term.map(|x| x * inverse);
+        at_first[index] = term.map(|x| -(x * inverse));
+    }
+    for neighbour in neighbours {
+        let sign = T::from_f64(if neighbour.reversed { 1.0 } else { -1.0 });
+        let shares = [
+            sign * part_of_span(neighbour.position, second),
+            sign * part_of_span(first, neighbour.position),
+        ];
+        for (i, &force) in neighbour.force.iter().enumerate() {
+            let across = across(force, direction);
+            let index = neighbour.first + i;
+            for (total, share) in
+                [&mut at_first[index], &mut at_second[index]].into_iter().zip(shares)
+            {
+                for (x, part) in total.iter_mut().zip(across) {
+                    *x = part.mul_add(share, *x);
+                }
+            }
+        }
+    }
+}
+
+/// The part of a vector across a unit vector.
+fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
+    let along = v[0].mul_add(u[0], v[1].mul_add(u[1], v[2] * u[2]));
+    [0, 1, 2].map(|i| v[i] - u[i] * along)
+}
+
+impl<T: Real> Pose<T> {
+    /// The joint's contribution to `S × u` of its driving shaft: the coefficients of `D sin² α` and
+    /// of `D sin α cos α`.
+    pub(crate) fn turned_support_driving(&self) -> [(usize, [T; 3]); 2] {
+        [(SINE2, self.plane_normal), (PRODUCT, self.in_plane.map(|x| -x))]
+    }
+
+    /// Its contribution to `S × u` of its driven shaft: the coefficients of `D cos² α` and of
+    /// `D sin α cos α`.
+    pub(crate) fn turned_support_driven(&self) -> [(usize, [T; 3]); 2] {
+        let inverse = self.cosine.recip();
+        [
+            (COSINE2, self.plane_normal.map(|x| x * self.cosine)),
+            (PRODUCT, self.out_plane.map(|x| x * inverse)),
+        ]
+    }
+
+    /// `u_out`.
+    pub(crate) fn driven_axis(&self) -> [T; 3] {
+        [0, 1, 2].map(|i| (self.shaft_axis[i] + self.in_plane[i]) * self.cosine)
+    }
+}

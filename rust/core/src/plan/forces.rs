@@ -1,0 +1,322 @@
+//! The balances of shafts that determine the requested forces.
+
+use std::ops::Range;
+
+use crate::error::{self, Error};
+use crate::input::Drivelines;
+use crate::mechanics::bearings::{Carried, Carrier, Statics};
+use crate::mechanics::forces::{COSINE2, PARTS, PRODUCT, SINE2};
+use crate::plan::output::{Output, Per};
+use crate::plan::steps::{Plan, Request};
+
+/// A value, or the reason why it is not determinate.
+type Determinate<T> = Result<T, String>;
+
+/// The most terms of all forces together. Long drivelines with one bearing on each shaft exceed it.
+const MOST_TERMS: usize = 1 << 20;
+
+/// How the requested forces follow from the torsion parts of the joints.
+#[derive(Clone, Debug)]
+pub(crate) struct ForceStep {
+    statics: Statics,
+    /// The number of bearings of each driveline.
+    pub(crate) bearings: usize,
+    /// The number of terms of all balances and targets.
+    terms: usize,
+    /// In an order in which each needs only earlier ones.
+    pub(crate) balances: Vec<Balance>,
+    /// The index of each shaft's balance, if it is planned.
+    balance_of: Vec<Option<usize>>,
+    pub(crate) targets: Vec<Target>,
+}
+
+/// The balance of one shaft, which gives the forces of its two supports.
+#[derive(Clone, Debug)]
+pub(crate) struct Balance {
+    pub(crate) shaft: usize,
+    pub(crate) carriers: [Carrier; 2],
+    /// The forces of the shaft's other joints.
+    pub(crate) loads: Vec<JointLoad>,
+    /// The joints whose torsion parts the forces depend on.
+    pub(crate) joints: Range<usize>,
+    /// The indices of the torsion parts whose coefficients need not be zero.
+    terms: Vec<usize>,
+}
+
+/// The force of a joint on a shaft that it does not support.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct JointLoad {
+    /// The joint's place on the shaft that feels it.
+    pub(crate) at: Carrier,
+    /// The force on that shaft.
+    pub(crate) force: ForceOf,
+}
+
+/// One of the two forces of a balance.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ForceOf {
+    pub(crate) balance: usize,
+    pub(crate) carrier: usize,
+    /// Whether it is the opposite of the force on the shaft.
+    pub(crate) reversed: bool,
+}
+
+/// A requested force.
+#[derive(Clone, Debug)]
+pub(crate) struct Target {
+    /// What it acts on or comes from: a joint or a bearing.
+    pub(crate) of: (Per, usize),
+    /// First plane of the result.
+    pub(crate) plane: usize,
+    /// The force; none where a joint transmits no force.
+    pub(crate) force: Option<ForceOf>,
+    /// Joint and part of each term of the sum.
+    pub(crate) terms: Vec<(usize, usize)>,
+}
+
+impl ForceStep {
+    /// Without any force, for drivelines with `joints` joints and with bearings on these shafts.
+    pub(crate) fn new(joints: usize, bearings: &[usize]) -> Self {
+        let statics = Statics::new(joints, bearings);
+        let balance_of = vec![None; joints + 1];
+        Self {
+            statics,
+            bearings: bearings.len(),
+            terms: 0,
+            balances: vec![],
+            balance_of,
+            targets: vec![],
+        }
+    }
+
+    /// Adds the force that a joint exerts on its driven shaft.
+    ///
+    /// # Errors
+    /// The reason why it is not determinate.
+    pub(crate) fn add_joint(&mut self, joint: usize, plane: usize) -> Determinate<()> {
+        let force = self.of_joint(joint)?;
+        self.add((Per::Joint, joint), plane, force, joint)
+    }
+
+    /// Adds the force that a bearing exerts on its shaft.
+    ///
+    /// # Errors
+    /// The reason why it is not determinate.
+    pub(crate) fn add_bearing(
+        &mut self,
+        bearing: usize,
+        shaft: usize,
+        plane: usize,
+    ) -> Determinate<()> {
+        let force = self.of_carrier(shaft, Carrier::Bearing(bearing))?;
+        self.add((Per::Bearing, bearing), plane, Some(force), shaft)
+    }
+
+    /// The number of shafts of each driveline.
+    pub(crate) fn shafts(&self) -> usize {
+        self.statics.shafts.len()
+    }
+
+    fn add(
+        &mut self,
+        of: (Per, usize),
+        plane: usize,
+        force: Option<ForceOf>,
+        joint: usize,
+    ) -> Determinate<()> {
+        let terms: Vec<_> = match force {
+            Some(ForceOf { balance, .. }) => self.balances[balance].parts().collect(),
+            // A term with the coefficient zero, which is NaN where the torsion is.
+            None => vec![(joint, PRODUCT)],
+        };
+        self.count_terms(terms.len())?;
+        self.targets.push(Target { of, plane, force, terms });
+        Ok(())
+    }
+
+    fn count_terms(&mut self, more: usize) -> Determinate<()> {
+        self.terms += more;
+        if self.terms > MOST_TERMS {
+            return Err(format!("the forces are sums of more than {MOST_TERMS} terms"));
+        }
+        Ok(())
+    }
+
+    /// The number of terms of all balances and targets.
+    pub(crate) fn terms(&self) -> usize {
+        self.terms
+    }
+
+    /// The joints whose torsion parts are needed.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = usize> {
+        self.targets.iter().flat_map(|target| target.terms.iter().map(|&(joint, _)| joint))
+    }
+
+    /// The force of a joint on its driven shaft.
+    fn of_joint(&mut self, joint: usize) -> Determinate<Option<ForceOf>> {
+        let Some(shaft) = self.statics.supported[joint] else { return Ok(None) };
+        let driving = shaft == joint;
+        let carrier = if driving { Carrier::DownstreamJoint } else { Carrier::UpstreamJoint };
+        let force = self.of_carrier(shaft, carrier)?;
+        Ok(Some(ForceOf { reversed: driving, ..force }))
+    }
+
+    /// The force of one of a shaft's supports on it.
+    fn of_carrier(&mut self, shaft: usize, carrier: Carrier) -> Determinate<ForceOf> {
+        let balance = if let Some(known) = self.balance_of[shaft] {
+            known
+        } else {
+            // Each of these needs only those before it.
+            for other in self.neighbours(shaft) {
+                if self.balance_of[other].is_none() {
+                    self.plan_balance(other)?;
+                }
+            }
+            self.plan_balance(shaft)?
+        };
+        let carriers = &self.balances[balance].carriers;
+        match carriers.iter().position(|&other| other == carrier) {
+            Some(carrier) => Ok(ForceOf { balance, carrier, reversed: false }),
+            None => Err(format!("shaft {shaft} is not carried there")),
+        }
+    }
+
+    /// The shafts whose balances a shaft's balance depends on, the farthest first.
+    fn neighbours(&self, shaft: usize) -> Vec<usize> {
+        let upstream = (0..shaft).rev().take_while(|&s| self.statics.supported[s] == Some(s));
+        let downstream = (shaft + 1..=self.statics.supported.len())
+            .take_while(|&s| self.statics.supported[s - 1] == Some(s));
+        let mut shafts: Vec<usize> = upstream.collect();
+        shafts.reverse();
+        let mut others: Vec<usize> = downstream.collect();
+        others.reverse();
+        shafts.extend(others);
+        shafts
+    }
+
+    fn plan_balance(&mut self, shaft: usize) -> Determinate<usize> {
+        let carriers = match &self.statics.shafts[shaft] {
+            Carried::By(carriers) => *carriers,
+            Carried::Unknown(reason) => return Err(reason.clone()),
+            Carried::ByMachine => return Err(format!("shaft {shaft} has no bearings")),
+        };
+        let n = self.statics.supported.len();
+        let mut joints = shaft.saturating_sub(1)..n.min(shaft + 1);
+        let mut loads = vec![];
+        for (at, joint) in [
+            (Carrier::UpstreamJoint, shaft.checked_sub(1)),
+            (Carrier::DownstreamJoint, Some(shaft)),
+        ] {
+            let Some(joint) = joint.filter(|&joint| joint < n && !carriers.contains(&at)) else {
+                continue;
+            };
+            if let Some(mut force) = self.of_joint(joint)? {
+                // The driving shaft feels the opposite.
+                force.reversed ^= joint == shaft;
+                let others = &self.balances[force.balance].joints;
+                joints = joints.start.min(others.start)..joints.end.max(others.end);
+                loads.push(JointLoad { at, force });
+            }
+        }
+        let mut parts: Vec<(usize, usize)> = vec![];
+        if let Some(joint) = shaft.checked_sub(1) {
+            parts.extend([(joint, COSINE2), (joint, PRODUCT)]);
+        }
+        if shaft < n {
+            parts.extend([(shaft, SINE2), (shaft, PRODUCT)]);
+        }
+        for load in &loads {
+            parts.extend(self.balances[load.force.balance].parts());
+        }
+        parts.sort_unstable();
+        parts.dedup();
+        self.count_terms(parts.len())?;
+        let index = |(joint, part): (usize, usize)| (joint - joints.start) * PARTS + part;
+        let terms = parts.into_iter().map(index).collect();
+        self.balances.push(Balance { shaft, carriers, loads, joints, terms });
+        let balance = self.balances.len() - 1;
+        self.balance_of[shaft] = Some(balance);
+        Ok(balance)
+    }
+}
+
+impl Balance {
+    /// Joint and part of each term of its forces.
+    fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
+        let first = self.joints.start;
+        self.terms.iter().map(move |&term| (first + term / PARTS, term % PARTS))
+    }
+
+    /// The index of a joint's part among the coefficients of its forces.
+    pub(crate) fn index(&self, joint: usize, part: usize) -> usize {
+        (joint - self.joints.start) * PARTS + part
+    }
+}
+
+impl Plan {
+    /// Begins with the forces of a request, of which output `place` is one.
+    ///
+    /// # Errors
+    /// Unknown lengths, and forces of bearings without a bearing.
+    pub(crate) fn start_forces(
+        &mut self,
+        request: &Request<'_>,
+        output: Output,
+        place: usize,
+    ) -> error::Result<()> {
+        let Some(bearings) = request.bearings else {
+            let rule = "the lengths of the shafts; drivelines from points have them, others get \
+                        them with their bearings";
+            return Err(refused(output, place, &format!(", which needs {rule}")));
+        };
+        if output.row().per == Per::Bearing && bearings.is_empty() {
+            return Err(refused(output, place, "; the driveline has no bearings"));
+        }
+        self.forces.get_or_insert_with(|| ForceStep::new(self.joint_count, bearings));
+        Ok(())
+    }
+
+    /// Plans the force of one joint or bearing.
+    ///
+    /// # Errors
+    /// A force that is not determinate.
+    pub(crate) fn plan_force(
+        &mut self,
+        request: &Request<'_>,
+        output: Output,
+        item: usize,
+        plane: usize,
+        place: usize,
+    ) -> error::Result<()> {
+        let (Some(forces), Some(bearings)) = (&mut self.forces, request.bearings) else {
+            return Ok(());
+        };
+        let planned = match output.row().per {
+            Per::Bearing => forces.add_bearing(item, bearings[item], plane),
+            _ => forces.add_joint(item, plane),
+        };
+        planned.map_err(|reason| refused(output, place, &format!("; {reason}")))
+    }
+
+    /// Checks that the arrays of drivelines fit together and have what the plan needs; returns the
+    /// number of drivelines.
+    pub(crate) fn check_lines(&self, lines: &Drivelines<'_>) -> error::Result<usize> {
+        let count = lines.check(self.joint_count)?;
+        let Some(forces) = &self.forces else { return Ok(count) };
+        let lengths = [
+            ("lengths", lines.lengths.len(), self.joint_count + 1),
+            ("positions", lines.positions.len(), forces.bearings),
+        ];
+        for (name, found, each) in lengths {
+            if found != count * each {
+                let problem = format!("has {found} values; {count} drivelines need {each} each");
+                return Err(Error::new(name, &[], problem));
+            }
+        }
+        Ok(count)
+    }
+}
+
+fn refused(output: Output, place: usize, why: &str) -> Error {
+    Error::new("outputs", &[place], format!("is {:?}{why}", output.row().name))
+}
