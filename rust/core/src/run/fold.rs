@@ -156,8 +156,8 @@ impl<T: Angle> Folded<T> {
         }
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let first = numbers[0];
-        let contiguous =
-            numbers.iter().enumerate().fold(true, |so, (i, &line)| so & (line == first + i));
+        let apart = numbers.iter().enumerate().filter(|&(i, &line)| line != first + i).count();
+        let contiguous = apart == 0;
         let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
             if each == 1 && contiguous {
                 out.copy_from_slice(&data[first..first + out.len()]);

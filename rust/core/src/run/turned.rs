@@ -42,6 +42,7 @@ impl<'a> ChunkLines<'a> {
 
 /// Sine and cosine of a shaft's equivalent input angle, or of twice that angle.
 #[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn find_own_pins<T: Number>(
     shaft: &FoldedShaft<T>,
     number: usize,
