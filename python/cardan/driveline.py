@@ -407,8 +407,17 @@ class Driveline(Batch):
         """
         plan: Plan | PlanOfReductions
         if isinstance(reduce, (list, tuple)):
-            given = {"dtype": dtype, "tolerance": tolerance, "workers": workers}
-            of = functools.partial(Plan, self, outputs, shafts, joints, load, **given)
+            of = functools.partial(
+                Plan,
+                self,
+                outputs,
+                shafts,
+                joints,
+                load,
+                dtype=dtype,
+                tolerance=tolerance,
+                workers=workers,
+            )
             plan = PlanOfReductions(reduce, of)
         else:
             plan = Plan(self, outputs, shafts, joints, load, reduce, dtype, tolerance, workers)
