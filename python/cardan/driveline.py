@@ -429,16 +429,25 @@ class Driveline(Installed, Mounted):
             ValueError: an unknown output, reduction or dtype, a load that is missing or does not
                 fit, shapes that do not broadcast, an ``out`` of the wrong shape or type.
         """
-        options = {
-            "dtype": dtype,
-            "tolerance": tolerance,
-            "workers": workers,
-            "axes": axes,
-            "angle_of": angle_of,
-        }
-        of = functools.partial(planned, self, outputs, shafts, joints, load, **options)
-        stacked = isinstance(reduce, (list, tuple))
-        plan: Plan | PlanOfReductions = PlanOfReductions(reduce, of) if stacked else of(reduce)
+        plan: Plan | PlanOfReductions
+        if isinstance(reduce, (list, tuple)):
+            of = functools.partial(
+                planned,
+                self,
+                outputs,
+                shafts,
+                joints,
+                load,
+                dtype=dtype,
+                tolerance=tolerance,
+                workers=workers,
+                axes=axes,
+                angle_of=angle_of,
+            )
+            plan = PlanOfReductions(reduce, of)
+        else:
+            options = (load, reduce, dtype, tolerance, workers, axes, angle_of)
+            plan = planned(self, outputs, shafts, joints, *options)
         if degrees:
             return PlanInDegrees(plan, angle_of == "driven")(angle, out)
         return plan(angle, out)

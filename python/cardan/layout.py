@@ -61,11 +61,12 @@ def layout_of(
         ValueError: an unknown or repeated name, an unknown reduction.
     """
     names = names if isinstance(names, str) else tuple(names)
-    # Only what compares equal if it is the same: 1.0 is no index.
-    plain = (shafts is None or type(shafts) is int) and (joints is None or type(joints) is int)
-    if plain and n <= _LONGEST:
+    # Of plain arguments only those are equal that mean the same; 1.0 is no index.
+    one_shaft = shafts is None or type(shafts) is int
+    if n <= _LONGEST and one_shaft and (joints is None or type(joints) is int):
         try:
-            return _remembered(names, n, shafts, joints, reduce, bearings)
+            key = (names, n, shafts, joints, reduce, bearings)
+            return _remembered(*key)  # type: ignore[arg-type]
         except TypeError:
             pass  # What is wrong is said below: here it may be that a name has no hash.
     return _layout(names, n, shafts, joints, reduce, bearings)

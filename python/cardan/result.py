@@ -45,6 +45,7 @@ class Result(Mapping[str, NDArray[Any]]):
     __slots__ = ("_angle", "_labels", "_made", "_names", "_planes")
 
     _made: Any  # the arrays that exist, by name
+    _planes: Any
     _names: Mapping[str, Any]  # all outputs in order: the arrays, or where they lie in the planes
 
     def __init__(
