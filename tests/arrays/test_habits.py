@@ -11,9 +11,7 @@ import pytest
 import cardan
 from cardan import Driveline, Load, Result, Sweep
 
-ONE = Driveline.from_bends([20, 10], 30, 40, degrees=True).with_bearings(
-    [(0, 0.1), (0, 0.2), (2, 0.3)], lengths=[0.3, 1.0, 0.4]
-)
+ONE = Driveline.from_bends([20, 10], 30, 40, degrees=True)
 BATCH = Driveline.from_bends(np.arange(12.0).reshape(6, 2), degrees=True)
 TURN = np.linspace(0.0, 360.0, 25)
 LOAD = Load(drive_torque=100.0)
@@ -163,8 +161,9 @@ def test_angles_of_drivelines_in_degrees() -> None:
 @pytest.mark.parametrize("dtype", [np.float64, np.float32])
 def test_evaluation_in_degrees(dtype: type) -> None:
     names = tuple(cardan.OUTPUTS)
-    want = ONE.evaluate(np.radians(TURN), names, load=LOAD, dtype=dtype)
-    got = ONE.evaluate(TURN, names, load=LOAD, degrees=True, dtype=dtype)
+    line = ONE.with_bearings([(0, 0.1), (0, 0.2)], lengths=[0.3, 1.0, 0.4])
+    want = line.evaluate(np.radians(TURN), names, load=LOAD, dtype=dtype)
+    got = line.evaluate(TURN, names, load=LOAD, degrees=True, dtype=dtype)
     for name in names:
         angle = name in {"angle", "angle_error", "tilt_driving", "tilt_driven"}
         assert got.units[name] == ("deg" if angle else want.units[name])

@@ -142,3 +142,45 @@ impl Statics {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_support_floating_shafts_first() {
+        let truck = Statics::new(3, &[0, 0, 1, 3, 3]);
+        assert_eq!(truck.supported, [Some(1), Some(2), Some(2)]);
+        assert_eq!(truck.shafts[0], Carried::By([Carrier::Bearing(0), Carrier::Bearing(1)]));
+        assert_eq!(truck.shafts[1], Carried::By([Carrier::UpstreamJoint, Carrier::Bearing(2)]));
+        let both = [Carrier::UpstreamJoint, Carrier::DownstreamJoint];
+        assert_eq!(truck.shafts[2], Carried::By(both));
+    }
+
+    #[test]
+    fn one_support_after_another_is_found() {
+        // Shaft 3 floats, so that shaft 2 has joint 1 only, and then shaft 1 joint 0.
+        let chain = Statics::new(4, &[1, 2]);
+        assert_eq!(chain.supported, [Some(1), Some(2), Some(3), Some(3)]);
+        // The other way round.
+        let chain = Statics::new(4, &[2, 3]);
+        assert_eq!(chain.supported, [Some(1), Some(1), Some(2), Some(3)]);
+    }
+
+    #[test]
+    fn what_is_not_determinate_has_a_reason() {
+        let reason =
+            |joints: usize, bearings: &[usize], shaft: usize| match &Statics::new(joints, bearings)
+                .shafts[shaft]
+            {
+                Carried::Unknown(reason) => reason.clone(),
+                other => panic!("{other:?}"),
+            };
+        assert!(reason(3, &[], 1).starts_with("shafts 1 and 2 both float, and joint 1"));
+        assert!(reason(1, &[0, 1], 0).starts_with("joint 0 cannot support both its shafts, 0 and"));
+        assert!(
+            reason(2, &[1], 1).starts_with("shaft 1 has three supports, bearing 0 and joints 0")
+        );
+        assert!(reason(1, &[1, 1, 1], 1).starts_with("shaft 1 has 3 bearings"));
+    }
+}
