@@ -167,4 +167,4 @@ def test_the_command_draws_orders_of_a_sweep(
     Path("a.toml").write_text(JOINT)
     done = CliRunner().invoke(commands(), ["plot", "a.toml", "--over", "orders"])
     assert done.exit_code == 0, done.output
-    assert "less their linear trend" in Path("a.svg").read_text() or Path("a.svg").stat().st_size
+    assert Path("a.svg").read_text().count("<path") > 100
