@@ -279,23 +279,23 @@ curves = "out.parquet"
         "angle_column_deg = 'a'",
     ],
 )
-@pytest.mark.parametrize("rows", [1, 2, 11, 97, 2999, 3000, 5000])
+@pytest.mark.parametrize("rows", [1, 11, 97, 699, 700, 5000])
 def test_pieces_give_the_bits_of_the_whole(tmp_path: Path, columns: str, rows: int) -> None:
     pyarrow = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")
-    random = np.random.default_rng(1)
+    random, time = np.random.default_rng(1), TIME[:700]
     table = {
-        "t": TIME.copy(),
-        "n": 600.0 + 30.0 * random.normal(size=TIME.size),
-        "a": (3600.0 * TIME + 2.0 * np.sin(100.0 * TIME)) % 360.0,
-        "m": random.normal(size=TIME.size),
+        "t": time.copy(),
+        "n": 600.0 + 30.0 * random.normal(size=time.size),
+        "a": (3600.0 * time + 2.0 * np.sin(100.0 * time)) % 360.0,
+        "m": random.normal(size=time.size),
     }
     for name, column in table.items():
-        column[random.integers(0, TIME.size, 30 if name == "t" else 60)] = np.nan
+        column[random.integers(0, time.size, 7 if name == "t" else 14)] = np.nan
     # A gap beyond the reach of any filter, and one at each end.
-    for part in (slice(0, 3), slice(1500, 1700), slice(2990, None)):
+    for part in (slice(0, 3), slice(350, 470), slice(690, None)):
         table["n"][part] = table["a"][part] = np.nan
-    parquet.write_table(pyarrow.table(table), tmp_path / "run.parquet", row_group_size=333)
+    parquet.write_table(pyarrow.table(table), tmp_path / "run.parquet", row_group_size=97)
     text = PIECES.format(angles=columns).replace("twists_deg", "bends_deg = [8, 9]\ntwists_deg")
     (tmp_path / "run.toml").write_text(text)
     scene = Scene.load(tmp_path / "run.toml")
@@ -308,7 +308,7 @@ def test_pieces_give_the_bits_of_the_whole(tmp_path: Path, columns: str, rows: i
     for name in whole.column_names:
         np.testing.assert_array_equal(streamed[name].to_numpy(), whole[name].to_numpy(), name)
     found = drive_angles(scene)
-    assert (done.rows, done.missing) == (TIME.size, scene.missing)
+    assert (done.rows, done.missing) == (time.size, scene.missing)
     assert done.ends_deg == (found["first_deg"], found["last_deg"])
     assert done.turns == pytest.approx(found["turns"], rel=1e-12)
     assert done.signals == scene.signals

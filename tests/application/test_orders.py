@@ -49,10 +49,10 @@ def test_orders_of_known_waves(turns: float) -> None:
 
 def test_half_orders() -> None:
     """Of a four-stroke engine; a segment has an even number of turns."""
-    angle = irregular(50.0, 100)
+    angle = irregular(39.0, 100)
     found = orders(angle, np.sin(0.5 * angle)[np.newaxis])
     assert found.turns % 2 == 0
-    assert (found.turns, found.segments) == (16, 3)
+    assert (found.turns, found.segments) == (18, 2)
     sizes = dict(zip(found.orders.round(9), found.amplitudes[0], strict=True))
     assert sizes.pop(0.5) == pytest.approx(1.0, rel=1e-4)
     assert max(sizes.values()) < 1e-3
@@ -167,4 +167,4 @@ def test_the_command_draws_orders_of_a_sweep(
     Path("a.toml").write_text(JOINT)
     done = CliRunner().invoke(commands(), ["plot", "a.toml", "--over", "orders"])
     assert done.exit_code == 0, done.output
-    assert "less their linear trend" in Path("a.svg").read_text() or Path("a.svg").stat().st_size
+    assert Path("a.svg").read_text().count("<path") > 100

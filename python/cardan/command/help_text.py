@@ -139,7 +139,7 @@ Examples:
 IDENTIFY = """\
 Find the bend that a recording of a driveline shows.
 
-FILE is a recording in CSV, Parquet, NPZ or MDF. It has columns for the angles of the drive and of a
+FILE is a CSV, Parquet, NPZ or MDF file. It has columns for the angles of the drive and of a
 driven shaft, or for the speed ratio of the driven shaft. The angles may start anew at each turn.
 With the angle of the shaft between two joints, both bends and the phase are found.
 
