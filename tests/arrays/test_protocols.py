@@ -168,6 +168,8 @@ OBJECTS = [
     Load(),
     LINE.plan(("angle", "moment"), shafts=slice(None), joints=0, load=LOAD, tolerance=0),
     BATCH[:, None].plan("speed_ratio", reduce="peak", dtype=np.float32, workers=1),
+    LINE.plan(("angle", "moment"), load=LOAD, axes="shaft"),
+    LINE.plan(("angle", "moment"), load=LOAD, axes="shaft", angle_of="driven"),
     LINE.evaluate(GRID, ("angle", "moment"), load=LOAD),
     LINE.evaluate(Sweep.revolutions(2, 12), reduce="max"),
     Sweep(0.0, 1.0, 11),
