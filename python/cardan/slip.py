@@ -159,13 +159,15 @@ def spline_force(
     before = geometry.bends[..., index - 1] if index else straight
     behind = geometry.bends[..., index] if index < geometry.n_joints else straight
     parts = (force * part for bend in (before, behind) for part in (np.cos(bend), np.sin(bend)))
+    bearing_force, refused = _bearing_force(geometry, index, upstream)
     return SplineForce(
         scalar_or_array(force),
         upstream,
         -upstream,
         *(scalar_or_array(np.asarray(part)) for part in parts),
         geometry.bearings,
-        *_bearing_force(geometry, index, upstream),
+        bearing_force,
+        refused,
     )
 
 
