@@ -158,14 +158,23 @@ def spline_force(
     straight = np.zeros(geometry.shape)
     before = geometry.bends[..., index - 1] if index else straight
     behind = geometry.bends[..., index] if index < geometry.n_joints else straight
-    parts = (force * part for bend in (before, behind) for part in (np.cos(bend), np.sin(bend)))
+    up_along, up_across, down_along, down_across = (
+        scalar_or_array(np.asarray(force * part(bend)))
+        for bend in (before, behind)
+        for part in (np.cos, np.sin)
+    )
+    bearing_force, refused = _bearing_force(geometry, index, upstream)
     return SplineForce(
         scalar_or_array(force),
         upstream,
         -upstream,
-        *(scalar_or_array(np.asarray(part)) for part in parts),
+        up_along,
+        up_across,
+        down_along,
+        down_across,
         geometry.bearings,
-        *_bearing_force(geometry, index, upstream),
+        bearing_force,
+        refused,
     )
 
 
