@@ -50,7 +50,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 class Repeatable(Protocol):
     """What sums need of a plan."""
 
-    places: dict[str, Place]
+    places: Mapping[str, Place]
 
     @property
     def request(self) -> Request:
