@@ -6,15 +6,12 @@
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use cardan_memory::{Plane, Word};
+use cardan_memory::Word;
 
 use crate::number::double_double::DoubleDouble;
 
 /// An element of an array: `f64` or `f32`.
 pub trait Float: Word + Debug + Default + PartialEq + Send + Sync + Into<f64> {
-    /// The words of a cache line.
-    const STRIP: usize = Plane::<Self>::STRIP;
-
     /// The value of this type nearest to `x`.
     fn near(x: f64) -> Self;
 

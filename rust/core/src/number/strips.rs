@@ -1,18 +1,7 @@
-//! Inputs of the loops, strip by strip.
-//!
-//! A strip is as many samples as one cache line holds words of results. A loop over a chunk takes
-//! strip by strip, and the loop over the samples of a strip has a constant count. The compiler turns
-//! it into straight vector code without a remainder, and the results of a strip leave the registers
-//! together. Chunks contain whole strips ([`crate::run::block`]).
+//! Inputs of the loops: one value per sample, of which parts can be taken.
 
-use crate::number::float::{Float, Real};
+use crate::number::float::Real;
 use crate::number::storage::View;
-
-/// The samples of a strip for a number type.
-#[inline(always)]
-pub(crate) const fn length<T: Real>() -> usize {
-    <T::Float as Float>::STRIP
-}
 
 /// One value per sample.
 pub(crate) trait At: Copy {

@@ -10,7 +10,6 @@ use crate::input::table::{ANGLE, GeometryVariation, TORQUE, Table};
 use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
-use crate::number::strips;
 use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
@@ -37,10 +36,6 @@ const LONG_CHUNK: usize = 16 * CHUNK;
 
 /// The most rows whose drivelines are folded together.
 pub(crate) const GROUP: usize = 64;
-
-/// The most samples of a row that are computed in a padded buffer if they are no whole strips. The
-/// last samples of longer rows are a chunk by themselves.
-const PADDED: usize = 128;
 
 /// The destination of a block's results.
 pub(crate) enum Target<'a, 'b, W> {
@@ -76,11 +71,9 @@ pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     /// Samples per chunk.
     chunk_length: usize,
     scratch: Scratch<T>,
-    /// Whether the results are converted or reduced afterwards.
-    staged: bool,
-    /// Planes for one such chunk, or for one that is not made of whole strips.
+    /// Planes for one chunk, if the results are converted or reduced afterwards.
     staging: Vec<Vec<T::Plane>>,
-    /// The angles of a chunk, if they are not contiguous in the samples or no whole strips.
+    /// The angles of a chunk, if they are not contiguous in the samples.
     angles: Vec<f64>,
     /// First angle, step and length of the chunks for which `scratch` holds pins and double angles.
     pins_key: Option<(usize, usize, usize)>,
@@ -95,8 +88,7 @@ struct RowPart {
 }
 
 impl<T: Number> Shared<'_, '_, T> {
-    /// Whether chunks begin where results begin a cache line. Those of a rotated sweep begin with
-    /// a strip.
+    /// Whether chunks begin where results begin a cache line.
     fn aligns_chunks(&self) -> bool {
         self.past_caches && !self.routes.has_rotation() && self.routes.period.is_none()
     }
@@ -117,7 +109,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         } else {
             CHUNK
         };
-        let longest = chunk_length.min(row_length).next_multiple_of(strips::length::<T>());
+        let longest = chunk_length.min(row_length);
         let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
                 GeometryVariation::One => (1, false),
@@ -133,8 +125,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             numbers: vec![],
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
-            staged: staging,
-            staging: vec![],
+            staging: if staging {
+                vec![vec![T::Plane::default(); longest]; plan.planes]
+            } else {
+                vec![]
+            },
             angles: vec![],
             pins_key: None,
             double_angles_key: None,
@@ -226,9 +221,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             && let Some(selected) = self.extreme_samples(part.row, start..stop, *reduction)
         {
             for samples in selected.chunks(self.chunk_length) {
-                let mut strips = samples.to_vec();
-                strips.resize(samples.len().next_multiple_of(strips::length::<T>()), samples[0]);
-                self.chunk(part, 0..samples.len(), Some(&strips), row_in_block, target);
+                self.chunk(part, 0..samples.len(), Some(samples), row_in_block, target);
             }
             return;
         }
@@ -262,20 +255,17 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         stop: usize,
         target: &mut Target<'_, '_, W>,
     ) -> usize {
-        let whole = strips::length::<T>();
-        let first = if at.is_multiple_of(whole) { at - at % self.chunk_length } else { at };
-        let end = stop.min(first + self.chunk_length);
-        if self.staged || end - at <= PADDED {
-            return end;
-        }
-        if let (Target::Planes(planes), true) = (target, self.shared.aligns_chunks()) {
-            let first = part.offset + at - part.samples.start;
-            let before = planes[0].part(first..first + whole).words_before_cache_line();
-            if (1..whole).contains(&before) {
-                return at + before;
+        match target {
+            Target::Planes(planes) if self.shared.aligns_chunks() => {
+                let first = part.offset + at - part.samples.start;
+                let plane = planes[0].part(first..first + stop - at);
+                match plane.words_before_cache_line() {
+                    0 => stop.min(at + self.chunk_length),
+                    before => stop.min(at + before),
+                }
             }
+            _ => stop.min((at / self.chunk_length + 1) * self.chunk_length),
         }
-        end - (end - at) % whole
     }
 
     /// The number of samples after which the results of a row repeat, if they are to be copied.
@@ -328,21 +318,18 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let loads = self.load_columns();
         let Self { shared, scratch, .. } = self;
         let &Shared { plan, table, level, ref routes, ref tables, .. } = *shared;
-        let rotations = tables.rotations.as_ref();
-        // The samples of the last strip that are too many repeat or follow others and are dropped.
-        let (count, size) = (samples.len(), samples.len().next_multiple_of(strips::length::<T>()));
+        let (rotations, size) = (tables.rotations.as_ref(), samples.len());
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
         let drive = match (&table.sweep, selected) {
             (Some(sweep), Some(selected)) => DriveAngles::Selected(sweep, selected),
             (Some(sweep), None) => DriveAngles::Sweep(sweep, begin),
-            (None, _) if step == 1 && count == size => {
+            (None, _) if step == 1 => {
                 DriveAngles::Array(&table.columns[ANGLE].data[begin..begin + size])
             }
             (None, _) => {
-                self.angles.clear();
                 self.angles.resize(size, 0.0);
-                gather(table.columns[ANGLE].data, begin, step, &mut self.angles[..count]);
+                gather(table.columns[ANGLE].data, begin, step, &mut self.angles);
                 DriveAngles::Array(&self.angles)
             }
         };
@@ -351,10 +338,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             GeometryVariation::ByRow => GeometryIndex::Shared(part.row - self.rows.start),
             GeometryVariation::BySample => {
                 let (line, step) = table.locate(&table.line, part.row);
-                let last = samples.end - 1;
-                let strips = samples.start..samples.start + size;
                 self.numbers.clear();
-                self.numbers.extend(strips.map(|i| line + i.min(last) * step));
+                self.numbers.extend(samples.clone().map(|i| line + i * step));
                 self.folded.to_mut().fold(level, plan, &table.lines, &self.numbers);
                 GeometryIndex::PerSample
             }
@@ -375,8 +360,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let row_offset = if selected.is_some() { 0 } else { samples.start - part.samples.start };
         let first = part.offset + row_offset;
         let direct = match target {
-            Target::Planes(planes) if count == size => T::direct(planes),
-            _ => None,
+            Target::Planes(planes) => T::direct(planes),
+            Target::Reduced(..) => None,
         };
         let (is_direct, chains) = (direct.is_some(), table.lines.chains(plan.joint_count));
         let mut planes: Vec<Plane<'_, T::Plane>> = match direct {
@@ -384,14 +369,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 planes.iter_mut().map(|plane| plane.part(first..first + size)).collect()
             }
             None => {
-                self.staging.resize(plan.planes, vec![]);
-                let parts = self.staging.iter_mut().map(|words| {
-                    if words.len() < size {
-                        words.resize(size, T::Plane::default());
-                    }
-                    Plane::cached(&mut words[..size])
-                });
-                parts.collect()
+                self.staging.iter_mut().map(|words| Plane::cached(&mut words[..size])).collect()
             }
         };
         kernels::run_motion(
@@ -413,7 +391,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let (origin, step) = scratch.cursors[index];
                 if step != 0 {
                     let (data, buffer) = (table.columns[index].data, &mut scratch.gathered[index]);
-                    gather(data, origin + samples.start * step, step, &mut buffer[..count]);
+                    gather(data, origin + samples.start * step, step, &mut buffer[..size]);
                 }
             }
             kernels::run_load(
@@ -432,8 +410,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             _ if is_direct => {}
             Target::Planes(planes) => {
                 for (plane, words) in planes.iter_mut().zip(&self.staging) {
-                    let words = &words[..count];
-                    kernels::convert(level, words, &mut plane.words()[first..first + count]);
+                    let words = &words[..size];
+                    kernels::convert(level, words, &mut plane.words()[first..first + size]);
                 }
             }
             Target::Reduced(reduction, groups, partials) => {
@@ -442,7 +420,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 let mut plane = 0;
                 for (partial, &group) in own.iter_mut().zip(*groups) {
                     let planes = &self.staging[plane..plane + group];
-                    kernels::reduce(level, *reduction, partial, planes, count);
+                    kernels::reduce(level, *reduction, partial, planes, size);
                     plane += group;
                 }
             }

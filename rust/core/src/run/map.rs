@@ -1,15 +1,19 @@
 //! The loops over a chunk, in two shapes, and the computations in them.
 //!
-//! Each shape goes strip by strip ([`crate::number::strips`]): a branch-free loop over the samples of a
-//! strip becomes vector code for the instruction set of its caller, and the sink stores the strip.
+//! Each shape is a plain branch-free loop over the samples, which the compiler vectorises for the
+//! instruction set of its caller. Where results bypass the caches, they leave by strips: a loop with
+//! a constant count stores them in local arrays, which the compiler keeps in vector registers until
+//! the sink stores whole cache lines.
+//!
 //! All loops are inlined into the functions that [`crate::run::block`] calls for an instruction set.
 //! The slices fit in the first-level cache, so one loop per output costs no more than one loop for
 //! all, and each can be skipped.
 //!
-//! `at` gives the constants: one value for the whole chunk, or one per sample.
-//!
-//! Closures are marked `#[inline(always)]`: a closure compiled separately would not use the
-//! instruction set of its loop.
+//! `at` gives the constants: one value for the whole chunk, or one per sample. All slices of a loop
+//! are first cut to one length, and the loop counts instead of iterating. A remaining bounds check
+//! costs more than itself, because the last vectors of every chunk would then be computed one number
+//! at a time. Closures are marked `#[inline(always)]`: a closure compiled separately would not use
+//! the instruction set of its loop.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is constant")]
 
 use crate::mechanics::moment::{self, Pose, TorsionParts};
@@ -18,63 +22,45 @@ use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
-use crate::number::strips::{self, At, Same, Strips};
+use crate::number::strips::{At, Same, Strips};
 use crate::run::formula::MotionFormula;
-use crate::run::sink::{Sink, SinkStrip};
+use crate::run::sink::{PlainSink, STRIP, Sink, SinkStrip};
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
 
 /// A value for each sample, from its inputs, sine and cosine.
-///
-/// A `LONG` computation always goes strip by strip. Of a short one the compiler makes faster code in
-/// a plain loop, so it goes by strips only if these bypass the caches.
 #[inline(always)]
-pub(crate) fn over_sin_cos<const LONG: bool, T: Real, I: Strips, V, O: Sink<V>>(
-    sin_cos: impl SinCosBlocks<T>,
+pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
+    sin_cos: S,
     inputs: I,
-    mut out: O,
+    mut out: impl Sink<V>,
     value: impl Fn(I::Value, T, T) -> V,
 ) {
-    let strip = strips::length::<T>();
     for (start, block) in sin_cos.parts() {
         let length = block.len();
-        let mut out = out.slice(start, length);
-        if !LONG && !out.bypasses_caches() {
-            let inputs = inputs.strip(start, length);
+        // Error terms take longer than memory, and the groups of a sweep begin anywhere.
+        let strips =
+            if !T::LOW && !S::FROM_SWEEP && out.bypasses_caches() { length / STRIP } else { 0 };
+        for strip in 0..strips {
+            let first = strip * STRIP;
+            let (block, inputs) = (block.part(first, STRIP), inputs.strip(first, STRIP));
+            let mut results = out.strip(first);
+            for i in 0..STRIP {
+                let (s, c) = block.get(i);
+                results.set(i, value(inputs.at(i), s, c));
+            }
+            out.put(first, &results);
+        }
+        let (first, length) = (strips * STRIP, length - strips * STRIP);
+        if length > 0 {
+            let block = block.part(first, length);
+            let inputs = inputs.strip(start + first, length);
+            let mut out = out.plain(start + first, length);
             for i in 0..length {
                 let (s, c) = block.get(i);
                 out.store(i, value(inputs.at(i), s, c));
             }
-            continue;
-        }
-        let mut first = 0;
-        while first + strip <= length {
-            let sin_cos = block.part(first, strip);
-            let inputs = inputs.strip(start + first, strip);
-            let mut results = out.strip(first, strip);
-            for i in 0..strip {
-                let (s, c) = sin_cos.get(i);
-                results.set(i, value(inputs.at(i), s, c));
-            }
-            out.put(first, strip, &results);
-            first += strip;
-        }
-        if !rest_is_empty(&block) {
-            // A loop with two exits is not compiled for vectors, which would double its size.
-            for i in first..first + strip {
-                if i >= length {
-                    break;
-                }
-                let (s, c) = block.get(i);
-                out.store(i, value(inputs.at(start + i), s, c));
-            }
         }
     }
-}
-
-/// Whether the type of a block alone shows that it has whole strips.
-#[inline(always)]
-fn rest_is_empty<T, B: SinCosBlock<T>>(_: &B) -> bool {
-    B::WHOLE
 }
 
 /// The value of a formula for each sample.
@@ -85,7 +71,7 @@ pub(crate) fn formula<T: Real, C: Strips, V>(
     sin_cos: impl SinCosBlocks<T>,
     out: impl Sink<V>,
 ) {
-    over_sin_cos::<false, _, _, _, _>(
+    over_sin_cos(
         sin_cos,
         at,
         out,
@@ -102,24 +88,22 @@ pub(crate) fn over_samples<T: Real, I: Strips>(
     mut out: impl Sink<T>,
     value: impl Fn(I::Value) -> T,
 ) {
-    let mut out = out.slice(0, length);
-    if !out.bypasses_caches() {
-        let inputs = inputs.strip(0, length);
+    let strips = if !T::LOW && out.bypasses_caches() { length / STRIP } else { 0 };
+    for strip in 0..strips {
+        let first = strip * STRIP;
+        let (inputs, mut results) = (inputs.strip(first, STRIP), out.strip(first));
+        for i in 0..STRIP {
+            results.set(i, value(inputs.at(i)));
+        }
+        out.put(first, &results);
+    }
+    let (first, length) = (strips * STRIP, length - strips * STRIP);
+    if length > 0 {
+        let inputs = inputs.strip(first, length);
+        let mut out = out.plain(first, length);
         for i in 0..length {
             out.store(i, value(inputs.at(i)));
         }
-        return;
-    }
-    let strip = strips::length::<T>();
-    let mut first = 0;
-    while first < length {
-        let inputs = inputs.strip(first, strip);
-        let mut results = out.strip(first, strip);
-        for i in 0..strip {
-            results.set(i, value(inputs.at(i)));
-        }
-        out.put(first, strip, &results);
-        first += strip;
     }
 }
 
@@ -143,7 +127,7 @@ pub(crate) fn angle_error<T: Number, C: Strips<Value: MotionFormula<T>>>(
 ) {
     macro_rules! by {
         ($tangent:expr, $atan:expr) => {
-            over_sin_cos::<true, _, _, _, _>(
+            over_sin_cos(
                 sin_cos,
                 at,
                 out,
@@ -184,7 +168,7 @@ pub(crate) fn motion<T: Number, C: Strips<Value: MotionFormula<T>>>(
 ) {
     macro_rules! by {
         ($atan:expr) => {
-            over_sin_cos::<true, _, _, _, _>(
+            over_sin_cos(
                 sin_cos,
                 at,
                 (rotations, rates),
@@ -277,7 +261,7 @@ pub(crate) fn parts<T: Real>(
     torsion: View<'_, T>,
     parts: [ViewMut<'_, T>; 3],
 ) {
-    over_sin_cos::<false, _, _, _, _>(
+    over_sin_cos(
         pins,
         (at, torsion),
         parts,
@@ -297,7 +281,7 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     torsion: View<'_, T>,
     out: [impl Sink<T>; 3],
 ) {
-    over_sin_cos::<false, _, _, _, _>(
+    over_sin_cos(
         pins,
         (at, torsion),
         out,
@@ -336,7 +320,7 @@ pub(crate) fn magnitude<T: Real>(
     torsion: View<'_, T>,
     out: impl Sink<T>,
 ) {
-    over_sin_cos::<false, _, _, _, _>(
+    over_sin_cos(
         pins,
         (at, torsion),
         out,

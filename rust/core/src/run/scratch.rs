@@ -3,7 +3,6 @@
 use crate::input::table::Table;
 use crate::number::Number;
 use crate::number::storage::{Column, columns};
-use crate::number::strips;
 use crate::plan::output::Output;
 use crate::plan::route::Routes;
 use crate::plan::steps::{JointStep, Plan};
@@ -75,7 +74,6 @@ impl<T: Number> Scratch<T> {
 
     /// Allocates angle errors for this number of samples, or none.
     pub(crate) fn keep_errors(&mut self, plan: &Plan, length: usize) {
-        let length = length.next_multiple_of(strips::length::<T>());
         if self.errors.first().map_or(0, Column::len) == length {
             return;
         }

@@ -9,13 +9,14 @@ use crate::number::float::{Float, Real};
 use crate::number::storage::{View, ViewMut};
 use crate::sincos::array::sample_number;
 
-/// The most words of a strip.
-const LONGEST: usize = 16;
+/// The samples of a strip, whose results leave the registers together: some cache lines of words.
+/// The compiler unrolls shorter loops before it looks for vectors, and finds fewer then.
+pub(crate) const STRIP: usize = 32;
 
 /// The destination of a loop's results: a column of numbers, words of a plane, or several of these.
 pub(crate) trait Sink<T> {
-    /// The sink for a part of the results.
-    type Slice<'a>: Sink<T>
+    /// The sink for a part of the results, stored one by one.
+    type Plain<'a>: PlainSink<T>
     where
         Self: 'a;
 
@@ -29,14 +30,17 @@ pub(crate) trait Sink<T> {
     fn bypasses_caches(&self) -> bool;
 
     /// The sink for `length` results from `start` on.
-    fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_>;
+    fn plain(&mut self, start: usize, length: usize) -> Self::Plain<'_>;
 
-    /// An empty strip for `length` results from `first` on.
-    fn strip(&self, first: usize, length: usize) -> Self::Strip;
+    /// An empty strip for the results from `first` on.
+    fn strip(&self, first: usize) -> Self::Strip;
 
-    /// Stores the first `length` results of a strip, which are whole cache lines.
-    fn put(&mut self, first: usize, length: usize, strip: &Self::Strip);
+    /// Stores a strip.
+    fn put(&mut self, first: usize, strip: &Self::Strip);
+}
 
+/// A sink that stores results one by one.
+pub(crate) trait PlainSink<T> {
     /// Stores result `i`.
     fn store(&mut self, i: usize, number: T);
 }
@@ -47,25 +51,15 @@ pub(crate) trait SinkStrip<T> {
     fn set(&mut self, i: usize, number: T);
 }
 
-/// Numbers of a strip, as words.
-pub(crate) struct NumberStrip<T: Real> {
-    high: [T::Float; LONGEST],
-    low: [T::Float; LONGEST],
-}
-
-impl<T: Real> SinkStrip<T> for NumberStrip<T> {
+impl<T: Real> PlainSink<T> for ViewMut<'_, T> {
     #[inline(always)]
-    fn set(&mut self, i: usize, number: T) {
-        let [high, low] = number.words();
-        self.high[i] = high;
-        if T::LOW {
-            self.low[i] = low;
-        }
+    fn store(&mut self, i: usize, number: T) {
+        self.set(i, number);
     }
 }
 
 impl<T: Real> Sink<T> for ViewMut<'_, T> {
-    type Slice<'a>
+    type Plain<'a>
         = ViewMut<'a, T>
     where
         Self: 'a;
@@ -83,23 +77,35 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
+    fn plain(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
         self.window(start, length)
     }
 
     #[inline(always)]
-    fn strip(&self, _: usize, _: usize) -> NumberStrip<T> {
-        NumberStrip { high: [T::Float::default(); LONGEST], low: [T::Float::default(); LONGEST] }
+    fn strip(&self, _: usize) -> NumberStrip<T> {
+        NumberStrip { high: [T::Float::default(); STRIP], low: [T::Float::default(); STRIP] }
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, length: usize, strip: &NumberStrip<T>) {
-        self.set_strip(first, &strip.high[..length], &strip.low[..length]);
+    fn put(&mut self, first: usize, strip: &NumberStrip<T>) {
+        self.set_strip(first, &strip.high, &strip.low);
     }
+}
 
+/// Numbers of a strip, as words.
+pub(crate) struct NumberStrip<T: Real> {
+    high: [T::Float; STRIP],
+    low: [T::Float; STRIP],
+}
+
+impl<T: Real> SinkStrip<T> for NumberStrip<T> {
     #[inline(always)]
-    fn store(&mut self, i: usize, number: T) {
-        self.set(i, number);
+    fn set(&mut self, i: usize, number: T) {
+        let [high, low] = number.words();
+        self.high[i] = high;
+        if T::LOW {
+            self.low[i] = low;
+        }
     }
 }
 
@@ -140,15 +146,21 @@ pub(crate) struct Words<'a, W> {
     stores: Stores,
 }
 
-/// Words of a strip.
-pub(crate) struct WordStrip<W>([W; LONGEST]);
-
-impl<W: Float> WordStrip<W> {
+impl<W: Float> Words<'_, W> {
+    /// The words themselves.
     #[inline(always)]
-    fn empty() -> Self {
-        Self([W::default(); LONGEST])
+    pub(crate) fn words(&mut self) -> &mut [W] {
+        self.plane.words()
+    }
+
+    #[inline(always)]
+    fn part(&mut self, start: usize, length: usize) -> &mut [W] {
+        &mut self.plane.words()[start..start + length]
     }
 }
+
+/// Words of a strip.
+pub(crate) struct WordStrip<W>([W; STRIP]);
 
 impl<T: Real, W: Float> SinkStrip<T> for WordStrip<W> {
     #[inline(always)]
@@ -157,27 +169,16 @@ impl<T: Real, W: Float> SinkStrip<T> for WordStrip<W> {
     }
 }
 
-impl<W: Float> Words<'_, W> {
+impl<T: Real, W: Float> PlainSink<T> for &mut [W] {
     #[inline(always)]
-    fn part(&mut self, start: usize, length: usize) -> Words<'_, W> {
-        Words { plane: self.plane.part(start..start + length), stores: self.stores }
-    }
-
-    #[inline(always)]
-    fn put_strip(&mut self, first: usize, words: &[W]) {
-        self.plane.put(self.stores, first, words);
-    }
-
-    /// The words themselves.
-    #[inline(always)]
-    pub(crate) fn words(&mut self) -> &mut [W] {
-        self.plane.words()
+    fn store(&mut self, i: usize, number: T) {
+        self[i] = W::near(number.value().into());
     }
 }
 
 impl<T: Real, W: Float> Sink<T> for Words<'_, W> {
-    type Slice<'a>
-        = Words<'a, W>
+    type Plain<'a>
+        = &'a mut [W]
     where
         Self: 'a;
 
@@ -194,23 +195,18 @@ impl<T: Real, W: Float> Sink<T> for Words<'_, W> {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> Words<'_, W> {
+    fn plain(&mut self, start: usize, length: usize) -> &mut [W] {
         self.part(start, length)
     }
 
     #[inline(always)]
-    fn strip(&self, _: usize, _: usize) -> WordStrip<W> {
-        WordStrip::empty()
+    fn strip(&self, _: usize) -> WordStrip<W> {
+        WordStrip([W::default(); STRIP])
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, length: usize, strip: &WordStrip<W>) {
-        self.put_strip(first, &strip.0[..length]);
-    }
-
-    #[inline(always)]
-    fn store(&mut self, i: usize, number: T) {
-        self.plane.set(i, W::near(number.value().into()));
+    fn put(&mut self, first: usize, strip: &WordStrip<W>) {
+        self.plane.put(self.stores, first, &strip.0);
     }
 }
 
@@ -222,9 +218,17 @@ impl<V, U, A: SinkStrip<V>, B: SinkStrip<U>> SinkStrip<(V, U)> for (A, B) {
     }
 }
 
+impl<V, U, A: PlainSink<V>, B: PlainSink<U>> PlainSink<(V, U)> for (A, B) {
+    #[inline(always)]
+    fn store(&mut self, i: usize, (first, second): (V, U)) {
+        self.0.store(i, first);
+        self.1.store(i, second);
+    }
+}
+
 impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
-    type Slice<'a>
-        = (A::Slice<'a>, B::Slice<'a>)
+    type Plain<'a>
+        = (A::Plain<'a>, B::Plain<'a>)
     where
         Self: 'a;
 
@@ -241,25 +245,19 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_> {
-        (self.0.slice(start, length), self.1.slice(start, length))
+    fn plain(&mut self, start: usize, length: usize) -> Self::Plain<'_> {
+        (self.0.plain(start, length), self.1.plain(start, length))
     }
 
     #[inline(always)]
-    fn strip(&self, first: usize, length: usize) -> Self::Strip {
-        (self.0.strip(first, length), self.1.strip(first, length))
+    fn strip(&self, first: usize) -> Self::Strip {
+        (self.0.strip(first), self.1.strip(first))
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, length: usize, strip: &Self::Strip) {
-        self.0.put(first, length, &strip.0);
-        self.1.put(first, length, &strip.1);
-    }
-
-    #[inline(always)]
-    fn store(&mut self, i: usize, (first, second): (V, U)) {
-        self.0.store(i, first);
-        self.1.store(i, second);
+    fn put(&mut self, first: usize, strip: &Self::Strip) {
+        self.0.put(first, &strip.0);
+        self.1.put(first, &strip.1);
     }
 }
 
@@ -273,9 +271,19 @@ impl<V, S: SinkStrip<V>> SinkStrip<[V; 3]> for [S; 3] {
     }
 }
 
+impl<V, S: PlainSink<V>> PlainSink<[V; 3]> for [S; 3] {
+    #[inline(always)]
+    fn store(&mut self, i: usize, [along_x, along_y, along_z]: [V; 3]) {
+        let [x, y, z] = self;
+        x.store(i, along_x);
+        y.store(i, along_y);
+        z.store(i, along_z);
+    }
+}
+
 impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
-    type Slice<'a>
-        = [S::Slice<'a>; 3]
+    type Plain<'a>
+        = [S::Plain<'a>; 3]
     where
         Self: 'a;
 
@@ -292,31 +300,23 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> Self::Slice<'_> {
+    fn plain(&mut self, start: usize, length: usize) -> Self::Plain<'_> {
         let [x, y, z] = self;
-        [x.slice(start, length), y.slice(start, length), z.slice(start, length)]
+        [x.plain(start, length), y.plain(start, length), z.plain(start, length)]
     }
 
     #[inline(always)]
-    fn strip(&self, first: usize, length: usize) -> Self::Strip {
+    fn strip(&self, first: usize) -> Self::Strip {
         let [x, y, z] = self;
-        [x, y, z].map(|sink| sink.strip(first, length))
+        [x.strip(first), y.strip(first), z.strip(first)]
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, length: usize, [along_x, along_y, along_z]: &Self::Strip) {
+    fn put(&mut self, first: usize, [along_x, along_y, along_z]: &Self::Strip) {
         let [x, y, z] = self;
-        x.put(first, length, along_x);
-        y.put(first, length, along_y);
-        z.put(first, length, along_z);
-    }
-
-    #[inline(always)]
-    fn store(&mut self, i: usize, [along_x, along_y, along_z]: [V; 3]) {
-        let [x, y, z] = self;
-        x.store(i, along_x);
-        y.store(i, along_y);
-        z.store(i, along_z);
+        x.put(first, along_x);
+        y.put(first, along_y);
+        z.put(first, along_z);
     }
 }
 
@@ -325,8 +325,8 @@ pub(crate) trait DriveAngle: Copy {
     /// The same for `length` samples from `start` on.
     fn slice(self, start: usize, length: usize) -> Self;
 
-    /// The same for a strip.
-    fn strip(self, start: usize, length: usize) -> Self;
+    /// The same for a strip from `start` on.
+    fn strip(self, start: usize) -> Self;
 
     fn angle(&self, i: usize) -> DoubleDouble;
 }
@@ -342,8 +342,8 @@ impl DriveAngle for ArrayAngle<'_> {
     }
 
     #[inline(always)]
-    fn strip(self, start: usize, length: usize) -> Self {
-        self.slice(start, length)
+    fn strip(self, start: usize) -> Self {
+        self.slice(start, STRIP)
     }
 
     #[inline(always)]
@@ -363,8 +363,8 @@ impl DriveAngle for SweepAngle<'_> {
     }
 
     #[inline(always)]
-    fn strip(self, start: usize, length: usize) -> Self {
-        self.slice(start, length)
+    fn strip(self, start: usize) -> Self {
+        self.slice(start, STRIP)
     }
 
     #[inline(always)]
@@ -397,8 +397,8 @@ impl DriveAngle for SteppedAngle<'_> {
     }
 
     #[inline(always)]
-    fn strip(self, start: usize, length: usize) -> Self {
-        Self { turns: self.turns.part(start, length), ..self }
+    fn strip(self, start: usize) -> Self {
+        Self { turns: self.turns.part(start, STRIP), ..self }
     }
 
     #[inline(always)]
@@ -410,19 +410,29 @@ impl DriveAngle for SteppedAngle<'_> {
 /// Adds drive angles to angle errors.
 pub(crate) struct AngleSink<'a, D, W>(pub(crate) D, pub(crate) Words<'a, W>);
 
+/// The same, one by one.
+pub(crate) struct PlainAngleSink<'a, D, W>(D, &'a mut [W]);
+
 /// The angles of a strip.
-pub(crate) struct AngleStrip<D, W>(D, WordStrip<W>);
+pub(crate) struct AngleStrip<D, W>(D, [W; STRIP]);
 
 impl<T: Number, D: DriveAngle, W: Float> SinkStrip<T> for AngleStrip<D, W> {
     #[inline(always)]
     fn set(&mut self, i: usize, error: T) {
-        self.1.0[i] = error.after(self.0.angle(i));
+        self.1[i] = error.after(self.0.angle(i));
+    }
+}
+
+impl<T: Number, D: DriveAngle, W: Float> PlainSink<T> for PlainAngleSink<'_, D, W> {
+    #[inline(always)]
+    fn store(&mut self, i: usize, error: T) {
+        self.1[i] = error.after(self.0.angle(i));
     }
 }
 
 impl<T: Number, D: DriveAngle, W: Float> Sink<T> for AngleSink<'_, D, W> {
-    type Slice<'a>
-        = AngleSink<'a, D, W>
+    type Plain<'a>
+        = PlainAngleSink<'a, D, W>
     where
         Self: 'a;
 
@@ -439,22 +449,17 @@ impl<T: Number, D: DriveAngle, W: Float> Sink<T> for AngleSink<'_, D, W> {
     }
 
     #[inline(always)]
-    fn slice(&mut self, start: usize, length: usize) -> AngleSink<'_, D, W> {
-        AngleSink(self.0.slice(start, length), self.1.part(start, length))
+    fn plain(&mut self, start: usize, length: usize) -> PlainAngleSink<'_, D, W> {
+        PlainAngleSink(self.0.slice(start, length), self.1.part(start, length))
     }
 
     #[inline(always)]
-    fn strip(&self, first: usize, length: usize) -> AngleStrip<D, W> {
-        AngleStrip(self.0.strip(first, length), WordStrip::empty())
+    fn strip(&self, first: usize) -> AngleStrip<D, W> {
+        AngleStrip(self.0.strip(first), [W::default(); STRIP])
     }
 
     #[inline(always)]
-    fn put(&mut self, first: usize, length: usize, strip: &AngleStrip<D, W>) {
-        self.1.put_strip(first, &strip.1.0[..length]);
-    }
-
-    #[inline(always)]
-    fn store(&mut self, i: usize, error: T) {
-        self.1.plane.set(i, error.after(self.0.angle(i)));
+    fn put(&mut self, first: usize, strip: &AngleStrip<D, W>) {
+        self.1.plane.put(self.1.stores, first, &strip.1);
     }
 }

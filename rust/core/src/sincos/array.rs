@@ -70,9 +70,6 @@ pub(crate) trait SinCosBlocks<T>: Copy {
 
 /// Sines and cosines of consecutive samples.
 pub(crate) trait SinCosBlock<T>: Copy {
-    /// Whether every block consists of whole strips.
-    const WHOLE: bool;
-
     fn len(&self) -> usize;
 
     /// A part of the block.
@@ -91,8 +88,6 @@ impl<T: Real> SinCosBlocks<T> for SinCos<'_, T> {
 }
 
 impl<T: Real> SinCosBlock<T> for SinCos<'_, T> {
-    const WHOLE: bool = true;
-
     #[inline(always)]
     fn part(&self, start: usize, length: usize) -> Self {
         Self { sine: self.sine.part(start, length), cosine: self.cosine.part(start, length) }

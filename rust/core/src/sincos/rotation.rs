@@ -5,12 +5,15 @@ use std::f64::consts::FRAC_PI_2;
 
 use crate::input::sweep::Sweep;
 use crate::number::double_double::DoubleDouble;
-use crate::number::float::{Float, Real};
+use crate::number::float::Real;
 use crate::number::reduction::{ROUNDING, reduce_double_double};
 use crate::number::storage::{Column, View, ViewMut, columns, views, views_mut};
 use crate::number::strips::Same;
 use crate::number::trig::{self, Angle};
 use crate::sincos::array::{self, SinCos, SinCosBlock, SinCosBlocks};
+
+/// Groups begin at multiples of this number of samples, where vectors begin.
+const ALIGNMENT: f64 = 8.0;
 
 /// Sines and cosines of twice the angle of whole steps from the middle of a group.
 ///
@@ -45,9 +48,6 @@ pub(crate) struct RotationGroup<T> {
 }
 
 impl<T: Angle> Rotations<T> {
-    /// Groups begin at multiples of this number of samples, where strips begin.
-    const ALIGNMENT: f64 = T::Float::STRIP as f64;
-
     /// The longest group. Its table should leave room in the first-level cache for the results.
     const MAX_LENGTH: f64 = 320.0;
 
@@ -69,7 +69,7 @@ impl<T: Angle> Rotations<T> {
             ));
             [s, c].map(T::from_double_double)
         };
-        let length = 2 * half + Self::ALIGNMENT as usize;
+        let length = 2 * half + ALIGNMENT as usize;
         let mut steps = columns(length);
         let [mut sine, mut cosine] = views_mut(&mut steps, 0, length);
         for i in half..length {
@@ -120,11 +120,11 @@ impl<T: Angle> Rotations<T> {
             let crossing = sin_cos(quarter.sample);
             let end = stop.min(quarter.end as usize);
             // The vector that contains the sample decides, so the start of a chunk does not matter.
-            let vector = Self::ALIGNMENT * (at as f64 / Self::ALIGNMENT).floor();
+            let vector = ALIGNMENT * (at as f64 / ALIGNMENT).floor();
             let mut beside = ((vector - quarter.sample + half) / (2.0 * half)).floor();
             let mut middle = quarter.sample + 2.0 * half * beside;
             while at < end {
-                let next = end.min(Self::align_up(middle + half) as usize);
+                let next = end.min(align_up(middle + half) as usize);
                 groups.push(RotationGroup {
                     start: start + at - first,
                     length: next - at,
@@ -161,12 +161,6 @@ impl<T: Angle> Rotations<T> {
         }
     }
 
-    /// Rounds a sample number up to the start of a strip.
-    #[inline(always)]
-    fn align_up(sample: f64) -> f64 {
-        Self::ALIGNMENT * (sample / Self::ALIGNMENT).ceil()
-    }
-
     /// The sample number of a multiple of a quarter turn, with its fraction.
     #[inline(always)]
     fn sample_at(&self, number: f64) -> f64 {
@@ -177,7 +171,7 @@ impl<T: Angle> Rotations<T> {
     /// The first sample after the quarter with this number.
     #[inline(always)]
     fn end(&self, number: f64) -> f64 {
-        Self::align_up(self.sample_at(number + 0.5_f64.copysign(self.quarter.high)))
+        align_up(self.sample_at(number + 0.5_f64.copysign(self.quarter.high)))
     }
 
     #[inline(always)]
@@ -220,6 +214,12 @@ struct Quarter {
     sample: f64,
     /// The start of the next quarter.
     end: f64,
+}
+
+/// Rounds a sample number up to the start of a vector.
+#[inline(always)]
+fn align_up(sample: f64) -> f64 {
+    ALIGNMENT * (sample / ALIGNMENT).ceil()
 }
 
 /// Sine and cosine of twice the drive angle, multiplied by `q`, for the samples of a chunk.
@@ -274,8 +274,6 @@ pub(crate) struct RotatedGroup<'a, T: Real> {
 }
 
 impl<T: Real> SinCosBlock<T> for RotatedGroup<'_, T> {
-    const WHOLE: bool = false;
-
     #[inline(always)]
     fn part(&self, start: usize, length: usize) -> Self {
         Self { steps: self.steps.part(start, length), middle: self.middle }
