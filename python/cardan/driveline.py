@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import _core, approximations, geometry, threads
 from cardan.arrays import FloatArray, deferring
-from cardan.bearings import Mounted
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
 from cardan.driven_angle import planned
@@ -27,7 +26,7 @@ from cardan.result import Result
 from cardan.sweep import Sweep
 
 
-class Driveline(Installed, Mounted):
+class Driveline(Installed):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or

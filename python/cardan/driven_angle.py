@@ -109,6 +109,10 @@ def planned(
     names = checked(names)
     checked_choice("axes", axes, ("space", "shaft"))
     checked_choice("angle_of", angle_of, ("drive", "driven"))
+    forces = [name for name in names if OUTPUTS[name].unit == "N"]
+    if axes == "shaft" and forces:
+        problem = f"is 'shaft', which moments have; {forces[0]} has the axes of space"
+        raise ArgumentValueError("axes", problem)
     # Lengths are the same in all axes.
     turned = axes == "shaft" and reduce != "peak" and any(OUTPUTS[name].vector for name in names)
     plan = ShaftAxesPlan(*arguments) if turned else Plan(*arguments)

@@ -7,12 +7,12 @@ from typing import Any, SupportsIndex
 from numpy.typing import ArrayLike
 
 from cardan import free_running, slip
-from cardan.batch import Batch
+from cardan.bearings import Mounted
 from cardan.free_running import FreeRunning
 from cardan.slip import Lengths, SplineForce
 
 
-class Installed(Batch):
+class Installed(Mounted):
     """Drivelines in a machine; ``Driveline`` adds how they are made and what is evaluated."""
 
     __slots__ = ()

@@ -37,9 +37,9 @@ pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
 ) {
     for (start, block) in sin_cos.parts() {
         let length = block.len();
-        // Error terms take longer than memory, and the groups of a sweep begin anywhere.
-        let strips =
-            if !T::LOW && !S::FROM_SWEEP && out.bypasses_caches() { length / STRIP } else { 0 };
+        // The groups of a sweep begin anywhere.
+        let by_strips = uses_strips::<T>() && !S::FROM_SWEEP && out.bypasses_caches();
+        let strips = if by_strips { length / STRIP } else { 0 };
         for strip in 0..strips {
             let first = strip * STRIP;
             let (block, inputs) = (block.part(first, STRIP), inputs.strip(first, STRIP));
@@ -61,6 +61,12 @@ pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
             }
         }
     }
+}
+
+/// Whether loops over this number type go by strips where results bypass the caches. Numbers with
+/// error terms take longer than memory, and those of single precision gain nothing.
+const fn uses_strips<T: Real>() -> bool {
+    size_of::<T>() == size_of::<f64>()
 }
 
 /// The value of a formula for each sample.
@@ -88,7 +94,7 @@ pub(crate) fn over_samples<T: Real, I: Strips>(
     mut out: impl Sink<T>,
     value: impl Fn(I::Value) -> T,
 ) {
-    let strips = if !T::LOW && out.bypasses_caches() { length / STRIP } else { 0 };
+    let strips = if uses_strips::<T>() && out.bypasses_caches() { length / STRIP } else { 0 };
     for strip in 0..strips {
         let first = strip * STRIP;
         let (inputs, mut results) = (inputs.strip(first, STRIP), out.strip(first));
