@@ -188,9 +188,9 @@ def errors(
 ) -> dict[str, float]:
     """Return the largest errors, of a vector in ulp of its largest component.
 
-    With the default the terms of a force may cancel: the unit is the ulp of the largest force, or of
-    the largest moment of the joints over the smallest distance between the supports of a shaft if
-    that is larger.
+    With the default the terms of a force may cancel: the unit is the ulp of the largest force, or
+    of the largest moment of the joints over the smallest distance between the supports of a shaft
+    if that is larger.
     """
     names = ("joint_force", "bearing_force") if bearings else ("joint_force",)
     got = line.evaluate(angles, names, load=Load(**load), tolerance=tolerance)
