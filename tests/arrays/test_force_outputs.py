@@ -157,7 +157,7 @@ def test_pieces() -> None:
 def test_drivelines_that_are_computed_later() -> None:
     dask = pytest.importorskip("dask.array")
     points = POINTS * np.array([1.0, 1.1, 1.2])[:, None, None]
-    lazy = Driveline.from_points(dask.from_array(points[:, None], chunks=(2, -1, -1, -1)))
+    lazy: Any = Driveline.from_points(dask.from_array(points[:, None], chunks=(2, -1, -1, -1)))
     got = lazy.with_bearings(BEARINGS).evaluate(ANGLE, NAMES, load=LOAD).compute()
     want = BATCH[:, None].evaluate(ANGLE, NAMES, load=LOAD)
     for name in NAMES:

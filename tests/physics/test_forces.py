@@ -188,8 +188,9 @@ def errors(
 ) -> dict[str, float]:
     """Return the largest errors, of a vector in ulp of its largest component.
 
-    With the default the terms of a force may cancel: the unit is the ulp of the largest moment of
-    the joints over the smallest distance between the supports of a shaft.
+    With the default the terms of a force may cancel: the unit is the ulp of the largest force, or
+    of the largest moment of the joints over the smallest distance between the supports of a shaft
+    if that is larger.
     """
     names = ("joint_force", "bearing_force") if bearings else ("joint_force",)
     got = line.evaluate(angles, names, load=Load(**load), tolerance=tolerance)
@@ -202,7 +203,9 @@ def errors(
             name: [Exact.of(x if abs(x) > 1e-40 else mp.mpf(0) for x in v) for v in wanted[name]]
             for name in names
         }
-        largest = Exact.of([max(abs(x) for moment in loads.moment for x in moment) / span]).ulp[0]
+        largest = max(abs(x) for moment in loads.moment for x in moment) / span
+        largest = max(largest, *(abs(x) for of in wanted.values() for v in of for x in v))
+        largest = Exact.of([largest]).ulp[0]
         for name in names:
             for found, v in zip(got[name][:, sample], vectors[name], strict=True):
                 unit = v.ulp[np.abs(v.high).argmax()] if tolerance == 0 else largest

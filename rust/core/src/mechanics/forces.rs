@@ -38,8 +38,9 @@ pub(crate) struct Neighbour<'a, T> {
     pub(crate) first: usize,
 }
 
-/// The forces of a shaft's two supports at `positions`. Those of `forces` have zeros where
-/// `own_terms` and neighbours have none.
+/// The forces of a shaft's two supports at these positions. Their coefficients are zero where neither
+/// `own_terms` nor `neighbours` have any.
+#[inline(always)]
 pub(crate) fn balance<T: Real>(
     direction: [T; 3],
     [first, second]: [f64; 2],
@@ -79,6 +80,7 @@ pub(crate) fn balance<T: Real>(
 }
 
 /// The part of a vector across a unit vector.
+#[inline(always)]
 fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
     let along = v[0].mul_add(u[0], v[1].mul_add(u[1], v[2] * u[2]));
     [0, 1, 2].map(|i| v[i] - u[i] * along)
@@ -87,12 +89,14 @@ fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
 impl<T: Real> Pose<T> {
     /// The joint's contribution to `S × u` of its driving shaft: the coefficients of `D sin² α` and
     /// of `D sin α cos α`.
+    #[inline(always)]
     pub(crate) fn turned_support_driving(&self) -> [(usize, [T; 3]); 2] {
         [(SINE2, self.plane_normal), (PRODUCT, self.in_plane.map(|x| -x))]
     }
 
     /// Its contribution to `S × u` of its driven shaft: the coefficients of `D cos² α` and of
     /// `D sin α cos α`.
+    #[inline(always)]
     pub(crate) fn turned_support_driven(&self) -> [(usize, [T; 3]); 2] {
         let inverse = self.cosine.recip();
         [
@@ -102,6 +106,7 @@ impl<T: Real> Pose<T> {
     }
 
     /// `u_out`.
+    #[inline(always)]
     pub(crate) fn driven_axis(&self) -> [T; 3] {
         [0, 1, 2].map(|i| (self.shaft_axis[i] + self.in_plane[i]) * self.cosine)
     }

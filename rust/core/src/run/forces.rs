@@ -15,7 +15,7 @@ use crate::run::map::over_samples;
 use crate::run::sink::{Outputs, Sink};
 
 /// The number of terms that one loop adds up.
-const GROUP: usize = 4;
+const GROUP: usize = 8;
 
 /// The coefficients of the forces of a series of drivelines.
 #[derive(Clone, Debug)]
@@ -46,6 +46,7 @@ impl<T: Real> FoldedForces<T> {
 
     /// Appends the coefficients of a driveline with the number `line`, whose joints have the poses
     /// `pose_of(joint)`.
+    #[inline(always)]
     pub(crate) fn push(
         &mut self,
         step: &ForceStep,
@@ -76,6 +77,7 @@ impl<T: Real> FoldedForces<T> {
 }
 
 /// The forces of one balance, from those of earlier ones.
+#[inline(always)]
 fn solve<T: Real>(
     balance: &Balance,
     step: &ForceStep,
@@ -203,6 +205,10 @@ impl<T: Real> Terms<'_, T> {
             1 => self.sum_of::<1>(column, previous, size, out),
             2 => self.sum_of::<2>(column, previous, size, out),
             3 => self.sum_of::<3>(column, previous, size, out),
+            4 => self.sum_of::<4>(column, previous, size, out),
+            5 => self.sum_of::<5>(column, previous, size, out),
+            6 => self.sum_of::<6>(column, previous, size, out),
+            7 => self.sum_of::<7>(column, previous, size, out),
             _ => self.sum_of::<GROUP>(column, previous, size, out),
         }
     }
