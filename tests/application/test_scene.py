@@ -257,7 +257,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         '"a\\nb" = 1',
         None,
         r"unknown key 'a\nb'; known are title, driveline, load, sweep, angles, limits, "
-        "ball_joint, study, output",
+        "slip, ball_joint, study, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",

@@ -168,7 +168,7 @@ def test_other_shafts_that_change_their_length() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("shaft = 1 ", "shaft = 3 ", "line 21: [slip] shaft is 3; there are 3, counted from 0"),
+        ("shaft = 1 ", "shaft = 3 ", "line 26: [slip] shaft is 3; there are 3, counted from 0"),
         ("shaft = 1 ", "", "[slip] shaft is missing"),
         ("engaged_mm = 80 ", "", "[slip] least_engaged_mm needs engaged_mm, which is missing"),
         ("friction = 0.12 ", "", "[slip] radius_mm needs friction, which is missing"),

@@ -14,6 +14,7 @@ MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_rat
 LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven")
 TILTS = ("tilt_driving", "tilt_driven")
 ALL = (*MOTION, *LOADS, *TILTS)
+FORCES = ("joint_force", "bearing_force")  # of drivelines with lengths
 TIERS: dict[str, dict[str, Any]] = {
     "default": {},
     "tolerance=0": {"tolerance": 0.0},
@@ -65,7 +66,7 @@ def contiguous(result: Result) -> Result:
 @pytest.mark.parametrize("level", _core.levels())
 @pytest.mark.parametrize("tier", TIERS, ids=str)
 def test_every_level(line: Driveline, tier: str, level: str) -> None:
-    assert set(ALL) == set(OUTPUTS)
+    assert {*ALL, *FORCES} == set(OUTPUTS)
     options = TIERS[tier]
     for angle in (ANGLES, Sweep(0.1, 4321.0, 2500), Sweep.revolutions(3, 500)):
         # One output alone takes other loops than all together.
@@ -104,6 +105,32 @@ def test_geometry_per_sample_on_every_level(level: str, options: dict[str, Any])
     for angle in (ANGLES[:2049], SWEEPS["short"]):
         want = contiguous(evaluate(lines, angle, **options))
         same(contiguous(evaluate(lines, angle, level=level, **options)), want)
+
+
+@pytest.mark.parametrize("level", _core.levels())
+def test_forces_on_every_level(level: str) -> None:
+    points = [[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]]
+    bearings = [(0, 0.05), (0, 0.2), (2, 0.1), (2, 0.2)]
+    line = Driveline.from_points(points).with_bearings(bearings)
+    for angle in (ANGLES, SWEEPS["turns"]):
+        for options in ({}, {"tolerance": 0.0}, {"dtype": "float32"}):
+            want = contiguous(evaluate(line, angle, FORCES, **options))
+            same(contiguous(evaluate(line, angle, FORCES, level=level, **options)), want)
+
+
+@pytest.mark.parametrize("level", _core.levels()[:2])
+def test_results_beyond_the_caches(line: Driveline, level: str) -> None:
+    # Each plane begins elsewhere in a cache line.
+    angle = np.resize(ANGLES, 1_000_003)
+    names = ("angle", "speed_ratio", "acceleration_ratio", "moment", "bending_driven")
+    plan = Plan(line, names, joints=0, load=load_for(line), level=level)
+    found = plan(angle)
+    for start in (0, 1024, 777_777, 995_003):
+        part = slice(start, start + 5000)
+        want = plan(angle[part])
+        for name in names:
+            got = np.ascontiguousarray(found[name][part]) + 0.0
+            assert got.tobytes() == (np.ascontiguousarray(want[name]) + 0.0).tobytes(), name
 
 
 def test_every_length(line: Driveline) -> None:

@@ -161,6 +161,9 @@ RESULT = SCENE.run()
 BATCH = Driveline.from_bends([[0.1, 0.2], [0.3, 0.4]])
 
 DRIVEN = LINE.evaluate(GRID, "angle", shafts=[1, 2]).angle
+SUPPORTED = Driveline.from_points([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0], [1.9, -0.1, 0]])
+SUPPORTED = SUPPORTED.with_bearings([(0, 0.05), (0, 0.25)])
+
 OBJECTS = [
     LINE,
     BATCH,
@@ -178,6 +181,10 @@ OBJECTS = [
     LINE.transmission(),
     BATCH.transmission(1).motion(0.3),
     BATCH.harmonics([2, 4]),
+    LINE.free_running([1.0] + [0.1] * LINE.n_joints),
+    SUPPORTED,
+    SUPPORTED.lengths(),
+    SUPPORTED.spline_force(1, 100.0, 0.1, 0.02),
     cardan.identify(GRID, angle=DRIVEN[1]),
     cardan.identify_two_joints(GRID, *DRIVEN),
     BATCH.check(3.0),

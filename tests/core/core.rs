@@ -433,6 +433,7 @@ fn runs_within_jobs_of_a_pool_have_the_same_bits() {
                 phases: &line.phases,
                 directions: &directions,
                 normals: &normals,
+                ..Drivelines::default()
             },
             line_strides: &[0],
             angle: Angles::Array(Source { data: &angle, strides: &[1] }),

@@ -27,7 +27,8 @@ from vectors import Frames, Loads
 MOTION = ("angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 VECTORS = ("moment", "support_moment")
 KINKED = ("bending_driving", "bending_driven")
-PERIODIC = tuple(name for name in OUTPUTS if name != "angle")
+FORCES = ("joint_force", "bearing_force")  # of drivelines with lengths
+PERIODIC = tuple(name for name in OUTPUTS if name not in ("angle", *FORCES))
 ORDERS = np.arange(1, 13)
 LINE = Driveline.from_bends([0.4, 0.3, 0.5], [0.3, -1.0], [0.7, 0.2])
 LOAD = Load(drive_torque=3.0, speed=2.0, acceleration=0.5, inertias=[0.1, 0.02, 0.03, 0.04])
@@ -367,3 +368,17 @@ def test_what_has_no_harmonics(
 ) -> None:
     with pytest.raises(error, match=message):
         call()
+
+
+def test_forces_are_even() -> None:
+    points = [[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]]
+    line = Driveline.from_points(points).with_bearings([(0, 0.05), (0, 0.25), (2, 0.1), (2, 0.3)])
+    plan = line.plan(FORCES, load=Load(drive_torque=100.0))
+    found = plan.harmonics([1, 2, 3, 4])
+    result = plan(np.arange(720) * np.pi / 360)
+    for name in FORCES:
+        sums = np.fft.rfft(result[name], axis=-2) / 360
+        wanted = np.moveaxis(np.abs(sums[..., 1:5, :]), -2, -1)
+        np.testing.assert_allclose(found.amplitude[name], wanted, atol=1e-11)
+        assert np.all(found.amplitude[name][..., ::2] == 0)
+        assert np.max(found.amplitude[name][..., 1]) > 0.1

@@ -142,9 +142,9 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
         return None
     blocks = zip(*_states(scene), strict=True)
     lengths, torques, bends, radial = (np.concatenate(parts) for parts in blocks)
-    lengths = slip.mm * lengths
+    lengths = 1e3 * lengths
     own = lengths[:, slip.shaft]
-    length = slip.mm * float(scene.line.lengths().each[slip.shaft])
+    length = 1e3 * float(scene.line.lengths().each[slip.shaft])
     shortest, longest = _ends(scene.study, own)
     torque: End | None = None
     force: float | None = None

@@ -37,9 +37,6 @@ SLIP = Section(
 )
 """The section [slip]."""
 
-# Millimetres per unit of the points.
-_MM = {"points_mm": 1.0, "points_m": 1e3}
-
 
 @dataclass(frozen=True)
 class Slip:
@@ -47,7 +44,6 @@ class Slip:
 
     Attributes:
         shaft: which shaft.
-        mm: millimetres per unit of the driveline's lengths.
         engaged: engaged length at the points of the scene.
         least_engaged: least engaged length that is permitted.
         push_in: how far it can be pushed in from there.
@@ -57,7 +53,6 @@ class Slip:
     """
 
     shaft: int
-    mm: float
     engaged: float | None = None
     least_engaged: float | None = None
     push_in: float | None = None
@@ -77,8 +72,7 @@ def slip_of(values: Mapping[str, Any], line: Driveline, driveline: Mapping[str, 
     Raises:
         ValueError: a driveline that is not described by points, a shaft that does not exist.
     """
-    found = [mm for key, mm in _MM.items() if key in driveline]
-    if not found:
+    if not {"points_mm", "points_m"} & driveline.keys():
         raise ArgumentValueError("shaft", "has no length; [slip] needs points_mm or points_m")
     if values["shaft"] > line.n_joints:
         raise ArgumentValueError(
@@ -86,7 +80,6 @@ def slip_of(values: Mapping[str, Any], line: Driveline, driveline: Mapping[str, 
         )
     return Slip(
         values["shaft"],
-        found[0],
         values.get("engaged_mm"),
         values.get("least_engaged_mm"),
         values.get("push_in_mm"),

@@ -287,13 +287,16 @@ class Study:
         equivalent = [line.equivalent(shaft) for shaft in shafts if self.closed_forms]
         for name in self.closed_forms:
             field, unit = CLOSED_FORMS[name]
+            scale = 1.0
             if name == LENGTH:
+                # Drivelines of scenes have lengths in metres.
                 unit = split(self.form.keys[0])[1]
+                scale = 1e3 if unit == "mm" else 1.0
             for shaft, joint in zip(shafts, equivalent, strict=True):
                 number = "" if self.shafts is None else f"_{shaft}"
                 column = Column(f"{name}{number}", unit, name, "shaft", shaft, "value")
                 own = line.lengths().each[..., shaft] if name == LENGTH else getattr(joint, field)
-                yield column, own[:, 0]
+                yield column, scale * own[:, 0]
         if not self.quantities:
             return
         items = {"shaft": shafts, "joint": list(self.joints), "bearing": []}

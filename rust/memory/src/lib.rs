@@ -181,6 +181,9 @@ impl<'a, W: Word> Plane<'a, W> {
     }
 
     /// Writes strips from word `first` on; their words must fill whole cache lines.
+    ///
+    /// # Panics
+    /// If the strips do not fit, or do not fill cache lines past the caches.
     #[inline(always)]
     pub fn put(&mut self, stores: Stores, first: usize, strips: &[W]) {
         let out = &mut self.words[first..first + strips.len()];

@@ -406,8 +406,21 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 size,
             );
         }
+        if !is_direct {
+            self.unstage(first, size, row_in_block, target);
+        }
+    }
+
+    /// Converts or reduces the results of one chunk in `staging`.
+    fn unstage(
+        &self,
+        first: usize,
+        size: usize,
+        row_in_block: usize,
+        target: &mut Target<'_, '_, W>,
+    ) {
+        let level = self.shared.level;
         match target {
-            _ if is_direct => {}
             Target::Planes(planes) => {
                 for (plane, words) in planes.iter_mut().zip(&self.staging) {
                     let words = &words[..size];

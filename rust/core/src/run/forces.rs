@@ -15,7 +15,7 @@ use crate::run::map::over_samples;
 use crate::run::sink::{Outputs, Sink};
 
 /// The number of terms that one loop adds up.
-const GROUP: usize = 8;
+const GROUP: usize = 4;
 
 /// The coefficients of the forces of a series of drivelines.
 #[derive(Clone, Debug)]
@@ -205,10 +205,6 @@ impl<T: Real> Terms<'_, T> {
             1 => self.sum_of::<1>(column, previous, size, out),
             2 => self.sum_of::<2>(column, previous, size, out),
             3 => self.sum_of::<3>(column, previous, size, out),
-            4 => self.sum_of::<4>(column, previous, size, out),
-            5 => self.sum_of::<5>(column, previous, size, out),
-            6 => self.sum_of::<6>(column, previous, size, out),
-            7 => self.sum_of::<7>(column, previous, size, out),
             _ => self.sum_of::<GROUP>(column, previous, size, out),
         }
     }
