@@ -86,7 +86,7 @@ mod tests {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(6).build().unwrap();
         pool.install(|| {
             let ready = std::sync::Barrier::new(6);
-            work_off(0..6, 6, || (), |(), _| drop(ready.wait()));
+            work_off(0..6, 6, || (), |(), _| _ = ready.wait());
         });
     }
 
