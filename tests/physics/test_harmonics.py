@@ -318,6 +318,14 @@ def test_nothing_is_computed_of_what_is_not_a_number() -> None:
     assert np.isnan(found.torque).tolist() == [[False], [True]]
 
 
+def test_no_orders_leave_the_mean() -> None:
+    plan = LINE.plan(("speed_ratio", "torque"), load=LOAD)
+    none, some = plan.harmonics([]), plan.harmonics(2)
+    for name in ("speed_ratio", "torque"):
+        assert none.amplitude[name].shape == (0,)
+        assert none.mean[name] == pytest.approx(some.mean[name], rel=1e-14)
+
+
 def test_attributes() -> None:
     found = LINE.harmonics(2)
     assert found.orders.tolist() == [2]
