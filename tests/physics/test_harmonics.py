@@ -379,7 +379,7 @@ def test_what_has_no_harmonics(
 
 
 def test_forces_are_even() -> None:
-    points = [[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]]
+    points = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]])
     line = Driveline.from_points(points).with_bearings([(0, 0.05), (0, 0.25), (2, 0.1), (2, 0.3)])
     plan = line.plan(FORCES, load=Load(drive_torque=100.0))
     found = plan.harmonics([1, 2, 3, 4])

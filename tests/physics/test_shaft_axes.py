@@ -219,7 +219,7 @@ def test_unknown_axes_are_refused(value: Any) -> None:  # noqa: ANN401
 
 
 def test_forces_have_the_axes_of_space() -> None:
-    line = Driveline.from_points([[0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0.1, 0]])
+    line = Driveline.from_points(np.array([[0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0.1, 0]]))
     with pytest.raises(ArgumentValueError, match="joint_force has the axes of space"):
         line.plan(("moment", "joint_force"), load=LOAD, axes="shaft")
 
