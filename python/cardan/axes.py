@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
-from cardan.arrays.planes import view
+from cardan.arrays.planes import planes_of, view
 from cardan.outputs import OUTPUTS
 from cardan.plan import Plan
 from cardan.request import Request
@@ -104,7 +104,7 @@ class ShaftAxesPlan(Plan):
                     _support(plane, shaft, line, driven.get(shaft - 1), driving.get(shaft))
             # Where the angle is NaN, so is what is 0 elsewhere.
             planes[:, :2] += 0.0 * planes[:, 2:]
-            arrays[name] = view(planes.reshape(-1, *shape), (0, items, True))
+            arrays[name] = view(planes_of(planes, len(shape)), (0, items, True))
         return arrays
 
     def _reduced(self, angle: FloatArray | Sweep, shape: tuple[int, ...]) -> dict[str, Any]:

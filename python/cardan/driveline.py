@@ -386,8 +386,8 @@ class Driveline(Installed):
                 reduction, after the axis of shafts or joints.
             out: arrays to fill, by output name, of the right shape and dtype. They become the
                 arrays of the result. One of them may be the array of angles itself. Existing arrays
-                save the operating system the work of providing new memory, which for some 10⁵
-                angles takes longer than the evaluation. Vectors need no copy if their components
+                save the operating system the work of providing new memory, which beyond some 10⁶
+                angles can take as long as the evaluation. Vectors need no copy if their components
                 are stored plane by plane, as in ``numpy.moveaxis(numpy.empty((3, n)), 0, -1)``.
                 Ctrl-C stops an evaluation within a fraction of a second and leaves the arrays
                 partly filled. While a call fills an array, calls on other threads cannot use it.

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -75,8 +75,8 @@ class FreeRunning:
     min_speed_ratio: Any
     max_speed_ratio: Any
     variation: Any
-    _line: Any
-    _root: FloatArray
+    _line: Any = field(repr=False)
+    _root: FloatArray = field(repr=False)
 
     def speed_ratio(self, angle: ArrayLike) -> Any:  # noqa: ANN401 - a scalar or an array
         """Return the speed of the drive over its mean.

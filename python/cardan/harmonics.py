@@ -121,7 +121,7 @@ def harmonics(plan: Repeatable, orders: ArrayLike) -> Harmonics:
 
 def _checked(orders: ArrayLike) -> NDArray[np.int64]:
     order = np.atleast_1d(np.asarray(orders))
-    if order.dtype.kind not in "iu":
+    if order.size and order.dtype.kind not in "iu":
         raise ArgumentTypeError("orders", f"has dtype {order.dtype}; an order is an integer")
     if order.ndim > 1:
         raise ArgumentValueError("orders", f"has shape {order.shape}; it must be a list")

@@ -27,7 +27,8 @@ class Installed(Mounted):
             length of every shaft of every driveline; shortest, longest and travel over the batch.
 
         Raises:
-            ValueError: a driveline that was not made from points.
+            ValueError: a driveline without lengths: one that was neither made from points nor given
+                lengths by ``with_bearings``.
 
         >>> import cardan
         >>> heights = [[[0, 0, 0], [0.3, 0, 0], [1.5, y, 0], [1.8, y, 0]] for y in (-0.1, 0.0, 0.1)]

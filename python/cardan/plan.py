@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cardan import _core, threads
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
-from cardan.arrays.planes import Place, components_first, view
+from cardan.arrays.planes import Place, components_first, planes_of, view
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.harmonics import Harmonics, harmonics
 from cardan.layout import layout_of
@@ -373,7 +373,7 @@ class Plan:
             target = given.get(name)
             if target is None or not np.may_share_memory(target, own):
                 own = own.astype(self.dtype, copy=False)
-                array = view(own.reshape(-1, *rows), (0, items, vector))
+                array = view(planes_of(own, len(rows)), (0, items, vector))
                 if target is not None:
                     target[...] = array
             arrays[name] = array if target is None else target

@@ -14,7 +14,7 @@ spline fulfils only the first half of the second condition.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, SupportsIndex
 
 import numpy as np
@@ -111,8 +111,8 @@ class SplineForce:
     downstream_axial: Any
     downstream_transverse: Any
     bearings: tuple[int, ...]
-    _bearing_force: FloatArray
-    _refused: str
+    _bearing_force: FloatArray = field(repr=False)
+    _refused: str = field(repr=False)
 
     @property
     def bearing_force(self) -> FloatArray:
@@ -133,7 +133,10 @@ class SplineForce:
 def lengths(geometry: Geometry) -> Lengths:
     """Return the lengths as ``Driveline.lengths`` does."""
     if not geometry.lengths.shape[-1]:
-        raise ValueError("the driveline has no lengths; make it with Driveline.from_points")
+        raise ValueError(
+            "the driveline has no lengths; drivelines from points have them, others get them with "
+            "with_bearings"
+        )
     return Lengths(geometry.lengths)
 
 
@@ -192,8 +195,8 @@ def _bearing_force(geometry: Geometry, shaft: int, upstream: FloatArray) -> tupl
     for beside, force, joint in held:
         own = [i for i, of in enumerate(geometry.bearings) if of == beside]
         if len(own) != 2:
-            with_two = "with two they bear the part across it"
-            return found, f"shaft {beside} has {len(own)} bearings; {with_two}"
+            count = f"{len(own)} bearing{'' if len(own) == 1 else 's'}"
+            return found, f"shaft {beside} has {count}; two bear the part across it"
         along = geometry.directions[..., beside, :]
         across = force - np.sum(force * along, axis=-1, keepdims=True) * along
         for i, j in (own, own[::-1]):

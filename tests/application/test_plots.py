@@ -586,6 +586,12 @@ def test_more_curves_than_can_be_told_apart_are_refused() -> None:
     many = Driveline.from_bends(np.arange(1.0, 8.0)[:, None], degrees=True)
     with pytest.raises(ValueError, match="at most 6 curves that can be told apart"):
         plots.plot_curves(many)
+    joints = TRUCK.evaluate(np.zeros(3), "moment", load=FLYWHEEL)
+    with pytest.raises(ValueError, match=r"9 curves of moment; .* evaluate fewer shafts, joints"):
+        plots.plot_result(joints)
+    bearings = TRUCK.evaluate(np.zeros(3), "bearing_force", load=FLYWHEEL)
+    with pytest.raises(ValueError, match=r"15 curves of .* draw each bearing with cardan"):
+        plots.plot_result(bearings)
     assert pyplot.get_fignums() == []
 
 

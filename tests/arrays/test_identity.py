@@ -109,7 +109,7 @@ def test_geometry_per_sample_on_every_level(level: str, options: dict[str, Any])
 
 @pytest.mark.parametrize("level", _core.levels())
 def test_forces_on_every_level(level: str) -> None:
-    points = [[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]]
+    points = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]])
     bearings = [(0, 0.05), (0, 0.2), (2, 0.1), (2, 0.2)]
     line = Driveline.from_points(points).with_bearings(bearings)
     for angle in (ANGLES, SWEEPS["turns"]):

@@ -84,6 +84,17 @@ def test_the_short_way_sees_layout_and_type() -> None:
     assert plan(np.empty((0, 3))).speed_ratio.shape == (0, 3)
 
 
+@pytest.mark.parametrize("shape", [(0,), (0, 4), (4, 0)])
+def test_some_arrays_to_fill_without_samples(shape: tuple[int, ...]) -> None:
+    plan = CHAIN.plan(("moment", "angle"), load=LOAD)
+    want = plan(np.empty(shape))
+    for name in ("moment", "angle"):
+        out = {name: np.empty(want[name].shape)}
+        got = plan(np.empty(shape), out)
+        assert got[name] is out[name]
+        assert got == want
+
+
 def test_plans_are_pickled_and_copied() -> None:
     plan = CHAIN.plan("torque", shafts=-1, load=LOAD, tolerance=0)
     again = pickle.loads(pickle.dumps(plan))

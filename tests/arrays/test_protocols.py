@@ -161,7 +161,7 @@ RESULT = SCENE.run()
 BATCH = Driveline.from_bends([[0.1, 0.2], [0.3, 0.4]])
 
 DRIVEN = LINE.evaluate(GRID, "angle", shafts=[1, 2]).angle
-SUPPORTED = Driveline.from_points([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0], [1.9, -0.1, 0]])
+SUPPORTED = Driveline.from_points([[0.0, 0.0], [0.3, 0.0], [1.5, -0.1], [1.9, -0.1]] @ np.eye(2, 3))
 SUPPORTED = SUPPORTED.with_bearings([(0, 0.05), (0, 0.25)])
 
 OBJECTS = [

@@ -144,6 +144,10 @@ def test_a_drive_without_inertia_varies_as_the_flywheel_would() -> None:
     assert free.speed_ratio(angles) == pytest.approx(1.0 / ratio, rel=1e-14)
 
 
+def test_the_representation_has_no_private_fields() -> None:
+    assert " _" not in repr(THOMA.free_running([10.0, 1.0]))
+
+
 def test_a_drive_alone_and_a_straight_joint_run_steadily() -> None:
     assert THOMA.free_running([1.0, 0.0]).variation == 0.0
     straight = cardan.Driveline.from_bends([0.0]).free_running([1.0, 1.0])

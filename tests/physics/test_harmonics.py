@@ -318,6 +318,14 @@ def test_nothing_is_computed_of_what_is_not_a_number() -> None:
     assert np.isnan(found.torque).tolist() == [[False], [True]]
 
 
+def test_no_orders_leave_the_mean() -> None:
+    plan = LINE.plan(("speed_ratio", "torque"), load=LOAD)
+    none, some = plan.harmonics([]), plan.harmonics(2)
+    for name in ("speed_ratio", "torque"):
+        assert none.amplitude[name].shape == (0,)
+        assert none.mean[name] == pytest.approx(some.mean[name], rel=1e-14)
+
+
 def test_attributes() -> None:
     found = LINE.harmonics(2)
     assert found.orders.tolist() == [2]
@@ -371,7 +379,7 @@ def test_what_has_no_harmonics(
 
 
 def test_forces_are_even() -> None:
-    points = [[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]]
+    points = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]])
     line = Driveline.from_points(points).with_bearings([(0, 0.05), (0, 0.25), (2, 0.1), (2, 0.3)])
     plan = line.plan(FORCES, load=Load(drive_torque=100.0))
     found = plan.harmonics([1, 2, 3, 4])

@@ -184,6 +184,19 @@ def test_arrays_to_fill_and_single_precision() -> None:
         plan(ANGLES, out={"moment": np.empty(3, np.float32)})
 
 
+@pytest.mark.parametrize("shape", [(0,), (0, 3), (3, 0)])
+def test_no_angles_give_no_vectors(shape: tuple[int, ...]) -> None:
+    result = LINE.evaluate(np.empty(shape), NAMES, load=LOAD_OF_FOUR, axes="shaft", shafts=[0, 2])
+    assert result.moment.shape == (3, *shape, 3)
+    assert result.support_moment.shape == (2, *shape, 3)
+
+
+@pytest.mark.parametrize("reduce", [None, "mean"])
+def test_no_drivelines_give_no_vectors(reduce: Any) -> None:  # noqa: ANN401
+    got = BATCH[:0].evaluate(ANGLES, "moment", load=LOAD, axes="shaft", reduce=reduce)
+    assert got == BATCH[:0].evaluate(ANGLES, "moment", load=LOAD, reduce=reduce)
+
+
 def test_what_has_no_components_does_not_change() -> None:
     for names in ("angle", ("torque", "bending_driving")):
         one, other = (
@@ -206,7 +219,7 @@ def test_unknown_axes_are_refused(value: Any) -> None:  # noqa: ANN401
 
 
 def test_forces_have_the_axes_of_space() -> None:
-    line = Driveline.from_points([[0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0.1, 0]])
+    line = Driveline.from_points(np.array([[0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0.1, 0]]))
     with pytest.raises(ArgumentValueError, match="joint_force has the axes of space"):
         line.plan(("moment", "joint_force"), load=LOAD, axes="shaft")
 

@@ -168,8 +168,8 @@ def test_what_the_bearings_of_the_next_shafts_give() -> None:
     ("bearings", "message"),
     [
         ((), "the driveline has no bearings"),
-        (((2, 0.1), (2, 0.2)), "shaft 0 has 0 bearings; with two they bear"),
-        (((0, 0.1), (0, 0.2), (2, 0.1)), "shaft 2 has 1 bearings; with two they bear"),
+        (((2, 0.1), (2, 0.2)), "shaft 0 has 0 bearings; two bear the part"),
+        (((0, 0.1), (0, 0.2), (2, 0.1)), "shaft 2 has 1 bearing; two bear the part"),
     ],
 )
 def test_bearings_that_do_not_determine_it(
@@ -180,6 +180,16 @@ def test_bearings_that_do_not_determine_it(
     assert found.axial == pytest.approx(5.0)
     with pytest.raises(ValueError, match=message):
         found.bearing_force  # noqa: B018
+
+
+def test_lengths_given_with_the_bearings() -> None:
+    line = cardan.Driveline.from_bends([0.1]).with_bearings([], lengths=[[0.5, 1.0], [0.5, 1.25]])
+    assert line.lengths().travel.tolist() == [0.0, 0.25]
+
+
+def test_the_representation_has_no_private_fields() -> None:
+    line = cardan.Driveline.from_points(axle(np.array(0.06)))
+    assert " _" not in repr(line.spline_force(1, 1.0, 0.1, 0.02))
 
 
 def test_the_end_shafts_hold_themselves() -> None:
@@ -205,7 +215,7 @@ def test_everything_broadcasts() -> None:
     [
         (
             lambda line: cardan.Driveline.from_bends([0.1]).lengths(),
-            "it with Driveline.from_points",
+            "others get them with with_bearings",
         ),
         (lambda line: line.spline_force(1, 1.0, -0.1, 0.02), "friction is -0.1; it must be finite"),
         (lambda line: line.spline_force(1, 1.0, 0.1, 0.0), "radius is 0.0; it must be positive"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, TypeAlias
 
 from numpy.typing import NDArray
@@ -22,6 +23,15 @@ def view(planes: NDArray[Any], place: Place) -> Any:  # noqa: ANN401 - an array 
         return planes[first : first + items]
     part = planes[first : first + 3 * items]
     return _moved(part.reshape(items, 3, *planes.shape[1:]), 1, -1)
+
+
+def planes_of(array: NDArray[Any], axes: int) -> NDArray[Any]:
+    """Return the planes of an array whose last ``axes`` are the samples, of which none may be left.
+
+    NumPy cannot infer the number of planes from planes without elements.
+    """
+    before = array.ndim - axes
+    return array.reshape(math.prod(array.shape[:before]), *array.shape[before:])
 
 
 def components_first(array: NDArray[Any], place: Place) -> NDArray[Any]:

@@ -22,7 +22,7 @@ _PANEL, _FRAME = 32.0 * MM, 10.0 * MM
 def plot_result(result: Result) -> Figure:
     """Draw every output of a result over the drive angle, one panel per output.
 
-    A panel has one curve per shaft or joint, driveline and component.
+    A panel has one curve per shaft, joint or bearing, driveline and component.
 
     Args:
         result: one that ``Driveline.evaluate`` has returned, over a row of angles.
@@ -85,9 +85,15 @@ def _curves(result: Result, output: Output, samples: int) -> tuple[list[str], ND
         for component in components
     ]
     if len(labels) > len(LINES):
+        # The bearings are evaluated all or not at all.
+        fewer = (
+            "draw each bearing with cardan.plots.plot_curves"
+            if output.per == "bearing"
+            else "evaluate fewer shafts, joints or drivelines"
+        )
         raise ArgumentValueError(
             "result",
             f"has {len(labels)} curves of {output.name}; a picture shows at most {len(LINES)} "
-            "that can be told apart, so evaluate fewer shafts, joints or drivelines",
+            f"that can be told apart, so {fewer}",
         )
     return labels, np.moveaxis(per_item, 3, 2).reshape(len(labels), samples)
