@@ -244,6 +244,28 @@ def test_missing_rows(tmp_path: Path) -> None:
     assert "43 of 3000 samples are missing in run.csv; their results are NaN." in said
 
 
+@pytest.mark.parametrize("timed", [False, True])
+def test_the_turns_of_a_counter_that_starts_anew(tmp_path: Path, timed: bool) -> None:
+    """Its leaps are no way of the drive, in one piece or in many."""
+    angle = np.mod(10.0 + 20.0 * np.arange(181.0), 360.0)
+    time = "time_column_s = 't'\n" if timed else ""
+    text = (
+        f"{JOINTS}[angles]\nfile = 'run.csv'\nangle_column_deg = 'a'\n{time}"
+        "[output]\ncurves = 'a.parquet'\n"
+    )
+    scene = measured(tmp_path, text, t=0.001 * np.arange(181.0), a=angle)
+    found = drive_angles(scene)
+    assert found["turns"] == pytest.approx(10.0)
+    assert found["samples_per_turn"] == pytest.approx(18.0)
+    (tmp_path / "run.toml").write_text(text)
+    for rows in (1, 50, 1000):
+        streamed = stream(tmp_path / "run.toml", tmp_path, rows=rows)
+        assert streamed.turns == pytest.approx(10.0)
+    # An angle that goes on, however far from sample to sample, is taken as it is.
+    scene = measured(tmp_path, text, t=0.001 * np.arange(181.0), a=350.0 * np.arange(181.0))
+    assert drive_angles(scene)["turns"] == pytest.approx(175.0)
+
+
 def test_samples_alone_among_missing_ones(tmp_path: Path) -> None:
     """Two samples make no parabola: without an acceleration they are missing."""
     speed = np.full(60, 600.0)
@@ -389,7 +411,7 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
             {"t": [0, np.nan, 2], "n": [np.nan, 1, np.nan]},
             "no row has a number in each of the columns 't', 'n'",
         ),
-        (ANGLES, {"t": [0, 1], "n": [1, 1]}, "no row has a number in each of the columns 't', 'n'"),
+        (ANGLES, {"t": [0, 1], "n": [1, 1]}, "no row has two others within filter_reach = 5 rows"),
     ],
 )
 @pytest.mark.parametrize("rows", [None, 1])
