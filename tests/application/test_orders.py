@@ -80,7 +80,10 @@ def test_few_samples_have_few_orders() -> None:
     [
         (np.linspace(0.0, 6.0, 100), "at least one turn and 8 samples; there are 0.955 turns"),
         (np.linspace(0.0, 7.0, 5), "at least one turn and 8 samples; there are 1.11 turns"),
-        (np.sin(np.linspace(0.0, 6.0, 100)), "a drive that turns one way; its angle goes back"),
+        (np.sin(np.linspace(0.0, 6.0, 100)), "a drive that turns one way; it stands or turns back"),
+        (np.zeros(20), "it stands or turns back"),
+        (np.arange(40) * 4.0, "two samples per turn; there are 1.61 over 24.83 turns"),
+        (np.arange(40) * 1e3, "two samples per turn; there are 0.00644 over 6207 turns"),
         (np.full(9, np.nan), "there are 1e-09 turns"),
     ],
 )

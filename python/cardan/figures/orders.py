@@ -62,7 +62,8 @@ def orders(angle: FloatArray, signals: FloatArray) -> Orders:
         signals: ``(signals, samples)``.
 
     Raises:
-        ValueError: less than a turn, or a drive that turns back.
+        ValueError: less than a turn, less than two samples per turn, or a drive that stands or
+            turns back.
     """
     known = ~(np.isnan(angle) | np.any(np.isnan(signals), axis=0))
     place, values = continued(angle[known]), signals[:, known]
@@ -70,7 +71,7 @@ def orders(angle: FloatArray, signals: FloatArray) -> Orders:
     if steps.size and steps[0] < 0.0:
         place, steps = -place, -steps
     if not np.all(steps > 0.0):
-        raise ValueError("orders need a drive that turns one way; its angle goes back")
+        raise ValueError("orders need a drive that turns one way; it stands or turns back")
     turns = (place[-1] - place[0]) / math.tau if place.size else 0.0
     # A turn that is swept in equal steps may end one step early.
     turns += 1e-9
@@ -79,6 +80,11 @@ def orders(angle: FloatArray, signals: FloatArray) -> Orders:
             f"orders need at least one turn and 8 samples; there are {turns:.3g} turns"
         )
     per_turn = place.size / turns
+    if per_turn < 2.0:
+        raise ValueError(
+            f"orders need at least two samples per turn; there are {per_turn:.3g} over "
+            f"{turns:.4g} turns"
+        )
     segments = math.ceil(math.floor(turns) / _TURNS)
     length = math.floor(turns) // segments
     # Half orders, of engines with four strokes, need an even number.
