@@ -127,6 +127,19 @@ def test_the_page_over_time(run_up: Path) -> None:
     assert np.ptp(np.diff(bands.edges)) < 1e-9
 
 
+def test_few_turns_over_time(run_up: Path) -> None:
+    """Curves, and no bands; over the time where it is asked for."""
+    lines = (run_up.parent / "run.csv").read_text().splitlines(keepends=True)
+    (run_up.parent / "run.csv").write_text("".join(lines[:102]))
+    result = Scene.load(run_up).run()
+    axes = plot_scene(result, over="time").axes[-1]
+    assert axes.get_xlabel() == "time [s]"
+    assert axes.get_lines()[0].get_xdata() == pytest.approx(0.001 * np.arange(101))
+    assert axes.get_xlim() == pytest.approx((0.0, 0.1))
+    for over in (None, "turns"):
+        assert plot_scene(result, over=over).axes[-1].get_xlabel() == "drive angle [deg]"
+
+
 def test_the_page_of_orders(run_up: Path) -> None:
     """The peak of the speed ratio is that of the closed form, at order 2."""
     figure = plot_scene(Scene.load(run_up).run(), over="orders")
