@@ -70,6 +70,15 @@ def test_orders_of_a_joint() -> None:
         assert found.amplitudes[0][order * found.turns] == pytest.approx(float(exact), abs=2e-6)
 
 
+def test_a_run_up_from_rest() -> None:
+    """Samples at rest, before and within the run, change nothing."""
+    angle = irregular(10.0, 100)
+    wave = np.sin(2.0 * angle)
+    rest = np.repeat(np.arange(angle.size), np.where(np.arange(angle.size) % 400 == 0, 30, 1))
+    moving, resting = (orders(angle[i], wave[i][np.newaxis]) for i in (slice(None), rest))
+    np.testing.assert_array_equal(moving.amplitudes, resting.amplitudes)
+
+
 def test_few_samples_have_few_orders() -> None:
     found = orders(irregular(10.0, 10), np.zeros((1, 101)))
     assert found.orders[-1] == pytest.approx(5.0, abs=0.1)
@@ -80,11 +89,11 @@ def test_few_samples_have_few_orders() -> None:
     [
         (np.linspace(0.0, 6.0, 100), "at least one turn and 8 samples; there are 0.955 turns"),
         (np.linspace(0.0, 7.0, 5), "at least one turn and 8 samples; there are 1.11 turns"),
-        (np.sin(np.linspace(0.0, 6.0, 100)), "a drive that turns one way; it stands or turns back"),
-        (np.zeros(20), "it stands or turns back"),
+        (np.sin(np.linspace(0.0, 6.0, 100)), "a drive that turns one way; its angle goes back"),
+        (np.zeros(20), "there are 0 turns"),
         (np.arange(40) * 4.0, "two samples per turn; there are 1.61 over 24.83 turns"),
         (np.arange(40) * 1e3, "two samples per turn; there are 0.00644 over 6207 turns"),
-        (np.full(9, np.nan), "there are 1e-09 turns"),
+        (np.full(9, np.nan), "there are 0 turns"),
     ],
 )
 def test_what_has_no_orders(angle: np.ndarray, message: str) -> None:
