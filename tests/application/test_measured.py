@@ -393,6 +393,9 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
         "max": 720.0,
     }
     assert signals[3]["filter_samples"] == 11
+    # A filter takes no more samples than there are.
+    few = measured(tmp_path, text, **{name: column[:4] for name, column in table.items()})
+    assert "over 4 samples, 0.003000 s" in " ".join(signals_text(drive_angles(few)).split())
     # Times in ms look like a machine that turns a thousand times as often between samples.
     scene = measured(tmp_path, text, **{**table, "t": 1e3 * time})
     done = command("run", tmp_path / "run.toml")
