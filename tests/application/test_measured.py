@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cardan import Driveline, Load
 from cardan.command import commands
+from cardan.figures.limits import check_scene
 from cardan.figures.schema import answers_schema
 from cardan.figures.summary import drive_angles
 from cardan.scene import Scene, stream
@@ -524,3 +525,25 @@ def test_other_commands(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPat
 def test_check_takes_the_largest_speed(tmp_path: Path) -> None:
     scene = measured(tmp_path, JOINTS + ANGLES, t=TIME, n=-600.0 - TIME)
     assert scene.speed == pytest.approx(-RPM * (600.0 + TIME[-1]))
+
+
+def test_check_takes_the_speed_of_each_bend(tmp_path: Path) -> None:
+    """Where bends were recorded too, the steepest need not meet the largest speed."""
+    bend, speed = 8.0 + 4.0 * np.sin(TIME), 600.0 + 300.0 * np.cos(TIME)
+    text = f"[driveline]\n{ANGLES}bend_columns_deg = ['b']\n"
+    n = speed.copy()
+    n[7] = np.nan
+    scene = measured(tmp_path, text, t=TIME, n=n, b=bend)
+    found = {finding.figure: finding for finding in check_scene(scene).findings}
+    b = np.radians(np.delete(bend, 7))
+    exact = np.sin(b) * np.tan(b) * (RPM * np.delete(speed, 7)) ** 2
+    value = found["torsional_excitation"].value
+    assert value is not None
+    # The largest acceleration ratio is close to the non-uniformity.
+    np.testing.assert_allclose(value, exact, rtol=2e-3)
+    (tmp_path / "run.toml").write_text(text)
+    answer = json.loads(command("check", tmp_path / "run.toml", "--json").stdout)
+    ANSWERS.validate(answer)
+    assert answer["practice"]["torsional_excitation"]["value_rad_s2"] == pytest.approx(
+        np.max(value)
+    )
