@@ -63,6 +63,7 @@ def test_a_hemisphere_reaches_one_and_a_half_times_the_projected_pressure() -> N
     found = ball_joint_figures(BallJointScene.parse(text).ball_joint)
     assert found.peak == pytest.approx(1.5 * found.projected, rel=1e-13)
     assert found.peak == pytest.approx(3 * 1000 / (2 * math.pi * 0.01**2), rel=1e-13)
+    assert found.edge == 0.0
     assert (found.verdict, found.allowable_load, found.turning) == ("not judged", None, None)
 
 

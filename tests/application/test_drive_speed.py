@@ -86,6 +86,17 @@ def test_where_nothing_depends_on_it(given: Scene) -> None:
     assert drive_speed(given) is None
 
 
+def test_a_measured_drive_is_not_assumed_to_be_constant(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text("t,n\n" + "".join(f"{0.01 * i},600\n" for i in range(40)))
+    text = (
+        "[angles]\nfile = 'run.csv'\ntime_column_s = 't'\nspeed_column_rpm = 'n'\n"
+        "[driveline]\nbends_deg = [10]\n[load]\ninertias_kgm2 = [0, 1]\n"
+    )
+    measured = Scene.parse(text, folder=tmp_path)
+    assert measured.speed == pytest.approx(20.0 * np.pi)
+    assert drive_speed(measured) is None
+
+
 def test_check_and_report_say_it(tmp_path: Path) -> None:
     path = ROOT / "examples" / "drive_inertia.toml"
     done = CliRunner().invoke(commands(), ["check", str(path)])

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from cardan import Driveline, Load
 from cardan.command import commands
+from cardan.figures.limits import check_scene
 from cardan.figures.schema import answers_schema
 from cardan.figures.summary import drive_angles
 from cardan.scene import Scene, stream
@@ -244,6 +245,28 @@ def test_missing_rows(tmp_path: Path) -> None:
     assert "43 of 3000 samples are missing in run.csv; their results are NaN." in said
 
 
+@pytest.mark.parametrize("timed", [False, True])
+def test_the_turns_of_a_counter_that_starts_anew(tmp_path: Path, timed: bool) -> None:
+    """Its leaps are no way of the drive, in one piece or in many."""
+    angle = np.mod(10.0 + 20.0 * np.arange(181.0), 360.0)
+    time = "time_column_s = 't'\n" if timed else ""
+    text = (
+        f"{JOINTS}[angles]\nfile = 'run.csv'\nangle_column_deg = 'a'\n{time}"
+        "[output]\ncurves = 'a.parquet'\n"
+    )
+    scene = measured(tmp_path, text, t=0.001 * np.arange(181.0), a=angle)
+    found = drive_angles(scene)
+    assert found["turns"] == pytest.approx(10.0)
+    assert found["samples_per_turn"] == pytest.approx(18.0)
+    (tmp_path / "run.toml").write_text(text)
+    for rows in (1, 50, 1000):
+        streamed = stream(tmp_path / "run.toml", tmp_path, rows=rows)
+        assert streamed.turns == pytest.approx(10.0)
+    # An angle that goes on, however far from sample to sample, is taken as it is.
+    scene = measured(tmp_path, text, t=0.001 * np.arange(181.0), a=350.0 * np.arange(181.0))
+    assert drive_angles(scene)["turns"] == pytest.approx(175.0)
+
+
 def test_samples_alone_among_missing_ones(tmp_path: Path) -> None:
     """Two samples make no parabola: without an acceleration they are missing."""
     speed = np.full(60, 600.0)
@@ -371,6 +394,9 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
         "max": 720.0,
     }
     assert signals[3]["filter_samples"] == 11
+    # A filter takes no more samples than there are.
+    few = measured(tmp_path, text, **{name: column[:4] for name, column in table.items()})
+    assert "over 4 samples, 0.003000 s" in " ".join(signals_text(drive_angles(few)).split())
     # Times in ms look like a machine that turns a thousand times as often between samples.
     scene = measured(tmp_path, text, **{**table, "t": 1e3 * time})
     done = command("run", tmp_path / "run.toml")
@@ -389,7 +415,7 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
             {"t": [0, np.nan, 2], "n": [np.nan, 1, np.nan]},
             "no row has a number in each of the columns 't', 'n'",
         ),
-        (ANGLES, {"t": [0, 1], "n": [1, 1]}, "no row has a number in each of the columns 't', 'n'"),
+        (ANGLES, {"t": [0, 1], "n": [1, 1]}, "no row has two others within filter_reach = 5 rows"),
     ],
 )
 @pytest.mark.parametrize("rows", [None, 1])
@@ -499,3 +525,25 @@ def test_other_commands(tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPat
 def test_check_takes_the_largest_speed(tmp_path: Path) -> None:
     scene = measured(tmp_path, JOINTS + ANGLES, t=TIME, n=-600.0 - TIME)
     assert scene.speed == pytest.approx(-RPM * (600.0 + TIME[-1]))
+
+
+def test_check_takes_the_speed_of_each_bend(tmp_path: Path) -> None:
+    """Where bends were recorded too, the steepest need not meet the largest speed."""
+    bend, speed = 8.0 + 4.0 * np.sin(TIME), 600.0 + 300.0 * np.cos(TIME)
+    text = f"[driveline]\n{ANGLES}bend_columns_deg = ['b']\n"
+    n = speed.copy()
+    n[7] = np.nan
+    scene = measured(tmp_path, text, t=TIME, n=n, b=bend)
+    found = {finding.figure: finding for finding in check_scene(scene).findings}
+    b = np.radians(np.delete(bend, 7))
+    exact = np.sin(b) * np.tan(b) * (RPM * np.delete(speed, 7)) ** 2
+    value = found["torsional_excitation"].value
+    assert value is not None
+    # The largest acceleration ratio is close to the non-uniformity.
+    np.testing.assert_allclose(value, exact, rtol=2e-3)
+    (tmp_path / "run.toml").write_text(text)
+    answer = json.loads(command("check", tmp_path / "run.toml", "--json").stdout)
+    ANSWERS.validate(answer)
+    assert answer["practice"]["torsional_excitation"]["value_rad_s2"] == pytest.approx(
+        np.max(value)
+    )

@@ -70,6 +70,15 @@ def test_orders_of_a_joint() -> None:
         assert found.amplitudes[0][order * found.turns] == pytest.approx(float(exact), abs=2e-6)
 
 
+def test_a_run_up_from_rest() -> None:
+    """Samples at rest, before and within the run, change nothing."""
+    angle = irregular(10.0, 100)
+    wave = np.sin(2.0 * angle)
+    rest = np.repeat(np.arange(angle.size), np.where(np.arange(angle.size) % 400 == 0, 30, 1))
+    moving, resting = (orders(angle[i], wave[i][np.newaxis]) for i in (slice(None), rest))
+    np.testing.assert_array_equal(moving.amplitudes, resting.amplitudes)
+
+
 def test_few_samples_have_few_orders() -> None:
     found = orders(irregular(10.0, 10), np.zeros((1, 101)))
     assert found.orders[-1] == pytest.approx(5.0, abs=0.1)
@@ -81,7 +90,10 @@ def test_few_samples_have_few_orders() -> None:
         (np.linspace(0.0, 6.0, 100), "at least one turn and 8 samples; there are 0.955 turns"),
         (np.linspace(0.0, 7.0, 5), "at least one turn and 8 samples; there are 1.11 turns"),
         (np.sin(np.linspace(0.0, 6.0, 100)), "a drive that turns one way; its angle goes back"),
-        (np.full(9, np.nan), "there are 1e-09 turns"),
+        (np.zeros(20), "there are 0 turns"),
+        (np.arange(40) * 4.0, "two samples per turn; there are 1.61 over 24.83 turns"),
+        (np.arange(40) * 1e3, "two samples per turn; there are 0.00644 over 6207 turns"),
+        (np.full(9, np.nan), "there are 0 turns"),
     ],
 )
 def test_what_has_no_orders(angle: np.ndarray, message: str) -> None:
@@ -122,6 +134,19 @@ def test_the_page_over_time(run_up: Path) -> None:
     assert bands is not None
     assert bands.each.startswith("span of ")
     assert np.ptp(np.diff(bands.edges)) < 1e-9
+
+
+def test_few_turns_over_time(run_up: Path) -> None:
+    """Curves, and no bands; over the time where it is asked for."""
+    lines = (run_up.parent / "run.csv").read_text().splitlines(keepends=True)
+    (run_up.parent / "run.csv").write_text("".join(lines[:102]))
+    result = Scene.load(run_up).run()
+    axes = plot_scene(result, over="time").axes[-1]
+    assert axes.get_xlabel() == "time [s]"
+    assert axes.get_lines()[0].get_xdata() == pytest.approx(0.001 * np.arange(101))
+    assert axes.get_xlim() == pytest.approx((0.0, 0.1))
+    for over in (None, "turns"):
+        assert plot_scene(result, over=over).axes[-1].get_xlabel() == "drive angle [deg]"
 
 
 def test_the_page_of_orders(run_up: Path) -> None:

@@ -596,6 +596,9 @@ axes = "shaft"
     line, load = Driveline.from_bends([20, 30], degrees=True), Load(drive_torque=5.0)
     wanted = line.evaluate(Scene.parse(text).angle, "moment", load=load, axes="shaft").moment
     assert np.array_equal(found, wanted)
+    forces = text.replace('["moment"]', '["moment", "joint_force"]')
+    with pytest.raises(SceneError, match=r"line 7: \[output\] axes is .*; joint_force has"):
+        Scene.parse(forces)
     with pytest.raises(ValueError, match=r"\[output\] axes is 'shafts'; did you mean 'shaft'"):
         Scene.parse(text.replace('"shaft"', '"shafts"'))
 

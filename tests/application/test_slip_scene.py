@@ -154,6 +154,9 @@ def test_without_friction_load_or_limits() -> None:
         text = text.replace('quantities = ["torque"]', "")
         found = figures(text)
         assert (found.torque, found.force, found.supports) == (None, None, ())
+        # Not silently: with a friction a force is expected.
+        unknown = "The axial force is not computed" in " ".join(slip_text(found).split())
+        assert unknown == part.startswith("output_torque")
     bare = changed(("travel_mm = 40", ""), ("least_engaged_mm = 65", ""), ("push_in_mm = 25", ""))
     assert figures(bare).verdict == "not judged"
     assert "is not judged" in slip_text(figures(bare))

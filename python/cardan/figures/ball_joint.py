@@ -20,7 +20,8 @@ Verdict = Literal["within", "beyond", "not judged"]
 
 _VERDICTS = ("within", "beyond", "not judged")
 
-# A ball that is sized reaches the allowable pressure itself, to rounding.
+# A ball that is sized reaches the allowable pressure itself, and the pressure at the rim of a
+# hemisphere is 0, to rounding.
 _ROUNDING = 1e-12
 
 _SMALL_CLEARANCE = 0.1
@@ -94,13 +95,14 @@ def ball_joint_figures(case: BallJointCase) -> BallJointFigures:
     joint, load, allowable = case.joint, case.load, case.allowable_pressure
     peak = float(joint.peak_pressure(load))
     contact_angle = float(joint.contact_angle(load))
+    edge = float(joint.pressure(contact_angle, load))
     rim = float(joint.radius) * math.sin(float(joint.half_angle))
     one, other = (_part(material, peak) for material in case.materials)
     verdicts = {one.verdict, other.verdict}
     friction = case.friction
     return BallJointFigures(
         peak=peak,
-        edge=float(joint.pressure(contact_angle, load)),
+        edge=edge if edge > _ROUNDING * peak else 0.0,
         projected=load / (math.pi * rim**2),
         contact_angle=contact_angle,
         verdict=next(v for v in ("beyond", "within", "not judged") if v in verdicts),

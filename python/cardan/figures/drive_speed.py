@@ -61,10 +61,12 @@ def drive_speed(scene: Scene) -> DriveSpeed | None:
     """Return how constant the speed of a scene's drive is.
 
     ``None`` where nothing depends on it: no speed, no inertia behind a joint, no variation, and
-    for recorded bends.
+    for recorded bends or speeds; a measured drive shows how it gives way.
     """
     load, line = scene.load_case, scene.line
     if load is None or load.inertias is None or line.shape or not scene.speed:
+        return None
+    if scene.speed_recorded:
         return None
     inertias = np.asarray(load.inertias, dtype=np.float64)
     varying = {}

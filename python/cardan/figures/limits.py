@@ -45,7 +45,12 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
     ``progress`` is called after each block of the study with the rows done and all rows.
     """
     if scene.study is None or not scene.study.axes:
-        return scene.without_missing().line.check(scene.speed or None, scene.limits)
+        known = scene.without_missing()
+        # Bends that were recorded go with the speeds of their samples; of fixed ones the largest
+        # speed is the worst.
+        if known.line.shape and known.speed_recorded and known.load_case is not None:
+            return known.line.check(known.load_case.speed, scene.limits)
+        return known.line.check(scene.speed or None, scene.limits)
     turns = scene.speed != 0.0 or any(axis.key.startswith("speed_") for axis in scene.study.axes)
     blocks = []
     rows = math.prod(scene.study.shape)

@@ -18,6 +18,7 @@ from cardan.outputs import OUTPUTS, Output
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.signals import Signal
 from cardan.scene.units import RPM, ending_of, in_degrees
+from cardan.scene.way import Way
 
 Statistic = Literal["value", "min", "max", "peak"]
 """What a figure is: the value itself, the least, the largest, the largest magnitude."""
@@ -70,10 +71,16 @@ def summary(result: SceneResult) -> list[Row]:
 def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
     """Return the drive angles of a scene as plain data: where from, how many, from where to where.
 
-    ``turns`` is the way that the drive goes, forward and back.
+    ``turns`` is the way that the drive goes, forward and back; a counter that starts anew at each
+    turn goes on.
     """
     degrees = scene.without_missing().drive_angle_deg
-    turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
+    if scene.recording:
+        way = Way()
+        way.add(degrees)
+        turns = way.turns
+    else:
+        turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
     ends = (float(degrees[0]), float(degrees[-1]))
     found = recorded_angles(
         len(scene.drive_angle_deg), scene.missing, ends, turns, scene.signals, radians

@@ -48,7 +48,7 @@ def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
     Args:
         scene: the scene.
         over: what; by default the time where it was recorded, and else the turns of the drive. Up
-            to three turns are drawn over the drive angle in both cases.
+            to three turns are drawn over the drive angle, unless the time is asked for.
 
     Raises:
         ValueError: times that were not recorded, a drive of which there are no orders.
@@ -62,6 +62,8 @@ def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
         bands = Bands.of_time(scene.time, degrees)
     else:
         bands = Bands.of_turns(degrees)
+    if bands is None and scene.time is not None and over == "time":
+        return Abscissa("time [s]", "", partial(_over_time, time=scene.time))
     if bands is None:
         draw = partial(_over_angle, angle_deg=degrees)
         return Abscissa("drive angle [deg]", "", draw)
@@ -71,6 +73,11 @@ def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
 
 def _over_angle(axes: Axes, curves: _Curves, scale: float, *, angle_deg: FloatArray) -> None:
     panel.draw(axes, angle_deg, curves, scale)
+
+
+def _over_time(axes: Axes, curves: _Curves, scale: float, *, time: FloatArray) -> None:
+    panel.draw(axes, time, curves, scale)
+    value_ticks(axes.xaxis)
 
 
 def _over_bands(axes: Axes, curves: _Curves, scale: float, *, bands: Bands) -> None:

@@ -54,7 +54,7 @@ class Recording:
         self._integral = Integral(math.radians(start))
         self._last_time = -math.inf
         self._last_angle, self._turns = math.nan, 0.0
-        self._found = False
+        self._found = self._found_numbers = False
 
     def whole(self) -> Angles:
         """Read all samples.
@@ -100,6 +100,11 @@ class Recording:
             names = ", ".join(
                 repr(name) for name in (*self._columns.values(), *self._bends.values())
             )
+            if self._found_numbers:
+                raise ValueError(
+                    f"{self._file}: no row has two others within filter_reach = {self._reach} rows "
+                    f"that have numbers in the columns {names}; the acceleration needs them"
+                )
             raise ValueError(f"{self._file}: no row has a number in each of the columns {names}")
 
     def _chunks(self, rows: int | None) -> Iterator[Chunk]:
@@ -191,6 +196,7 @@ class Recording:
                 found[rows] for found in derivatives(time, signal, there, self._reach)
             )
             speed, acceleration = (part[_SIGNAL], slope) if self._speed else (slope, curvature)
+            self._found_numbers |= bool(known.any())
             # Too few samples around one leave its acceleration unknown.
             known &= ~np.isnan(acceleration)
             load = {"speed_rad_s": speed, "acceleration_rad_s2": acceleration}

@@ -14,6 +14,7 @@ import numpy as np
 import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.driven_angle import check_axes
 from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.limits import Limits
@@ -241,6 +242,7 @@ class Scene:
             shafts = _items(output, "shafts", line.n_joints + 1)
             joints = _items(output, "joints", line.n_joints)
             options = {key: output[key] for key in _OPTIONS if key in output}
+            check_axes(quantities, output.get("axes", "space"))
             if angle.bends is not None and "closed_forms" in output:
                 raise ArgumentValueError("closed_forms", "do not go with recorded bends")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}

@@ -7,7 +7,6 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
 from cardan.files.progress import Progress
@@ -15,6 +14,7 @@ from cardan.files.tables import ROWS, write_pieces
 from cardan.scene.curves import columns
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.signals import Signal, joined
+from cardan.scene.way import Way
 
 
 class Streamed(NamedTuple):
@@ -69,7 +69,7 @@ def stream(
     if first.recording and path.exists() and path.samefile(first.recording):
         raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
 
-    missing, way = 0, 0.0
+    missing, way = 0, Way()
     ends: list[float] = []
     signals: tuple[Signal, ...] = ()
 
@@ -79,17 +79,15 @@ def stream(
             yield curves(part), total
 
     def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
-        nonlocal missing, way, signals
+        nonlocal missing, signals
         missing += part.missing
         signals = joined(signals, part.signals)
-        # From the last angle of the chunk before.
         known = part.without_missing().drive_angle_deg
-        degrees = np.concatenate([ends[1:], known])
-        way += float(np.sum(np.abs(np.diff(degrees))))
+        way.add(known)
         if known.size:
             ends[:] = [*(ends or known[:1].tolist())[:1], float(known[-1])]
         return columns(SceneResult(part, part.evaluate()), radians=radians)
 
     written = write_pieces(path, pieces(), progress)
     # A recording without any number is refused.
-    return Streamed(path, written, missing, (ends[0], ends[1]), way / 360.0, signals)
+    return Streamed(path, written, missing, (ends[0], ends[1]), way.turns, signals)

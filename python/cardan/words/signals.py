@@ -23,7 +23,7 @@ def signals_text(drive_angles: Mapping[str, Any]) -> str:
     duration = time["last"] - time["first"] if time else 0.0
     samples = drive_angles["samples"]
     step = duration / (samples - 1) if samples > 1 else 0.0
-    lines = [(_label(signal), "; ".join(_parts(signal, step))) for signal in signals]
+    lines = [(_label(signal), "; ".join(_parts(signal, samples, step))) for signal in signals]
     return f"Recording\n{aligned(lines, max(len(label) for label, _ in lines) + 4, '  ')}"
 
 
@@ -32,8 +32,8 @@ def _label(signal: Mapping[str, Any]) -> str:
     return name if signal["column"] is None else f"{name}, column {signal['column']!r}"
 
 
-def _parts(signal: Mapping[str, Any], step: float) -> Iterator[str]:
-    """What to say of a signal; ``step`` is the mean time between samples in s."""
+def _parts(signal: Mapping[str, Any], samples: int, step: float) -> Iterator[str]:
+    """What to say of a signal of so many samples; ``step`` is the mean time between them in s."""
     unit = signal["unit"]
     first, last, low, high = (signal[end] for end in ("first", "last", "min", "max"))
     if signal["signal"] == "time":
@@ -45,7 +45,7 @@ def _parts(signal: Mapping[str, Any], step: float) -> Iterator[str]:
     if high - low > 1e-6 * max(abs(low), abs(high)):
         yield f"{' to '.join(range_ends(low, high))} {unit}"
     if "filter_samples" in signal:
-        count = signal["filter_samples"]
+        count = min(signal["filter_samples"], samples)
         yield f"by parabolas over {count} samples, {figure_text((count - 1) * step)} s"
 
 

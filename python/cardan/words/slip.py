@@ -59,6 +59,8 @@ def slip_sentences(found: SlipFigures) -> Iterator[str]:
             f"shaft {found.slip.shaft}. Move both ends of shaft {shaft} together, or give it a "
             "spline."
         )
+    if found.slip.friction is not None and found.torque is None:
+        yield "The axial force is not computed: the section [load] gives no torque and no inertia."
     if found.supports:
         first, last = (support.shaft for support in found.supports)
         yield (
