@@ -79,6 +79,18 @@ def force_figures(
     return found
 
 
+def shortest_arm(line: Driveline) -> float:
+    """Return the shortest distance between two joints, bearings or ends of a shaft, in m."""
+    lengths = line.lengths().each
+    shortest = float(np.min(lengths))
+    for shaft in range(line.n_joints + 1):
+        own = [position for number, position in line.bearings if number == shaft]
+        marks = [np.zeros(lengths.shape[:-1]), *own, lengths[..., shaft]]
+        apart = np.diff(np.sort(np.stack(marks, axis=-1), axis=-1), axis=-1)
+        shortest = float(np.min(apart, where=apart > 0.0, initial=shortest))
+    return shortest
+
+
 def _length(amplitude: np.ndarray) -> float:
     """The largest length of ``Re(amplitude exp(i t))``: the longer half axis of an ellipse."""
     square = np.sum(np.abs(amplitude) ** 2) + np.abs(np.sum(amplitude**2))
