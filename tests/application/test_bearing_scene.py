@@ -15,6 +15,7 @@ from click.testing import CliRunner
 
 from cardan import Driveline, Load
 from cardan.command import commands
+from cardan.figures.forces import force_figures
 from cardan.figures.scene_forces import SceneForces, forces_data, scene_forces
 from cardan.figures.schema import answers_schema
 from cardan.figures.summary import summary
@@ -313,16 +314,37 @@ def test_words_are_the_figures() -> None:
     assert " 1.5708 rad " in forces_text(forces(), radians=True)
 
 
-def test_rounding_is_nothing_and_what_is_constant_has_no_angle() -> None:
-    straight = TEXT[: TEXT.index("points_mm")] + (
-        "points_mm = [[0, 0, 0], [300, 0, 0], [1500, 0, 0], [3000, 0, 0], [3250, 0, 0]]\n"
-    )
-    found = forces(straight + TEXT[TEXT.index("phases_deg") :])
+def test_rounding_is_nothing_and_has_no_angle() -> None:
+    """A Z arrangement: the floating shaft needs no force, and shafts 0 and 2 turn alike."""
+    text = """
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1500, -60, 0], [1800, -60, 0]]
+[load]
+drive_torque_Nm = 1200
+[output]
+quantities = ["joint_force", "bearing_force"]
+"""
+    # The closer the bearings, the larger the forces and what rounding leaves of their order 4.
+    for shaft, place in ((0, 50), (0, 50.001), (2, 60), (2, 60.001)):
+        text += f"[[bearing]]\nshaft = {shaft}\nposition_mm = {place}\n"
+    scene = Scene.parse(text)
+    assert scene.load_case is not None
+    raw = force_figures(scene.line, scene.load_case)
+    assert all(row.largest > 0.0 and row.places for row in raw)
+    assert max(row.order_4 for row in raw) > 1e-9
+    found = scene_forces(scene)
+    assert found is not None
     for force in found.forces:
         row = force.figures
-        assert (row.largest, row.mean, row.order_2, row.order_4) == (0.0, 0.0, 0.0, 0.0)
-        assert (row.places, force.at_deg) == ((), None)
+        if row.per == "joint":
+            assert (row.largest, row.mean, row.order_2, row.order_4) == (0.0, 0.0, 0.0, 0.0)
+            assert (row.places, force.at_deg) == ((), None)
+        else:
+            assert row.largest > row.order_2 > row.mean > 1e6
+            assert row.order_4 == 0.0
     assert forces_text(found).splitlines()[1].split() == ["joint", "0", "0", "-", "0", "0", "0"]
+    rows = [row for row in summary(scene.run()) if row.per == "joint" and row.unit == "N"]
+    assert [(row.value, row.at_deg) for row in rows] == [(0.0, None)] * 2
 
 
 @pytest.mark.parametrize(
