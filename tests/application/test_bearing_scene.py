@@ -426,3 +426,27 @@ def test_the_report_has_the_forces(tmp_path: Path) -> None:
             cells = "".join(f"<td>{figure}</td>" for figure in figures)
             assert f'<th scope="row">{label}</th>{cells}' in page
         assert ("Loads of the bearings, largest over a whole turn" in page) == (name == "all")
+
+
+def test_recorded_bends_have_forces_at_their_samples_and_none_over_a_turn(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("deg,b0,b1\n0,5,6\n10,5.5,6\n20,6,7\n30,,7\n40,6,7\n")
+    text = "[driveline]\nlengths_m = [1, 1.5, 1]\n[angles]\nfile = 'a.csv'\n"
+    text += "angle_column_deg = 'deg'\nbend_columns_deg = ['b0', 'b1']\n"
+    text += "[load]\ndrive_torque_Nm = 9\n[output]\nquantities = ['bearing_force']\n"
+    for place in (0.1, 0.6):
+        text += f"[[bearing]]\nshaft = 2\nposition_m = {place}\n"
+    SCENES.validate(tomllib.loads(text))
+    scene = Scene.parse(text, folder=tmp_path)
+    assert scene_forces(scene) is None
+    found = scene.run().values["bearing_force"]
+    for sample, bends in enumerate([(5, 6), (5.5, 6), (6, 7), None, (6, 7)]):
+        if bends is None:
+            assert np.isnan(found[:, sample]).all()
+            continue
+        line = Driveline.from_bends(bends, degrees=True)
+        line = line.with_bearings([(2, 0.1), (2, 0.6)], [1.0, 1.5, 1.0])
+        angle = np.radians(10.0 * sample)
+        want = line.evaluate(angle, "bearing_force", load=Load(drive_torque=9.0)).bearing_force
+        np.testing.assert_allclose(found[:, sample], want, rtol=1e-12, atol=1e-12)
+    write_report(scene, tmp_path / "a.html")
+    assert "Loads of the bearings" in (tmp_path / "a.html").read_text("utf-8")

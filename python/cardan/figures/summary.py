@@ -171,6 +171,7 @@ _ENDS: tuple[tuple[Statistic, Any], ...] = (("min", np.nanmin), ("max", np.nanma
 
 def _recorded(result: SceneResult) -> Iterator[Row]:
     degrees = result.scene.drive_angle_deg
+    least = _least(result.scene)
     for output, item, values in result.curves():
         if output.per == "shaft" and not output.needs_load:
             shown, unit = in_degrees(values, output.unit)
@@ -181,7 +182,7 @@ def _recorded(result: SceneResult) -> Iterator[Row]:
             sizes = magnitudes(output, values)
             place, everywhere = first_peak(sizes)
             value, at = float(np.nanmax(sizes)), None if everywhere else float(degrees[place])
-            if value <= noise(result.scene, output.unit):
+            if value <= least[output.unit]:
                 value, at = 0.0, None
             yield Row(output.name, output.per, item, "peak", value, output.unit, "samples", at)
 
@@ -253,6 +254,7 @@ def _searched(scene: Scene) -> Iterator[Row]:
         "joint": range(scene.line.n_joints) if scene.joints is None else scene.joints,
         "bearing": range(scene.line.n_bearings),
     }
+    least = _least(scene)
     for name in scene.quantities:
         output: Output = OUTPUTS[name]
         if name in _NOT_SEARCHED:
@@ -260,7 +262,7 @@ def _searched(scene: Scene) -> Iterator[Row]:
         for item in items[output.per]:
             found = peak(scene.line, name, item, scene.load_case if output.needs_load else None)
             value, places = found.value, found.places
-            if value <= (noise(scene, output.unit) if output.needs_load else CANCELLED):
+            if value <= (least[output.unit] if output.needs_load else CANCELLED):
                 value, places = 0.0, ()
             if output.unit == "rad":
                 value = math.degrees(value)
@@ -271,6 +273,13 @@ def _searched(scene: Scene) -> Iterator[Row]:
 
 def _shafts(scene: Scene) -> tuple[int, ...]:
     return (scene.line.n_joints,) if scene.shafts is None else scene.shafts
+
+
+def _least(scene: Scene) -> dict[str, float]:
+    """What is rounding of the loads that a scene asks for, by their unit."""
+    outputs = (OUTPUTS[name] for name in scene.quantities)
+    units = {output.unit for output in outputs if output.needs_load}
+    return {unit: noise(scene, unit) for unit in units}
 
 
 def noise(scene: Scene, unit: str = "N m") -> float:
