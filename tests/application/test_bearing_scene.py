@@ -23,6 +23,7 @@ from cardan.plots.quantities import quantities
 from cardan.plots.scene import plot_scene
 from cardan.report import write_report
 from cardan.scene import Scene, SceneError, load_scene
+from cardan.scene.cluster import _fingerprint
 from cardan.scene.curves import columns, study_columns
 from cardan.words.forces import force_rows, forces_text
 
@@ -450,3 +451,21 @@ def test_recorded_bends_have_forces_at_their_samples_and_none_over_a_turn(tmp_pa
         np.testing.assert_allclose(found[:, sample], want, rtol=1e-12, atol=1e-12)
     write_report(scene, tmp_path / "a.html")
     assert "Loads of the bearings" in (tmp_path / "a.html").read_text("utf-8")
+
+
+def test_a_moved_bearing_is_another_study_on_a_cluster() -> None:
+    study = "[study]\npoints_mm.2.x = [1500, 1510]\n"
+    lengths = (
+        "[driveline]\nbends_deg = [5, 5]\nlengths_m = [1, 1, {}]\n[study]\nbends_deg = [4, 5]\n"
+    )
+    for one, other, differ in (
+        (TEXT + study, changed(("position_mm = 1050", "position_mm = 1051")) + study, "bearings"),
+        (lengths.format(1), lengths.format(2), "lengths"),
+    ):
+        prints = []
+        for text in (one, other):
+            found = Scene.parse(text).study
+            assert found is not None
+            prints.append(_fingerprint(found, radians=False))
+        assert [key for key in prints[0] if prints[0][key] != prints[1][key]] == [differ]
+    assert prints[0]["bearings"] is None
