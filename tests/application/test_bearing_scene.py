@@ -22,6 +22,7 @@ from cardan.figures.summary import summary
 from cardan.plots.quantities import quantities
 from cardan.plots.scene import plot_scene
 from cardan.report import write_report
+from cardan.report.samples import evaluated
 from cardan.scene import Scene, SceneError, load_scene
 from cardan.scene.cluster import _fingerprint
 from cardan.scene.curves import columns, study_columns
@@ -347,6 +348,8 @@ quantities = ["joint_force", "bearing_force"]
     assert forces_text(found).splitlines()[1].split() == ["joint", "0", "0", "-", "0", "0", "0"]
     rows = [row for row in summary(scene.run()) if row.per == "joint" and row.unit == "N"]
     assert [(row.value, row.at_deg) for row in rows] == [(0.0, None)] * 2
+    peaks = [each for each in evaluated(scene).peaks if each.output.name == "joint_force"]
+    assert [(each.size, each.at_deg) for each in peaks] == [(0.0, None)] * 2
 
 
 @pytest.mark.parametrize(
