@@ -129,12 +129,15 @@ def scene_keys() -> str:
     lines = ["| key | holds |", "|---|---|"]
     sections = []
     for name, value in schema["properties"].items():
-        if "properties" not in value:
+        repeated = "properties" in value.get("items", {})
+        section = value["items"] if repeated else value
+        if "properties" not in section:
             lines.append(_row(name, value))
             continue
-        sections += [f"\n## `[{name}]`\n", f"{value['description'].capitalize()}.\n"]
+        heading = f"[[{name}]]" if repeated else f"[{name}]"
+        sections += [f"\n## `{heading}`\n", f"{value['description'].capitalize()}.\n"]
         sections += ["| key | holds |", "|---|---|"]
-        sections += [_row(key, entry) for key, entry in value["properties"].items()]
+        sections += [_row(key, entry) for key, entry in section["properties"].items()]
     return "\n".join(lines + sections)
 
 

@@ -78,9 +78,14 @@ SLIP = {
     *("axial_force_N", "supports", "side", "axial_N", "transverse_N"),
     *("other_shafts", "travel_mm", "key", "value", "bearings", "bearing", "force_N"),
 }
+FORCES = {
+    *("forces", "figures", "not_determinate", "quantity", "reason", "joint", "bearing", "shaft"),
+    *("largest_N", "mean_N", "order_2_N", "order_4_N", "at_drive_angle_deg", "at_drive_angle_rad"),
+}
 KEYS = {
     "run": {
         *BALL_JOINT,
+        *FORCES,
         *SLIP,
         *("answer", "version", "title", "drive_angles", "rows", "study", "files"),
         *("source", "samples", "missing_samples", "turns", "samples_per_turn"),
@@ -96,6 +101,7 @@ KEYS = {
     },
     "check": {
         *BALL_JOINT,
+        *FORCES,
         *SLIP,
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),

@@ -190,7 +190,7 @@ def test_help_without_arguments() -> None:
 def test_help_lists_every_key_on_a_line_of_its_own() -> None:
     text = run("run", "--help").output
     for name, section in FORMAT.items():
-        assert not name or f"\n  [{name}]  " in text
+        assert not name or f"\n  {section.heading(name)}  " in text
         for key in section.keys if name != "study" else ():
             assert f"\n    {key} " in text
     assert max(map(len, text.splitlines())) < 80

@@ -63,3 +63,14 @@ def test_scenes_give_forces_in_newtons_whatever_the_unit_of_their_points() -> No
     for found in (in_mm, in_m):
         np.testing.assert_allclose(found.run().values["joint_force"], want, atol=1e-12 * size)
     assert 10.0 < size < 20.0
+
+
+def test_steep_bends_take_bounded_memory() -> None:
+    # Samples in proportion to 1/cos of both bends would be thousands of millions.
+    line = Driveline.from_bends([89.99, 89.99], degrees=True)
+    line = line.with_bearings([(0, 0.1), (0, 0.6), (2, 0.1), (2, 0.6)], [1.0, 1.0, 1.0])
+    for row in force_figures(line, LOAD):
+        at = line.evaluate(row.places[0], row.output, load=LOAD)[row.output][row.item]
+        assert np.linalg.norm(at) == pytest.approx(row.largest, rel=1e-9)
+        assert 0.0 < row.mean < row.largest
+        assert 0.0 < row.order_2 < 2.0 * row.largest

@@ -12,6 +12,7 @@ import pytest
 from cardan import Driveline, Limits, Load, Sweep
 from cardan.figures.summary import Row, drive_angles, summary
 from cardan.scene import Scene, SceneError
+from cardan.scene.bearings import LENGTHS
 from cardan.scene.format import FORMAT, FORMS, TEETH, describe
 from cardan.words.summary import summary_lines, summary_text
 
@@ -256,7 +257,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         '"a\\nb" = 1',
         None,
-        r"unknown key 'a\nb'; known are title, driveline, load, sweep, angles, limits, "
+        r"unknown key 'a\nb'; known are title, driveline, bearing, load, sweep, angles, limits, "
         "slip, ball_joint, study, output",
     ),
     (
@@ -977,7 +978,7 @@ def test_validate_finds_all_at_once(tmp_path: Path) -> None:
 def test_description_is_the_format() -> None:
     words = describe().split()
     for name, part in FORMAT.items():
-        assert not name or f"[{name}]" in words
+        assert not name or part.heading(name) in words
         for key, entry in part.keys.items():
             assert key in words
             assert entry.meaning.split()[-1] in describe()
@@ -987,7 +988,7 @@ def test_description_is_the_format() -> None:
 
 def test_every_key_of_a_driveline_is_in_a_form() -> None:
     used = {key for form in FORMS for key in form.keys + form.optional}
-    assert used | {TEETH} == set(FORMAT["driveline"].keys)
+    assert used | {TEETH, *LENGTHS} == set(FORMAT["driveline"].keys)
 
 
 # The table

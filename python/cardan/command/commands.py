@@ -41,6 +41,7 @@ from cardan.figures.extremes import StudyTable
 from cardan.figures.identification import identification_data
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.run import run_data
+from cardan.figures.scene_forces import scene_forces
 from cardan.figures.schema import answers_schema
 from cardan.figures.slip import slip_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
@@ -57,6 +58,7 @@ from cardan.scene.streaming import stream as stream_curves
 from cardan.words.advice import remedies
 from cardan.words.ball_joint import ball_joint_text
 from cardan.words.drive_speed import drive_speed_text
+from cardan.words.forces import forces_text
 from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
 from cardan.words.signals import signals_text
@@ -75,6 +77,8 @@ def _besides(scene: Scene) -> Iterator[str]:
     """What a check says beside the limits of the driveline."""
     if speed := drive_speed(scene):
         yield drive_speed_text(speed)
+    if forces := scene_forces(scene):
+        yield forces_text(forces)
     if slip := slip_figures(scene):
         yield slip_text(slip)
     if scene.ball_joint:
@@ -216,6 +220,8 @@ def commands() -> click.Group:
         say_before_files(summary_text(rows, angles, radians=radians))
         if whole.missing:
             say_before_files(f"\n{missing_of(whole)}")
+        if forces := scene_forces(whole):
+            say_before_files(f"\n{forces_text(forces, radians=radians)}")
         if slip := slip_figures(whole):
             say_before_files(f"\n{slip_text(slip)}")
         if whole.ball_joint:

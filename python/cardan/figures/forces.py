@@ -13,15 +13,9 @@ from cardan.driveline import Driveline
 from cardan.figures.turn_extremes import peak
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
-from cardan.sweep import Sweep
 
 FORCES = ("joint_force", "bearing_force")
 """The outputs that are forces."""
-
-# Samples of a turn. With the cosine c of all bends together, harmonics of order 2 n fall at least
-# like exp(-2 c n), so this leaves nothing of those that a sum confuses with orders 2 and 4.
-_SAMPLES = 64
-_PER_COSINE = 80.0
 
 
 @dataclass(frozen=True)
@@ -63,20 +57,30 @@ def force_figures(
     Raises:
         ValueError: a force that is not determinate; lengths that are missing.
     """
-    steepest = float(np.prod(np.cos(line.bends)))
-    samples = 2 * math.ceil(max(_SAMPLES, _PER_COSINE / steepest) / 2)
+    names = tuple(outputs)
+    orders = line.harmonics((2, 4), outputs=names, load=load)
     found = []
-    for name in outputs:
-        values = line.evaluate(Sweep.revolutions(1, samples), name, load=load)[name]
-        orders = np.fft.rfft(values, axis=1) / samples
+    for name in names:
         per: Literal["joint", "bearing"] = "joint" if OUTPUTS[name].per == "joint" else "bearing"
-        for item, of_item in enumerate(orders):
+        sums = zip(orders.mean[name], orders.complex_amplitude[name], strict=True)
+        for item, (mean, amplitudes) in enumerate(sums):
             largest = peak(line, name, item, load)
-            mean, *parts = (_length(2.0 * of_item[order]) for order in (0, 2, 4))
-            found.append(
-                ForceFigures(name, per, item, largest.value, largest.places, mean / 2.0, *parts)
-            )
+            size = float(np.linalg.norm(mean))
+            parts = (_length(amplitudes[:, i]) for i in range(2))
+            found.append(ForceFigures(name, per, item, largest.value, largest.places, size, *parts))
     return found
+
+
+def shortest_arm(line: Driveline) -> float:
+    """Return the shortest distance between two joints, bearings or ends of a shaft, in m."""
+    lengths = line.lengths().each
+    shortest = float(np.min(lengths))
+    for shaft in range(line.n_joints + 1):
+        own = [position for number, position in line.bearings if number == shaft]
+        marks = [np.zeros(lengths.shape[:-1]), *own, lengths[..., shaft]]
+        apart = np.diff(np.sort(np.stack(marks, axis=-1), axis=-1), axis=-1)
+        shortest = float(np.min(apart, where=apart > 0.0, initial=shortest))
+    return shortest
 
 
 def _length(amplitude: np.ndarray) -> float:

@@ -21,6 +21,7 @@ from cardan.figures.ball_joint import (
 from cardan.figures.drive_speed import DRIVE_SPEED_SCHEMA, drive_speed_data
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
+from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data, scene_forces
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
@@ -99,6 +100,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
     """
     by_figure = {finding.figure: finding for finding in found.findings}
     more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
+    if forces := scene_forces(scene):
+        more["forces"] = forces_data(forces)
     if slip := slip_figures(scene):
         more["slip"] = slip_data(slip)
     if scene.ball_joint:
@@ -217,7 +220,11 @@ CHECK_SCHEMA = answers_with(
     },
     {"ball_joint": BALL_JOINT_SCHEMA},
     needed={"passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"}},
-    optional={"drive_speed": DRIVE_SPEED_SCHEMA, "slip": SLIP_SCHEMA},
+    optional={
+        "drive_speed": DRIVE_SPEED_SCHEMA,
+        "forces": FORCES_SCHEMA,
+        "slip": SLIP_SCHEMA,
+    },
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.
 

@@ -8,6 +8,7 @@ from typing import Any, get_args
 from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
 from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
+from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data, scene_forces
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.summary import Row, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
@@ -38,6 +39,8 @@ def run_data(
     data["rows"] = summary_data(rows, radians=radians)
     if study and scene.study:
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
+    if forces := scene_forces(scene):
+        data["forces"] = forces_data(forces, radians=radians)
     if slip := slip_figures(scene):
         data["slip"] = slip_data(slip)
     if scene.ball_joint:
@@ -140,6 +143,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
         },
     },
     optional={
+        "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
         "study": record(
             {

@@ -12,6 +12,7 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.equivalent import EquivalentJoint
 from cardan.figures.extremes import finite_or_none
+from cardan.figures.forces import shortest_arm
 from cardan.figures.rounding import CANCELLED, first_peak, is_cancelled
 from cardan.figures.turn_extremes import magnitudes, peak
 from cardan.outputs import OUTPUTS, Output
@@ -177,7 +178,7 @@ _ENDS: tuple[tuple[Statistic, Any], ...] = (("min", np.nanmin), ("max", np.nanma
 
 def _recorded(result: SceneResult) -> Iterator[Row]:
     degrees = result.scene.drive_angle_deg
-    noise = _noise(result.scene)
+    least = _least(result.scene)
     for output, item, values in result.curves():
         if output.per == "shaft" and not output.needs_load:
             shown, unit = in_degrees(values, output.unit)
@@ -188,7 +189,7 @@ def _recorded(result: SceneResult) -> Iterator[Row]:
             sizes = magnitudes(output, values)
             place, everywhere = first_peak(sizes)
             value, at = float(np.nanmax(sizes)), None if everywhere else float(degrees[place])
-            if value <= noise:
+            if value <= least[output.unit]:
                 value, at = 0.0, None
             yield Row(output.name, output.per, item, "peak", value, output.unit, "samples", at)
 
@@ -217,9 +218,7 @@ def _shaft_motion(scene: Scene, shaft: int) -> Iterator[Row]:
         name: str, statistic: Statistic, value: float, unit: str, driving: Sequence[float]
     ) -> Row:
         places = () if still else [place - float(joint.angle_offset) for place in driving]
-        return Row(
-            name, "shaft", shaft, statistic, value, unit, "turn", _first_place(scene, places)
-        )
+        return Row(name, "shaft", shaft, statistic, value, unit, "turn", first_place(scene, places))
 
     # Driving angles of the equivalent joint; the error is largest where tan**2 = cos(bend).
     lead, steep = math.atan(math.sqrt(slowest)), _steepest(joint)
@@ -257,21 +256,25 @@ def _steepest(joint: EquivalentJoint) -> float:
 
 def _searched(scene: Scene) -> Iterator[Row]:
     shafts = _shafts(scene)
-    joints = range(scene.line.n_joints) if scene.joints is None else scene.joints
-    noise = _noise(scene)
+    items = {
+        "shaft": shafts,
+        "joint": range(scene.line.n_joints) if scene.joints is None else scene.joints,
+        "bearing": range(scene.line.n_bearings),
+    }
+    least = _least(scene)
     for name in scene.quantities:
         output: Output = OUTPUTS[name]
         if name in _NOT_SEARCHED:
             continue
-        for item in shafts if output.per == "shaft" else joints:
+        for item in items[output.per]:
             found = peak(scene.line, name, item, scene.load_case if output.needs_load else None)
             value, places = found.value, found.places
-            if value <= (noise if output.needs_load else CANCELLED):
+            if value <= (least[output.unit] if output.needs_load else CANCELLED):
                 value, places = 0.0, ()
             if output.unit == "rad":
                 value = math.degrees(value)
             unit = {"rad": "deg", "1": ""}.get(output.unit, output.unit)
-            at = _first_place(scene, places)
+            at = first_place(scene, places)
             yield Row(name, output.per, item, "peak", value, unit, "turn", at)
 
 
@@ -279,8 +282,20 @@ def _shafts(scene: Scene) -> tuple[int, ...]:
     return (scene.line.n_joints,) if scene.shafts is None else scene.shafts
 
 
-def _noise(scene: Scene) -> float:
-    """Torques and moments in N m up to which all is rounding: of the load and of the geometry."""
+def _least(scene: Scene) -> dict[str, float]:
+    """What is rounding of the loads that a scene asks for, by their unit."""
+    outputs = (OUTPUTS[name] for name in scene.quantities)
+    units = {output.unit for output in outputs if output.needs_load}
+    return {unit: noise(scene, unit) for unit in units}
+
+
+def noise(scene: Scene, unit: str = "N m") -> float:
+    """Return what of a torque or a moment is rounding: of the load and of the geometry.
+
+    Args:
+        scene: the scene.
+        unit: ``"N m"``, or ``"N"`` for forces: those of such a moment on the shortest lever arm.
+    """
     load = scene.load_case
     if load is None:
         return 0.0
@@ -289,11 +304,16 @@ def _noise(scene: Scene) -> float:
         unevenness = np.max(np.tan(scene.line.bends / 2.0) ** 2)
         rate = scene.speed**2 * unevenness + np.nanmax(np.abs(load.acceleration))
         size += float(np.sum(load.inertias)) * float(rate)
-    return CANCELLED * size
+    return CANCELLED * (size / shortest_arm(scene.line) if unit == "N" else size)
 
 
-def _first_place(scene: Scene, places: Iterable[float]) -> float | None:
-    """The first drive angle of a scene at one of some places in rad, which repeat, in degrees."""
+def first_place(scene: Scene, places: Iterable[float]) -> float | None:
+    """Return the first drive angle of a scene in degrees at one of some places, if any.
+
+    Args:
+        scene: the scene.
+        places: drive angles in rad, which repeat every half turn.
+    """
     first, last = scene.drive_angle_deg[[0, -1]]
     found = []
     for place in np.degrees(list(places)):

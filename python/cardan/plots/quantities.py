@@ -23,19 +23,22 @@ MOST = len(LINES)
 """How many shafts or joints a panel shows at most."""
 
 
+_KINDS = {"N m": "moments", "N": "forces"}
+
+
 @dataclass(frozen=True, eq=False)
 class Quantity:
     """A panel.
 
     Attributes:
         heading: what it shows, with the unit.
-        per: ``"shaft"`` or ``"joint"``.
+        per: ``"shaft"``, ``"joint"`` or ``"bearing"``.
         items: of which of them, as many as are drawn.
         curves: their values, ``(samples,)`` each.
         scale: panels of the same name share their scale.
         unit_size: what values that are all 0 would be measured in.
-        left_out: how many shafts or joints there is no room for.
-        vector: whether it is a component of a vector.
+        left_out: how many shafts, joints or bearings there is no room for.
+        vector: what it is a component of: ``"moments"`` or ``"forces"``; ``""`` of a scalar.
     """
 
     heading: str
@@ -45,7 +48,7 @@ class Quantity:
     scale: str
     unit_size: float = 1.0
     left_out: int = 0
-    vector: bool = False
+    vector: str = ""
 
     def draw(self, axes: Axes, over: Abscissa, aside: float) -> None:
         """Draw the panel with its heading and, of several curves, its legend.
@@ -85,7 +88,8 @@ def quantities(result: SceneResult) -> list[Quantity]:
             for i, axis in enumerate(output.axes):
                 part = [values[:, i] for values in curves]
                 scale = f"{output.name} {'along' if i == along else 'across'}"
-                panels.append(_panel(result, output, items, part, f" about {axis}", scale))
+                sense = "about" if _KINDS[output.unit] == "moments" else "along"
+                panels.append(_panel(result, output, items, part, f" {sense} {axis}", scale))
         else:
             panels.append(_panel(result, output, items, curves, "", output.name))
     return panels
@@ -107,10 +111,10 @@ def _panel(
     output: Output,
     items: Sequence[int],
     curves: Sequence[FloatArray],
-    about: str,
+    component: str,
     scale: str,
 ) -> Quantity:
-    heading, size = f"{output.label}{about}", 1.0
+    heading, size = f"{output.label}{component}", 1.0
     in_unit = [panel.in_unit(output, values)[0] for values in curves]
     unit = panel.in_unit(output, np.empty(0))[1]
     if output.name == "acceleration_ratio" and result.scene.speed:
@@ -133,7 +137,7 @@ def _panel(
         scale,
         size,
         len(items) - len(shown),
-        output.vector,
+        _KINDS[output.unit] if output.vector else "",
     )
 
 

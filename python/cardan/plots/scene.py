@@ -207,11 +207,12 @@ def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], along: Absci
         said.append(along.note)
     if any(quantity.left_out for quantity in drawn):
         said.append(
-            f"Panels show the {MOST} shafts or joints that vary most; "
+            f"Panels show the {MOST} shafts, joints or bearings that vary most; "
             "those that their legends do not name are left out."
         )
-    if any(quantity.vector for quantity in drawn):
-        said.append(f"{_axes_named(scene)}. Moments across the driveline have a separate scale.")
+    if vectors := list(dict.fromkeys(quantity.vector for quantity in drawn if quantity.vector)):
+        what = " and ".join(vectors).capitalize()
+        said.append(f"{_axes_named(scene)}. {what} across the driveline have a separate scale.")
     lines = textwrap.wrap(" ".join(said), 200)
     for i, line in enumerate(reversed(lines)):
         _text(figure, _MARGIN, _LOW + _LINE * i, line)

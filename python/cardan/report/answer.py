@@ -9,6 +9,7 @@ import numpy as np
 from cardan.check import Check
 from cardan.figures.advice import advice
 from cardan.figures.drive_speed import drive_speed
+from cardan.figures.scene_forces import scene_forces
 from cardan.figures.slip import slip_figures
 from cardan.finding import counted
 from cardan.report.limits import groups, shown, verdict_of
@@ -17,6 +18,7 @@ from cardan.report.tables import motion
 from cardan.scene.scene import Scene
 from cardan.words.advice import advice_text, arrangement_text, remedies
 from cardan.words.drive_speed import heading_text, sentences
+from cardan.words.forces import largest_text, reasons
 from cardan.words.summary import figure_text, range_ends
 from cardan.words.yokes import phases_text, tooth_lines, yoke_lines
 from cardan.workshop import SAME_YOKE
@@ -52,6 +54,7 @@ def answer(
         "yokes": _yokes(yokes) if yokes else None,
         "remedies": _of_one_joint(scene),
         "drive_speed": _drive_speed(scene),
+        "forces": _forces(samples),
         "spline": _spline(scene),
     }
 
@@ -116,6 +119,12 @@ def _of_one_joint(scene: Scene) -> list[str]:
         return []
     limit = np.radians(scene.limits.figures["equivalent_bend_deg"].limit)
     return remedies(advice(scene.line, float(limit)))
+
+
+def _forces(samples: Samples) -> list[str]:
+    """The largest force of a bearing, and why forces are not known."""
+    found = scene_forces(samples.result.scene)
+    return [] if found is None else [*filter(None, [largest_text(found)]), *reasons(found)]
 
 
 def _spline(scene: Scene) -> str:

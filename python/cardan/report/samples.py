@@ -6,14 +6,14 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
+from cardan.figures.forces import shortest_arm
 from cardan.figures.rounding import first_peak
-from cardan.figures.turn_extremes import magnitudes, peak
+from cardan.figures.turn_extremes import magnitudes, peak, values_of
 from cardan.load import Load
 from cardan.outputs import Output
 from cardan.scene.angles import Angles
@@ -135,6 +135,8 @@ class Samples:
             if output.name in (*_MOTION, "angle"):
                 continue
             noise = _ROUNDING * (self.largest_torque if output.needs_load else 1.0)
+            if output.unit == "N":
+                noise /= shortest_arm(self.result.scene.line)
             size, angle, there = self._peak(output, item, values)
             vector = np.where(np.abs(there) > noise, there, 0.0) if output.vector else None
             if size <= noise:
@@ -153,9 +155,8 @@ class Samples:
             return float(sizes[place]), at, values[place]
         load = scene.load_case if output.needs_load else None
         found = peak(scene.line, output.name, item, load)
-        which: dict[str, Any] = {f"{output.per}s": item}
         first = found.places[0] if found.places else 0.0
-        there = scene.line.evaluate(first, output.name, load=load, **which)[output.name]
+        there = values_of(scene.line, output.name, item, first, load)
         return found.value, math.degrees(first) if found.places else None, there
 
     def support_peaks(self) -> list[Peak]:

@@ -12,10 +12,12 @@ from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
 from cardan.figures.catalogue import fork_signs
 from cardan.figures.rounding import is_cancelled
+from cardan.figures.scene_forces import scene_forces
 from cardan.figures.summary import within_turn
 from cardan.report.samples import Peak, Samples
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
+from cardan.words.forces import HEADINGS, force_rows
 from cardan.words.summary import figure_text, range_ends
 from cardan.workshop import VIEW, turn
 
@@ -106,9 +108,15 @@ def _drive(scene: Scene) -> list[tuple[str, str]]:
 
 
 def results(samples: Samples) -> list[Table]:
-    """Return motion and loads of every shaft, loads of every joint, and the harmonics."""
+    """Return motion and loads of every shaft, loads of joints and bearings, and the harmonics."""
     scene = samples.result.scene
     tables = [_motion(scene), _largest(samples, "shaft"), _largest(samples, "joint")]
+    if any(peak.output.per == "bearing" for peak in samples.peaks):
+        tables.append(_largest(samples, "bearing"))
+    forces = scene_forces(scene)
+    if forces and forces.forces:
+        caption = f"Forces over a turn [N]{samples.assumed}"
+        tables.append(Table(caption, ("", *HEADINGS), force_rows(forces)))
     if not scene.line.shape:
         orders = (2, 4, 6)
         series = scene.line.harmonics(orders)

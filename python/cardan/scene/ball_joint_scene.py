@@ -7,6 +7,7 @@ from typing import Self
 
 from cardan.scene.ball_joint import BallJointCase, ball_joint_case
 from cardan.scene.document import Document
+from cardan.scene.format import FORMAT
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +47,11 @@ class BallJointScene:
         with document.within(""):
             if "ball_joint" not in given:
                 raise ValueError("section [ball_joint] is missing")
-        for section in given:
+        for section in (*given, *document.tables):
             if section not in ("", "ball_joint"):
                 with document.within("", section):
-                    raise ValueError(f"section [{section}] needs a section [driveline]")
+                    heading = FORMAT[section].heading(section)
+                    raise ValueError(f"section {heading} needs a section [driveline]")
         with document.within("ball_joint"):
             case = ball_joint_case(given["ball_joint"])
         return cls(document.name, given[""].get("title", ""), case)

@@ -263,6 +263,9 @@ def _fingerprint(study: Study, radians: bool) -> dict[str, Any]:
     fingerprint = {
         "axes": {axis.key: axis.values for axis in study.axes},
         "driveline": study.driveline,
+        # A key that a folder lacks counts as null.
+        "bearings": [(own.shaft, own.position) for own in study.mounting.bearings] or None,
+        "lengths": study.mounting.lengths,
         "load": study.load,
         "drive angles": study.angle,
         "quantities": study.quantities,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike, fspath
@@ -25,6 +26,7 @@ class Document:
     Attributes:
         name: what to call it in messages.
         sections: values by section and key, each of the right kind.
+        tables: the same of each table of the sections that may be given repeatedly.
         problems: what is wrong, one line each, if they are being gathered.
     """
 
@@ -32,6 +34,7 @@ class Document:
         """Read the text; raises ValueError at the first problem unless they are gathered."""
         self.name = name
         self.sections: dict[str, dict[str, Any]] = {}
+        self.tables: dict[str, list[dict[str, Any]]] = {}
         self.problems: list[str] = []
         self._text = text
         self._gather = gather
@@ -47,9 +50,10 @@ class Document:
         for name, value in self._document.items():
             with self.within("", name):
                 if name in sections:
-                    if not isinstance(value, dict):
-                        problem = f"is {shown(value)}; it must be a section [{name}]"
-                        raise ArgumentValueError(name, problem)
+                    if not _is_given_as(FORMAT[name], value):
+                        what = "sections" if FORMAT[name].repeated else "a section"
+                        problem = f"is {shown(value)}; it must be {what} "
+                        raise ArgumentValueError(name, problem + FORMAT[name].heading(name))
                 elif name not in FORMAT[top].keys:
                     what = "section" if isinstance(value, dict) else "key"
                     raise ValueError(f"unknown {what} {shown(name)}; {_meant(name, known)}")
@@ -59,7 +63,14 @@ class Document:
             name: part for name, part in entries if name in sections and isinstance(part, dict)
         }
         for name, values in given.items():
-            self.sections[name] = self._checked(name, FORMAT[name], values)
+            if not FORMAT[name].repeated:
+                self.sections[name] = self._checked(name, FORMAT[name], values)
+        for name, tables in entries:
+            if name in sections and FORMAT[name].repeated and _is_given_as(FORMAT[name], tables):
+                self.tables[name] = [
+                    self._checked(f"{name}.{i}", FORMAT[name], values)
+                    for i, values in enumerate(tables)
+                ]
 
     def _checked(self, name: str, section: Section, values: Mapping[str, Any]) -> dict[str, Any]:
         checked = {}
@@ -96,7 +107,8 @@ class Document:
         """Put file, line and section in front of what is wrong there, and raise or gather it.
 
         Args:
-            section: where; ``""`` for the file itself.
+            section: where; of an array of tables with the number of the table: ``"bearing.2"``;
+                ``""`` for the file itself.
             key: what errors without fields are about, if that is one key.
         """
         try:
@@ -147,12 +159,26 @@ def read_text(path: str | PathLike[str]) -> str:
         raise ValueError(f"{fspath(path)}: not UTF-8 text at byte {error.start}") from None
 
 
+def _is_given_as(section: Section, value: object) -> bool:
+    """Whether a value is a table, or a list of tables if the section may be given repeatedly."""
+    if not section.repeated:
+        return isinstance(value, dict)
+    return isinstance(value, list) and all(isinstance(part, dict) for part in value)
+
+
 def _keys_by_line(text: str) -> list[tuple[int, str]]:
-    """Every line that begins a section or a value, with the dotted path to it."""
+    """Every line that begins a section or a value, with the dotted path to it.
+
+    The path of a table in an array of tables has its number: ``bearing.2.shaft``.
+    """
     found, section = [], ""
+    tables: Counter[str] = Counter()
     for number, line in enumerate(text.split("\n"), start=1):
-        if header := re.match(r"\s*\[\[?\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
-            section = _path(header[1])
+        if header := re.match(r"\s*\[(\[?)\s*([A-Za-z][\w .-]*?)\s*\]\]?\s*(#.*)?$", line):
+            section = name = _path(header[2])
+            if header[1] and name in FORMAT and FORMAT[name].repeated:
+                section = f"{name}.{tables[name]}"
+                tables[name] += 1
             found.append((number, section))
         elif entry := re.match(r"\s*([A-Za-z0-9][\w .-]*?)\s*=", line):
             found.append((number, _path(f"{section}.{entry[1]}" if section else entry[1])))
@@ -181,7 +207,7 @@ def _meant(key: str, known: Iterable[str]) -> str:
     known = list(known)
     for name, section in FORMAT.items():
         if name and key in section.keys:
-            return f"it belongs in [{name}]"
+            return f"it belongs in {section.heading(name)}"
     stem, column, _ = key.partition("_column")
     stems = [name.partition("_column")[0] for name in known]
     if column and not difflib.get_close_matches(stem, stems):

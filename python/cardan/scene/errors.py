@@ -78,7 +78,8 @@ class SceneError(ArgumentValueError):
     Attributes:
         name: the file, or what else the scene is called.
         line: the line, counted from 1; ``None`` where it is not certain.
-        section: the section; ``""`` for the file itself.
+        section: the section, of an array of tables with the number of the table, counted from 0:
+            ``"bearing.2"``; ``""`` for the file itself.
         key: section, key and place as one path: ``"driveline.bends_deg.2"``.
         point: in a study, the values of the keys that vary where the problem is; else empty.
     """
@@ -134,7 +135,8 @@ class SceneError(ArgumentValueError):
     def __str__(self) -> str:
         """Return the line: ``shaft.toml, line 2: [driveline] bends_deg[0] is 99 deg; …``."""
         line = f", line {self.line}" if self.line else ""
-        section = f" [{self.section}]" if self.section else ""
+        name, _, number = self.section.partition(".")
+        section = f" [[{name}]][{number}]" if number else f" [{name}]" if name else ""
         return f"{self.name}{line}:{section} {self._sentence}"
 
 

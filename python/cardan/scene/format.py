@@ -18,6 +18,7 @@ from cardan.limits import OWN, PRESETS
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.ball_joint import BALL_JOINT
+from cardan.scene.bearings import BEARING, LENGTHS
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
@@ -50,7 +51,8 @@ class Form:
         fewest = (self.joints or 1) + self.ends
         most = {} if self.joints is None else {"maxItems": fewest}
         lengths = {key: {"minItems": fewest} | most for key in self.keys}
-        allowed = _only(*self.keys, *self.optional, TEETH)
+        lengths_too = () if self.keys[0].startswith("points") else LENGTHS
+        allowed = _only(*self.keys, *self.optional, TEETH, *lengths_too)
         needed: dict[str, Any] = {"required": list(self.keys)}
         if self.views:
             needed = {"anyOf": [{"required": [key]} for key in self.keys]}
@@ -145,7 +147,13 @@ _DRIVELINE = Section(
             "joints: one number for all shafts or one per shaft, 1 where no yoke can be turned; "
             "default: any angle can be set",
         ),
+        "lengths_mm": Key(
+            kinds.LENGTHS,
+            "without points: length of each shaft between its joints or ends, for forces",
+        ),
+        "lengths_m": Key(kinds.LENGTHS, "or: the same in metres"),
     },
+    together=(LENGTHS,),
 )
 
 _LOAD = Section(
@@ -177,6 +185,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             {"title": Key(kinds.TEXT, "heading of the table and the picture")},
         ),
         "driveline": _DRIVELINE,
+        "bearing": BEARING,
         "load": _LOAD,
         "sweep": Section(
             "drive angles at equal steps, both ends included",
@@ -271,7 +280,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 name: Key(_axis_of(key.kind), f"values for this key of [{section}]")
                 for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
                 for name, key in part.keys.items()
-                if name != TEETH
+                if name not in (TEETH, *LENGTHS)
             },
             together=_LOAD.together,
             fewest=1,
@@ -337,7 +346,8 @@ def describe() -> str:
     """Return the format of a scene file as plain text, at most 77 characters wide."""
     lines = []
     for name, section in FORMAT.items():
-        lines += _filled(f"{f'[{name}]  ' if name else ''}{section.meaning}", "", "  ")
+        heading = f"{section.heading(name)}  " if name else ""
+        lines += _filled(f"{heading}{section.meaning}", "", "  ")
         if name == "study":
             lines += _filled(_STUDY_HELP, "  ", "  ")
         else:
@@ -375,7 +385,7 @@ def schema() -> dict[str, Any]:
             _not_both(*DRIVE_ANGLES),
             {
                 "if": columns,
-                "then": {"properties": {"driveline": _only(*FORMS[0].optional, TEETH)}},
+                "then": {"properties": {"driveline": _only(*FORMS[0].optional, TEETH, *LENGTHS)}},
                 "else": {
                     "if": {"required": ["driveline"]},
                     "then": {
@@ -390,7 +400,6 @@ def schema() -> dict[str, Any]:
 
 def _section_schema(section: Section) -> dict[str, Any]:
     described: dict[str, Any] = {
-        "description": section.meaning,
         "type": "object",
         "properties": _properties(section),
         "additionalProperties": False,
@@ -403,7 +412,9 @@ def _section_schema(section: Section) -> dict[str, Any]:
         described["allOf"] = rules
     if section.with_key:
         described["dependentRequired"] = {key: [part] for key, part in section.with_key}
-    return described
+    if section.repeated:
+        described = {"type": "array", "items": described}
+    return {"description": section.meaning, **described}
 
 
 def _properties(section: Section) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from cardan.scene.angles import Angles
 from cardan.scene.axes import axes_of
 from cardan.scene.ball_joint import BallJointCase, ball_joint_case
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
+from cardan.scene.bearings import LENGTHS, Mounting, lengths_of
 from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
@@ -39,6 +40,7 @@ from cardan.scene.parts import (
 )
 from cardan.scene.recorded import Recording
 from cardan.scene.reductions import LENGTH
+from cardan.scene.requested import check_forces, items, requested, to_reduce
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
 from cardan.scene.study import Study, StudyResult
@@ -220,10 +222,16 @@ class Scene:
         with document.within("sweep"):
             angle = angle or Angles.swept(given.get("sweep", {}))
         with document.within("driveline"):
-            described = {key: value for key, value in driveline.items() if key != TEETH}
+            own = (TEETH, *LENGTHS)
+            described = {key: value for key, value in driveline.items() if key not in own}
             form, driveline = _filled(described, angle)
             line = make_driveline(form, driveline)
             teeth = teeth_of(given.get("driveline", {}), line.n_joints)
+            mounting = Mounting(lengths=lengths_of(given.get("driveline", {}), line))
+        for i, bearing in enumerate(document.tables.get("bearing", ())):
+            with document.within(f"bearing.{i}"):
+                mounting = mounting.and_bearing(bearing, line)
+        line = mounting.on(line)
         for section in ("load", "study"):
             with document.within(section):
                 check_not_recorded(given.get(section, {}), angle.load)
@@ -238,9 +246,10 @@ class Scene:
                 check_load(loaded, line.n_joints)
                 load = make_load(loaded, given.get("study", {}))
         with document.within("output"):
-            quantities = _quantities(output, loaded)
-            shafts = _items(output, "shafts", line.n_joints + 1)
-            joints = _items(output, "joints", line.n_joints)
+            quantities = requested(output, loaded)
+            shafts = items(output, "shafts", line.n_joints + 1)
+            joints = items(output, "joints", line.n_joints)
+            check_forces(quantities, line, load, joints)
             options = {key: output[key] for key in _OPTIONS if key in output}
             check_axes(quantities, output.get("axes", "space"))
             if angle.bends is not None and "closed_forms" in output:
@@ -274,12 +283,13 @@ class Scene:
                     reduced,
                     reduced_load,
                     angle.to_reduce,
-                    _reduced(output, quantities, loaded),
+                    to_reduce(output, quantities, loaded),
                     tuple(output.get("reduce", ("peak",))),
                     tuple(output.get("closed_forms", default)),
                     shafts,
                     tuple(range(line.n_joints)) if joints is None else joints,
                     options,
+                    mounting,
                 )
                 # The ends of the grid, so that a value out of range shows before a long run.
                 study.check_ends()
@@ -455,32 +465,3 @@ def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, A
     if angle.bends is not None:
         filled[form.keys[0]] = angle.bends
     return form, filled
-
-
-def _quantities(output: Mapping[str, Any], load: Mapping[str, Any] | None) -> tuple[str, ...]:
-    if "quantities" not in output:
-        return ("angle_error", "speed_ratio", "acceleration_ratio", *_caused(load))
-    for i, name in enumerate(output["quantities"]):
-        if load is None and OUTPUTS[name].needs_load:
-            raise ArgumentValueError("quantities", f"is {name!r}; it needs a section [load]", (i,))
-    return tuple(output["quantities"])
-
-
-def _reduced(
-    output: Mapping[str, Any], quantities: tuple[str, ...], load: Mapping[str, Any] | None
-) -> tuple[str, ...]:
-    """Motion is in the closed forms already, unless the scene asks for it."""
-    asked = "quantities" in output or "reduce" in output
-    return quantities if asked else _caused(load)
-
-
-def _caused(load: Mapping[str, Any] | None) -> tuple[str, ...]:
-    loaded = load is not None and any("torque" in key or "inertia" in key for key in load)
-    return ("torque", "moment") if loaded else ()
-
-
-def _items(output: Mapping[str, Any], key: str, count: int) -> tuple[int, ...] | None:
-    for i, item in enumerate(output.get(key, ())):
-        if item >= count:
-            raise ArgumentValueError(key, f"is {item}; there are {count}, counted from 0", (i,))
-    return tuple(output[key]) if key in output else None

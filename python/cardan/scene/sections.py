@@ -39,6 +39,7 @@ class Section:
         needed: keys that must be given, one of each group.
         fewest: how many keys there must be.
         with_key: pairs of a key and another that must be given with it.
+        repeated: whether it is an array of tables, which a scene may give any number of times.
     """
 
     meaning: str
@@ -47,3 +48,8 @@ class Section:
     needed: tuple[tuple[str, ...], ...] = ()
     fewest: int = 0
     with_key: tuple[tuple[str, str], ...] = ()
+    repeated: bool = False
+
+    def heading(self, name: str) -> str:
+        """Return the line that begins it in a file: ``[load]``, ``[[bearing]]``."""
+        return f"[[{name}]]" if self.repeated else f"[{name}]"

@@ -19,6 +19,7 @@ from cardan.outputs import OUTPUTS
 from cardan.request import Reduction
 from cardan.scene.axes import Axis as Axis
 from cardan.scene.axes import per_row, put, values_at
+from cardan.scene.bearings import Mounting
 from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load
@@ -144,6 +145,7 @@ class Study:
         shafts: of which shafts; ``None`` for the last one, without its number in the names.
         joints: of which joints.
         options: further arguments of ``evaluate``.
+        mounting: the bearings of every driveline.
     """
 
     axes: tuple[Axis, ...]
@@ -157,6 +159,7 @@ class Study:
     shafts: tuple[int, ...] | None
     joints: tuple[int, ...]
     options: Mapping[str, Any]
+    mounting: Mounting
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -166,7 +169,11 @@ class Study:
     @property
     def planes(self) -> int:
         """Numbers that the quantities take for one drive angle of one driveline."""
-        items = {"shaft": len(self.shafts or [-1]), "joint": len(self.joints), "bearing": 0}
+        items = {
+            "shaft": len(self.shafts or [-1]),
+            "joint": len(self.joints),
+            "bearing": len(self.mounting.bearings),
+        }
         outputs = (OUTPUTS[name] for name in self.quantities)
         return sum(items[output.per] * output.components for output in outputs)
 
@@ -262,7 +269,7 @@ class Study:
             elif all(axis.section == "load" for axis in self.axes):
                 key = self.form.keys[0]
                 driveline[key] = per_row(driveline[key], len(rows))
-            line = make_driveline(self.form, driveline)
+            line = self.mounting.on(make_driveline(self.form, driveline))
             return line, None if self.load is None else make_load(load)
         except ArgumentValueError as error:
             if len(rows) == 1:
@@ -275,7 +282,8 @@ class Study:
                 }
                 if not point:
                     raise ArgumentValueError(argument, problem, place) from None
-                section = "driveline" if argument in FORMAT["driveline"].keys else "load"
+                sections = ("driveline", "bearing")
+                section = next((name for name in sections if argument in FORMAT[name].keys), "load")
                 raise StudyPointError(argument, problem, place, section, point) from None
             half = len(rows) // 2
             for part in (rows[:half], rows[half:]):
@@ -299,7 +307,8 @@ class Study:
                 yield column, scale * own[:, 0]
         if not self.quantities:
             return
-        items = {"shaft": shafts, "joint": list(self.joints), "bearing": []}
+        bearings = list(range(line.n_bearings))
+        items = {"shaft": shafts, "joint": list(self.joints), "bearing": bearings}
         found = reduced(
             line,
             self.angle,

@@ -54,6 +54,8 @@ START = Kind("number", Number(-1e12, 1e12))
 # With one on each side, the first and the last sample would be those of no parabola.
 REACH = Kind("whole number", Whole(2, most=1000))
 NATURAL = Kind("whole number", Whole(1))
+POSITION = Kind("number", Number(0))
+LENGTHS = Kind("positive numbers", ListOf(Number(0, above=True), "numbers"))
 NUMBERS = Kind("number or numbers", OneOrMore(ListOf(Number(), "numbers"), (int, float)))
 BENDS = Kind("number or numbers", OneOrMore(ListOf(_BEND, "numbers"), (int, float)))
 SLOPES = Kind("slopes", ListOf(_SLOPE, "numbers"))

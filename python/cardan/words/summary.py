@@ -68,7 +68,7 @@ def over_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
 def angles_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
     """Say from where to where drive angles go, and in how many turns of how many samples."""
     unit = "rad" if radians else "deg"
-    first, last = (_angle(drive_angles[f"{end}_{unit}"], radians) for end in ("first", "last"))
+    first, last = (angle_text(drive_angles[f"{end}_{unit}"], radians) for end in ("first", "last"))
     turns, per_turn = drive_angles["turns"], drive_angles["samples_per_turn"]
     text = f"{first} to {last}, {turns:.4g} turn{'s' if turns != 1.0 else ''}"
     return text if per_turn is None else f"{text} of {per_turn:.4g} samples"
@@ -152,7 +152,7 @@ def _line(rows: Sequence[Row], statistic: str, radians: bool) -> tuple[str, str]
     text = _with_unit(list(map(figure_text, values)), ", ", first.unit, radians)
     if len(rows) == 1 and first.at_deg is not None:
         at = math.radians(first.at_deg) if radians else first.at_deg
-        text += f" at {_angle(at, radians)}"
+        text += f" at {angle_text(at, radians)}"
     return label, text
 
 
@@ -175,7 +175,8 @@ def _with_unit(figures: Sequence[str], between: str, unit: str, radians: bool) -
     return f"{between.join(figures)} {unit}".rstrip()
 
 
-def _angle(value: float, radians: bool) -> str:
+def angle_text(value: float, radians: bool) -> str:
+    """Write a drive angle in the unit asked for."""
     # What rounds to zero has no sign.
     return f"{round(value, 4) + 0.0:.4f} rad" if radians else f"{round(value, 2) + 0.0:.2f}°"
 

@@ -1,0 +1,156 @@
+"""The forces of a scene's bearings and joints over a turn, and why some are not known."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cardan.errors import ArgumentValueError
+from cardan.figures.answers import ANGLE, one_of, record
+from cardan.figures.extremes import finite_or_none
+from cardan.figures.forces import FORCES, ForceFigures, force_figures
+from cardan.figures.summary import first_place, noise
+from cardan.scene.bearings import has_lengths
+from cardan.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Force:
+    """The force of one joint or bearing of a scene.
+
+    Attributes:
+        figures: its figures in N; what is mere rounding is 0.
+        shaft: the shaft of the bearing; ``None`` for a joint.
+        at_deg: the first drive angle of the scene in degrees at which it is largest; ``None`` if it
+            occurs at every angle, or not between the scene's drive angles.
+    """
+
+    figures: ForceFigures
+    shaft: int | None
+    at_deg: float | None
+
+
+@dataclass(frozen=True)
+class SceneForces:
+    """What a scene tells of forces.
+
+    Attributes:
+        forces: of the joints, then of the bearings.
+        refused: the reason by output for those that are not determinate.
+    """
+
+    forces: tuple[Force, ...]
+    refused: Mapping[str, str]
+
+
+def scene_forces(scene: Scene) -> SceneForces | None:
+    """Return the forces over a turn at the load of a scene.
+
+    ``None`` where the scene describes no bearings and asks for no forces, where it has no load, or
+    where the bends or the load were recorded and so are not those of a turn.
+    """
+    line, load = scene.line, scene.load_case
+    asked = line.n_bearings > 0 or any(name in FORCES for name in scene.quantities)
+    if not asked or not has_lengths(line) or line.shape or load is None:
+        return None
+    if not np.any(load.torque) and load.inertias is None:
+        return None
+    if any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration)):
+        return None
+    least = noise(scene, "N")
+    found: list[Force] = []
+    refused = {}
+    for name in FORCES if line.n_bearings else FORCES[:1]:
+        try:
+            rows = force_figures(line, load, [name])
+        except ArgumentValueError as error:
+            # What the output is comes first; the reason follows.
+            refused[name] = error.problem.partition("; ")[2]
+            continue
+        for row in rows:
+            own = replace(
+                row,
+                largest=_rounded(row.largest, least),
+                places=row.places if row.largest > least else (),
+                mean=_rounded(row.mean, least),
+                order_2=_rounded(row.order_2, least),
+                order_4=_rounded(row.order_4, least),
+            )
+            shaft = line.bearings[row.item][0] if row.per == "bearing" else None
+            found.append(Force(own, shaft, first_place(scene, own.places)))
+    return SceneForces(tuple(found), refused)
+
+
+def _rounded(size: float, least: float) -> float:
+    return 0.0 if size <= least else size
+
+
+_PARTS = ("largest", "mean", "order_2", "order_4")
+
+
+# --- plain data --------------------------------------------------------------------------------
+
+
+def forces_data(found: SceneForces, *, radians: bool = False) -> dict[str, Any]:
+    """Return the figures as plain data for JSON, as ``FORCES_SCHEMA`` describes it."""
+    return {
+        "figures": [_entry(force, radians) for force in found.forces],
+        "not_determinate": [
+            {"quantity": name, "reason": reason} for name, reason in found.refused.items()
+        ],
+    }
+
+
+def _entry(force: Force, radians: bool) -> dict[str, Any]:
+    row = force.figures
+    entry: dict[str, Any] = {row.per: row.item}
+    if force.shaft is not None:
+        entry["shaft"] = force.shaft
+    entry |= {f"{part}_N": finite_or_none(getattr(row, part)) for part in _PARTS}
+    if force.at_deg is not None:
+        angle, turned = ("rad", math.radians) if radians else ("deg", float)
+        entry[f"at_drive_angle_{angle}"] = turned(force.at_deg)
+    return entry
+
+
+_FORCE = {"type": ["number", "null"], "description": "null if it is not finite"}
+_COUNT = {"type": "integer", "minimum": 0}
+
+FORCES_SCHEMA: Mapping[str, Any] = {
+    "description": "forces over a turn, of joints and bearings, at the load of the scene",
+    **record(
+        {
+            "figures": {
+                "type": "array",
+                "items": one_of(
+                    {
+                        "largest_N": _FORCE,
+                        "mean_N": {**_FORCE, "description": "length of the mean force vector"},
+                        **{
+                            f"order_{order}_N": {
+                                **_FORCE,
+                                "description": f"largest part that changes {times} times per turn",
+                            }
+                            for order, times in ((2, "two"), (4, "four"))
+                        },
+                    },
+                    {"joint": _COUNT, "bearing": _COUNT},
+                    optional={
+                        "shaft": {**_COUNT, "description": "of a bearing"},
+                        **{f"at_drive_angle_{angle}": {"type": "number"} for angle in ANGLE},
+                    },
+                ),
+            },
+            "not_determinate": {
+                "type": "array",
+                "description": "what statics alone does not determine, and why",
+                "items": record({"quantity": {"enum": list(FORCES)}, "reason": {"type": "string"}}),
+            },
+        }
+    ),
+}
+"""JSON Schema of ``forces_data``."""

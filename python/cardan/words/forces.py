@@ -1,0 +1,67 @@
+"""The forces of a scene's joints and bearings, in words."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator
+
+from cardan.figures.scene_forces import Force, SceneForces
+from cardan.words.summary import angle_text, figure_text
+
+HEADINGS = ("largest", "at", "mean", "order 2", "order 4")
+"""What the figures of a row are."""
+
+
+def forces_text(found: SceneForces, *, radians: bool = False) -> str:
+    """Return the forces as a table of plain text, and the reason for those that are missing."""
+    lines = []
+    if found.forces:
+        table: list[tuple[str, ...]] = [("Forces over a turn [N]", *HEADINGS)]
+        table += [(f"  {label}", *figures) for label, *figures in force_rows(found, radians)]
+        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+        for label, *figures in table:
+            right = (figure.rjust(width) for figure, width in zip(figures, widths[1:], strict=True))
+            lines.append("  ".join((label.ljust(widths[0]), *right)))
+    if found.forces and found.refused:
+        lines.append("")
+    for words in reasons(found):
+        lines += textwrap.wrap(words, 79)
+    return "\n".join(lines)
+
+
+def force_rows(found: SceneForces, radians: bool = False) -> list[tuple[str, ...]]:
+    """Return a row for each joint and bearing: what it is and its figures in N."""
+    return [(_label(force), *_figures(force, radians)) for force in found.forces]
+
+
+def reasons(found: SceneForces) -> Iterator[str]:
+    """Say why forces are missing, a sentence each."""
+    for name, reason in found.refused.items():
+        yield f"{name.replace('_', ' ').capitalize()} is not determinate: {reason}."
+
+
+def largest_text(found: SceneForces) -> str:
+    """Say which bearing bears the largest force; nothing without bearings."""
+    bearings = [force for force in found.forces if force.shaft is not None]
+    if not bearings:
+        return ""
+    largest = max(bearings, key=lambda force: force.figures.largest)
+    at = ""
+    if largest.at_deg is not None:
+        at = f", at {angle_text(largest.at_deg, False)} of drive angle"
+    size = figure_text(largest.figures.largest)
+    return f"Largest bearing force: {_label(largest)}, {size} N{at}."
+
+
+def _label(force: Force) -> str:
+    row = force.figures
+    label = f"{row.per} {row.item}"
+    return label if force.shaft is None else f"{label}, shaft {force.shaft}"
+
+
+def _figures(force: Force, radians: bool) -> Iterator[str]:
+    row, at = force.figures, force.at_deg
+    yield figure_text(row.largest)
+    yield "-" if at is None else angle_text(math.radians(at) if radians else at, radians)
+    yield from map(figure_text, (row.mean, row.order_2, row.order_4))

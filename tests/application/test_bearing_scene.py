@@ -1,0 +1,474 @@
+"""Bearings in scenes: what makes them, errors, columns, studies, figures, words, answers."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan import Driveline, Load
+from cardan.command import commands
+from cardan.figures.forces import force_figures
+from cardan.figures.scene_forces import SceneForces, forces_data, scene_forces
+from cardan.figures.schema import answers_schema
+from cardan.figures.summary import summary
+from cardan.plots.quantities import quantities
+from cardan.plots.scene import plot_scene
+from cardan.report import write_report
+from cardan.report.samples import evaluated
+from cardan.scene import Scene, SceneError, load_scene
+from cardan.scene.cluster import _fingerprint
+from cardan.scene.curves import columns, study_columns
+from cardan.words.forces import force_rows, forces_text
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "bearings.toml"
+TEXT = EXAMPLE.read_text(encoding="utf-8")
+SCENES = jsonschema.Draft202012Validator(Scene.schema())
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+
+POINTS = np.array([[0, 0, 0], [300, 0, 0], [1500, -60, 0], [3000, -220, 0], [3250, -210, 0]]) / 1e3
+BEARINGS = [(0, 0.05), (0, 0.22), (1, 1.05), (3, 0.06), (3, 0.19)]
+LOAD = Load(output_torque=1200.0)
+LINE = Driveline.from_points(POINTS, phases=[90, 0], degrees=True).with_bearings(BEARINGS)
+
+
+def changed(*pairs: tuple[str, str]) -> str:
+    text = TEXT
+    for old, new in pairs:
+        assert text.count(old) == 1, old
+        text = text.replace(old, new)
+    return text
+
+
+def forces(text: str = TEXT) -> SceneForces:
+    found = scene_forces(Scene.parse(text))
+    assert found is not None
+    return found
+
+
+def run(*arguments: str | Path) -> str:
+    done = CliRunner().invoke(commands(), [*map(str, arguments)])
+    assert done.exit_code in (0, 1), done.output
+    return done.stdout
+
+
+def test_a_scene_has_its_bearings_in_metres() -> None:
+    line = Scene.parse(TEXT).line
+    assert [shaft for shaft, _ in line.bearings] == [shaft for shaft, _ in BEARINGS]
+    positions = [float(position) for _, position in line.bearings]
+    np.testing.assert_allclose(positions, [position for _, position in BEARINGS], rtol=1e-15)
+    np.testing.assert_allclose(line.lengths().each, LINE.lengths().each, rtol=1e-15)
+
+
+def test_metres_and_inline_tables_are_the_same() -> None:
+    in_m = changed(("position_mm = 1050", "position_m = 1.05"))
+    head, _, rest = TEXT.partition("[[bearing]]")
+    inline = ", ".join(f"{{shaft = {k}, position_m = {x}}}" for k, x in BEARINGS)
+    for text in (in_m, f"bearing = [{inline}]\n{head}{rest[rest.index('[load]') :]}"):
+        SCENES.validate(tomllib.loads(text))
+        for (shaft, place), (own, position) in zip(
+            Scene.parse(text).line.bearings, BEARINGS, strict=True
+        ):
+            assert shaft == own
+            assert float(place) == pytest.approx(position, rel=1e-15)
+
+
+def test_columns_are_the_forces_of_the_library() -> None:
+    scene = Scene.parse(TEXT)
+    table = columns(scene.run())
+    want = LINE.evaluate(scene.drive_angle, ("joint_force", "bearing_force"), load=LOAD)
+    for name, count in (("joint_force", 3), ("bearing_force", 5)):
+        for item in range(count):
+            for i, axis in enumerate("xyz"):
+                found = table[f"{name}_{item}_{axis}_N"]
+                np.testing.assert_allclose(found, want[name][item][:, i], atol=1e-9)
+    assert len(table) == 1 + 3 * 8
+
+
+def test_rows_of_the_table_are_the_largest_over_the_turn() -> None:
+    rows = [row for row in summary(Scene.parse(TEXT).run()) if row.unit == "N"]
+    assert [(row.per, row.item) for row in rows] == [("joint", i) for i in range(3)] + [
+        ("bearing", i) for i in range(5)
+    ]
+    turn = np.linspace(0, 2 * np.pi, 3601)
+    for row in rows:
+        values = LINE.evaluate(turn, row.quantity, load=LOAD)[row.quantity][row.item]
+        assert row.value == pytest.approx(np.linalg.norm(values, axis=-1).max(), rel=1e-6)
+        assert row.at_deg is not None
+
+
+def test_a_study_moves_points_and_keeps_the_bearings() -> None:
+    text = TEXT + (
+        'reduce = ["peak", "mean"]\n'
+        "[study]\npoints_mm.3-4.y = {from = -220, to = -160, steps = 4}\n"
+    )
+    scene = Scene.parse(text)
+    result = scene.run().study
+    assert result is not None
+    table = study_columns(result)
+    for row, height in enumerate(np.linspace(-220, -160, 4)):
+        points = POINTS.copy()
+        points[3:, 1] = height / 1e3
+        line = Driveline.from_points(points, phases=[90, 0], degrees=True).with_bearings(BEARINGS)
+        found = line.evaluate(scene.drive_angle, "bearing_force", load=LOAD).bearing_force
+        for item, values in enumerate(found):
+            peak = np.linalg.norm(values, axis=-1).max()
+            assert table[f"bearing_force_{item}_peak_N"][row] == pytest.approx(peak, rel=1e-12)
+            mean = [table[f"bearing_force_{item}_{axis}_mean_N"][row] for axis in "xyz"]
+            np.testing.assert_allclose(mean, values[:-1].mean(axis=0), rtol=5e-3, atol=1e-2 * peak)
+    assert scene.study is not None
+    assert scene.study.planes == 3 * 8
+
+
+def test_lengths_of_a_driveline_without_points() -> None:
+    lengths = LINE.lengths().each
+    bends, twists = LINE.bends_deg.tolist(), np.degrees(LINE.twists).tolist()
+    head = f"[driveline]\nbends_deg = {bends}\ntwists_deg = {twists}\nphases_deg = [90, 0]\n"
+    tables = TEXT[TEXT.index("[[bearing]]") :]
+    for key, unit in (("lengths_m", 1.0), ("lengths_mm", 1e3)):
+        text = f"{head}{key} = {(unit * lengths).tolist()}\n{tables}"
+        SCENES.validate(tomllib.loads(text))
+        for one, other in zip(forces(text).forces, forces().forces, strict=True):
+            assert one.figures.largest == pytest.approx(other.figures.largest, rel=1e-9)
+    # A floating shaft needs its length and no bearing.
+    text = "[driveline]\nbends_deg = [5, 5]\n{}[load]\ndrive_torque_Nm = 9\n"
+    text += '[output]\nquantities = ["joint_force"]\n'
+    floating = forces(text.format("lengths_m = [1, 2, 1]\n"))
+    want = Driveline.from_bends([5, 5], degrees=True).with_bearings([], [1, 2, 1])
+    peak = want.evaluate(
+        np.linspace(0, np.pi, 181), "joint_force", load=Load(drive_torque=9.0), reduce="peak"
+    ).joint_force
+    assert [force.figures.largest for force in floating.forces] == pytest.approx(peak, rel=1e-9)
+    with pytest.raises(SceneError, match="is 'joint_force'; it needs points_mm or points_m, or"):
+        Scene.parse(text.format(""))
+
+
+ERRORS: list[tuple[str, str, str]] = [
+    ("shaft = 1 ", "shaft = 4 ", "line 32: [[bearing]][2] shaft is 4; there are 4, counted from 0"),
+    (
+        "position_mm = 1050",
+        "position_mm = 1250",
+        "line 33: [[bearing]][2] position_mm is 1250 mm on shaft 1 of length 1201.499064 mm; a "
+        "bearing must lie between the joints of its shaft",
+    ),
+    (
+        "position_mm = 220",
+        "position_m = 0.4",
+        "line 29: [[bearing]][1] position_m is 0.4 m on shaft 0 of length 0.3 m; a bearing must "
+        "lie between the end and the joint of its shaft",
+    ),
+    (
+        "position_mm = 220",
+        "position_mm = 50",
+        "line 29: [[bearing]][1] position_mm is 50 mm on shaft 0, the place of bearing 0",
+    ),
+]
+
+BROKEN_RULES: list[tuple[str, str, str]] = [
+    ("shaft = 1 ", "", "line 31: [[bearing]][2] shaft is missing"),
+    (
+        "position_mm = 1050",
+        "",
+        "line 31: [[bearing]][2] position_mm is missing; or give position_m",
+    ),
+    (
+        "position_mm = 1050",
+        "position_mm = 1\nposition_m = 1",
+        "line 33: [[bearing]][2] position_mm and position_m are both given; give one of them",
+    ),
+    (
+        "position_mm = 1050",
+        "position_mm = -1",
+        "line 33: [[bearing]][2] position_mm is -1; it must not be negative",
+    ),
+    (
+        "position_mm = 1050",
+        "position_cm = 105",
+        "line 33: [[bearing]][2] unknown key 'position_cm'; the unit stands in the name: "
+        "position_mm holds millimetres",
+    ),
+    (
+        "phases_deg = [90, 0]",
+        "phases_deg = [90, 0]\nposition_mm = 3",
+        "line 22: [driveline] unknown key 'position_mm'; it belongs in [[bearing]]",
+    ),
+    (
+        "phases_deg = [90, 0]",
+        "phases_deg = [90, 0]\nlengths_mm = [1, 2, 3, 4]",
+        "line 22: [driveline] lengths_mm does not go with points_mm, which says it already",
+    ),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), ERRORS + BROKEN_RULES)
+def test_errors(old: str, new: str, message: str) -> None:
+    text = changed((old, new))
+    with pytest.raises(SceneError) as caught:
+        Scene.parse(text, "a.toml")
+    assert str(caught.value).startswith(f"a.toml, {message}")
+    # What needs no geometry the schema knows as well.
+    assert SCENES.is_valid(tomllib.loads(text)) == ((old, new, message) in ERRORS)
+
+
+def test_an_error_has_the_number_of_its_bearing() -> None:
+    with pytest.raises(SceneError) as caught:
+        Scene.parse(changed(("position_mm = 1050", "position_mm = 1250")), "a.toml")
+    error = caught.value
+    assert (error.section, error.argument, error.line) == ("bearing.2", "position_mm", 33)
+    assert error.key == "bearing.2.position_mm"
+
+
+@pytest.mark.parametrize("text", ["[bearing]\nshaft = 0\nposition_mm = 1\n", "bearing = 3\n"])
+def test_a_single_section_is_no_array(text: str) -> None:
+    whole = f"{text}[driveline]\nbends_deg = [5]\n"
+    with pytest.raises(SceneError, match=r"line 1: bearing is .*; it must be sections \[\[bear"):
+        Scene.parse(whole)
+    assert not SCENES.is_valid(tomllib.loads(whole))
+
+
+def test_all_wrong_bearings_are_found_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "a.toml"
+    path.write_text(changed(("position_mm = 1050", "position_mm = -1"), ("= 190", "= 'a'")))
+    found = Scene.validate(path)
+    assert [problem.partition(": ")[2][:14] for problem in found] == [
+        "[[bearing]][2]",
+        "[[bearing]][4]",
+    ]
+
+
+def test_other_places_that_have_no_bearings(tmp_path: Path) -> None:
+    bearing = "[[bearing]]\nshaft = 0\nposition_mm = 3\n"
+    with pytest.raises(SceneError, match=r"\[\[bearing\]\]\[0\] shaft has no length; a bearing"):
+        Scene.parse(f"[driveline]\nbends_deg = [5]\n{bearing}")
+    with pytest.raises(SceneError, match="lengths_m has length 1; it needs 2, one per shaft"):
+        Scene.parse(f"[driveline]\nbends_deg = [5]\nlengths_m = [1]\n{bearing}")
+    path = tmp_path / "a.toml"
+    path.write_text(f"[ball_joint]\nload_N = 3\nradius_mm = 5\n{bearing}")
+    with pytest.raises(SceneError, match=r"section \[\[bearing\]\] needs a section \[driveline\]"):
+        load_scene(path)
+
+
+def test_a_study_that_moves_a_joint_over_a_bearing() -> None:
+    study = "[study]\npoints_mm.2.x = [1500, 1300]\n"
+    with pytest.raises(SceneError) as caught:
+        Scene.parse(TEXT + study)
+    assert "[study] at points_mm.2.x = 1300: position_mm is 1050 mm on shaft 1 of length" in str(
+        caught.value
+    )
+    assert caught.value.key == "bearing.position_mm"
+
+
+def test_forces_that_are_not_determinate() -> None:
+    text = TEXT.replace("[load]", "[[bearing]]\nshaft = 3\nposition_mm = 240\n[load]")
+    reason = "shaft 3 has 3 bearings; forces are determinate with two"
+    with pytest.raises(SceneError) as caught:
+        Scene.parse(text, "a.toml")
+    assert str(caught.value).endswith(f'[output] quantities[1] is "bearing_force"; {reason}')
+    found = forces(text.replace(', "bearing_force"', ""))
+    assert found.refused == {"bearing_force": reason}
+    assert [force.figures.per for force in found.forces] == ["joint"] * 3
+    words = forces_text(found)
+    assert " ".join(words.split()).endswith(f"Bearing force is not determinate: {reason}.")
+    assert len(words.split("\n\n")[0].splitlines()) == 4
+    data = forces_data(found)
+    assert data["not_determinate"] == [{"quantity": "bearing_force", "reason": reason}]
+
+
+def test_figures_are_those_of_samples() -> None:
+    turn = np.arange(7200) * (2 * np.pi / 7200)
+    samples = LINE.evaluate(turn, ("joint_force", "bearing_force"), load=LOAD)
+    found = forces()
+    assert [force.shaft for force in found.forces] == [None] * 3 + [k for k, _ in BEARINGS]
+    for force in found.forces:
+        row = force.figures
+        values = samples[row.output][row.item]
+        sizes = np.linalg.norm(values, axis=-1)
+        assert row.largest == pytest.approx(sizes.max(), rel=1e-6)
+        assert force.at_deg is not None
+        at = round(force.at_deg * 20) % 7200
+        assert sizes[at] == pytest.approx(sizes.max(), rel=1e-6)
+        assert row.mean == pytest.approx(np.linalg.norm(values.mean(axis=0)), rel=1e-9)
+        for order, size in ((2, row.order_2), (4, row.order_4)):
+            wave = 2 * (values * np.exp(1j * order * turn)[:, None]).mean(axis=0)
+            part = (np.exp(-1j * turn)[:, None] * wave).real
+            assert size == pytest.approx(np.linalg.norm(part, axis=-1).max(), rel=1e-5)
+
+
+def test_words_are_the_figures() -> None:
+    text = forces_text(forces())
+    heading, *lines = text.splitlines()
+    assert re.sub(" {2,}", "|", heading) == "Forces over a turn [N]|largest|at|mean|order 2|order 4"
+    assert max(map(len, text.splitlines())) <= 79
+    for line, force in zip(lines, forces().forces, strict=True):
+        row = force.figures
+        label = f"{row.per} {row.item}" + f", shaft {force.shaft}" * (force.shaft is not None)
+        assert line.strip().startswith(f"{label} ")
+        largest, at, *others = line.replace("°", "").split()[-5:]
+        assert float(at) == pytest.approx(force.at_deg, abs=0.006)
+        want = (row.largest, row.mean, row.order_2, row.order_4)
+        assert [float(figure) for figure in (largest, *others)] == pytest.approx(want, rel=1e-3)
+    assert " 1.5708 rad " in forces_text(forces(), radians=True)
+
+
+def test_rounding_is_nothing_and_has_no_angle() -> None:
+    """A Z arrangement: the floating shaft needs no force, and shafts 0 and 2 turn alike."""
+    text = """
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1500, -60, 0], [1800, -60, 0]]
+[load]
+drive_torque_Nm = 1200
+[output]
+quantities = ["joint_force", "bearing_force"]
+"""
+    # The closer the bearings, the larger the forces and what rounding leaves of their order 4.
+    for shaft, place in ((0, 50), (0, 50.0001), (2, 60), (2, 60.0001)):
+        text += f"[[bearing]]\nshaft = {shaft}\nposition_mm = {place}\n"
+    scene = Scene.parse(text)
+    assert scene.load_case is not None
+    raw = force_figures(scene.line, scene.load_case)
+    assert all(row.largest > 0.0 and row.places for row in raw)
+    assert max(row.order_4 for row in raw) > 1e-8
+    found = scene_forces(scene)
+    assert found is not None
+    for force in found.forces:
+        row = force.figures
+        if row.per == "joint":
+            assert (row.largest, row.mean, row.order_2, row.order_4) == (0.0, 0.0, 0.0, 0.0)
+            assert (row.places, force.at_deg) == ((), None)
+        else:
+            assert min(row.largest, row.order_2, row.mean) > 1e6
+            assert row.order_4 == 0.0
+    assert forces_text(found).splitlines()[1].split() == ["joint", "0", "0", "-", "0", "0", "0"]
+    rows = [row for row in summary(scene.run()) if row.per == "joint" and row.unit == "N"]
+    assert [(row.value, row.at_deg) for row in rows] == [(0.0, None)] * 2
+    peaks = [each for each in evaluated(scene).peaks if each.output.name == "joint_force"]
+    assert [(each.size, each.at_deg) for each in peaks] == [(0.0, None)] * 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("output_torque_Nm = 1200", "speed_rpm = 100"),
+        ("[load]\noutput_torque_Nm = 1200", ""),
+    ],
+)
+def test_no_load_no_forces(old: str, new: str) -> None:
+    quantities = 'quantities = ["joint_force", "bearing_force"]'
+    assert scene_forces(Scene.parse(changed((old, new), (quantities, "")))) is None
+
+
+def test_a_scene_without_bearings_is_silent_on_forces() -> None:
+    head, _, rest = TEXT.partition("[[bearing]]")
+    text = head + rest[rest.index("[load]") : rest.index("quantities")]
+    assert scene_forces(Scene.parse(text)) is None
+
+
+@pytest.mark.parametrize("options", [[], ["--radians"]], ids=["deg", "rad"])
+def test_answers(options: list[str], tmp_path: Path) -> None:
+    data: Any = json.loads(run("run", EXAMPLE, "--json", *options, "--into", tmp_path))
+    ANSWERS.validate(data)
+    want = forces_data(forces(), radians=bool(options))
+    assert data["forces"] == json.loads(json.dumps(want))
+    entries = data["forces"]["figures"]
+    assert [entry.get("bearing") for entry in entries] == [None] * 3 + [0, 1, 2, 3, 4]
+    assert [entry.get("shaft") for entry in entries] == [None] * 3 + [0, 0, 1, 3, 3]
+    unit = "rad" if options else "deg"
+    for entry, force in zip(entries, forces().forces, strict=True):
+        assert entry["largest_N"] == force.figures.largest
+        assert force.at_deg is not None
+        at = np.radians(force.at_deg) if options else force.at_deg
+        assert entry[f"at_drive_angle_{unit}"] == pytest.approx(at)
+
+
+def test_run_and_check_tell_of_forces(tmp_path: Path) -> None:
+    words = forces_text(forces())
+    assert words in run("run", EXAMPLE, "--into", tmp_path)
+    assert words in run("check", EXAMPLE)
+    data = json.loads(run("check", EXAMPLE, "--json"))
+    ANSWERS.validate(data)
+    assert data["forces"] == json.loads(json.dumps(forces_data(forces())))
+
+
+def test_pictures_have_a_panel_for_each_component() -> None:
+    result = Scene.parse(TEXT).run()
+    headings = [panel.heading for panel in quantities(result)]
+    assert headings == [
+        f"{name} force along {axis} [N]" for name in ("joint", "bearing") for axis in "xyz"
+    ]
+    figure = plot_scene(result)
+    said = " ".join(text.get_text() for text in figure.texts)
+    assert "Forces across the driveline have a separate scale." in said
+    both = changed(('"joint_force", ', '"moment", '))
+    said = " ".join(text.get_text() for text in plot_scene(Scene.parse(both).run()).texts)
+    assert "Moments and forces across the driveline" in said
+
+
+def test_the_report_has_the_forces(tmp_path: Path) -> None:
+    third = "[[bearing]]\nshaft = 3\nposition_mm = 240\n[load]"
+    for name, text in (
+        ("all", TEXT),
+        ("unasked", changed(('quantities = ["joint_force", "bearing_force"]', ""))),
+        ("refused", changed(("[load]", third), (', "bearing_force"', ""))),
+    ):
+        path = tmp_path / f"{name}.toml"
+        path.write_text(text)
+        write_report(Scene.load(path), tmp_path / "a.html")
+        page = (tmp_path / "a.html").read_text("utf-8")
+        if name == "refused":
+            assert "<p>Bearing force is not determinate: shaft 3 has 3 bearings; forces" in page
+            assert "Largest bearing force:" not in page
+        else:
+            assert "<p>Largest bearing force: bearing 3, shaft 3, 1360 N, at 90.00° of" in page
+        for label, *figures in force_rows(forces(text)):
+            cells = "".join(f"<td>{figure}</td>" for figure in figures)
+            assert f'<th scope="row">{label}</th>{cells}' in page
+        assert ("Loads of the bearings, largest over a whole turn" in page) == (name == "all")
+
+
+def test_recorded_bends_have_forces_at_their_samples_and_none_over_a_turn(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("deg,b0,b1\n0,5,6\n10,5.5,6\n20,6,7\n30,,7\n40,6,7\n")
+    text = "[driveline]\nlengths_m = [1, 1.5, 1]\n[angles]\nfile = 'a.csv'\n"
+    text += "angle_column_deg = 'deg'\nbend_columns_deg = ['b0', 'b1']\n"
+    text += "[load]\ndrive_torque_Nm = 9\n[output]\nquantities = ['bearing_force']\n"
+    for place in (0.1, 0.6):
+        text += f"[[bearing]]\nshaft = 2\nposition_m = {place}\n"
+    SCENES.validate(tomllib.loads(text))
+    scene = Scene.parse(text, folder=tmp_path)
+    assert scene_forces(scene) is None
+    found = scene.run().values["bearing_force"]
+    for sample, bends in enumerate([(5, 6), (5.5, 6), (6, 7), None, (6, 7)]):
+        if bends is None:
+            assert np.isnan(found[:, sample]).all()
+            continue
+        line = Driveline.from_bends(bends, degrees=True)
+        line = line.with_bearings([(2, 0.1), (2, 0.6)], [1.0, 1.5, 1.0])
+        angle = np.radians(10.0 * sample)
+        want = line.evaluate(angle, "bearing_force", load=Load(drive_torque=9.0)).bearing_force
+        np.testing.assert_allclose(found[:, sample], want, rtol=1e-12, atol=1e-12)
+    write_report(scene, tmp_path / "a.html")
+    assert "Loads of the bearings" in (tmp_path / "a.html").read_text("utf-8")
+
+
+def test_a_moved_bearing_is_another_study_on_a_cluster() -> None:
+    study = "[study]\npoints_mm.2.x = [1500, 1510]\n"
+    lengths = (
+        "[driveline]\nbends_deg = [5, 5]\nlengths_m = [1, 1, {}]\n[study]\nbends_deg = [4, 5]\n"
+    )
+    for one, other, differ in (
+        (TEXT + study, changed(("position_mm = 1050", "position_mm = 1051")) + study, "bearings"),
+        (lengths.format(1), lengths.format(2), "lengths"),
+    ):
+        prints = []
+        for text in (one, other):
+            found = Scene.parse(text).study
+            assert found is not None
+            prints.append(_fingerprint(found, radians=False))
+        assert [key for key in prints[0] if prints[0][key] != prints[1][key]] == [differ]
+    assert prints[0]["bearings"] is None
