@@ -51,7 +51,8 @@ fn flat(vectors: &[Vector]) -> Vec<f64> {
     vectors.iter().flat_map(|v| v.iter().copied()).collect()
 }
 
-/// All outputs of the last shaft and the first joint under a load, a plane each.
+/// All outputs of the last shaft and the first joint under a load, a plane each; without forces,
+/// which need the lengths of shafts.
 fn run(
     line: &Geometry,
     angles: &Angles<'_>,
@@ -61,9 +62,10 @@ fn run(
     reduction: Option<Reduction>,
 ) -> Vec<Vec<f64>> {
     let n = line.bends.len();
+    let without_forces = Output::ALL.into_iter().filter(|output| output.row().unit != "N");
     let plan = Plan::new(&Request {
         largest_bends: &line.bends,
-        outputs: &Output::ALL,
+        outputs: &without_forces.collect::<Vec<_>>(),
         shafts: &[n],
         joints: &[0],
         load: Some(cardan::End::Drive),
