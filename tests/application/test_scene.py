@@ -598,7 +598,8 @@ axes = "shaft"
     wanted = line.evaluate(Scene.parse(text).angle, "moment", load=load, axes="shaft").moment
     assert np.array_equal(found, wanted)
     forces = text.replace('["moment"]', '["moment", "joint_force"]')
-    with pytest.raises(SceneError, match=r"line 7: \[output\] axes is .*; joint_force has"):
+    forces = forces.replace("bends_deg = [20, 30]", "bends_deg = [20]\nlengths_mm = [300, 900]")
+    with pytest.raises(SceneError, match=r"line 8: \[output\] axes is .*; joint_force has"):
         Scene.parse(forces)
     with pytest.raises(ValueError, match=r"\[output\] axes is 'shafts'; did you mean 'shaft'"):
         Scene.parse(text.replace('"shaft"', '"shafts"'))
