@@ -88,7 +88,7 @@ def of(ways: Callable[[int], Calls], nums: Iterable[int]) -> dict[str, Calls]:
 
 
 def prepared(num: int, **options: Any) -> Callable[[], object]:
-    """A plan's call that fills arrays of its own."""
+    """Return a call that fills existing arrays."""
     return filled(angles(num), num, **options)
 
 

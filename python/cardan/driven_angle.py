@@ -70,7 +70,7 @@ class DrivenPlan(Plan):
             if self._line_shape:
                 raise ArgumentValueError(
                     "angle",
-                    "has labels, and each driveline of the batch has drive angles of its own; "
+                    "has labels, and each driveline of the batch has different drive angles; "
                     "give its values",
                 )
             return super().__call__(angle, out)

@@ -199,7 +199,7 @@ def test_labelled_angles() -> None:
     assert np.array_equal(frame.speed_ratio, expected.speed_ratio)
     assert frame.index[0] == 3
     for angle in (labelled, pandas.Series(ANGLES)):
-        with pytest.raises(ArgumentValueError, match="drive angles of its own; give its values"):
+        with pytest.raises(ArgumentValueError, match="different drive angles; give its values"):
             BATCH.evaluate(angle, angle_of="driven")
     table = expected.to_pandas()
     assert np.array_equal(table.index, expected.drive_angle)

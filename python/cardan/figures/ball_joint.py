@@ -16,7 +16,7 @@ from cardan.figures.extremes import finite_or_none
 from cardan.scene.ball_joint import BallJointCase, Material
 
 Verdict = Literal["within", "beyond", "not judged"]
-"""What is said of a pressure: ``not judged`` without an allowable one."""
+"""The verdict on a pressure: ``not judged`` without an allowable one."""
 
 _VERDICTS = ("within", "beyond", "not judged")
 

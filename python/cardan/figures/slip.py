@@ -20,7 +20,7 @@ from cardan.scene.slip import Slip
 from cardan.scene.study import Study
 
 Verdict = Literal["within", "beyond", "not judged"]
-"""What is said of a limit of the spline: ``not judged`` where the scene gives none."""
+"""The verdict on a limit of the spline: ``not judged`` where the scene gives none."""
 
 # A shaft without a spline may change its length by this much, in mm: less than any play.
 _FIXED_MM = 0.01

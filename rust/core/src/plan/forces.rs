@@ -27,7 +27,7 @@ pub(crate) struct ForceStep {
     pub(crate) balances: Vec<Balance>,
     /// The index of each shaft's balance, if it is planned.
     balance_of: Vec<Option<usize>>,
-    pub(crate) targets: Vec<Target>,
+    pub(crate) targets: Vec<ForceTarget>,
 }
 
 /// The balance of one shaft, which gives the forces of its two supports.
@@ -63,7 +63,7 @@ pub(crate) struct ForceOf {
 
 /// A requested force.
 #[derive(Clone, Debug)]
-pub(crate) struct Target {
+pub(crate) struct ForceTarget {
     /// What it acts on or comes from: a joint or a bearing.
     pub(crate) of: (Per, usize),
     /// First plane of the result.
@@ -130,7 +130,7 @@ impl ForceStep {
             None => vec![(joint, PRODUCT)],
         };
         self.count_terms(terms.len())?;
-        self.targets.push(Target { of, plane, force, terms });
+        self.targets.push(ForceTarget { of, plane, force, terms });
         Ok(())
     }
 
