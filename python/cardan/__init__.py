@@ -29,8 +29,10 @@ from cardan.identification import (
     identify,
     identify_two_joints,
 )
+from cardan.life import Life
 from cardan.limits import Limit, Limits
 from cardan.load import Load
+from cardan.losses import Losses
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
@@ -56,9 +58,11 @@ __all__ = [
     "Harmonics",
     "Identification",
     "Lengths",
+    "Life",
     "Limit",
     "Limits",
     "Load",
+    "Losses",
     "Motion",
     "Output",
     "Plan",

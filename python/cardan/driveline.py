@@ -16,7 +16,7 @@ from cardan.degrees import PlanInDegrees
 from cardan.driven_angle import planned
 from cardan.equivalent import EquivalentJoint, Transmission, equivalent
 from cardan.harmonics import Harmonics
-from cardan.installed import Installed
+from cardan.in_service import InService
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
@@ -26,7 +26,7 @@ from cardan.result import Result
 from cardan.sweep import Sweep
 
 
-class Driveline(Installed):
+class Driveline(InService):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or

@@ -16,8 +16,9 @@ from cardan.arrays import FloatArray, common_shape
 from cardan.arrays.planes import Place
 from cardan.equivalent import equivalent
 from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
-from cardan.order_sums import ComplexArray, Repeatable, Series, order_sums
+from cardan.order_sums import Repeatable, Series, order_sums
 from cardan.request import Request, item_indices
+from cardan.rows import ComplexArray
 
 _EPSILON = float(np.finfo(np.float64).eps)
 

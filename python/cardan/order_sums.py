@@ -13,7 +13,7 @@ is noticed, because every sum is compared with the one over half as many samples
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol, TypeAlias
 
@@ -24,13 +24,12 @@ from cardan.arrays import FloatArray
 from cardan.arrays.planes import Place
 from cardan.equivalent import equivalent
 from cardan.errors import wrong_element
-from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.request import Request, item_indices
 from cardan.result import Result
+from cardan.rows import ComplexArray, blocks, chain_before, of_rows
 from cardan.sweep import Sweep
 
-ComplexArray: TypeAlias = NDArray[np.complex128]
 Series: TypeAlias = tuple[ComplexArray, FloatArray, FloatArray]
 """Complex amplitudes with the orders last, mean, and bound on the error of both."""
 
@@ -83,8 +82,8 @@ def order_sums(
     sums = np.empty((*shape, 1 + len(order)), np.complex128)
     error = np.empty(shape)
     samples = _samples(float(np.max(steepness, initial=0.0)), order)
-    for block in _blocks(count, max(1, _BLOCK // (samples * shape[0] * math.prod(shape[2:])))):
-        part = _of_rows(request, rows, block)
+    for block in blocks(count, max(1, _BLOCK // (samples * shape[0] * math.prod(shape[2:])))):
+        part = of_rows(request, rows, block)
         samples = _samples(float(np.max(steepness[block])), order)
         if kinked:
             joints = item_indices("joints", _all(request.joints), request.line.n_joints)
@@ -202,13 +201,13 @@ def _zero_driving(request: Request) -> FloatArray:
 
     A chain takes ``w = exp(i a)`` to ``A w + B conj(w)``, which is real there.
     """
-    a, b = _chain(request)
+    a, b = _before(request)
     return _given(request, np.arctan2(-(a + b).imag, (a - b).real))
 
 
 def _zero_driven(request: Request) -> FloatArray:
     """The angle at which the driving pin of a joint is normal to the bend plane."""
-    a, b = _chain(request)
+    a, b = _before(request)
     return _given(request, np.arctan2((a + b).real, (a - b).imag))
 
 
@@ -228,17 +227,11 @@ def _given(request: Request, drive: FloatArray) -> FloatArray:
     return angle
 
 
-def _chain(request: Request) -> tuple[ComplexArray, ComplexArray]:
-    """``A`` and ``B`` of the chain before the joint of the request."""
+def _before(request: Request) -> tuple[ComplexArray, ComplexArray]:
+    """The chain before the joint of the request."""
     line: Any = request.line
-    a = np.ones(line.shape, np.complex128)
-    b = np.zeros(line.shape, np.complex128)
-    for joint in range(item_indices("joints", _all(request.joints), line.n_joints)[0]):
-        k = np.tan(line.bends[..., joint] / 2.0) ** 2
-        a, b = a - k * b.conj(), b - k * a.conj()
-        turn = 1j * np.exp(1j * (line.phases[..., joint] - line.twists[..., joint]))
-        a, b = turn * a, turn * b
-    return a, b
+    joint = item_indices("joints", _all(request.joints), line.n_joints)[0]
+    return chain_before(line, joint)
 
 
 def _all(items: Any) -> Any:  # noqa: ANN401 - an index, a slice or a list
@@ -266,27 +259,3 @@ def _samples(k: float, order: NDArray[np.int64]) -> int:
     wanted = 2.0 * (highest + 2.0 + length * (1.0 + 0.1 * math.log1p(length)))
     fewest = max(_FEWEST, 4.0 * (highest + 1.0))
     return 1 << math.ceil(math.log2(max(fewest, min(wanted, _MOST))))
-
-
-def _blocks(count: int, size: int) -> Iterator[slice]:
-    return (slice(start, min(start + size, count)) for start in range(0, count, size))
-
-
-def _of_rows(request: Request, rows: tuple[int, ...], block: slice) -> Request:
-    """The request for some of the rows, each an entry of the first of two axes."""
-    line: Any = request.line
-    index = np.broadcast_to(np.arange(line.size).reshape(line.shape), rows).ravel()[block]
-    load = request.load
-    if load is not None:
-        values: dict[str, Any] = {"inertias": load.inertias}
-        for name in ("torque", "speed", "acceleration"):
-            array = getattr(load, name)
-            taken = np.broadcast_to(array, rows).ravel()[block, np.newaxis]
-            values[name] = taken if array.ndim else array
-        if load.inertias is not None and load.inertias.ndim > 1:
-            each = load.inertias.shape[-1]
-            spread = np.broadcast_to(load.inertias, (*rows, each)).reshape(-1, each)
-            values["inertias"] = spread[block, np.newaxis]
-        values[f"{load.end}_torque"] = values.pop("torque")
-        load = Load(**values)
-    return replace(request, line=line.reshape(-1)[index][:, np.newaxis], load=load)

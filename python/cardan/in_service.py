@@ -1,0 +1,99 @@
+"""Drivelines in service: what friction takes, and how long the joints last."""
+
+from __future__ import annotations
+
+from numpy.typing import ArrayLike
+
+from cardan import life, losses
+from cardan.installed import Installed
+from cardan.life import Life
+from cardan.load import Load
+from cardan.losses import Losses
+
+
+class InService(Installed):
+    """Drivelines that wear; ``Driveline`` adds how they are made and what is evaluated."""
+
+    __slots__ = ()
+
+    def losses(
+        self,
+        load: Load,
+        *,
+        friction: ArrayLike,
+        pin_radius: ArrayLike,
+        arm: ArrayLike,
+        seal_torque: ArrayLike = 0.0,
+    ) -> Losses:
+        """Return the power that friction takes in each joint.
+
+        For one joint and a constant torque the share lost is ``mu (p/R) (2/pi) (artanh sin b + tan
+        b)`` with the friction ``mu``, the radius ``p`` of the pins and their arm ``R`` (derived
+        here). A chain and a load with inertias need means over the turn. All is exact to first
+        order in the friction.
+
+        Args:
+            load: constant over a turn; broadcasts against the batch. Its torque must have a mean.
+            friction: coefficient of friction in the bearings of the pins: one number, or one per
+                joint ``(..., n)``, like the following arguments.
+            pin_radius: radius in m at which the friction acts.
+            arm: distance of the middle of a pin's bearing from the centre of the joint in m.
+            seal_torque: moment in N m that seals or a preload add about the pins of each yoke,
+                whatever the load.
+
+        Returns:
+            share of the drive power lost in each joint, efficiency, heat in W, and the torque that
+            friction adds at the drive at any angle.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: negative values, a radius or an arm of 0, not one value per joint, a load
+                whose mean torque is 0, shapes that do not broadcast.
+
+        >>> import cardan
+        >>> joint = cardan.Driveline.from_bends([10], degrees=True)
+        >>> load = cardan.Load(drive_torque=400.0, speed_rpm=1500.0)
+        >>> loss = joint.losses(load, friction=0.05, pin_radius=0.008, arm=0.032)
+        >>> round(float(loss.efficiency), 5), float(loss.power[0].round(1))
+        (0.9972, 175.9)
+        """
+        return losses.losses(self, load, friction, pin_radius, arm, seal_torque)
+
+    def life(
+        self,
+        load: Load,
+        *,
+        rating: ArrayLike,
+        speed: ArrayLike | None = None,
+        shares: ArrayLike | None = None,
+    ) -> Life:
+        """Return how long the joints last, by the catalogue's law and by the load of their pins.
+
+        Args:
+            load: constant over a turn; broadcasts against the batch. Of a duty cycle the last axis
+                are the steps.
+            rating: torque in N m that gives 5000 h at a bend of 3 degrees and 100 rpm: one number,
+                or one per joint ``(..., n)``.
+            speed: of the drive in rad/s; by default that of the load.
+            shares: of each step of the duty cycle in the time, ``(..., steps)``, with sum 1. The
+                damages add up (Miner's rule).
+
+        Returns:
+            hours that 90 % of the joints reach, of each joint; which joint fails first, and where
+            the pins swing too little.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: a rating, speed or share that is not positive, a load without a speed,
+                shares that do not fit the steps or do not add up to 1, shapes that do not
+                broadcast.
+
+        >>> import cardan
+        >>> bends = [[5.0], [8.0], [3.0]]
+        >>> load = cardan.Load(output_torque=[400, 700, 250], speed_rpm=[1500, 1000, 2500])
+        >>> line = cardan.Driveline.from_bends(bends, degrees=True)
+        >>> found = line.life(load, rating=1000.0, shares=[0.5, 0.3, 0.2])
+        >>> found.catalogue.round(2), found.hours.round(2)
+        (array([1625.98]), array([1603.01]))
+        """
+        return life.life(self, load, rating, speed, shares)

@@ -1,0 +1,166 @@
+"""Friction in the joints: the power that the pins take, at an angle and over a turn.
+
+With the tilts ``t1`` and ``t2`` of the cross against the driving and the driven yoke, the pins turn
+in their bearings at the rates ``r cos t1 tan t2`` and ``-r sin t1`` per radian of the drive. The
+speed ratio of the driving shaft is ``r`` (from Grossmann 2 to 5). The moment ``M`` of the joint
+presses each of two pins on its bearing with ``M/(2 R)`` at the arm ``R``. The friction ``mu`` on
+pins of the radius ``p`` therefore takes ``mu (p/R) |M|`` times the rate. A seal or a preload adds a
+moment that does not depend on the load.
+
+For one joint and a constant torque at either end, the mean loss is ``mu (p/R) (2/pi) (artanh sin b
++ tan b)`` of the power (derived here). Everything is exact to first order in the friction: the loss
+of one joint is not subtracted from the torque of the next.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.load import Load
+from cardan.pins import Pins, means_over_turn, pins_at
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """What friction takes in each joint; see ``Driveline.losses``.
+
+    Attributes:
+        fraction: share of the mean drive power that each joint loses, ``(n, ...)``; needs no speed.
+        efficiency: 1 minus the fractions of all joints.
+    """
+
+    fraction: FloatArray
+    efficiency: Any
+    _mean: FloatArray = field(repr=False)
+    _line: Any = field(repr=False)
+    _load: Load = field(repr=False)
+    _friction: _Friction = field(repr=False)
+
+    @property
+    def power(self) -> FloatArray:
+        """Heat of each joint in W, the mean over a turn, ``(n, ...)``.
+
+        Raises:
+            ValueError: the load has no speed.
+        """
+        if not np.all(self._load.speed > 0.0):
+            raise ArgumentValueError("load", "has no speed; the power lost needs one")
+        return self._mean * self._load.speed
+
+    def torque(self, angle: ArrayLike) -> FloatArray:
+        """Return the torque that friction adds at the drive, of each joint, in N m.
+
+        It is the power lost over the speed of the drive (derived here).
+
+        Args:
+            angle: drive angle in rad; broadcasts against batch and load.
+
+        Returns:
+            of each joint ``(n, ...)``.
+
+        Raises:
+            TypeError: angles that are not real numbers.
+            ValueError: shapes that do not broadcast.
+        """
+        return np.stack(
+            [
+                _lost(pins_at(self._line, self._load, joint, angle), *self._friction.of(joint))
+                for joint in range(self._line.n_joints)
+            ]
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class _Friction:
+    """The moment of friction over that of a joint, and the one that is always there.
+
+    Both have one entry per joint, ``(..., n)``.
+    """
+
+    share: FloatArray
+    constant: FloatArray
+
+    def over(self, rows: tuple[int, ...]) -> _Friction:
+        """The same for every one of some rows, ``(count, n)``."""
+        shape = (*rows, self.share.shape[-1])
+        return _Friction(
+            np.broadcast_to(self.share, shape).reshape(-1, shape[-1]),
+            np.broadcast_to(self.constant, shape).reshape(-1, shape[-1]),
+        )
+
+    def of(self, joint: int) -> tuple[FloatArray, FloatArray]:
+        return self.share[..., joint], self.constant[..., joint]
+
+
+def losses(
+    line: Any,  # noqa: ANN401 - a driveline
+    load: Load,
+    friction: ArrayLike,
+    pin_radius: ArrayLike,
+    arm: ArrayLike,
+    seal_torque: ArrayLike = 0.0,
+) -> Losses:
+    """Find the losses as ``Driveline.losses`` does."""
+    if not isinstance(load, Load):
+        raise ArgumentTypeError(
+            "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
+        )
+    n = line.n_joints
+    given = {"friction": friction, "pin_radius": pin_radius, "arm": arm, "seal_torque": seal_torque}
+    of_joints = {name: _of_joints(name, value, n) for name, value in given.items()}
+    own = _Friction(
+        of_joints["friction"] * of_joints["pin_radius"] / of_joints["arm"],
+        of_joints["seal_torque"],
+    )
+    shapes = {name: getattr(load, name).shape for name in ("torque", "speed", "acceleration")}
+    if load.inertias is not None:
+        shapes["inertias"] = load.inertias.shape[:-1]
+    rows = common_shape(
+        driveline=line.shape,
+        **shapes,
+        **{name: array.shape[:-1] for name, array in of_joints.items()},
+    )
+
+    def integrands(pins: Pins, joint: int, block: slice) -> FloatArray:
+        share, constant = (array[block, np.newaxis] for array in spread.of(joint))
+        return np.stack(
+            [_lost(pins, share, constant), np.broadcast_to(pins.drive_torque, pins.moment.shape)]
+        )
+
+    spread = own.over(rows)
+    means = means_over_turn(line, load, rows, integrands)
+    lost, drive = means[:, 0], means[0, 1]
+    if not np.all(np.abs(drive) > 0.0):
+        raise ArgumentValueError(
+            "load", "has no torque over the mean of a turn; no power goes through the driveline"
+        )
+    fraction = lost / np.abs(drive)
+    efficiency = scalar_or_array(1.0 - np.sum(fraction, axis=0))
+    return Losses(fraction, efficiency, lost, line, load, own)
+
+
+def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:
+    """One number for all joints, or one for each on the last axis."""
+    array = as_float64(name, value)
+    zero_is_fine = name in ("friction", "seal_torque")
+    wrong = ~((array >= 0.0) & (array < np.inf)) | (array == 0.0 if not zero_is_fine else False)
+    if np.any(wrong):
+        rule = "finite and not negative" if zero_is_fine else "finite and positive"
+        raise wrong_element(name, array, wrong, f"; it must be {rule}")
+    if array.ndim and array.shape[-1] not in (1, n):
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"
+        )
+    return np.broadcast_to(array, (*array.shape[:-1], n))
+
+
+def _lost(pins: Pins, share: FloatArray, constant: FloatArray) -> FloatArray:
+    """The torque lost in a joint, of its friction over its moment and of its constant moment."""
+    rates = np.abs(pins.rate_driving) + np.abs(pins.rate_driven)
+    return np.asarray((share * pins.moment + constant) * rates)

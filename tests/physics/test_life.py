@@ -1,0 +1,119 @@
+"""The life of joints against the catalogue's law, integrals over a swing, and sums of vectors."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import cardan
+
+STEPS = cardan.Load(output_torque=[400, 700, 250], speed_rpm=[1500, 1000, 2500])
+CYCLE = cardan.Driveline.from_bends([[5.0], [8.0], [3.0]], degrees=True)
+
+
+def law(bend_deg: float, rpm: float, torque: float, rating: float) -> float:
+    return 1.5e6 / (max(bend_deg, 3.0) * rpm) * math.pow(rating / torque, 10.0 / 3.0)
+
+
+def test_a_duty_cycle_adds_its_damages() -> None:
+    found = CYCLE.life(STEPS, rating=1000.0, shares=[0.5, 0.3, 0.2])
+    assert found.catalogue[0] == pytest.approx(1625.98, abs=0.005)
+    each = [law(5, 1500, 400, 1000), law(8, 1000, 700, 1000), law(3, 2500, 250, 1000)]
+    damage = sum(share / hours for share, hours in zip((0.5, 0.3, 0.2), each, strict=True))
+    assert found.catalogue[0] == pytest.approx(1.0 / damage, rel=1e-12)
+    assert found.steps.shape == (1, 3)
+    assert found.hours[0] == pytest.approx(1.0 / np.sum([0.5, 0.3, 0.2] / found.steps[0]))
+    assert found.mean_hours[0] == pytest.approx(5.0 * found.hours[0])
+
+
+@pytest.mark.parametrize("bend", [3.0, 10.0, 20.0, 30.0, 45.0, 75.0])
+def test_one_joint_is_as_the_integrals_over_its_swing(bend: float) -> None:
+    """The driving yoke's pins bear ``D sec t1`` and the driven yoke's ``D sec b cos t2``."""
+    beta, p, e = mpmath.radians(bend), mpmath.mpf(10) / 3, mpmath.mpf(9) / 8
+    driving = mpmath.quad(lambda t: mpmath.sec(t) ** p, [0, beta]) / beta
+    driven = mpmath.quad(lambda t: mpmath.cos(t) ** p, [0, beta]) / beta / mpmath.cos(beta) ** p
+    factor = ((driving**e + driven**e) / 2) ** (-1 / e)
+    line = cardan.Driveline.from_bends([bend], degrees=True)
+    load = cardan.Load(drive_torque=-300.0, speed_rpm=600.0)
+    found = line.life(load, rating=2000.0)
+    assert found.catalogue[0] == pytest.approx(law(bend, 600.0, 300.0, 2000.0), rel=1e-12)
+    assert found.hours[0] / found.catalogue[0] == pytest.approx(float(factor), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("bend", "driving", "driven"),
+    [
+        (10, 1.005140461, 1.010303595),
+        (20, 1.021363413, 1.043106454),
+        (30, 1.051405694, 1.104892123),
+        (45, 1.137008846, 1.286891148),
+    ],
+)
+def test_equivalent_torques(bend: float, driving: float, driven: float) -> None:
+    line = cardan.Driveline.from_bends([bend], degrees=True)
+    found = line.life(cardan.Load(drive_torque=1.0, speed=1.0), rating=1.0)
+    both = np.mean(np.array([driving, driven]) ** (10.0 / 3.0 * 9.0 / 8.0)) ** (-8.0 / 9.0)
+    assert found.hours[0] / found.catalogue[0] == pytest.approx(both, rel=1e-8)
+
+
+def test_chains_with_inertias_are_as_sums_of_vectors() -> None:
+    line = cardan.Driveline.from_bends([10, 35, 2], [20, -40], [50, 10], degrees=True)
+    load = cardan.Load(output_torque=90.0, speed=25.0, inertias=[0.0, 0.3, 0.2, 0.5])
+    angles = np.linspace(0.0, math.pi, 60_000, endpoint=False) + 1e-3
+    step, ways = 1e-5, []
+    moment = np.linalg.norm(line.evaluate(angles, "moment", load=load).moment, axis=-1)
+    for name in ("tilt_driving", "tilt_driven"):
+        high, low = (line.evaluate(angles + by, name)[name] for by in (step, -step))
+        ways.append(np.abs(high - low))
+    harm = [np.sum(moment ** (10 / 3) * way, -1) / np.sum(way, -1) for way in ways]
+    both = np.mean(np.array(harm) ** (9 / 8), axis=0) ** (8 / 9)
+    swing = np.array([10.0, 35.0, 3.0]) * 25.0 * 30.0 / math.pi
+    found = line.life(load, rating=[1000.0, 2000.0, 500.0])
+    rating = np.array([1000.0, 2000.0, 500.0]) ** (10 / 3)
+    assert found.hours == pytest.approx(1.5e6 / swing * rating / both, rel=1e-6)
+    assert found.small_swing.tolist() == [False, False, True]
+    assert found.decisive == int(np.argmin(found.hours))
+
+
+def test_a_straight_joint_has_the_life_of_the_law() -> None:
+    line = cardan.Driveline.from_bends([[0.0], [1e-9]], degrees=True)
+    found = line.life(cardan.Load(drive_torque=100.0, speed_rpm=1000.0), rating=1000.0)
+    assert found.hours[0] == pytest.approx([law(0, 1000, 100, 1000)] * 2, rel=1e-9)
+    assert found.small_swing.all()
+
+
+def test_no_torque_lasts_for_ever() -> None:
+    line = cardan.Driveline.from_bends([10.0], degrees=True)
+    found = line.life(cardan.Load(speed=1.0), rating=1.0)
+    assert found.hours[0] == found.catalogue[0] == math.inf
+
+
+def test_speed_in_place_of_the_loads() -> None:
+    line = cardan.Driveline.from_bends([10.0], degrees=True)
+    one = line.life(cardan.Load(drive_torque=5.0), rating=100.0, speed=[10.0, 20.0])
+    assert one.hours.shape == (1, 2)
+    assert one.hours[0, 0] == pytest.approx(2.0 * one.hours[0, 1])
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"rating": 0.0}, "rating is 0.0; it must be finite and positive"),
+        ({"rating": [1.0, 2.0]}, r"rating has shape \(2,\); it is one number or one per joint"),
+        ({"speed": -1.0}, "speed is -1.0; it must be finite and positive"),
+        ({"load": cardan.Load(drive_torque=1.0)}, "load has no speed"),
+        ({"load": 1.0}, "load is 1.0; it must be a cardan.Load"),
+        ({"shares": [0.5, 0.5]}, r"shares has shape \(2,\); it needs one share for each step"),
+        ({"shares": [0.5, 0.3, 0.3]}, "shares add up to 1.1; the sum must be 1"),
+        ({"shares": [0.5, 0.5, 0.0]}, r"shares\[2\] is 0.0; it must be finite and positive"),
+        ({"shares": 1.0}, r"load and batch of shape \(3,\) have these"),
+    ],
+)
+def test_what_is_refused(changes: dict[str, Any], message: str) -> None:
+    options = {"load": STEPS, "rating": 1000.0, **changes}
+    with pytest.raises((TypeError, ValueError), match=message):
+        CYCLE.life(**options)
