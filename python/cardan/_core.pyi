@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 _Flat: TypeAlias = NDArray[np.float64]
 _Spread: TypeAlias = NDArray[np.float64]
+_Stepped: TypeAlias = tuple[_Flat, int, int]
 
 __all__ = [
     "Lines",
@@ -13,6 +14,7 @@ __all__ = [
     "Sweep",
     "Transmission",
     "__version__",
+    "differentiate",
     "dq",
     "equivalent",
     "from_bends",
@@ -27,6 +29,16 @@ __version__: str
 
 def levels() -> list[str]: ...
 def outputs() -> list[tuple[str, Literal["shaft", "joint", "bearing"], str, list[str], bool]]: ...
+def differentiate(
+    lines: Lines,
+    outputs: list[tuple[str, list[int]]],
+    samples: int,
+    angle: Sweep | _Stepped,
+    load: tuple[str, _Stepped, _Stepped, _Stepped, list[tuple[int, _Stepped]]] | None,
+    weights: list[_Flat] | None,
+    wanted: list[str],
+    workers: int | None,
+) -> _Flat: ...
 def dq(lines: Lines, shaft: int, by: str, workers: int | None) -> NDArray[np.complex128]: ...
 def from_bends(
     joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat

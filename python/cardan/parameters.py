@@ -1,37 +1,74 @@
-"""The parameters of a driveline by which it is differentiated."""
+"""The parameters by which the outputs of a driveline are differentiated."""
 
 from __future__ import annotations
 
-from typing import Any, Literal, TypeAlias
+from collections.abc import Iterable
+from typing import Literal, Protocol, TypeAlias
 
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.outputs import nearest
 
 Parameters: TypeAlias = Literal["bends", "twists", "phases", "points"]
-
-PARAMETERS: tuple[Parameters, ...] = ("bends", "twists", "phases", "points")
 """The parameters of the geometry."""
 
+Variables: TypeAlias = Literal[
+    "bends", "twists", "phases", "points", "angle", "drive_torque", "output_torque", "inertias"
+]
+"""Everything by which an output can be differentiated."""
 
-def checked_parameters(line: Any, by: str) -> Parameters:  # noqa: ANN401 - a driveline
-    """Return the kind of parameters, which the driveline must have."""
-    if not isinstance(by, str):
-        raise ArgumentTypeError("by", f'is {by!r}; it must be a name, as "bends"')
-    for kind in PARAMETERS:
-        if by == kind:
-            break
-    else:
-        raise ArgumentValueError("by", f"is {by!r}; {nearest(by, PARAMETERS)}")
-    if kind == "points" and not line.has_points:
-        raise ArgumentValueError("by", MISSING_POINTS)
-    return kind
-
-
-MISSING_POINTS = (
-    "is 'points'; only drivelines from points have them, with the lengths between the points"
+PARAMETERS: tuple[Parameters, ...] = ("bends", "twists", "phases", "points")
+VARIABLES: tuple[Variables, ...] = (
+    *PARAMETERS,
+    "angle",
+    "drive_torque",
+    "output_torque",
+    "inertias",
 )
 
 
-def parameter_shape(kind: str, n: int) -> tuple[int, ...]:
-    """Return the shape of such parameters of a driveline with ``n`` joints."""
-    return {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}[kind]
+class Placed(Protocol):
+    """A driveline that knows whether it was made from points."""
+
+    @property
+    def has_points(self) -> bool:
+        """Whether derivatives by points exist."""
+
+
+def checked_parameters(line: Placed, by: str) -> str:
+    """Return the kind of parameters of the geometry, which the driveline must have.
+
+    Raises:
+        ArgumentTypeError: something that is not a name.
+        ArgumentValueError: an unknown name, points that the driveline does not have.
+    """
+    return _known(line, by, PARAMETERS, ())
+
+
+def checked_variables(line: Placed, by: str | Iterable[str]) -> tuple[str, ...]:
+    """Return the names of the variables, each once, as ``checked_parameters`` does."""
+    listed = (by,) if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
+    for i, name in enumerate(listed):
+        _known(line, name, VARIABLES, (i,))
+        if listed.index(name) < i:
+            raise ArgumentValueError("by", f"is {name!r} again; name each variable once", (i,))
+    return listed
+
+
+def _known(line: Placed, by: str, known: tuple[str, ...], place: tuple[int, ...]) -> str:
+    if not isinstance(by, str):
+        raise ArgumentTypeError("by", f'is {by!r}; it must be a name, as "bends"', place)
+    if by not in known:
+        raise ArgumentValueError("by", f"is {by!r}; {nearest(by, known)}", place)
+    if by == "points" and not line.has_points:
+        raise ArgumentValueError(
+            "by",
+            "is 'points'; only drivelines from points have them, with the lengths between them",
+            place,
+        )
+    return by
+
+
+def parameter_shape(name: str, n: int) -> tuple[int, ...]:
+    """Return the shape of such variables of a driveline with ``n`` joints."""
+    shapes = {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}
+    return {**shapes, "inertias": (n + 1,)}.get(name, ())

@@ -13,6 +13,7 @@ from cardan import _core, threads
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
 from cardan.arrays.planes import Place, components_first, planes_of, view
+from cardan.derivatives import Derivatives, Gradient, derivatives, gradient
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.harmonics import Harmonics, harmonics
 from cardan.layout import layout_of
@@ -236,6 +237,77 @@ class Plan:
                 against the batch.
         """
         return harmonics(self, orders)
+
+    def derivatives(
+        self,
+        angle: ArrayLike | Sweep,
+        by: str | Iterable[str] = ("bends", "twists", "phases"),
+    ) -> Derivatives:
+        """Return the derivatives of every output at every sample.
+
+        Each is a partial derivative: by the bends, twists and phases everything else is held; by
+        the points, bends and twists follow from them and the phases are held. Drivelines given by
+        angles keep their first shaft and first bend plane in space.
+
+        Those by points are smooth through straight joints, whose bend plane is arbitrary. The drive
+        angle counts from the plane of joint 0; where that joint is straight, its plane is held.
+        Magnitudes (``bending_driving``, ``bending_driven``) have derivative 0 by their inside where
+        they vanish.
+
+        Args:
+            angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
+            by: names among ``"bends"``, ``"twists"``, ``"phases"``, ``"points"``, ``"angle"`` (the
+                drive angle), ``"drive_torque"`` or ``"output_torque"`` (that of the load) and
+                ``"inertias"``.
+
+        Returns:
+            arrays by output and variable: the output's shape, then ``(n,)`` by bends, ``(n - 1,)``
+            by twists and phases, ``(n + 2, 3)`` by points, ``(n + 1,)`` by inertias. Angles are in
+            rad, points in their own unit.
+
+        Raises:
+            TypeError: angles that are not real numbers, variables that are not names.
+            ValueError: an unknown variable, points of a driveline that was not made from points,
+                a torque that the load does not have, forces, a plan with a reduction,
+                ``axes="shaft"`` or ``angle_of="driven"``.
+
+        >>> import cardan
+        >>> plan = cardan.Driveline.from_bends([0.5]).plan("speed_ratio")
+        >>> plan.derivatives(0.0, by="bends")["speed_ratio"]["bends"].round(6)
+        array([0.622516])
+        """
+        return derivatives(self.request, self.places, angle, by)
+
+    def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
+        """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
+
+        This is what an optimiser needs (reverse mode): it costs little more than the value,
+        whatever the number of joints, and stores nothing per sample. The results do not depend on
+        the number of threads.
+
+        Args:
+            angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
+            weights: arrays by output, each of the output's shape or one that broadcasts to it;
+                outputs without weights count with 0. For a mean square these are ``2 * output /
+                samples``.
+
+        Returns:
+            value and derivatives, one of each per driveline of the batch.
+
+        Raises:
+            TypeError: angles or weights that are not real numbers, weights that are no mapping.
+            ValueError: weights of something that is not an output of the plan or of a wrong shape;
+                forces, a plan with a reduction, ``axes="shaft"`` or ``angle_of="driven"``.
+
+        >>> import cardan
+        >>> line = cardan.Driveline.from_bends([0.3, 0.2], phases=0.1)
+        >>> plan = line.plan("acceleration_ratio")
+        >>> turn = cardan.Sweep.revolutions(1, 360)
+        >>> acceleration = plan(turn)["acceleration_ratio"]
+        >>> plan.gradient(turn, {"acceleration_ratio": 2 * acceleration / 360}).bends.round(4)
+        array([ 0.0318, -0.0159])
+        """
+        return gradient(self.request, self.places, angle, weights)
 
     def _again(self, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""

@@ -1,17 +1,21 @@
-//! Derivatives of the transmissions of a batch of drivelines.
+//! Derivatives of outputs and of transmissions by the parameters of drivelines.
 
 use std::sync::atomic::AtomicBool;
 
-use cardan::{Execution, Parameters, q_derivatives};
-use numpy::{Complex64, IntoPyArray, PyArray1};
+use cardan::{
+    Differentiated, DriveAngles, Execution, Parameters, Spread, SpreadLoad, Wanted, q_derivatives,
+};
+use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedStr;
 
-use crate::convert::argument_error;
+use crate::convert::{argument_error, slice};
 use crate::lines::Lines;
+use crate::plan::{DriveSweep, end, quantity};
 use crate::watch::{reserve, run_interruptible, threads};
 
-/// The fewest joints in all that are interruptible.
+/// The fewest joints or samples in all that are interruptible.
 const MIN_INTERRUPTIBLE: usize = 1 << 14;
 
 /// The derivatives of `q` of a shaft by all `"bends"`, `"twists"`, `"phases"` or `"points"` of each
@@ -64,4 +68,145 @@ fn parameters(name: &str) -> PyResult<Parameters> {
         "points" => Ok(Parameters::Points),
         other => Err(argument_error("by", &[], format!("is {other:?}, which is unknown"))),
     }
+}
+
+/// A flat array with its steps from one driveline and from one sample to the next.
+type Stepped<'py> = (PyReadonlyArray1<'py, f64>, usize, usize);
+
+/// The end of the torque, the torque, speed and acceleration, and the inertias by shaft.
+type SteppedLoad<'py> = (
+    PyBackedStr,
+    Stepped<'py>,
+    Stepped<'py>,
+    Stepped<'py>,
+    Vec<(usize, Stepped<'py>)>,
+);
+
+#[derive(FromPyObject)]
+pub(crate) enum SteppedAngle<'py> {
+    Sweep(PyRef<'py, DriveSweep>),
+    Array(Stepped<'py>),
+}
+
+/// The derivatives of outputs of each driveline, which has so many samples.
+///
+/// With weights, which are one plane per item and component of an output, the weighted sums over
+/// the samples; without, those of each plane, driveline and sample. The last axis of the flat result
+/// has what is wanted, in the order of the core.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "a call has all its arrays")]
+pub(crate) fn differentiate<'py>(
+    py: Python<'py>,
+    lines: &Lines,
+    outputs: Vec<(PyBackedStr, Vec<usize>)>,
+    samples: usize,
+    angle: SteppedAngle<'py>,
+    load: Option<SteppedLoad<'py>>,
+    weights: Option<Vec<PyReadonlyArray1<'py, f64>>>,
+    wanted: Vec<PyBackedStr>,
+    workers: Option<usize>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let joints = lines.joints();
+    let wanted = self::wanted(&wanted)?;
+    let name = |(name, items): (PyBackedStr, Vec<usize>)| Ok((quantity(&name)?, items));
+    let outputs = outputs.into_iter().map(name).collect::<PyResult<Vec<_>>>()?;
+    let angle = match &angle {
+        SteppedAngle::Sweep(sweep) => DriveAngles::Sweep(sweep.sweep()),
+        SteppedAngle::Array(stepped) => DriveAngles::Array(spread("angle", stepped)?),
+    };
+    let load = load.as_ref().map(|load| spread_load(load, joints)).transpose()?;
+    let weights = match &weights {
+        Some(planes) => {
+            let planes = planes.iter().map(|plane| slice("weights", plane));
+            Some(planes.collect::<PyResult<Vec<_>>>()?)
+        }
+        None => None,
+    };
+    lines.with(py, |lines| {
+        let task = Differentiated { joints, lines, samples, outputs, angle, load };
+        let total = task.line_count().saturating_mul(samples);
+        let misfit = |name: &str| argument_error(name, &[], "does not fit the samples");
+        if !task.is_complete() {
+            return Err(misfit("angle"));
+        }
+        if wanted.points && lines.lengths.len() != task.line_count() * (joints + 1) {
+            return Err(argument_error("by", &[], "is \"points\"; the shafts have no lengths"));
+        }
+        if let Some(weights) = &weights
+            && (weights.len() != task.planes() || weights.iter().any(|x| x.len() != total))
+        {
+            return Err(misfit("weights"));
+        }
+        let rows = match weights {
+            Some(_) => task.line_count(),
+            None => total.saturating_mul(task.planes()),
+        };
+        let count = rows.saturating_mul(wanted.count(joints));
+        let mut out = vec![];
+        reserve(&mut out, count)?;
+        out.resize(count, 0.0);
+        let brief = total.saturating_mul(joints) < MIN_INTERRUPTIBLE;
+        let workers = if brief { Some(1) } else { threads(workers) };
+        let mut run = |stop: Option<&AtomicBool>| {
+            let execution = Execution { workers, stop, ..Execution::default() };
+            match &weights {
+                Some(weights) => task.gradient(weights, &wanted, &mut out, execution),
+                None => task.derivatives(&wanted, &mut out, execution),
+            }
+        };
+        if brief {
+            py.detach(|| run(None));
+        } else {
+            run_interruptible(py, workers, &mut |stop| {
+                run(Some(stop));
+                Ok(())
+            })?;
+        }
+        Ok(out.into_pyarray(py))
+    })
+}
+
+fn spread<'a>(name: &str, (array, per_line, per_sample): &'a Stepped<'_>) -> PyResult<Spread<'a>> {
+    let data = slice(name, array)?;
+    Ok(Spread { data, per_line: *per_line, per_sample: *per_sample })
+}
+
+fn spread_load<'a>(load: &'a SteppedLoad<'_>, joints: usize) -> PyResult<SpreadLoad<'a>> {
+    let (given, torque, speed, acceleration, of_shafts) = load;
+    let mut inertias = vec![None; joints + 1];
+    for (shaft, stepped) in of_shafts {
+        let Some(inertia) = inertias.get_mut(*shaft) else {
+            let problem = format!("are of shaft {shaft}; there are {}", joints + 1);
+            return Err(argument_error("inertias", &[], problem));
+        };
+        *inertia = Some(spread("inertias", stepped)?);
+    }
+    Ok(SpreadLoad {
+        end: end(given)?.0,
+        torque: spread("torque", torque)?,
+        speed: spread("speed", speed)?,
+        acceleration: spread("acceleration", acceleration)?,
+        inertias,
+    })
+}
+
+fn wanted(names: &[PyBackedStr]) -> PyResult<Wanted> {
+    let mut wanted = Wanted::default();
+    for name in names {
+        let place = match &**name {
+            "value" => &mut wanted.value,
+            "bends" => &mut wanted.bends,
+            "twists" => &mut wanted.twists,
+            "phases" => &mut wanted.phases,
+            "points" => &mut wanted.points,
+            "angle" => &mut wanted.angle,
+            "torque" => &mut wanted.torque,
+            "inertias" => &mut wanted.inertias,
+            other => {
+                return Err(argument_error("by", &[], format!("is {other:?}, which is unknown")));
+            }
+        };
+        *place = true;
+    }
+    Ok(wanted)
 }

@@ -23,7 +23,7 @@ use pyo3::prelude::*;
 #[pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use super::derivatives::dq;
+    use super::derivatives::{differentiate, dq};
     #[pymodule_export]
     use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};
     #[pymodule_export]

@@ -49,6 +49,12 @@ enum AngleArgument<'py> {
 #[pyclass(frozen, name = "Sweep", module = "cardan._core")]
 pub(crate) struct DriveSweep(Sweep);
 
+impl DriveSweep {
+    pub(crate) fn sweep(&self) -> Sweep {
+        self.0
+    }
+}
+
 #[pymethods]
 impl DriveSweep {
     /// The largest number of samples.
@@ -446,7 +452,7 @@ fn numbers<'py>(items: impl Iterator<Item = Bound<'py, PyAny>>) -> PyResult<Vec<
 }
 
 /// An end of the driveline, and the name of its torque in messages.
-fn end(name: &str) -> PyResult<(End, &'static str)> {
+pub(crate) fn end(name: &str) -> PyResult<(End, &'static str)> {
     match name {
         "drive" => Ok((End::Drive, "drive_torque")),
         "output" => Ok((End::Output, "output_torque")),
@@ -461,7 +467,7 @@ fn reduction(name: &str) -> PyResult<Reduction> {
         .ok_or_else(|| argument_error("reduce", &[], format!("is {name:?}, which is unknown")))
 }
 
-fn quantity(name: &str) -> PyResult<Output> {
+pub(crate) fn quantity(name: &str) -> PyResult<Output> {
     Output::ALL
         .into_iter()
         .find(|output| output.row().name == name)

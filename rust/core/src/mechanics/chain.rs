@@ -384,7 +384,7 @@ impl Equivalent {
 }
 
 impl Equivalent {
-    fn nearest(equivalent: &Equivalent<DoubleDouble>) -> Self {
+    pub(crate) fn nearest(equivalent: &Equivalent<DoubleDouble>) -> Self {
         Self {
             joint: Joint::nearest(&equivalent.joint),
             turn_cos: equivalent.turn_cos.value(),

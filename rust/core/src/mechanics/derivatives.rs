@@ -111,6 +111,17 @@ impl Chain {
         b / a
     }
 
+    /// The map to a shaft.
+    pub(crate) fn map(&self, shaft: usize) -> Map {
+        self.maps[shaft]
+    }
+
+    /// The map to the driving yoke of a joint, whose shaft has turned by its phase.
+    pub(crate) fn map_to_joint(&self, joint: usize) -> Map {
+        let turn = if joint > 0 { self.turns[joint - 1] } else { Complex::new(1.0, 0.0) };
+        self.maps[joint].map(|x| x * turn)
+    }
+
     /// The adjoint of a shaft's map for a value that changes by `Re(weight dq)`.
     pub(crate) fn adjoint_of_q(&self, shaft: usize, weight: Complex<f64>) -> Map {
         let share = (weight / self.maps[shaft][0]).conj();
@@ -156,7 +167,7 @@ impl Chain {
         for j in (0..self.joints.len()).rev() {
             let [of_a, of_b]: Map = [0, 1].map(|i| adjoint[i] + adjoints[j + 1][i]);
             let turn = if j > 0 { self.turns[j - 1] } else { Complex::new(1.0, 0.0) };
-            let [a, b] = self.maps[j].map(|x| x * turn);
+            let [a, b] = self.map_to_joint(j);
             let k = self.joints[j].k;
             let coupling = of_a * b + of_b * a;
             let before = [of_a - of_b.conj() * k, of_b - of_a.conj() * k];
@@ -189,6 +200,7 @@ fn map(transfer: &Transfer) -> Map {
     [transfer.a, transfer.b].map(|x| Complex::new(x.re.value(), x.im.value()))
 }
 
-fn vector(flat: &[f64], i: usize) -> Vector {
+/// Vector `i` of a flat array.
+pub(crate) fn vector(flat: &[f64], i: usize) -> Vector {
     Vector::from_column_slice(&flat[3 * i..3 * i + 3])
 }

@@ -8,6 +8,7 @@ mod extrema;
 pub mod fold;
 mod forces;
 mod formula;
+pub mod gradient;
 mod kernels;
 mod lanes;
 pub mod level;

@@ -1,0 +1,371 @@
+//! Derivatives of outputs by the parameters of drivelines: weighted sums over the samples, in one
+//! pass, or those of each sample.
+//!
+//! The samples of a driveline are cut into the same blocks for any number of threads, and their
+//! sums are added in order, so that results have the same bits.
+
+mod line;
+mod motion;
+mod sample;
+
+use nalgebra::Complex;
+
+use crate::input::{Drivelines, Sweep};
+use crate::mechanics::geometry::Vector;
+use crate::mechanics::phasing::is_set;
+use crate::plan::{End, Output, Per};
+use crate::run::execution::Execution;
+use crate::run::level::Level;
+use crate::run::queue::work_off;
+use line::{Line, Sums};
+pub use line::Wanted;
+use motion::{Buffers, CHUNK};
+use sample::{LoadAt, Pull, Sample};
+
+/// The samples of a block that one thread sums.
+const BLOCK: usize = 32 * CHUNK;
+
+/// The fewest samples that use threads.
+const MIN_PARALLEL: usize = 2 * BLOCK;
+
+/// A value for each sample: `per_line` and `per_sample` are its strides.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread<'a> {
+    /// The elements.
+    pub data: &'a [f64],
+    /// The step from one driveline to the next.
+    pub per_line: usize,
+    /// The step from one sample to the next.
+    pub per_sample: usize,
+}
+
+impl Spread<'_> {
+    fn at(&self, line: usize, sample: usize) -> f64 {
+        self.data[line * self.per_line + sample * self.per_sample]
+    }
+
+    /// Whether it has an element for each of the samples.
+    fn reaches(&self, lines: usize, samples: usize) -> bool {
+        let last = |count: usize, step| count.saturating_sub(1).saturating_mul(step);
+        let index = last(lines, self.per_line).saturating_add(last(samples, self.per_sample));
+        index < self.data.len()
+    }
+}
+
+/// The drive angles of the samples.
+#[derive(Clone, Copy, Debug)]
+pub enum DriveAngles<'a> {
+    /// In rad.
+    Array(Spread<'a>),
+    /// The same sweep for each driveline.
+    Sweep(Sweep),
+}
+
+/// The load of the samples.
+#[derive(Clone, Debug)]
+pub struct SpreadLoad<'a> {
+    /// The end at which the torque is given.
+    pub end: End,
+    /// In N·m.
+    pub torque: Spread<'a>,
+    /// Of the drive, in rad/s.
+    pub speed: Spread<'a>,
+    /// Of the drive, in rad/s².
+    pub acceleration: Spread<'a>,
+    /// One per shaft, in kg·m²; missing ones are 0.
+    pub inertias: Vec<Option<Spread<'a>>>,
+}
+
+/// What is differentiated: outputs of drivelines with the same number of samples each.
+#[derive(Clone, Debug)]
+pub struct Differentiated<'a> {
+    /// The number of joints.
+    pub joints: usize,
+    /// The drivelines.
+    pub lines: Drivelines<'a>,
+    /// The number of samples of each.
+    pub samples: usize,
+    /// The outputs, each with the shafts or joints of which it is wanted.
+    pub outputs: Vec<(Output, Vec<usize>)>,
+    /// The drive angles.
+    pub angle: DriveAngles<'a>,
+    /// The load, if the outputs need one.
+    pub load: Option<SpreadLoad<'a>>,
+}
+
+impl Differentiated<'_> {
+    /// The number of drivelines.
+    pub fn line_count(&self) -> usize {
+        self.lines.bends.len() / self.joints
+    }
+
+    /// The number of planes: one per item and component.
+    pub fn planes(&self) -> usize {
+        self.outputs.iter().map(|(output, items)| output.components() * items.len()).sum()
+    }
+
+    /// Whether every array has an element for each sample, and the load is given if it is needed.
+    pub fn is_complete(&self) -> bool {
+        let (lines, samples) = (self.line_count(), self.samples);
+        let reaches = |spread: &Spread<'_>| spread.reaches(lines, samples);
+        let angles = match &self.angle {
+            DriveAngles::Array(spread) => reaches(spread),
+            DriveAngles::Sweep(sweep) => sweep.count() == samples,
+        };
+        let of_load = match &self.load {
+            Some(load) => {
+                let own = [&load.torque, &load.speed, &load.acceleration];
+                let inertias = load.inertias.iter().flatten();
+                load.inertias.len() == self.joints + 1
+                    && own.into_iter().chain(inertias).all(reaches)
+            }
+            None => !self.outputs.iter().any(|(output, _)| output.needs_load()),
+        };
+        let known = |(output, items): &(Output, Vec<usize>)| {
+            let last = self.joints + usize::from(output.row().per == Per::Shaft);
+            items.iter().all(|&item| item < last)
+        };
+        angles && of_load && self.outputs.iter().all(known)
+    }
+
+    /// Whether all outputs are motions of shafts.
+    fn only_motion(&self) -> bool {
+        self.load.is_none() && self.outputs.iter().all(|(output, _)| is_motion(*output))
+    }
+
+    fn line(&self, line: usize) -> Line<'_> {
+        Line::new(&self.lines, self.joints, line, !self.only_motion())
+    }
+
+    fn load_at(&self, line: usize, sample: usize) -> Option<LoadAt> {
+        let load = self.load.as_ref()?;
+        let at = |spread: &Spread<'_>| spread.at(line, sample);
+        let inertia = |spread: &Option<Spread<'_>>| spread.as_ref().map_or(0.0, at);
+        Some(LoadAt {
+            end: load.end,
+            torque: at(&load.torque),
+            speed: at(&load.speed),
+            acceleration: at(&load.acceleration),
+            inertias: load.inertias.iter().map(inertia).collect(),
+        })
+    }
+
+    fn angle_at(&self, line: usize, sample: usize) -> f64 {
+        match &self.angle {
+            DriveAngles::Array(spread) => spread.at(line, sample),
+            DriveAngles::Sweep(sweep) => sweep.at(sample),
+        }
+    }
+
+    /// Sums the weighted outputs of every driveline and their derivatives. `weights` has
+    /// [`Differentiated::planes`] planes with one element per driveline and sample, `out` for each
+    /// driveline [`Wanted::count`] numbers.
+    pub fn gradient(
+        &self,
+        weights: &[&[f64]],
+        wanted: &Wanted,
+        out: &mut [f64],
+        execution: Execution<'_>,
+    ) {
+        let columns = wanted.count(self.joints);
+        if columns == 0 {
+            return;
+        }
+        let threads = threads(self.line_count().saturating_mul(self.samples), execution.workers);
+        let level = execution.level.unwrap_or_else(Level::new);
+        let blocks = self.samples.div_ceil(BLOCK).max(1);
+        let sum = |buffers: &mut Buffers, line: usize, own: &Line<'_>, block: usize| {
+            let first = block * BLOCK;
+            let end = self.samples.min(first + BLOCK);
+            let mut sums = Sums::new(self.joints);
+            if is_set(execution.stop) {
+                return sums;
+            }
+            if self.only_motion() {
+                self.sum_motion(own, line, first..end, weights, buffers, level, &mut sums);
+            } else {
+                self.sum_samples(own, line, first..end, weights, &mut sums);
+            }
+            sums
+        };
+        if blocks == 1 {
+            // Pieces of several drivelines, so that the queue costs nothing.
+            let size = (BLOCK / self.samples.max(1)).clamp(1, 256);
+            let pieces = out.chunks_mut(size * columns).enumerate();
+            work_off(pieces, threads, Buffers::new, |buffers, (piece, out)| {
+                for (i, out) in out.chunks_mut(columns).enumerate() {
+                    let line = piece * size + i;
+                    let own = self.line(line);
+                    own.finish(&sum(buffers, line, &own, 0), wanted, out);
+                }
+            });
+            return;
+        }
+        for (line, out) in out.chunks_mut(columns).enumerate() {
+            let own = self.line(line);
+            let mut parts: Vec<_> = (0..blocks).map(|_| Sums::default()).collect();
+            work_off(parts.iter_mut().enumerate(), threads, Buffers::new, |buffers, (i, part)| {
+                *part = sum(buffers, line, &own, i);
+            });
+            let mut sums = Sums::new(self.joints);
+            parts.iter().for_each(|part| sums.add(part));
+            own.finish(&sums, wanted, out);
+        }
+    }
+
+    /// Sums motions chunk by chunk.
+    #[allow(clippy::too_many_arguments, reason = "one block of one driveline")]
+    fn sum_motion(
+        &self,
+        own: &Line<'_>,
+        line: usize,
+        samples: std::ops::Range<usize>,
+        weights: &[&[f64]],
+        buffers: &mut Buffers,
+        level: Level,
+        sums: &mut Sums,
+    ) {
+        let mut first = samples.start;
+        while first < samples.end {
+            let length = CHUNK.min(samples.end - first);
+            match &self.angle {
+                DriveAngles::Array(Spread { data, per_line, per_sample: 1 }) => {
+                    let at = line * per_line + first;
+                    buffers.load(&data[at..at + length], level);
+                }
+                DriveAngles::Array(spread) => {
+                    let mut angles = [0.0; CHUNK];
+                    angles[..length].fill(spread.at(line, first));
+                    buffers.load(&angles[..length], level);
+                }
+                DriveAngles::Sweep(sweep) => buffers.load_sweep(sweep, first, length, level),
+            }
+            let at = line * self.samples + first;
+            let mut add = |shaft: usize, [value, re, im]: [f64; 3]| {
+                sums.value += value;
+                sums.q[shaft] += Complex::new(re, im);
+            };
+            for (shaft, planes) in self.motions() {
+                let of = |output: Output| {
+                    let plane = planes.iter().find(|(other, _)| *other == output);
+                    plane.map(|&(_, plane)| &weights[plane][at..at + length])
+                };
+                let constants = &own.shafts[shaft];
+                let rates = [Output::SpeedRatio, Output::AccelerationRatio, Output::JerkRatio];
+                let rates = rates.map(of);
+                if rates.iter().any(Option::is_some) {
+                    add(shaft, buffers.rates(constants, rates, length, level));
+                }
+                for (output, with_drive) in [(Output::Angle, true), (Output::AngleError, false)] {
+                    if let Some(weights) = of(output) {
+                        add(shaft, buffers.errors(constants, weights, with_drive, level));
+                    }
+                }
+            }
+            first += length;
+        }
+    }
+
+    /// The planes of each place in the list of shafts, which all motions share.
+    fn motions(&self) -> impl Iterator<Item = (usize, Vec<(Output, usize)>)> {
+        let shafts = self.outputs.first().map_or(&[][..], |(_, items)| items);
+        shafts.iter().enumerate().map(move |(place, &shaft)| {
+            let planes = self.outputs.iter().enumerate();
+            (shaft, planes.map(|(i, (output, _))| (*output, i * shafts.len() + place)).collect())
+        })
+    }
+
+    /// Sums any outputs sample by sample.
+    fn sum_samples(
+        &self,
+        own: &Line<'_>,
+        line: usize,
+        samples: std::ops::Range<usize>,
+        weights: &[&[f64]],
+        sums: &mut Sums,
+    ) {
+        let mut pull = Pull::new(self.joints);
+        for i in samples {
+            let load = self.load_at(line, i);
+            let sample = Sample::new(own, load.as_ref(), self.angle_at(line, i));
+            let at = line * self.samples + i;
+            let mut plane = 0;
+            for (output, items) in &self.outputs {
+                for &item in items {
+                    let mut weight = Vector::zeros();
+                    for component in 0..output.components() {
+                        weight[component] = weights[plane][at];
+                        plane += 1;
+                    }
+                    sample.pull(*output, item, weight, &mut pull, sums);
+                }
+            }
+            sample.settle(&mut pull, sums);
+        }
+    }
+
+    /// The derivatives of every sample: for each plane, driveline and sample [`Wanted::count`]
+    /// numbers.
+    pub fn derivatives(&self, wanted: &Wanted, out: &mut [f64], execution: Execution<'_>) {
+        let columns = wanted.count(self.joints);
+        let (lines, samples) = (self.line_count(), self.samples);
+        let total = lines.saturating_mul(samples);
+        if columns == 0 || total == 0 {
+            return;
+        }
+        let mut planes = vec![];
+        for (output, items) in &self.outputs {
+            for &item in items {
+                planes.extend((0..output.components()).map(|i| (*output, item, i)));
+            }
+        }
+        let size = CHUNK.min(total);
+        let pieces = out
+            .chunks_mut(total * columns)
+            .zip(planes)
+            .flat_map(|(plane, of)| plane.chunks_mut(size * columns).enumerate().map(move |x| (of, x)));
+        let threads = threads(total, execution.workers);
+        let state = || (Sums::new(self.joints), Pull::new(self.joints));
+        work_off(pieces, threads, state, |(sums, pull), ((output, item, component), (i, out))| {
+            let mut known: Option<(usize, Line<'_>)> = None;
+            for (j, out) in out.chunks_mut(columns).enumerate() {
+                if is_set(execution.stop) {
+                    return;
+                }
+                let (line, sample) = ((i * size + j) / samples, (i * size + j) % samples);
+                let (_, own) = match known.take() {
+                    Some(known_line) if known_line.0 == line => known.insert(known_line),
+                    _ => known.insert((line, self.line(line))),
+                };
+                let load = self.load_at(line, sample);
+                let state = Sample::new(own, load.as_ref(), self.angle_at(line, sample));
+                let mut weight = Vector::zeros();
+                weight[component] = 1.0;
+                sums.clear();
+                state.pull(output, item, weight, pull, sums);
+                state.settle(pull, sums);
+                own.finish(sums, wanted, out);
+            }
+        });
+    }
+}
+
+fn is_motion(output: Output) -> bool {
+    matches!(
+        output,
+        Output::Angle
+            | Output::AngleError
+            | Output::SpeedRatio
+            | Output::AccelerationRatio
+            | Output::JerkRatio
+    )
+}
+
+fn threads(samples: usize, workers: Option<usize>) -> usize {
+    // The pool, which may not exist, is not queried for one thread.
+    if samples < MIN_PARALLEL || workers == Some(1) {
+        return 1;
+    }
+    let pool = rayon::current_num_threads();
+    workers.map_or(pool, |workers| pool.min(workers.max(1)))
+}

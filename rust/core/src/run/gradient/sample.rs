@@ -1,0 +1,343 @@
+//! One sample: the outputs at a drive angle, and how each of them changes.
+//!
+//! With the equivalent joint's `cos β = e`, `sin a = s` and `cos a = c` of its input angle `a`,
+//! `z = q u` and `ψ = 1/(e c + i s)`, the formulas of [`crate::mechanics::transmission`] become
+//!
+//! `ρ = (1 − z)/(1 + z) = (e − i sin² β s c)/(e² c² + s²)`, `u/(1 + z)² = ((1 + e)/2)² ψ² = W`.
+//!
+//! The speed ratio is `Re ρ`, the acceleration ratio `Im ρ²`, the jerk ratio `Re 2ρ(1 − ρ²)`; they
+//! change by the real parts of `−2W dq`, `4iWρ dq` and `4W(3ρ² − 1) dq`, the angle error by that of
+//! `−i (1 + e)/2 (c − i s) ψ dq`. Nothing cancels for steep bends.
+
+use nalgebra::Complex;
+
+use crate::mechanics::geometry::Vector;
+use crate::number::trig;
+use crate::plan::{End, Output};
+use crate::run::gradient::line::{JointConstants, Line, ShaftConstants, Sums};
+
+/// The load of one sample.
+#[derive(Clone)]
+pub(super) struct LoadAt {
+    pub(super) end: End,
+    pub(super) torque: f64,
+    pub(super) speed: f64,
+    pub(super) acceleration: f64,
+    /// One per shaft.
+    pub(super) inertias: Vec<f64>,
+}
+
+/// The motion of one shaft and its derivatives by `q`.
+struct ShaftAt {
+    error: f64,
+    ratio: f64,
+    /// The speed ratio less 1.
+    deviation: f64,
+    acceleration: f64,
+    jerk: f64,
+    /// The derivative of the jerk ratio by the drive angle.
+    snap: f64,
+    by_q: [Complex<f64>; 4],
+}
+
+impl ShaftAt {
+    fn new(constants: &ShaftConstants, (sine, cosine): (f64, f64)) -> Self {
+        let ShaftConstants { cosine: e, sine2, versine, mean, turn: [turn_cos, turn_sin] } =
+            *constants;
+        let s = sine.mul_add(turn_cos, cosine * turn_sin);
+        let c = cosine.mul_add(turn_cos, -(sine * turn_sin));
+        let norm = (e * c).mul_add(e * c, s * s);
+        let rho = Complex::new(e, -sine2 * s * c) / norm;
+        let psi = Complex::new(e * c, -s) / norm;
+        let (i, one) = (Complex::new(0.0, 1.0), Complex::new(1.0, 0.0));
+        let square = rho * rho;
+        let w = psi * psi * (mean * mean);
+        Self {
+            error: (versine * s * c).atan2((e * c).mul_add(c, s * s)),
+            ratio: rho.re,
+            deviation: versine * (e * c).mul_add(c, -(s * s)) / norm,
+            acceleration: square.im,
+            jerk: (rho * (one - square) * 2.0).re,
+            snap: -((one - square * 3.0) * (one - square) * 2.0).im,
+            by_q: [
+                -i * Complex::new(c, -s) * psi * mean,
+                w * -2.0,
+                i * w * rho * 4.0,
+                w * (square * 3.0 - one) * 4.0,
+            ],
+        }
+    }
+}
+
+/// The state of a driveline at one drive angle.
+pub(super) struct Sample<'a> {
+    line: &'a Line<'a>,
+    load: Option<&'a LoadAt>,
+    angle: f64,
+    shafts: Vec<ShaftAt>,
+    /// Sine and cosine of the input angle of each joint.
+    pins: Vec<(f64, f64)>,
+    /// Power over the drive's speed, on its way into each shaft and out of the last.
+    power: Vec<f64>,
+}
+
+/// How a value changes with what the outputs of one sample depend on.
+#[derive(Default)]
+pub(super) struct Pull {
+    power: Vec<f64>,
+    ratio: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+impl Pull {
+    pub(super) fn new(joints: usize) -> Self {
+        let zeros = || vec![0.0; joints + 2];
+        Self { power: zeros(), ratio: zeros(), acceleration: zeros() }
+    }
+}
+
+impl<'a> Sample<'a> {
+    pub(super) fn new(line: &'a Line<'a>, load: Option<&'a LoadAt>, angle: f64) -> Self {
+        let turned = trig::sin_cos(angle);
+        let shafts: Vec<_> =
+            line.shafts.iter().map(|constants| ShaftAt::new(constants, turned)).collect();
+        let w = Complex::new(turned.1, turned.0);
+        let pin = |pose: &JointConstants| {
+            let [a, b] = pose.map;
+            let pin = a * w + b * w.conj();
+            let pin = pin / pin.norm();
+            (pin.im, pin.re)
+        };
+        let pins = line.poses.iter().map(pin).collect();
+        let mut sample = Self { line, load, angle, shafts, pins, power: vec![] };
+        sample.power = load.map_or_else(Vec::new, |load| sample.powers(load));
+        sample
+    }
+
+    fn powers(&self, load: &LoadAt) -> Vec<f64> {
+        let n = self.shafts.len();
+        let mut power = vec![0.0; n + 1];
+        match load.end {
+            End::Drive => {
+                power[0] = load.torque;
+                for i in 0..n {
+                    power[i + 1] = power[i] - self.absorbed(load, i);
+                }
+            }
+            End::Output => {
+                power[n] = load.torque * self.shafts[n - 1].ratio;
+                for i in (0..n).rev() {
+                    power[i] = power[i + 1] + self.absorbed(load, i);
+                }
+            }
+        }
+        power
+    }
+
+    /// The power over the drive's speed that the inertia of a shaft absorbs.
+    fn absorbed(&self, load: &LoadAt, shaft: usize) -> f64 {
+        let ShaftAt { ratio, acceleration, .. } = self.shafts[shaft];
+        let turning = load.speed.powi(2).mul_add(acceleration, load.acceleration * ratio);
+        load.inertias[shaft] * turning * ratio
+    }
+
+    /// The torsion of a joint's driving shaft.
+    fn torsion(&self, joint: usize) -> f64 {
+        self.power[joint + 1] / self.shafts[joint].ratio
+    }
+
+    fn pull_torsion(&self, joint: usize, weight: f64, pull: &mut Pull) {
+        let ratio = self.shafts[joint].ratio;
+        pull.power[joint + 1] += weight / ratio;
+        pull.ratio[joint] -= weight * self.torsion(joint) / ratio;
+    }
+
+    /// Adds what a weighted output of a shaft or joint contributes to the value and to its
+    /// derivatives. [`Sample::settle`] completes them. Scalars have a weight in the first component.
+    pub(super) fn pull(
+        &self,
+        output: Output,
+        item: usize,
+        weight: Vector,
+        pull: &mut Pull,
+        sums: &mut Sums,
+    ) {
+        match output {
+            Output::Angle | Output::AngleError => {
+                let ShaftAt { error, ratio, deviation, by_q, .. } = &self.shafts[item];
+                let with_drive = output == Output::Angle;
+                let (drive, slope) = if with_drive { (self.angle, ratio) } else { (0.0, deviation) };
+                sums.value += weight.x * (drive + error);
+                sums.q[item] += by_q[0] * weight.x;
+                sums.angle += weight.x * slope;
+            }
+            Output::SpeedRatio => {
+                sums.value += weight.x * self.shafts[item].ratio;
+                pull.ratio[item] += weight.x;
+            }
+            Output::AccelerationRatio => {
+                sums.value += weight.x * self.shafts[item].acceleration;
+                pull.acceleration[item] += weight.x;
+            }
+            Output::JerkRatio => {
+                let ShaftAt { jerk, snap, by_q, .. } = &self.shafts[item];
+                sums.value += weight.x * jerk;
+                sums.q[item] += by_q[3] * weight.x;
+                sums.angle += weight.x * snap;
+            }
+            Output::Torque => {
+                let ratio = self.shafts[item].ratio;
+                let torque = self.power[item] / ratio;
+                sums.value += weight.x * torque;
+                pull.power[item] += weight.x / ratio;
+                pull.ratio[item] -= weight.x * torque / ratio;
+            }
+            Output::Moment => {
+                let moment = self.pull_moment(item, weight, pull, sums);
+                sums.value += weight.dot(&moment);
+            }
+            Output::SupportMoment => self.pull_support(item, weight, pull, sums),
+            Output::BendingDriving
+            | Output::BendingDriven
+            | Output::TiltDriving
+            | Output::TiltDriven => self.pull_scalar(output, item, weight.x, pull, sums),
+            Output::JointForce | Output::BearingForce => {}
+        }
+    }
+
+    /// Tilts and the magnitudes of bending moments, as functions of torsion, bend and input angle.
+    fn pull_scalar(
+        &self,
+        output: Output,
+        item: usize,
+        weight: f64,
+        pull: &mut Pull,
+        sums: &mut Sums,
+    ) {
+        let JointConstants { cosine: e, sine: sigma, tangent, .. } = self.line.poses[item];
+        let (s, c) = self.pins[item];
+        let torsion = if self.load.is_some() { self.torsion(item) } else { 0.0 };
+        // The value per torsion, if it has one, its derivative by the bend, and that by the input
+        // angle over tan β.
+        let (value, by_bend, by_turn, loaded) = match output {
+            Output::TiltDriving => {
+                let norm = (sigma * s).mul_add(sigma * s, e * e);
+                ((tangent * s).atan(), s / norm, c * e * e / norm, false)
+            }
+            Output::TiltDriven => {
+                let root = (e * c).hypot(s);
+                ((sigma * c).atan2(root), e * c / root, -e * s / root, false)
+            }
+            Output::BendingDriving => {
+                (tangent * s.abs(), s.abs() / (e * e), c * sign(s), true)
+            }
+            _ => {
+                let stretch = (tangent * s).mul_add(tangent * s, 1.0).sqrt();
+                let by_bend = c.abs() * e.mul_add(stretch, sigma * s * s * tangent / (e * e * stretch));
+                let by_turn = e * (c.abs() * tangent * tangent * s * c / stretch - s * sign(c) * stretch);
+                (sigma * c.abs() * stretch, by_bend, by_turn, true)
+            }
+        };
+        let scale = if loaded { weight * torsion.abs() } else { weight };
+        if loaded {
+            self.pull_torsion(item, weight * sign(torsion) * value, pull);
+        }
+        sums.value += scale * value;
+        sums.bends[item] += scale * by_bend;
+        self.pull_turn(item, scale * by_turn, sums);
+    }
+
+    /// `D [u + tan β s (s e_in − c m)]` on the driven shaft.
+    fn pull_moment(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) -> Vector {
+        let JointConstants { cosine, tangent, axis, inward, normal, .. } = self.line.poses[item];
+        let (s, c) = self.pins[item];
+        let torsion = self.torsion(item);
+        let across = inward * (s * s) - normal * (s * c);
+        let unit = axis + across * tangent;
+        self.pull_torsion(item, weight.dot(&unit), pull);
+        sums.bends[item] += torsion * weight.dot(&across) / (cosine * cosine);
+        let turned = inward * (2.0 * s * c) - normal * ((c - s) * (c + s));
+        self.pull_turn(item, torsion * weight.dot(&turned), sums);
+        let moment = unit * torsion;
+        // A turn about the shaft moves only the part across it.
+        let rotation = moment.cross(&weight);
+        sums.frames[item] += rotation;
+        sums.plane[item] += torsion * weight.dot(&axis.cross(&across));
+        moment
+    }
+
+    /// The moment of the joint behind the shaft, minus that of the joint before it, across the
+    /// shaft.
+    fn pull_support(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) {
+        let axis = self.line.axis(item);
+        let along = weight.dot(&axis);
+        let across = weight - axis * along;
+        let mut difference = Vector::zeros();
+        if item < self.line.poses.len() {
+            difference += self.pull_moment(item, across, pull, sums);
+        }
+        if item > 0 {
+            difference -= self.pull_moment(item - 1, -across, pull, sums);
+        }
+        sums.value += across.dot(&difference);
+        // The shaft's own direction, by which the part across it changes.
+        let by_axis = -(difference * along + weight * axis.dot(&difference));
+        sums.frames[item] += axis.cross(&by_axis);
+    }
+
+    /// A change with the input angle of a joint, divided by `tan β`.
+    fn pull_turn(&self, joint: usize, weight: f64, sums: &mut Sums) {
+        let ShaftAt { ratio, by_q, .. } = &self.shafts[joint];
+        let change = weight * self.line.poses[joint].tangent;
+        sums.turn[joint] += weight;
+        sums.q[joint] += by_q[0] * change;
+        sums.angle += change * ratio;
+    }
+
+    /// Passes changes of power, speed and acceleration ratios on to the sums, and clears them.
+    pub(super) fn settle(&self, pull: &mut Pull, sums: &mut Sums) {
+        if let Some(load) = self.load {
+            let n = self.shafts.len();
+            let absorb = |i: usize, weight: f64, pull: &mut Pull, sums: &mut Sums| {
+                let ShaftAt { ratio, acceleration, .. } = self.shafts[i];
+                let (inertia, square) = (load.inertias[i], load.speed.powi(2));
+                let turning = square.mul_add(acceleration, load.acceleration * ratio);
+                sums.inertias[i] += weight * turning * ratio;
+                pull.acceleration[i] += weight * inertia * square * ratio;
+                pull.ratio[i] += weight * inertia * load.acceleration.mul_add(ratio, turning);
+            };
+            match load.end {
+                End::Drive => {
+                    for i in (0..n).rev() {
+                        let later = pull.power[i + 1];
+                        pull.power[i] += later;
+                        absorb(i, -later, pull, sums);
+                    }
+                    sums.torque += pull.power[0];
+                }
+                End::Output => {
+                    for i in 0..n {
+                        let earlier = pull.power[i];
+                        pull.power[i + 1] += earlier;
+                        absorb(i, earlier, pull, sums);
+                    }
+                    sums.torque += pull.power[n] * self.shafts[n - 1].ratio;
+                    pull.ratio[n - 1] += pull.power[n] * load.torque;
+                }
+            }
+            pull.power.fill(0.0);
+        }
+        for (i, ShaftAt { acceleration, jerk, by_q, .. }) in self.shafts.iter().enumerate() {
+            let (by_ratio, by_acceleration) = (pull.ratio[i], pull.acceleration[i]);
+            sums.q[i] += by_q[1] * by_ratio + by_q[2] * by_acceleration;
+            sums.angle += by_ratio * acceleration + by_acceleration * jerk;
+        }
+        pull.ratio.fill(0.0);
+        pull.acceleration.fill(0.0);
+    }
+}
+
+/// The sign, 0 for 0: where a magnitude vanishes it has no derivative.
+fn sign(x: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { 1_f64.copysign(x) }
+}

@@ -1,0 +1,107 @@
+"""Derivatives of every output by differences in 60 digits, from the pins of the vector picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from oracle import Fold, Number, Turn, mp
+from vectors import Frames, Loads, Vector, across, cross, dot, length, plus, scaled, turned, unit
+
+STEP = mp.mpf(10) ** -20
+X_AXIS: Vector = (mp.mpf(1), mp.mpf(0), mp.mpf(0))
+Z_AXIS: Vector = (mp.mpf(0), mp.mpf(0), mp.mpf(1))
+
+
+def numbers(values: Any) -> list[Number]:  # noqa: ANN401 - a nested list of numbers
+    return [mp.mpf(x) for x in np.asarray(values, float).ravel().tolist()]
+
+
+def from_angles(
+    bends: Sequence[Number],
+    twists: Sequence[Number],
+    phases: Sequence[Number],
+    first: Vector = X_AXIS,
+    normal: Vector = Z_AXIS,
+) -> Frames:
+    directions, normals = [unit(first)], [unit(across(normal, unit(first)))]
+    for j, bend in enumerate(bends):
+        if j > 0:
+            normals.append(turned(normals[-1], directions[-1], Turn.by(twists[j - 1])))
+        directions.append(turned(directions[-1], normals[-1], Turn.by(bend)))
+    folds = [
+        Fold.of(bends[:i], twists[: max(i - 1, 0)], phases[: max(i - 1, 0)])
+        for i in range(len(bends) + 1)
+    ]
+    return Frames(list(bends), list(phases), directions, normals, folds)
+
+
+def from_points(points: Sequence[Number], phases: Sequence[Number]) -> Frames:
+    corners: list[Vector] = [
+        (points[i], points[i + 1], points[i + 2]) for i in range(0, len(points), 3)
+    ]
+    along = [unit(plus(b, scaled(-1, a))) for a, b in pairwise(corners)]
+    planes = [cross(u, v) for u, v in pairwise(along)]
+    bends = [
+        mp.atan2(length(m), dot(u, v)) for m, (u, v) in zip(planes, pairwise(along), strict=True)
+    ]
+    normal = next(unit(m) for m in planes if length(m) > 0)
+    normals = []
+    for m, u in zip(planes, along, strict=False):
+        normal = unit(across(unit(m) if length(m) > 0 else normal, u))
+        normals.append(normal)
+    twists = [
+        mp.atan2(dot(cross(m, n), u), dot(m, n))
+        for u, (m, n) in zip(along[1:], pairwise(normals), strict=False)
+    ]
+    return from_angles(bends, twists, phases, along[0], normals[0])
+
+
+def outputs(
+    frames: Frames, angle: Number, load: Mapping[str, Any] | None
+) -> dict[str, list[Number]]:
+    """Return every output of all shafts and joints, item by item and component by component."""
+    at = Turn.by(angle)
+    found: dict[str, list[Number]] = {
+        name: [getattr(fold, name)(at) for fold in frames.folds]
+        for name in ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
+    }
+    tilts = []
+    for j, bend in enumerate(frames.bends):
+        # The pin of the driving yoke, as sine and cosine of the joint's input angle.
+        pin, u, m = frames.pins(at)[j][0], frames.directions[j], frames.normals[j]
+        sine, cosine = dot(pin, m), dot(pin, cross(m, u))
+        tilts.append((mp.atan(mp.tan(bend) * sine), mp.asin(mp.sin(bend) * cosine)))
+    found["tilt_driving"], found["tilt_driven"] = ([t[i] for t in tilts] for i in (0, 1))
+    if load is not None:
+        loads = Loads.of(frames, at, **load)
+        for name in ("torque", "bending_driving", "bending_driven"):
+            found[name] = getattr(loads, name)
+        for name in ("moment", "support_moment"):
+            found[name] = [x for vector in getattr(loads, name) for x in vector]
+    return found
+
+
+def differences(
+    of: Callable[[list[Number]], dict[str, list[Number]]], at: list[Number]
+) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
+    """Return the derivatives of every output by a list of numbers, on the last axis."""
+    columns: list[dict[str, list[Number]]] = []
+    for i in range(len(at)):
+        ahead, behind = ([*at[:i], at[i] + step, *at[i + 1 :]] for step in (STEP, -STEP))
+        ends = of(ahead), of(behind)
+        columns.append(
+            {
+                name: [
+                    (x - y) / (2 * STEP) for x, y in zip(ends[0][name], ends[1][name], strict=True)
+                ]
+                for name in ends[0]
+            }
+        )
+    return {
+        name: np.array([[float(x) for x in column[name]] for column in columns]).T
+        for name in (columns[0] if columns else {})
+    }
