@@ -239,7 +239,7 @@ def gradient(
     flat = samples.run(by, [*_planes(samples, weights)])
     rows = flat.reshape(*line.shape, -1)
     parts = {
-        name: rows[..., start : start + math.prod(shape)].reshape(*line.shape, *shape)[()]
+        name: rows[..., start : start + math.prod(shape)].reshape((*line.shape, *shape))[()]
         for name, start, shape in _columns(by, line.n_joints)
     }
     first = (parts.pop(name) for name in by[:4])
@@ -268,13 +268,13 @@ def derivatives(
     for output, (first, items, vector) in places.items():
         own = block[first : first + (items or 1) * (3 if vector else 1)]
         lead = (*(() if items is None else (items,)), *((3,) if vector else ()))
-        whole = own.reshape(*lead, *own.shape[1:])
+        whole = own.reshape((*lead, *own.shape[1:]))
         if vector:
             whole = np.moveaxis(whole, len(lead) - 1, len(lead) - 1 + ndim)
         found[output] = {}
         for name, start, shape in columns:
             part = whole[..., start : start + math.prod(shape)]
-            found[output][name] = part.reshape(*part.shape[:-1], *shape)[()]
+            found[output][name] = part.reshape((*part.shape[:-1], *shape))[()]
     return Derivatives({name: {kind: found[name][kind] for kind in names} for name in found})
 
 

@@ -102,6 +102,10 @@ def test_by_angles_and_loads(name: str, loaded: str) -> None:
                 got = item_first(got, vector, 1)
                 part = want[output][:, start:end]
                 got = got[..., i, :].reshape(part.shape)
+                if kind == "bends" and output.startswith("bending"):
+                    # From straight on these magnitudes only grow.
+                    bent = [j for j in range(n) if bends[j] > 0.0]
+                    got, part = got[:, bent], part[:, bent]
                 unit = 1.0 if kind in ("bends", "twists", "phases", "angle") else 1e-3
                 assert_close(got, part, unit * value, (output, kind, angle))
 

@@ -153,7 +153,8 @@ fn rate_terms<const JERK: bool>(
         let mut im = (4.0 * x) * by_square;
         if JERK {
             let (square_re, square_im) = (x.mul_add(x, -(y * y)), 2.0 * x * y);
-            let jerk = 2.0 * x.mul_add(1.0 - square_re, y * square_im);
+            // 2 Re ρ (1 − ρ²) with 1 − ρ² = −sin² β ψ².
+            let jerk = -2.0 * sine2 * x.mul_add(w_re, -(y * w_im));
             value = jerks[i].mul_add(jerk, value);
             re = (4.0 * jerks[i]).mul_add(square_re.mul_add(3.0, -1.0), re);
             im = (12.0 * jerks[i]).mul_add(square_im, im);

@@ -51,14 +51,16 @@ impl ShaftAt {
         let psi = Complex::new(e * c, -s) / norm;
         let (i, one) = (Complex::new(0.0, 1.0), Complex::new(1.0, 0.0));
         let square = rho * rho;
+        // 1 − ρ², without a difference.
+        let rest = psi * psi * -sine2;
         let w = psi * psi * (mean * mean);
         Self {
             error: (versine * s * c).atan2((e * c).mul_add(c, s * s)),
             ratio: rho.re,
             deviation: versine * (e * c).mul_add(c, -(s * s)) / norm,
             acceleration: square.im,
-            jerk: (rho * (one - square) * 2.0).re,
-            snap: -((one - square * 3.0) * (one - square) * 2.0).im,
+            jerk: (rho * rest * 2.0).re,
+            snap: -((one - square * 3.0) * rest * 2.0).im,
             by_q: [
                 -i * Complex::new(c, -s) * psi * mean,
                 w * -2.0,
