@@ -17,6 +17,7 @@ from typing import Any as _Any
 from cardan._core import __version__
 from cardan.ball_joint import BallJoint
 from cardan.check import Check
+from cardan.derivatives import Derivatives, Gradient
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint, Motion, Transmission
 from cardan.errors import ArgumentError, ArgumentTypeError, ArgumentValueError
@@ -42,6 +43,7 @@ from cardan.sweep import Sweep
 if _TYPE_CHECKING:
     from cardan import approximations, plots, reference, workshop
     from cardan import scene as scene
+    from cardan.interop import jax, scipy, torch
     from cardan.scene import Scene
 
 __all__ = [
@@ -51,10 +53,12 @@ __all__ = [
     "ArgumentValueError",
     "BallJoint",
     "Check",
+    "Derivatives",
     "Driveline",
     "EquivalentJoint",
     "Finding",
     "FreeRunning",
+    "Gradient",
     "Harmonics",
     "Identification",
     "Lengths",
@@ -76,13 +80,17 @@ __all__ = [
     "approximations",
     "identify",
     "identify_two_joints",
+    "jax",
     "plots",
     "reference",
+    "scipy",
+    "torch",
     "workshop",
 ]
 
 # What takes time to import and not everybody needs is imported when it is asked for.
 _LATER = ("approximations", "plots", "reference", "scene", "workshop")
+_ADAPTERS = ("jax", "scipy", "torch")
 
 
 def __getattr__(name: str) -> _Any:  # noqa: ANN401 - a module or a class
@@ -90,8 +98,10 @@ def __getattr__(name: str) -> _Any:  # noqa: ANN401 - a module or a class
         return _import_module("cardan.scene").Scene
     if name in _LATER:
         return _import_module(f"cardan.{name}")
+    if name in _ADAPTERS:
+        return _import_module(f"cardan.interop.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
-    return sorted({*__all__, *_LATER})
+    return sorted({*__all__, *_LATER, *_ADAPTERS})

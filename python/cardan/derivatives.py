@@ -22,7 +22,7 @@ from cardan.arrays.planes import Place, components_first
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, nearest
-from cardan.parameters import VARIABLES, checked_variables, parameter_shape
+from cardan.parameters import checked_variables, parameter_shape
 from cardan.request import Request, item_indices
 from cardan.sweep import Sweep
 
@@ -242,8 +242,8 @@ def gradient(
         name: rows[..., start : start + math.prod(shape)].reshape((*line.shape, *shape))[()]
         for name, start, shape in _columns(by, line.n_joints)
     }
-    first = (parts.pop(name) for name in by[:4])
-    return Gradient(*first, parts)
+    value, bends, twists, phases = (parts.pop(name) for name in by[:4])
+    return Gradient(value, bends, twists, phases, parts)
 
 
 def derivatives(
@@ -253,7 +253,8 @@ def derivatives(
     by: str | Iterable[str],
 ) -> Derivatives:
     """Return the derivatives of every sample, as ``Plan.derivatives`` does."""
-    names = checked_variables(request.line, by)  # type: ignore[arg-type]
+    line: Any = request.line
+    names = checked_variables(line, by)
     _check_load(request.load, names)
     samples = Samples(request, places, angle)
     n = samples.line.n_joints
@@ -351,6 +352,3 @@ def _check_load(load: Load | None, by: Iterable[str]) -> None:
         if name.endswith("_torque") and (load is None or name != f"{load.end}_torque"):
             has = "no load" if load is None else f"a load with {load.end}_torque"
             raise ArgumentValueError("by", f"is {name!r}; the plan has {has}", (i,))
-
-
-__all__ = ["VARIABLES", "Derivatives", "Gradient", "derivatives", "gradient"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal, Protocol, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.outputs import nearest
@@ -26,15 +26,7 @@ VARIABLES: tuple[Variables, ...] = (
 )
 
 
-class Placed(Protocol):
-    """A driveline that knows whether it was made from points."""
-
-    @property
-    def has_points(self) -> bool:
-        """Whether derivatives by points exist."""
-
-
-def checked_parameters(line: Placed, by: str) -> str:
+def checked_parameters(line: Any, by: str) -> str:  # noqa: ANN401 - a driveline
     """Return the kind of parameters of the geometry, which the driveline must have.
 
     Raises:
@@ -44,7 +36,10 @@ def checked_parameters(line: Placed, by: str) -> str:
     return _known(line, by, PARAMETERS, ())
 
 
-def checked_variables(line: Placed, by: str | Iterable[str]) -> tuple[str, ...]:
+def checked_variables(
+    line: Any,  # noqa: ANN401 - a driveline
+    by: str | Iterable[str],
+) -> tuple[str, ...]:
     """Return the names of the variables, each once, as ``checked_parameters`` does."""
     listed = (by,) if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
     for i, name in enumerate(listed):
@@ -54,7 +49,12 @@ def checked_variables(line: Placed, by: str | Iterable[str]) -> tuple[str, ...]:
     return listed
 
 
-def _known(line: Placed, by: str, known: tuple[str, ...], place: tuple[int, ...]) -> str:
+def _known(
+    line: Any,  # noqa: ANN401 - a driveline
+    by: str,
+    known: tuple[str, ...],
+    place: tuple[int, ...],
+) -> str:
     if not isinstance(by, str):
         raise ArgumentTypeError("by", f'is {by!r}; it must be a name, as "bends"', place)
     if by not in known:

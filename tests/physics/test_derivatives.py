@@ -124,10 +124,11 @@ def test_by_points(name: str, loaded: str) -> None:
     for i, angle in enumerate(ANGLES):
         # The magnitudes of bending moments have kinks where a joint is straight.
         smooth = [name for name in names if not (straight and name.startswith("bending"))]
-        want = differences(
-            lambda x, a=angle: outputs(from_points(x, numbers(phases)), mp.mpf(a), load),
-            numbers(points),
-        )
+
+        def of(x: list[Any], a: float = angle) -> dict[str, list[Any]]:
+            return outputs(from_points(x, numbers(phases)), mp.mpf(a), load)
+
+        want = differences(of, numbers(points))
         for output in smooth:
             vector = cardan.OUTPUTS[output].vector
             got = item_first(found[output]["points"], vector, 2)[..., i, :, :]
@@ -185,7 +186,7 @@ def test_q_by_points(name: str, shaft: int) -> None:
 
 
 def test_abs2_is_smooth_where_the_first_joint_is_straight() -> None:
-    points = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0.25, 0.5], [4, 1, 0.5]]
+    points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0.25, 0.5], [4, 1, 0.5]]
     transmission = Driveline.from_points(points, 0.3).transmission()
 
     def of(x: list[Any]) -> dict[str, list[Any]]:

@@ -46,7 +46,10 @@ impl Spread<'_> {
 
     /// Whether it has an element for each of the samples.
     fn reaches(&self, lines: usize, samples: usize) -> bool {
-        let last = |count: usize, step| count.saturating_sub(1).saturating_mul(step);
+        if lines == 0 || samples == 0 {
+            return true;
+        }
+        let last = |count: usize, step| (count - 1).saturating_mul(step);
         let index = last(lines, self.per_line).saturating_add(last(samples, self.per_sample));
         index < self.data.len()
     }

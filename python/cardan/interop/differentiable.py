@@ -1,0 +1,152 @@
+"""Evaluation as a function of its parameters, with products of weights and derivatives.
+
+The frameworks that differentiate (JAX, PyTorch, the minimisers of SciPy) call these two functions:
+outputs from a mapping of parameters, and the derivatives of a weighted sum of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.driveline import Driveline
+from cardan.errors import ArgumentTypeError, ArgumentValueError
+from cardan.layout import layout_of
+from cardan.load import Load
+from cardan.outputs import OUTPUTS, nearest
+from cardan.plan import Plan
+from cardan.request import Items
+
+# How many axes of each parameter belong to one driveline.
+_OWN_AXES = {"bends": 1, "twists": 1, "phases": 1, "points": 2}
+_LOADS = ("drive_torque", "output_torque", "inertias")
+NAMES = (*_OWN_AXES, *_LOADS)
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """What to evaluate, apart from the parameters and the drive angles.
+
+    Attributes:
+        outputs: names of outputs.
+        shafts: shafts of the outputs per shaft.
+        joints: joints of the outputs per joint.
+        speed: speed of the drive in rad/s.
+        acceleration: acceleration of the drive in rad/s².
+    """
+
+    outputs: str | Sequence[str]
+    shafts: Items = None
+    joints: Items = None
+    speed: float = 0.0
+    acceleration: float = 0.0
+
+    def check(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
+        """Check the names of the parameters and the shapes of those of the load.
+
+        Raises:
+            ValueError: an unknown parameter, neither bends nor points or both, a load whose values
+                change over the samples.
+        """
+        if not isinstance(shapes, Mapping):
+            raise ArgumentTypeError("parameters", "must map names to arrays")
+        for name in shapes:
+            if name not in NAMES:
+                raise ArgumentValueError(
+                    "parameters", f"is unknown; {nearest(name, NAMES)}", (name,)
+                )
+        if ("bends" in shapes) == ("points" in shapes):
+            raise ArgumentValueError("parameters", "must have either 'bends' or 'points'")
+        if "points" in shapes and "twists" in shapes:
+            raise ArgumentValueError("parameters", "follow from the points", ("twists",))
+        for name, ndim in (("drive_torque", 0), ("output_torque", 0), ("inertias", 1)):
+            if name in shapes and len(shapes[name]) != ndim:
+                wanted = "one number" if ndim == 0 else "one number per shaft"
+                raise ArgumentValueError(
+                    "parameters", f"has shape {shapes[name]}; it must be {wanted}", (name,)
+                )
+
+    def result_shapes(
+        self, shapes: Mapping[str, tuple[int, ...]], angle: tuple[int, ...]
+    ) -> dict[str, tuple[int, ...]]:
+        """Return the shape of each output, before anything is evaluated."""
+        self.check(shapes)
+        n = shapes["bends"][-1] if shapes.get("bends") else 1
+        if "points" in shapes:
+            n = shapes["points"][-2] - 2
+        batches = {name: shapes[name][: -_OWN_AXES[name]] for name in _OWN_AXES if name in shapes}
+        samples = common_shape(**batches, angle=angle)
+        names = self.outputs if isinstance(self.outputs, str) else tuple(self.outputs)
+        places = layout_of(names, n, self.shafts, self.joints, None, 0).places
+        return {
+            name: (() if items is None else (items,)) + samples + ((3,) if vector else ())
+            for name, (_, items, vector) in places.items()
+        }
+
+    def plan(self, parameters: Mapping[str, FloatArray]) -> Plan:
+        """Return the plan for these parameters."""
+        geometry = {name: parameters[name] for name in _OWN_AXES if name in parameters}
+        make = Driveline.from_points if "points" in geometry else Driveline.from_bends
+        line = make(**geometry)  # type: ignore[operator]
+        loaded = {name: parameters[name] for name in _LOADS if name in parameters}
+        names = (self.outputs,) if isinstance(self.outputs, str) else tuple(self.outputs)
+        load = None
+        if loaded or any(OUTPUTS[name].needs_load for name in names if name in OUTPUTS):
+            load = Load(**loaded, speed=self.speed, acceleration=self.acceleration)
+        plan: Plan = line.plan(names, shafts=self.shafts, joints=self.joints, load=load)
+        return plan
+
+    def values(self, parameters: Mapping[str, Any], angle: Any) -> dict[str, FloatArray]:  # noqa: ANN401 - arrays
+        """Return the outputs."""
+        result = self.plan(_doubles(parameters))(as_float64("angle", np.asarray(angle)))
+        return {name: np.asarray(result[name], np.float64) for name in result}
+
+    def pull_back(
+        self,
+        parameters: Mapping[str, Any],
+        angle: Any,  # noqa: ANN401 - an array
+        weights: Mapping[str, Any],
+        by_angle: bool = True,
+    ) -> tuple[dict[str, FloatArray], FloatArray]:
+        """Return the derivatives of ``sum(weights * outputs)`` by parameters and by the angles.
+
+        Args:
+            parameters: arrays by name.
+            angle: drive angles.
+            weights: arrays by output.
+            by_angle: whether those by the angles are wanted; otherwise they are 0.
+        """
+        given, angles = _doubles(parameters), as_float64("angle", np.asarray(angle))
+        plan = self.plan(given)
+        gradient = plan.gradient(angles, weights)
+        found = {
+            name: summed_to(getattr(gradient, name), array.shape) for name, array in given.items()
+        }
+        if not by_angle:
+            return found, np.zeros_like(angles)
+        slopes = plan.derivatives(angles, by="angle")
+        total: Any = 0.0
+        for name, (_, items, vector) in plan.places.items():
+            part = np.asarray(weights[name]) * slopes[name]["angle"]
+            part = part.sum(axis=-1) if vector else part
+            total = total + (part if items is None else part.sum(axis=0))
+        return found, summed_to(np.asarray(total), angles.shape)
+
+
+def summed_to(array: NDArray[np.float64], shape: tuple[int, ...]) -> FloatArray:
+    """Return the sums over the axes along which a shape was broadcast to that of the array."""
+    if math.prod(shape) == 1:
+        return np.asarray(array.sum()).reshape(shape)
+    array = array.sum(axis=tuple(range(array.ndim - len(shape))))
+    wide = tuple(i for i, n in enumerate(shape) if n == 1 and array.shape[i] != 1)
+    return array.sum(axis=wide, keepdims=True).reshape(shape)
+
+
+def _doubles(parameters: Mapping[str, Any]) -> dict[str, FloatArray]:
+    return {name: as_float64(name, np.asarray(value)) for name, value in parameters.items()}

@@ -1,0 +1,116 @@
+"""Values with gradients, as the minimisers of SciPy take them with ``jac=True``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan.arrays import FloatArray, as_float64
+from cardan.errors import ArgumentValueError
+from cardan.interop.differentiable import Evaluation
+from cardan.outputs import nearest
+from cardan.request import Items
+
+__all__ = ["Objective"]
+
+Cost: TypeAlias = Callable[[Mapping[str, FloatArray]], tuple[float, Mapping[str, FloatArray]]]
+"""From the outputs a number, and its derivatives by them."""
+
+
+class Objective:
+    """A cost of outputs as a function of some parameters, with its gradient.
+
+    >>> import cardan
+    >>> bends = {"bends": [0.3, 0.3], "phases": [0.5]}
+    >>> f = cardan.scipy.Objective(bends, "phases", [0.2, 0.9, 1.7], "angle_error")
+    >>> value, gradient = f(f.start)
+    >>> value.round(8), gradient.round(8)
+    (np.float64(0.0008888), array([0.00292984]))
+    """
+
+    def __init__(
+        self,
+        parameters: Mapping[str, ArrayLike],
+        vary: str | Sequence[str],
+        angle: ArrayLike,
+        outputs: str | Sequence[str],
+        cost: Cost | None = None,
+        *,
+        shafts: Items = None,
+        joints: Items = None,
+        speed: float = 0.0,
+        acceleration: float = 0.0,
+    ) -> None:
+        """Prepare the function.
+
+        Args:
+            parameters: start values by name, as of ``cardan.jax.evaluate``.
+            vary: names of the parameters that the function takes, flat and one after another.
+            angle: drive angles in rad.
+            outputs: names from ``cardan.OUTPUTS``.
+            cost: from a mapping of outputs to a number and a mapping of its derivatives by them;
+                by default the sum of the mean squares of all outputs.
+            shafts: shafts for the outputs per shaft, as for ``Driveline.evaluate``.
+            joints: joints for the outputs per joint.
+            speed: speed of the drive in rad/s, for loads.
+            acceleration: acceleration of the drive in rad/s².
+
+        Raises:
+            ValueError: unknown parameters or outputs, a name to vary without a start value.
+        """
+        self._fixed = {name: as_float64(name, value) for name, value in parameters.items()}
+        self._evaluation = Evaluation(outputs, shafts, joints, speed, acceleration)
+        self._evaluation.check({name: array.shape for name, array in self._fixed.items()})
+        self._vary = (vary,) if isinstance(vary, str) else tuple(vary)
+        for i, name in enumerate(self._vary):
+            if name not in self._fixed:
+                problem = f"is {name!r}, which has no start value; {nearest(name, self._fixed)}"
+                raise ArgumentValueError("vary", problem, (i,))
+        self._angle = as_float64("angle", angle)
+        self._cost = cost or mean_squares
+
+    @property
+    def start(self) -> NDArray[np.float64]:
+        """The start values of what varies, flat."""
+        return np.concatenate([self._fixed[name].ravel() for name in self._vary])
+
+    def parameters(self, x: ArrayLike) -> dict[str, FloatArray]:
+        """Return all parameters at a point of the minimiser, by name.
+
+        Args:
+            x: values in the order of ``start``.
+
+        Raises:
+            ValueError: not as many values as ``start`` has.
+        """
+        flat, at = as_float64("x", x), 0
+        wanted = sum(self._fixed[name].size for name in self._vary)
+        if flat.shape != (wanted,):
+            raise ArgumentValueError("x", f"has shape {flat.shape}; it must be ({wanted},)")
+        found = dict(self._fixed)
+        for name in self._vary:
+            shape = self._fixed[name].shape
+            found[name] = flat[at : at + math.prod(shape)].reshape(shape)
+            at += math.prod(shape)
+        return found
+
+    def __call__(self, x: ArrayLike) -> tuple[float, NDArray[np.float64]]:
+        """Return the cost and its gradient, for ``scipy.optimize.minimize(f, x0, jac=True)``.
+
+        Args:
+            x: values in the order of ``start``.
+        """
+        given = self.parameters(x)
+        value, weights = self._cost(self._evaluation.values(given, self._angle))
+        found, _ = self._evaluation.pull_back(given, self._angle, weights, by_angle=False)
+        return value, np.concatenate([found[name].ravel() for name in self._vary])
+
+
+def mean_squares(outputs: Mapping[str, FloatArray]) -> tuple[float, dict[str, FloatArray]]:
+    """Return the sum of the mean squares of all outputs, and its derivatives by them."""
+    value: Any = sum(np.mean(array**2) for array in outputs.values())
+    return value, {name: 2.0 * array / array.size for name, array in outputs.items()}

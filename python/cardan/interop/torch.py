@@ -1,0 +1,85 @@
+"""Outputs as differentiable functions of PyTorch."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cardan.arrays import import_optional
+from cardan.interop.differentiable import Evaluation
+from cardan.request import Items
+
+__all__ = ["evaluate"]
+
+
+def evaluate(
+    parameters: Mapping[str, Any],
+    angle: Any,  # noqa: ANN401 - a tensor
+    outputs: str | Sequence[str] = ("angle", "speed_ratio"),
+    *,
+    shafts: Items = None,
+    joints: Items = None,
+    speed: float = 0.0,
+    acceleration: float = 0.0,
+) -> dict[str, Any]:
+    """Evaluate outputs as tensors that PyTorch differentiates by parameters and drive angles.
+
+    The evaluation is a ``torch.autograd.Function`` that runs on the processor in double precision,
+    differentiable once.
+
+    Args:
+        parameters: tensors by name, as of ``cardan.jax.evaluate``.
+        angle: drive angles in rad.
+        outputs: names from ``cardan.OUTPUTS``.
+        shafts: shafts for the outputs per shaft, as for ``Driveline.evaluate``.
+        joints: joints for the outputs per joint.
+        speed: speed of the drive in rad/s, for loads.
+        acceleration: acceleration of the drive in rad/s².
+
+    Returns:
+        a tensor of doubles per output, shaped as by ``Driveline.evaluate``.
+
+    Raises:
+        ImportError: PyTorch is missing.
+        ValueError: unknown parameters or outputs, shapes that do not fit.
+    """
+    torch: Any = import_optional("torch", "torch")
+    evaluation = Evaluation(outputs, shafts, joints, speed, acceleration)
+    tensors = {
+        name: torch.as_tensor(value, dtype=torch.float64) for name, value in parameters.items()
+    }
+    angles = torch.as_tensor(angle, dtype=torch.float64)
+    names = [*tensors]
+    shapes = {name: tuple(tensor.shape) for name, tensor in tensors.items()}
+    results = [*evaluation.result_shapes(shapes, tuple(angles.shape))]
+
+    def arrays(tensors: Sequence[Any]) -> list[Any]:
+        return [tensor.detach().cpu().numpy() for tensor in tensors]
+
+    class Evaluate(torch.autograd.Function):  # type: ignore[misc, unused-ignore]
+        @staticmethod
+        def forward(ctx: Any, angle: Any, *tensors: Any) -> Any:  # noqa: ANN401 - tensors
+            ctx.save_for_backward(angle, *tensors)
+            at, *given = arrays([angle, *tensors])
+            found = evaluation.values(dict(zip(names, given, strict=True)), at)
+            return tuple(torch.from_numpy(np.array(found[name])) for name in results)
+
+        @staticmethod
+        @torch.autograd.function.once_differentiable  # type: ignore[untyped-decorator, unused-ignore]
+        def backward(ctx: Any, *weights: Any) -> Any:  # noqa: ANN401 - tensors
+            at, *given = arrays(ctx.saved_tensors)
+            by_name, slopes = evaluation.pull_back(
+                dict(zip(names, given, strict=True)),
+                at,
+                dict(zip(results, arrays(weights), strict=True)),
+                by_angle=ctx.needs_input_grad[0],
+            )
+            return tuple(
+                torch.from_numpy(np.array(array))
+                for array in (slopes, *(by_name[name] for name in names))
+            )
+
+    found = Evaluate.apply(angles, *tensors.values())
+    return dict(zip(results, found, strict=True))
