@@ -126,7 +126,7 @@ def test_torch_gradients(parameters: Any, outputs: Any, options: Any) -> None:  
 
 def test_scipy_finds_constant_velocity() -> None:
     optimize: Any = pytest.importorskip("scipy.optimize")
-    start = {"bends": [0.3, 0.3], "twists": 0.7, "phases": [0.3]}
+    start: dict[str, Any] = {"bends": [0.3, 0.3], "twists": 0.7, "phases": [0.3]}
     f = cardan.scipy.Objective(start, "phases", np.linspace(0, np.pi, 24), "angle_error")
     found = optimize.minimize(f, f.start, jac=True, tol=1e-12)
     # Equal bends compensate each other when the phase is the twist (double joint, 6.2).

@@ -201,7 +201,7 @@ TORQUE = Load(output_torque=1.0)
         (lambda: PLAN.derivatives(0.1, "points"), ValueError, "only drivelines from points"),
         (lambda: PLAN.derivatives(0.1, "inertias"), ValueError, "the plan has no load"),
         (lambda: PLAN.derivatives(0.1, "drive_torque"), ValueError, "the plan has no load"),
-        (lambda: PLAN.derivatives("a"), TypeError, "angle"),  # type: ignore[arg-type]
+        (lambda: PLAN.derivatives("a"), TypeError, "angle"),
         (lambda: PLAN.gradient(0.1, 3.0), TypeError, "must map names"),  # type: ignore[arg-type]
         (lambda: PLAN.gradient(0.1, {"angle": 1.0}), ValueError, "not an output of the plan"),
         (lambda: PLAN.gradient(0.1, {"bend": 1.0}), ValueError, "d_abs2"),

@@ -186,7 +186,7 @@ def test_q_by_points(name: str, shaft: int) -> None:
 
 
 def test_abs2_is_smooth_where_the_first_joint_is_straight() -> None:
-    points = [[0.0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0.25, 0.5], [4, 1, 0.5]]
+    points: list[list[float]] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [3, 0.25, 0.5], [4, 1, 0.5]]
     transmission = Driveline.from_points(points, 0.3).transmission()
 
     def of(x: list[Any]) -> dict[str, list[Any]]:

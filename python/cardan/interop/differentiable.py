@@ -91,16 +91,19 @@ class Evaluation:
 
     def plan(self, parameters: Mapping[str, FloatArray]) -> Plan:
         """Return the plan for these parameters."""
-        geometry = {name: parameters[name] for name in _OWN_AXES if name in parameters}
-        make = Driveline.from_points if "points" in geometry else Driveline.from_bends
-        line = make(**geometry)  # type: ignore[operator]
+        geometry: dict[str, Any] = {
+            name: parameters[name] for name in _OWN_AXES if name in parameters
+        }
+        if "points" in geometry:
+            line = Driveline.from_points(**geometry)
+        else:
+            line = Driveline.from_bends(**geometry)
         loaded = {name: parameters[name] for name in _LOADS if name in parameters}
         names = (self.outputs,) if isinstance(self.outputs, str) else tuple(self.outputs)
         load = None
         if loaded or any(OUTPUTS[name].needs_load for name in names if name in OUTPUTS):
             load = Load(**loaded, speed=self.speed, acceleration=self.acceleration)
-        plan: Plan = line.plan(names, shafts=self.shafts, joints=self.joints, load=load)
-        return plan
+        return line.plan(names, shafts=self.shafts, joints=self.joints, load=load)
 
     def values(self, parameters: Mapping[str, Any], angle: Any) -> dict[str, FloatArray]:  # noqa: ANN401 - arrays
         """Return the outputs."""
@@ -145,7 +148,8 @@ def summed_to(array: NDArray[np.float64], shape: tuple[int, ...]) -> FloatArray:
         return np.asarray(array.sum()).reshape(shape)
     array = array.sum(axis=tuple(range(array.ndim - len(shape))))
     wide = tuple(i for i, n in enumerate(shape) if n == 1 and array.shape[i] != 1)
-    return array.sum(axis=wide, keepdims=True).reshape(shape)
+    summed: FloatArray = array.sum(axis=wide, keepdims=True).reshape(shape)
+    return summed
 
 
 def _doubles(parameters: Mapping[str, Any]) -> dict[str, FloatArray]:

@@ -84,6 +84,16 @@ pub(crate) struct Layout<'a> {
 impl Chain {
     /// The first joints of a chain, as many as there are bends.
     pub(crate) fn new(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        Self::folded(bends, twists, phases, |_, _| ())
+    }
+
+    /// The same; `each` is called with the map to every shaft behind a joint.
+    pub(crate) fn folded(
+        bends: &[f64],
+        twists: &[f64],
+        phases: &[f64],
+        mut each: impl FnMut(usize, &Transfer),
+    ) -> Self {
         let mut transfer = Transfer::default();
         let mut chain = Self {
             maps: Vec::with_capacity(bends.len() + 1),
@@ -97,9 +107,10 @@ impl Chain {
                 transfer.pass_shaft(turn);
                 chain.turns.push(Complex::new(turn.re.value(), turn.im.value()));
             }
-            let joint = Joint::of_chain(bend);
+            let joint = Joint::with_error_terms(bend);
             transfer.pass_joint(&joint);
-            chain.maps.push(map(&transfer.renormalized()));
+            each(j + 1, &transfer);
+            chain.maps.push(map(&transfer));
             chain.joints.push(Bent::new(bend, &Joint::nearest(&joint)));
         }
         chain

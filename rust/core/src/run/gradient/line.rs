@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use crate::input::Drivelines;
-use crate::mechanics::chain::{Equivalent, Transfer, shaft_turn};
+use crate::mechanics::chain::Equivalent;
 use crate::mechanics::derivatives::{Chain, Layout, Map, by_points, vector};
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
@@ -148,8 +148,15 @@ impl Wanted {
 }
 
 impl<'a> Line<'a> {
-    /// Driveline `line` of a batch; `posed` if joints are needed in space.
-    pub(super) fn new(lines: &Drivelines<'a>, joints: usize, line: usize, posed: bool) -> Self {
+    /// Driveline `line` of a batch. The motion of shafts is known where `moves` says so; `posed` if
+    /// joints are needed in space.
+    pub(super) fn new(
+        lines: &Drivelines<'a>,
+        joints: usize,
+        line: usize,
+        moves: impl Fn(usize) -> bool,
+        posed: bool,
+    ) -> Self {
         let of = |array: &'a [f64], each: usize| -> &'a [f64] {
             array.get(line * each..(line + 1) * each).unwrap_or(&[])
         };
@@ -160,17 +167,14 @@ impl<'a> Line<'a> {
             normals: of(lines.normals, 3 * joints),
             lengths: of(lines.lengths, joints + 1),
         };
-        let chain = Chain::new(bends, twists, phases);
-        let mut transfer = Transfer::default();
-        let mut shafts = vec![ShaftConstants::new(&Equivalent::nearest(&transfer.equivalent()))];
-        for (j, &bend) in bends.iter().enumerate() {
-            if j > 0 {
-                transfer.pass_shaft(shaft_turn(phases[j - 1], twists[j - 1]));
+        let straight = ShaftConstants::new(&Equivalent::nearest(&Equivalent::STRAIGHT));
+        let mut shafts = vec![straight; joints + 1];
+        let chain = Chain::folded(bends, twists, phases, |shaft, transfer| {
+            if moves(shaft) {
+                let equivalent = transfer.renormalized().equivalent();
+                shafts[shaft] = ShaftConstants::new(&Equivalent::nearest(&equivalent));
             }
-            transfer.pass_joint(&Joint::of_chain(bend));
-            let equivalent = transfer.renormalized().equivalent();
-            shafts.push(ShaftConstants::new(&Equivalent::nearest(&equivalent)));
-        }
+        });
         let pose = |(j, &bend): (usize, &f64)| {
             let Joint { sin: sine, cos: cosine, .. } = Joint::new(bend);
             let (axis, normal) = (vector(layout.directions, j), vector(layout.normals, j));

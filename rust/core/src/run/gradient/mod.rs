@@ -137,7 +137,9 @@ impl Differentiated<'_> {
     }
 
     fn line(&self, line: usize) -> Line<'_> {
-        Line::new(&self.lines, self.joints, line, !self.only_motion())
+        let posed = !self.only_motion();
+        let asked = |shaft: usize| self.outputs.iter().any(|(_, items)| items.contains(&shaft));
+        Line::new(&self.lines, self.joints, line, |shaft| posed || asked(shaft), posed)
     }
 
     fn load_at(&self, line: usize, sample: usize) -> Option<LoadAt> {

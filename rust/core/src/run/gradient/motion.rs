@@ -5,7 +5,8 @@
 
 use crate::input::Sweep;
 use crate::number::atan::Atan;
-use crate::number::trig;
+use crate::number::reduction::LargeAngleFlag;
+use crate::number::trig::{self, Angle};
 use crate::run::gradient::line::ShaftConstants;
 use crate::run::level::{Level, compiled_for};
 use crate::sincos::array::sample_number;
@@ -52,8 +53,9 @@ impl Buffers {
     fn turn(&mut self, length: usize, level: Level) {
         let angles = &self.angles[..length];
         let (sines, cosines) = (&mut self.sines[..length], &mut self.cosines[..length]);
-        compiled_for!(level, pins(angles, sines, cosines));
-        if trig::any_too_large(angles.iter().copied()) {
+        let too_large = compiled_for!(level, pins(angles, sines, cosines));
+        if too_large {
+            let (sines, cosines) = (&mut self.sines[..length], &mut self.cosines[..length]);
             for ((&angle, s), c) in angles.iter().zip(sines).zip(cosines) {
                 (*s, *c) = trig::sin_cos(angle);
             }
@@ -109,6 +111,12 @@ struct Pins<'a> {
 }
 
 impl Pins<'_> {
+    /// The first pins, whose number the loops then know.
+    #[inline(always)]
+    fn first(&self, length: usize) -> Self {
+        Self { sines: &self.sines[..length], cosines: &self.cosines[..length] }
+    }
+
     /// Sine and cosine of the equivalent joint's input angle.
     #[inline(always)]
     fn turned(&self, i: usize, [turn_cos, turn_sin]: [f64; 2]) -> (f64, f64) {
@@ -117,11 +125,16 @@ impl Pins<'_> {
     }
 }
 
+/// Fills in the pins; returns whether an angle is too large for that, or not a number.
 #[inline(always)]
-fn pins(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
+fn pins(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]) -> bool {
+    let mut too_large = LargeAngleFlag::for_quadrants();
     for ((&angle, s), c) in angles.iter().zip(sines).zip(cosines) {
-        (*s, *c) = trig::pin::<f64>(trig::Angle::reduce(angle));
+        let reduced = <f64 as Angle>::reduce(angle);
+        too_large.accumulate(reduced.1);
+        (*s, *c) = trig::pin::<f64>(reduced);
     }
+    too_large.any()
 }
 
 #[inline(always)]
@@ -133,15 +146,15 @@ fn rate_terms<const JERK: bool>(
 ) {
     let ShaftConstants { cosine: e, sine2, mean, turn, .. } = *shaft;
     let length = values.len();
+    let pins = pins.first(length);
     let (ratios, accelerations) = (&ratios[..length], &accelerations[..length]);
     let (jerks, reals) = (&jerks[..length], &mut reals[..length]);
     let imaginaries = &mut imaginaries[..length];
     for i in 0..length {
         let (s, c) = pins.turned(i, turn);
         let (s2, product, ec) = (s * s, s * c, e * c);
-        let length = c.mul_add(c, s2);
         let inverse = ec.mul_add(ec, s2).recip();
-        let scale = length * inverse;
+        let scale = c.mul_add(c, s2) * inverse;
         let (x, y) = (e * scale, -(sine2 * product) * inverse);
         // W, up to the factor ((1 + e)/2)² that follows below.
         let w = scale * inverse;
@@ -176,6 +189,7 @@ fn error_terms(
 ) {
     let ShaftConstants { cosine: e, versine, mean, turn, .. } = *shaft;
     let length = values.len();
+    let pins = pins.first(length);
     let (drive, weights) = (&drive[..length], &weights[..length]);
     let (reals, imaginaries) = (&mut reals[..length], &mut imaginaries[..length]);
     for i in 0..length {
