@@ -74,13 +74,8 @@ fn parameters(name: &str) -> PyResult<Parameters> {
 type Stepped<'py> = (PyReadonlyArray1<'py, f64>, usize, usize);
 
 /// The end of the torque, the torque, speed and acceleration, and the inertias by shaft.
-type SteppedLoad<'py> = (
-    PyBackedStr,
-    Stepped<'py>,
-    Stepped<'py>,
-    Stepped<'py>,
-    Vec<(usize, Stepped<'py>)>,
-);
+type SteppedLoad<'py> =
+    (PyBackedStr, Stepped<'py>, Stepped<'py>, Stepped<'py>, Vec<(usize, Stepped<'py>)>);
 
 #[derive(FromPyObject)]
 pub(crate) enum SteppedAngle<'py> {

@@ -181,8 +181,7 @@ impl<'a> Line<'a> {
             let (map, inward) = (chain.map_to_joint(j), normal.cross(&axis));
             JointConstants { map, cosine, sine, tangent: sine / cosine, axis, inward, normal }
         };
-        let poses =
-            if posed { bends.iter().enumerate().map(pose).collect() } else { Vec::new() };
+        let poses = if posed { bends.iter().enumerate().map(pose).collect() } else { Vec::new() };
         Self { joints, chain, layout, shafts, poses }
     }
 

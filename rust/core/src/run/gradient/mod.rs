@@ -17,8 +17,8 @@ use crate::plan::{End, Output, Per};
 use crate::run::execution::Execution;
 use crate::run::level::Level;
 use crate::run::queue::work_off;
-use line::{Line, Sums};
 pub use line::Wanted;
+use line::{Line, Sums};
 use motion::{Buffers, CHUNK};
 use sample::{LoadAt, Pull, Sample};
 
@@ -325,10 +325,9 @@ impl Differentiated<'_> {
             }
         }
         let size = CHUNK.min(total);
-        let pieces = out
-            .chunks_mut(total * columns)
-            .zip(planes)
-            .flat_map(|(plane, of)| plane.chunks_mut(size * columns).enumerate().map(move |x| (of, x)));
+        let pieces = out.chunks_mut(total * columns).zip(planes).flat_map(|(plane, of)| {
+            plane.chunks_mut(size * columns).enumerate().map(move |x| (of, x))
+        });
         let threads = threads(total, execution.workers);
         let state = || (Sums::new(self.joints), Pull::new(self.joints));
         work_off(pieces, threads, state, |(sums, pull), ((output, item, component), (i, out))| {

@@ -2,6 +2,7 @@
 //!
 //! The formulas are those of [`super::sample`] for unnormalised sine and cosine, as
 //! [`crate::number::trig::pin`] returns them.
+#![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
 use crate::input::Sweep;
 use crate::number::atan::Atan;

@@ -168,7 +168,8 @@ impl<'a> Sample<'a> {
             Output::Angle | Output::AngleError => {
                 let ShaftAt { error, ratio, deviation, by_q, .. } = &self.shafts[item];
                 let with_drive = output == Output::Angle;
-                let (drive, slope) = if with_drive { (self.angle, ratio) } else { (0.0, deviation) };
+                let (drive, slope) =
+                    if with_drive { (self.angle, ratio) } else { (0.0, deviation) };
                 sums.value += weight.x * (drive + error);
                 sums.q[item] += by_q[0] * weight.x;
                 sums.angle += weight.x * slope;
@@ -230,13 +231,13 @@ impl<'a> Sample<'a> {
                 let root = (e * c).hypot(s);
                 ((sigma * c).atan2(root), e * c / root, -e * s / root, false)
             }
-            Output::BendingDriving => {
-                (tangent * s.abs(), s.abs() / (e * e), c * sign(s), true)
-            }
+            Output::BendingDriving => (tangent * s.abs(), s.abs() / (e * e), c * sign(s), true),
             _ => {
                 let stretch = (tangent * s).mul_add(tangent * s, 1.0).sqrt();
-                let by_bend = c.abs() * e.mul_add(stretch, sigma * s * s * tangent / (e * e * stretch));
-                let by_turn = e * (c.abs() * tangent * tangent * s * c / stretch - s * sign(c) * stretch);
+                let by_bend =
+                    c.abs() * e.mul_add(stretch, sigma * s * s * tangent / (e * e * stretch));
+                let by_turn =
+                    e * (c.abs() * tangent * tangent * s * c / stretch - s * sign(c) * stretch);
                 (sigma * c.abs() * stretch, by_bend, by_turn, true)
             }
         };
