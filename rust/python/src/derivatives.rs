@@ -145,8 +145,8 @@ pub(crate) fn differentiate<'py>(
         let mut run = |stop: Option<&AtomicBool>| {
             let execution = Execution { workers, stop, ..Execution::default() };
             match &weights {
-                Some(weights) => task.gradient(weights, &wanted, &mut out, execution),
-                None => task.derivatives(&wanted, &mut out, execution),
+                Some(weights) => task.gradient(weights, wanted, &mut out, execution),
+                None => task.derivatives(wanted, &mut out, execution),
             }
         };
         if brief {

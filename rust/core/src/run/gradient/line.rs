@@ -111,6 +111,7 @@ impl Sums {
 
 /// Which derivatives are written, in this order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[expect(clippy::struct_excessive_bools, reason = "a set of names")]
 pub struct Wanted {
     /// The value itself, one number.
     pub value: bool,
@@ -186,7 +187,7 @@ impl<'a> Line<'a> {
     }
 
     /// Writes the derivatives that the sums make.
-    pub(super) fn finish(&self, sums: &Sums, wanted: &Wanted, out: &mut [f64]) {
+    pub(super) fn finish(&self, sums: &Sums, wanted: Wanted, out: &mut [f64]) {
         let mut out = out.iter_mut();
         let mut write = |numbers: &[f64]| {
             out.by_ref().zip(numbers).for_each(|(out, &number)| *out = number);
@@ -215,7 +216,9 @@ impl<'a> Line<'a> {
         }
         if wanted.points {
             let points = by_points(&self.by_directions(sums, &adjoints), self.layout);
-            points.iter().for_each(|point| write(point.as_slice()));
+            for point in &points {
+                write(point.as_slice());
+            }
         }
         if wanted.angle {
             write(&[sums.angle]);

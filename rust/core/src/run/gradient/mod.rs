@@ -168,7 +168,7 @@ impl Differentiated<'_> {
     pub fn gradient(
         &self,
         weights: &[&[f64]],
-        wanted: &Wanted,
+        wanted: Wanted,
         out: &mut [f64],
         execution: Execution<'_>,
     ) {
@@ -213,7 +213,9 @@ impl Differentiated<'_> {
                 *part = sum(buffers, line, &own, i);
             });
             let mut sums = Sums::new(self.joints);
-            parts.iter().for_each(|part| sums.add(part));
+            for part in &parts {
+                sums.add(part);
+            }
             own.finish(&sums, wanted, out);
         }
     }
@@ -311,7 +313,7 @@ impl Differentiated<'_> {
 
     /// The derivatives of every sample: for each plane, driveline and sample [`Wanted::count`]
     /// numbers.
-    pub fn derivatives(&self, wanted: &Wanted, out: &mut [f64], execution: Execution<'_>) {
+    pub fn derivatives(&self, wanted: Wanted, out: &mut [f64], execution: Execution<'_>) {
         let columns = wanted.count(self.joints);
         let (lines, samples) = (self.line_count(), self.samples);
         let total = lines.saturating_mul(samples);

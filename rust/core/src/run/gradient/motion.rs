@@ -101,7 +101,7 @@ impl Buffers {
 
     fn sum(&self, length: usize, level: Level) -> [f64; 3] {
         let terms = self.terms.each_ref().map(|terms| &terms[..length]);
-        compiled_for!(level, terms.map(|terms| total(terms)))
+        compiled_for!(level, terms.map(total))
     }
 }
 
