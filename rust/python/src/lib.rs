@@ -11,6 +11,7 @@ mod convert;
 mod driveline;
 mod lines;
 mod plan;
+mod torsion;
 mod transmission;
 mod watch;
 
@@ -27,6 +28,8 @@ mod _core {
     use super::lines::Lines;
     #[pymodule_export]
     use super::plan::{DriveSweep, NativePlan, levels, outputs};
+    #[pymodule_export]
+    use super::torsion::NativeTorsion;
     #[pymodule_export]
     use super::transmission::NativeTransmission;
 

@@ -15,7 +15,7 @@ mod load;
 mod map;
 mod motion;
 pub mod phases;
-mod queue;
+pub(crate) mod queue;
 mod reduce;
 mod scratch;
 mod sines;
