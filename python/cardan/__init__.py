@@ -38,6 +38,7 @@ from cardan.plan import Plan
 from cardan.result import Result
 from cardan.slip import Lengths, SplineForce
 from cardan.sweep import Sweep
+from cardan.torsion import TorsionalSystem, Tube, tube
 
 if _TYPE_CHECKING:
     from cardan import approximations, plots, reference, workshop
@@ -70,7 +71,9 @@ __all__ = [
     "Scene",
     "SplineForce",
     "Sweep",
+    "TorsionalSystem",
     "Transmission",
+    "Tube",
     "TwoJoints",
     "__version__",
     "approximations",
@@ -78,6 +81,7 @@ __all__ = [
     "identify_two_joints",
     "plots",
     "reference",
+    "tube",
     "workshop",
 ]
 
