@@ -322,3 +322,51 @@ def test_the_examples_of_the_docstrings() -> None:
     results = doctest.testmod(module)
     assert results.attempted > 3
     assert results.failed == 0
+
+
+def test_a_large_orbit_within_a_resonance_is_periodic() -> None:
+    # Between the folds of the resonance only an orbit of some 2 rad is left. Integrated from its
+    # start by Runge's and Kutta's method, with the joints' formulas, it closes after half a turn.
+    bend, stiffness, damping, near, far, load = np.radians(30.0), 9000.0, 0.8, 0.004, 0.1, 20.0
+    drive, k = 147.0, np.tan(np.radians(15.0)) ** 2
+    line = cardan.Driveline.from_bends([bend, bend])
+    system = cardan.TorsionalSystem(
+        line,
+        inertias=[[0.0, 0.0], [0.0, near], [far, 0.0]],
+        stiffnesses=[INF, stiffness, INF],
+        dampings=[0.0, damping, 0.0],
+        load_torque=load,
+    )
+    orbit = system.orbit(drive, 4)
+    assert orbit.found
+    # Twist 0 and phase 0 turn the shaft by 90 degrees.
+    turn = np.pi / 2
+
+    def slopes(angle: float, state: np.ndarray) -> np.ndarray:
+        theta, speed = state
+        first = 1.0 - k * np.exp(-2j * angle)
+        before = angle + np.angle(first) + turn
+        ratio_before = ((2.0 - first) / first).real
+        z = -k * np.exp(-2j * theta)
+        ratio = ((1 - z) / (1 + z)).real
+        slope = (4j * z / (1 + z) ** 2).real
+        torque = stiffness * (before - theta) + damping * drive * (ratio_before - speed)
+        inertia, inertia_slope = near + far * ratio**2, 2 * far * ratio * slope
+        inertial = torque - ratio * load - 0.5 * inertia_slope * (speed * drive) ** 2
+        return np.array([speed, inertial / (inertia * drive**2)])
+
+    start = np.array([orbit.angle_error[1, 1, 0] + turn, orbit.speed[1, 1, 0] / drive])
+    state, steps = start, 4000
+    step = np.pi / steps
+    largest = 0.0
+    for i in range(steps):
+        angle = i * step
+        one = slopes(angle, state)
+        two = slopes(angle + step / 2, state + step / 2 * one)
+        three = slopes(angle + step / 2, state + step / 2 * two)
+        four = slopes(angle + step, state + step * three)
+        state = state + step / 6 * (one + 2 * two + 2 * three + four)
+        largest = max(largest, abs(state[0] - angle - step - turn))
+    assert largest > 1.5
+    assert state - [np.pi, 0.0] == pytest.approx(start, abs=1e-7)
+    assert system.stability(drive).stable

@@ -93,6 +93,11 @@ impl<'a> MotionEquation<'a> {
         &self.torques
     }
 
+    /// The torques at the drive angle at which the equations were last evaluated.
+    pub(super) fn last_torques(&self) -> &[f64] {
+        &self.torques
+    }
+
     /// The state of every piece, for the motion of shaft ends.
     pub(super) fn pieces(&self, angle: f64, y: &[f64], v: &[f64], out: &mut Vec<PieceState>) {
         out.clear();

@@ -37,6 +37,16 @@ pub(super) struct Orbit {
     pub(super) monodromy: DMatrix<f64>,
 }
 
+/// A step of Newton's method.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    /// The largest change of an unknown in rad.
+    pub(super) change: f64,
+    /// The largest twist before the step of the compliant shaft that twists least, in rad: the unit
+    /// of errors.
+    pub(super) twist: f64,
+}
+
 /// The linearised equations of one interval, solved for the accelerations: `constant + by_state ·
 /// change of the state`.
 struct Condensed {
@@ -132,9 +142,8 @@ impl Orbit {
         }
     }
 
-    /// One step of Newton's method. Returns the largest change of an unknown in rad; `None` if the
-    /// linear equations have no solution.
-    pub(super) fn improve(&mut self, equation: &mut MotionEquation<'_>) -> Option<f64> {
+    /// One step of Newton's method; `None` if the linear equations have no solution.
+    pub(super) fn improve(&mut self, equation: &mut MotionEquation<'_>) -> Option<Step> {
         let m = self.unknowns;
         let mut product = DMatrix::<f64>::identity(2 * m, 2 * m);
         let mut constant = DVector::<f64>::zeros(2 * m);
@@ -175,7 +184,10 @@ impl Orbit {
                 *x += damped * dx;
             }
         }
-        size.is_finite().then_some(size)
+        let springs = equation.system.springs.iter().zip(&scratch.torques);
+        let twist = springs.map(|(spring, torque)| torque / spring.stiffness);
+        let twist = twist.fold(f64::INFINITY, f64::min);
+        size.is_finite().then_some(Step { change: size, twist })
     }
 
     /// Solves the linearised equations of an interval for the changes of its accelerations.
@@ -199,6 +211,9 @@ impl Orbit {
             self.within(interval, [node, width], weights, [y, v]);
             let angle = width * (interval as f64 + node);
             equation.rows(angle, [y, v, &stages[i * m..][..m]], &mut scratch.rows);
+            for (most, torque) in scratch.torques.iter_mut().zip(equation.last_torques()) {
+                *most = most.max(torque.abs());
+            }
             for (s, row) in scratch.rows.iter().enumerate() {
                 let at = i * m + s;
                 // The rows differ by orders of magnitude between stiff and soft shafts.
@@ -260,10 +275,16 @@ impl Orbit {
 struct Scratch {
     state: Vec<f64>,
     rows: Vec<Row>,
+    /// The largest torque of every compliant shaft.
+    torques: Vec<f64>,
 }
 
 impl Scratch {
     fn new(unknowns: usize) -> Self {
-        Self { state: vec![0.0; 2 * unknowns], rows: vec![Row::default(); unknowns] }
+        Self {
+            state: vec![0.0; 2 * unknowns],
+            rows: vec![Row::default(); unknowns],
+            torques: vec![0.0; unknowns],
+        }
     }
 }
