@@ -74,8 +74,8 @@ impl NativeTorsion {
                 };
                 let of_shafts = ShaftEnds {
                     inertias: &inertias[i * 2 * (n + 1)..][..2 * (n + 1)],
-                    stiffnesses: &stiffnesses[i * (n + 1)..][..n + 1],
-                    dampings: &dampings[i * (n + 1)..][..n + 1],
+                    stiffnesses: &stiffnesses[i * (n + 1)..][..=n],
+                    dampings: &dampings[i * (n + 1)..][..=n],
                 };
                 let load = [torques[i], viscous[i]];
                 let system = TorsionalSystem::new(&bends, &twists, &phases, of_shafts, load)

@@ -111,12 +111,12 @@ pub fn steady_of_batch(
 
 /// The angle of every shaft end relative to the drive at the start of every interval.
 fn end_angles(orbit: &Orbit, equation: &MotionEquation<'_>, ends: usize) -> Vec<Vec<f64>> {
-    let mut found = vec![vec![0.0; orbit.intervals]; ends];
+    let mut found = vec![Vec::with_capacity(orbit.intervals); ends];
     let mut pieces = vec![];
     for k in 0..orbit.intervals {
         let (y, v) = orbit.state(k);
         equation.pieces(orbit.width() * k as f64, y, v, &mut pieces);
-        equation.system.shaft_ends(&pieces, |end, error, _| found[end][k] = error);
+        equation.system.shaft_ends(&pieces, |end, error, _| found[end].push(error));
     }
     found
 }

@@ -120,18 +120,16 @@ impl<'a> MotionEquation<'a> {
             let slope = 1.0 + v[s];
             let slope_before = if s == 0 { 1.0 } else { 1.0 + v[s - 1] };
             // The torque that leaves the piece, and its derivatives by this unknown and the next.
-            let (behind, by_angle, by_slope, next_angle, next_slope) = match springs.get(s + 1) {
-                Some(next) => {
+            let (behind, by_angle, by_slope, next_angle, next_slope) =
+                if let Some(next) = springs.get(s + 1) {
                     let damping = next.damping * speed;
                     let by_angle = next.stiffness * own.ratio + damping * own.ratio_slope * slope;
                     (self.torques[s + 1], by_angle, damping * own.ratio, -next.stiffness, -damping)
-                }
-                None => {
+                } else {
                     let damping = load_damping * speed;
                     let torque = load_torque + damping * own.ratio * slope;
                     (torque, damping * own.ratio_slope * slope, damping * own.ratio, 0.0, 0.0)
-                }
-            };
+                };
             let inertial = own.inertia * a[s] + 0.5 * own.inertia_slope * slope * slope;
             let inertial_by_angle =
                 own.inertia_slope * a[s] + 0.5 * own.inertia_curvature * slope * slope;

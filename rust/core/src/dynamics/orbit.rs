@@ -103,14 +103,12 @@ impl Orbit {
         let m = self.unknowns;
         let (position, slope) = self.state(interval);
         let stages = self.stages(interval);
-        for u in 0..m {
-            let (mut by_position, mut by_speed) = (0.0, 0.0);
-            for j in 0..STAGES {
-                by_position += to_position[j] * stages[j * m + u];
-                by_speed += to_speed[j] * stages[j * m + u];
-            }
-            y[u] = position[u] + width * (time * slope[u] + width * by_position);
-            v[u] = slope[u] + width * by_speed;
+        let sum = |weights: &[f64; STAGES], u: usize| -> f64 {
+            weights.iter().enumerate().map(|(j, weight)| weight * stages[j * m + u]).sum()
+        };
+        for (u, (y, v)) in y.iter_mut().zip(v).enumerate() {
+            *y = position[u] + width * (time * slope[u] + width * sum(to_position, u));
+            *v = slope[u] + width * sum(to_speed, u);
         }
     }
 
@@ -204,8 +202,7 @@ impl Orbit {
         // By the state at the start, then the constant.
         let mut right = DMatrix::<f64>::zeros(STAGES * m, 2 * m + 1);
         let stages = self.stages(interval);
-        for i in 0..STAGES {
-            let node = rule.nodes[i];
+        for (i, &node) in rule.nodes.iter().enumerate() {
             let weights = [&rule.position[i], &rule.speed[i]];
             let (y, v) = scratch.state.split_at_mut(m);
             self.within(interval, [node, width], weights, [y, v]);
@@ -225,10 +222,10 @@ impl Orbit {
                     let (by_angle, by_slope) = (scale * by_angle, scale * by_slope);
                     right[(at, u)] = -by_angle;
                     right[(at, m + u)] = -(width * node * by_angle + by_slope);
-                    for j in 0..STAGES {
-                        matrix[(at, j * m + u)] += width
-                            * (width * rule.position[i][j] * by_angle
-                                + rule.speed[i][j] * by_slope);
+                    let weights = rule.position[i].iter().zip(rule.speed[i]);
+                    for (j, (position, speed)) in weights.enumerate() {
+                        matrix[(at, j * m + u)] +=
+                            width * (width * position * by_angle + speed * by_slope);
                     }
                 }
             }

@@ -77,8 +77,8 @@ impl TorsionalSystem {
     fn large(&self, equation: &mut MotionEquation<'_>) -> Option<Found> {
         const AMPLITUDES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
         const PHASES: u32 = 8;
-        let starts = AMPLITUDES.iter().flat_map(|&size| (0..PHASES).map(move |i| (size, i)));
-        let found = starts.into_iter().find_map(|(size, i)| {
+        let mut starts = AMPLITUDES.iter().flat_map(|&size| (0..PHASES).map(move |i| (size, i)));
+        starts.find_map(|(size, i)| {
             let phase = TAU * f64::from(i) / f64::from(PHASES);
             let start = Orbit::start(self.unknowns(), 8 * FEWEST, |angle, [y, v, a]| {
                 let (sine, cosine) = (2.0 * angle + phase).sin_cos();
@@ -87,8 +87,7 @@ impl TorsionalSystem {
                 a.fill(-4.0 * size * sine);
             });
             converged(start, equation, COARSE, None)
-        });
-        found
+        })
     }
 }
 
