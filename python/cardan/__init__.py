@@ -39,6 +39,7 @@ from cardan.plan import Plan
 from cardan.result import Result
 from cardan.slip import Lengths, SplineForce
 from cardan.sweep import Sweep
+from cardan.torsion import TorsionalSystem, Tube, tube
 
 if _TYPE_CHECKING:
     from cardan import approximations, plots, reference, workshop
@@ -74,7 +75,9 @@ __all__ = [
     "Scene",
     "SplineForce",
     "Sweep",
+    "TorsionalSystem",
     "Transmission",
+    "Tube",
     "TwoJoints",
     "__version__",
     "approximations",
@@ -85,6 +88,7 @@ __all__ = [
     "reference",
     "scipy",
     "torch",
+    "tube",
     "workshop",
 ]
 

@@ -12,6 +12,7 @@ __all__ = [
     "Lines",
     "Plan",
     "Sweep",
+    "Torsion",
     "Transmission",
     "__version__",
     "differentiate",
@@ -90,6 +91,37 @@ class Plan:
         workers: int | None,
         level: str | None,
     ) -> Any: ...  # noqa: ANN401 - an array, or the list given
+
+@final
+class Torsion:
+    def __new__(
+        cls,
+        lines: Lines,
+        shape: Sequence[int],
+        line: NDArray[np.int64],
+        shafts: list[_Flat],
+        load: list[_Flat],
+    ) -> Torsion: ...
+    def natural_frequencies(self) -> _Flat: ...
+    def steady(
+        self,
+        system: NDArray[np.int64],
+        speed: _Flat,
+        orders: list[int],
+        tolerance: float,
+        workers: int | None,
+    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+    def multipliers(
+        self, system: NDArray[np.int64], speed: _Flat, tolerance: float, workers: int | None
+    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+    def orbits(
+        self,
+        system: NDArray[np.int64],
+        speed: _Flat,
+        samples: int,
+        tolerance: float,
+        workers: int | None,
+    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
 
 @final
 class Transmission:

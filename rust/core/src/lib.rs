@@ -10,11 +10,13 @@
 //! | [`plan`] | the requested outputs, the steps that compute them, and their routes |
 //! | `sincos` | sines and cosines of arrays of angles and of sweeps |
 //! | [`run`] | threads, blocks, chunks, loops over slices, and reductions |
+//! | [`dynamics`] | torsional vibration of drivelines with compliant shafts |
 //! | [`error`] | errors in the input, with argument, position and rule |
 //!
 //! Each module uses only those above it in the table, and [`error`].
 #![forbid(unsafe_code)]
 
+pub mod dynamics;
 pub mod error;
 pub mod input;
 pub mod mechanics;
@@ -23,6 +25,7 @@ pub mod plan;
 pub mod run;
 mod sincos;
 
+pub use dynamics::{ShaftEnds, TorsionalSystem};
 pub use error::{Error, Result};
 pub use input::{Angles, Drivelines, Load, Samples, Source, Sweep};
 pub use mechanics::chain::Equivalent;

@@ -12,6 +12,7 @@ mod derivatives;
 mod driveline;
 mod lines;
 mod plan;
+mod torsion;
 mod transmission;
 mod watch;
 
@@ -30,6 +31,8 @@ mod _core {
     use super::lines::Lines;
     #[pymodule_export]
     use super::plan::{DriveSweep, NativePlan, levels, outputs};
+    #[pymodule_export]
+    use super::torsion::NativeTorsion;
     #[pymodule_export]
     use super::transmission::NativeTransmission;
 

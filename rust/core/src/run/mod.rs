@@ -17,7 +17,7 @@ mod map;
 mod motion;
 pub mod phases;
 pub mod q_derivatives;
-mod queue;
+pub(crate) mod queue;
 mod reduce;
 mod scratch;
 mod sines;

@@ -1,0 +1,146 @@
+"""The parameters of a torsional system, checked and broadcast."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError, wrong_element
+
+_RULE = "; it must be finite and not negative"
+
+
+@dataclass(frozen=True, eq=False)
+class Parameters:
+    """What the shafts of a batch of systems have, all broadcast to the shape of the batch.
+
+    Attributes:
+        shape: of the batch.
+        inertias: ``(..., n + 1, 2)``.
+        stiffnesses: ``(..., n + 1)``.
+        dampings: ``(..., n + 1)``.
+        load_torque: ``(...)``.
+        load_damping: ``(...)``.
+    """
+
+    shape: tuple[int, ...]
+    inertias: FloatArray
+    stiffnesses: FloatArray
+    dampings: FloatArray
+    load_torque: FloatArray
+    load_damping: FloatArray
+
+    @classmethod
+    def checked(
+        cls,
+        line: Driveline,
+        inertias: ArrayLike,
+        stiffnesses: ArrayLike,
+        dampings: ArrayLike | None,
+        load_torque: ArrayLike,
+        load_damping: ArrayLike,
+    ) -> Self:
+        """Check the arguments of ``TorsionalSystem``."""
+        shafts = line.n_joints + 1
+        ends = _pairs(as_float64("inertias", inertias), shafts)
+        springs = _per_shaft("stiffnesses", stiffnesses, shafts)
+        if np.any(~(springs > 0.0)):
+            rule = "; a stiffness must be positive, infinite for a rigid shaft"
+            raise wrong_element("stiffnesses", springs, ~(springs > 0.0), rule)
+        compliant = springs < np.inf
+        mixed = compliant != compliant.reshape(-1, shafts)[:1].reshape(shafts)
+        if mixed.any():
+            rule = "; the same shafts must be compliant in the whole batch"
+            raise wrong_element("stiffnesses", springs, mixed, rule)
+        damping = _per_shaft("dampings", 0.0 if dampings is None else dampings, shafts)
+        _check_not_negative("dampings", damping)
+        torque, viscous = (
+            as_float64("load_torque", load_torque),
+            as_float64("load_damping", load_damping),
+        )
+        if not np.all(np.isfinite(torque)):
+            raise wrong_element("load_torque", torque, ~np.isfinite(torque), "; it must be finite")
+        _check_not_negative("load_damping", viscous)
+        shape = common_shape(
+            driveline=line.shape,
+            inertias=ends.shape[:-2],
+            stiffnesses=springs.shape[:-1],
+            dampings=damping.shape[:-1],
+            load_torque=torque.shape,
+            load_damping=viscous.shape,
+        )
+        return cls(
+            shape,
+            _full(ends, (*shape, shafts, 2)),
+            _full(springs, (*shape, shafts)),
+            _full(damping, (*shape, shafts)),
+            _full(torque, shape),
+            _full(viscous, shape),
+        )
+
+    @property
+    def compliant(self) -> tuple[int, ...]:
+        """The compliant shafts."""
+        shafts = self.stiffnesses.shape[-1]
+        first = self.stiffnesses.reshape(-1, shafts)[:1].ravel()
+        return tuple(int(i) for i in np.flatnonzero(first < np.inf))
+
+    def flat(self) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Return the properties of shafts and the loads as the native module takes them."""
+        shafts = [self.inertias, self.stiffnesses, self.dampings]
+        load = [self.load_torque, self.load_damping]
+        return [array.ravel() for array in shafts], [array.ravel() for array in load]
+
+    def with_ratios(self, ratios: ArrayLike, lowest: FloatArray, joints: int) -> Parameters:
+        """Return the parameters with dampings from damping ratios."""
+        given = _per_shaft("damping_ratios", ratios, joints + 1)
+        _check_not_negative("damping_ratios", given)
+        shape = common_shape(system=self.shape, damping_ratios=given.shape[:-1])
+        if shape != self.shape:
+            raise ArgumentValueError(
+                "damping_ratios", f"has the batch {given.shape[:-1]}, the system {self.shape}"
+            )
+        springs = np.where(self.stiffnesses < np.inf, self.stiffnesses, 0.0)
+        return replace(self, dampings=np.array(2.0 * given * springs / lowest))
+
+
+def _full(array: FloatArray, shape: tuple[int, ...]) -> FloatArray:
+    # A copy: the caller may change the array.
+    full = np.array(np.broadcast_to(array, shape))
+    full.flags.writeable = False
+    return full
+
+
+def _pairs(inertias: FloatArray, shafts: int) -> FloatArray:
+    _check_not_negative("inertias", inertias)
+    if inertias.shape[-2:] == (shafts, 2):
+        return inertias
+    if inertias.shape[-1:] == (shafts,):
+        return np.repeat(0.5 * inertias[..., np.newaxis], 2, axis=-1)
+    raise ArgumentValueError(
+        "inertias",
+        f"has shape {inertias.shape}; it needs one per shaft, (..., {shafts}), or one per end, "
+        f"(..., {shafts}, 2)",
+    )
+
+
+def _per_shaft(name: str, value: ArrayLike, shafts: int) -> FloatArray:
+    array = as_float64(name, value)
+    if array.ndim == 0:
+        return np.full(shafts, array)
+    if array.shape[-1] != shafts:
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; the last axis needs one per shaft, {shafts}"
+        )
+    return array
+
+
+def _check_not_negative(name: str, array: FloatArray) -> None:
+    wrong = ~((array >= 0.0) & (array < np.inf))
+    if wrong.any():
+        raise wrong_element(name, array, wrong, _RULE)

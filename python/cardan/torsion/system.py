@@ -1,0 +1,335 @@
+"""Torsional systems: drivelines with compliant shafts."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Sequence
+from typing import Any, SupportsIndex
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan import _core, threads
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.driveline import Driveline
+from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.torsion.parameters import Parameters
+from cardan.torsion.results import Orbit, Stability, SteadyState
+
+_Records = Callable[..., tuple[FloatArray, NDArray[np.uint8]]]
+
+# An orbit of more orders would need more points than the native module allows.
+_HIGHEST_ORDER = 256
+
+
+class TorsionalSystem:
+    """A driveline whose shafts are torsion springs, or a batch of such drivelines.
+
+    Shaft ``i`` has an inertia at its input end and one at its output end, a stiffness between them
+    and a damping. The input end of shaft 0 turns at constant speed; the output end of the last
+    shaft carries the load. Lagrange's equations of this chain are solved exactly, that is with the
+    nonlinear motion of the joints: vibration and stability refer to the periodic orbit, not to
+    rigid rotation, which is no solution behind a joint.
+
+    Leading dimensions of all arguments broadcast against the batch of the driveline.
+
+    Args:
+        line: the driveline.
+        inertias: moments of inertia in kg m², ``(..., n + 1, 2)`` for input end and output end of
+            each shaft, or ``(..., n + 1)``, half of it at each end. An array whose last axis has 2
+            entries and whose axis before has ``n + 1`` holds pairs.
+        stiffnesses: torsional stiffness of each shaft in N m/rad, ``(..., n + 1)``; infinite for a
+            rigid shaft. The same shafts must be compliant in the whole batch.
+        dampings: damping of each shaft in N m s/rad, ``(..., n + 1)``; 0 by default.
+        damping_ratios: instead, ``zeta`` of each shaft or one for all: the damping is
+            ``2 zeta c / w`` with the stiffness ``c`` and the lowest natural frequency ``w``. With
+            one ratio for all this is the damping ratio of the lowest mode. For one compliant shaft
+            and a constant inertia ``J`` it is ``d/(2 sqrt(c J))``.
+        load_torque: constant torque in N m that brakes the last shaft.
+        load_damping: viscous load on the last shaft in N m s/rad.
+
+    Raises:
+        TypeError: no driveline, values that are not real numbers.
+        ValueError: a negative or infinite inertia or damping, a stiffness that is not positive, a
+            load that is not finite, no compliant shaft, a compliant shaft without an inertia that
+            is rigidly connected to its output end, shapes that do not fit.
+
+    >>> import cardan
+    >>> line = cardan.Driveline.from_bends([20], degrees=True)
+    >>> stiffnesses = [float("inf"), 8000]
+    >>> system = cardan.TorsionalSystem(
+    ...     line, inertias=[[0, 0], [0, 0.05]], stiffnesses=stiffnesses, damping_ratios=0.02
+    ... )
+    >>> system.critical_speeds(orders=(2, 4)).round(1)
+    array([[200., 100.]])
+    >>> float(abs(system.steady(200.0).torque_orders[0, 0]).round(1))
+    6223.2
+    """
+
+    def __init__(
+        self,
+        line: Driveline,
+        *,
+        inertias: ArrayLike,
+        stiffnesses: ArrayLike,
+        dampings: ArrayLike | None = None,
+        damping_ratios: ArrayLike | None = None,
+        load_torque: ArrayLike = 0.0,
+        load_damping: ArrayLike = 0.0,
+    ) -> None:
+        """Check the arguments and pass them to the native module."""
+        if not isinstance(line, Driveline):
+            raise ArgumentTypeError("line", f"is {line!r}; it must be a driveline")
+        if dampings is not None and damping_ratios is not None:
+            raise ArgumentValueError(
+                "dampings", "and damping_ratios are both given; give one of them"
+            )
+        self._line = line
+        self._parameters = Parameters.checked(
+            line, inertias, stiffnesses, dampings, load_torque, load_damping
+        )
+        self._core = self._native()
+        if damping_ratios is not None:
+            lowest = self.natural_frequencies()[..., :1]
+            self._parameters = self._parameters.with_ratios(damping_ratios, lowest, line.n_joints)
+            self._core = self._native()
+
+    def _native(self) -> _core.Torsion:
+        shape = self._parameters.shape
+        numbers = np.arange(math.prod(self._line.shape)).reshape(self._line.shape)
+        lines = np.ascontiguousarray(np.broadcast_to(numbers, shape).ravel())
+        return _core.Torsion(self._line._lines, shape, lines, *self._parameters.flat())
+
+    def __repr__(self) -> str:
+        """Show the driveline and the compliant shafts."""
+        return f"<TorsionalSystem of {self._line!r}, compliant shafts {list(self.compliant)}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle as driveline and parameters."""
+        return (_restored, (self._line, self._parameters))
+
+    @property
+    def line(self) -> Driveline:
+        """The driveline."""
+        return self._line
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch: driveline and parameters broadcast."""
+        return self._parameters.shape
+
+    @property
+    def compliant(self) -> tuple[int, ...]:
+        """The compliant shafts."""
+        return self._parameters.compliant
+
+    @property
+    def dampings(self) -> FloatArray:
+        """Damping of each shaft in N m s/rad, ``(..., n + 1)``."""
+        return self._parameters.dampings
+
+    def natural_frequencies(self) -> FloatArray:
+        """Return the undamped natural frequencies in rad/s, ``(..., compliant)``, lowest first.
+
+        They are those of the mean system: every inertia is its mean over a turn as it acts on the
+        next compliant shaft before it, and joints transmit one to one. The drive is held at
+        constant speed.
+        """
+        return self._core.natural_frequencies().reshape(*self.shape, len(self.compliant))
+
+    def critical_speeds(self, orders: ArrayLike = (2, 4)) -> FloatArray:
+        """Return the drive speeds in rad/s at which an order meets a natural frequency.
+
+        Args:
+            orders: positive integers, ``(m,)`` or one; joints excite even orders.
+
+        Returns:
+            ``natural frequency / order``, ``(..., compliant, m)``.
+
+        Raises:
+            TypeError: orders that are not integers.
+            ValueError: an order that is not positive.
+        """
+        return np.asarray(self.natural_frequencies()[..., np.newaxis] / _orders(orders))
+
+    def steady(
+        self,
+        speed: ArrayLike,
+        orders: ArrayLike = (2, 4),
+        *,
+        tolerance: float = 1e-9,
+        workers: SupportsIndex | None = None,
+    ) -> SteadyState:
+        """Return the periodic motion at constant drive speeds.
+
+        The orbit is found by collocation and Newton's method on a mesh that is refined until the
+        tolerance is met; where Newton's method does not converge, by continuation. Unstable orbits
+        are found as well; see ``stability``. Near a resonance without damping there may be several
+        orbits; one of them is returned.
+
+        Args:
+            speed: of the drive in rad/s; broadcasts against the batch.
+            orders: positive integers up to 256, ``(m,)`` or one.
+            tolerance: permitted error relative to the largest value, from 1e-12 to 1e-3.
+            workers: largest number of threads, as of ``Driveline.evaluate``. Results do not depend
+                on it.
+
+        Returns:
+            torques and orders; NaN at speeds without an orbit, which ``found`` and ``reasons``
+            show.
+
+        Raises:
+            TypeError: speeds that are not real numbers, orders that are not integers.
+            ValueError: an order or a tolerance out of range, shapes that do not broadcast.
+        """
+        wanted = _orders(orders)
+        listed = [int(order) for order in wanted]
+        m, ends, count = len(self.compliant), self._line.n_joints + 1, len(listed)
+        options = (listed, _tolerance(tolerance), threads.at_most(workers))
+        each = 3 * m + 2 * count * (m + 2 * ends)
+        shape, speeds, records, failures = self._run(self._core.steady, each, speed, *options)
+        sizes = np.cumsum([m, m, m, 2 * m * count])
+        mean, least, most, torques, angles = np.split(records, sizes, axis=-1)
+        angle_orders = _moved(_complex(angles).reshape(*shape, ends, 2, count), 2, len(shape))
+        rates = 1j * wanted * np.where(failures == 0, speeds, np.nan)[..., np.newaxis]
+        return SteadyState(
+            found=failures == 0,
+            _failures=failures,
+            torque_mean=_moved(mean, 1, len(shape)),
+            torque_min=_moved(least, 1, len(shape)),
+            torque_max=_moved(most, 1, len(shape)),
+            torque_orders=_moved(_complex(torques).reshape(*shape, m, count), 1, len(shape)),
+            angle_orders=angle_orders,
+            speed_orders=rates * angle_orders,
+            orders=wanted,
+            compliant=self.compliant,
+        )
+
+    def orbit(
+        self,
+        speed: ArrayLike,
+        samples: SupportsIndex,
+        *,
+        tolerance: float = 1e-9,
+        workers: SupportsIndex | None = None,
+    ) -> Orbit:
+        """Return one period, half a turn of the drive, of every shaft end and torque.
+
+        Args:
+            speed: of the drive in rad/s; broadcasts against the batch.
+            samples: number of equally spaced drive angles, at least 1.
+            tolerance: as of ``steady``, like ``workers``.
+            workers: largest number of threads.
+
+        Raises:
+            TypeError: speeds that are not real numbers, samples that are not an integer.
+            ValueError: no samples, a tolerance out of range, shapes that do not broadcast.
+        """
+        count = _positive_integer("samples", samples)
+        m, ends = len(self.compliant), self._line.n_joints + 1
+        options = (count, _tolerance(tolerance), threads.at_most(workers))
+        each = count * (4 * ends + m)
+        shape, _, records, failures = self._run(self._core.orbits, each, speed, *options)
+        sizes = np.cumsum([2 * ends * count, 2 * ends * count])
+        angles, speeds, torques = np.split(records, sizes, axis=-1)
+        return Orbit(
+            found=failures == 0,
+            _failures=failures,
+            drive_angle=np.asarray(np.arange(count) * (np.pi / count), dtype=np.float64),
+            angle_error=_moved(angles.reshape(*shape, ends, 2, count), 2, len(shape)),
+            speed=_moved(speeds.reshape(*shape, ends, 2, count), 2, len(shape)),
+            torque=_moved(torques.reshape(*shape, m, count), 1, len(shape)),
+            compliant=self.compliant,
+        )
+
+    def stability(
+        self,
+        speed: ArrayLike,
+        *,
+        tolerance: float = 1e-9,
+        workers: SupportsIndex | None = None,
+    ) -> Stability:
+        """Return the Floquet multipliers about the periodic orbit.
+
+        For one compliant driving shaft before a joint and a flywheel, the rotation at
+        ``speed = natural frequency`` is unstable only if ``tan(bend/2)**2`` of the equivalent bend
+        exceeds the damping ratio (leading order; Mathieu's first region).
+
+        Args:
+            speed: of the drive in rad/s; broadcasts against the batch.
+            tolerance: as of ``steady``, like ``workers``.
+            workers: largest number of threads.
+
+        Raises:
+            TypeError: speeds that are not real numbers.
+            ValueError: a tolerance out of range, shapes that do not broadcast.
+        """
+        options = (_tolerance(tolerance), threads.at_most(workers))
+        each = 4 * len(self.compliant)
+        _, _, records, failures = self._run(self._core.multipliers, each, speed, *options)
+        multipliers = _complex(records)
+        return Stability(found=failures == 0, _failures=failures, multipliers=multipliers)
+
+    def _run(
+        self,
+        of: _Records,
+        each: int,
+        speed: ArrayLike,
+        *options: Any,  # noqa: ANN401 - the arguments of the native function
+    ) -> tuple[tuple[int, ...], FloatArray, FloatArray, NDArray[np.uint8]]:
+        """Return shape, speeds, records of the given size and failures of all samples."""
+        speeds = as_float64("speed", speed)
+        shape = common_shape(system=self.shape, speed=speeds.shape)
+        numbers = np.arange(math.prod(self.shape)).reshape(self.shape)
+        systems = np.ascontiguousarray(np.broadcast_to(numbers, shape).ravel())
+        full = np.broadcast_to(speeds, shape)
+        records, failures = of(systems, np.ascontiguousarray(full.ravel()), *options)
+        return shape, full, records.reshape(*shape, each), failures.reshape(shape)
+
+
+def _restored(line: Driveline, parameters: Parameters) -> TorsionalSystem:
+    return TorsionalSystem(
+        line,
+        inertias=parameters.inertias,
+        stiffnesses=parameters.stiffnesses,
+        dampings=parameters.dampings,
+        load_torque=parameters.load_torque,
+        load_damping=parameters.load_damping,
+    )
+
+
+def _complex(pairs: FloatArray) -> NDArray[np.complex128]:
+    return np.ascontiguousarray(pairs).view(np.complex128)
+
+
+def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:
+    """Move so many axes behind those of the batch to the front."""
+    return np.moveaxis(array, range(batch, batch + axes), range(axes))
+
+
+def _positive_integer(name: str, value: Any, place: Sequence[int] = ()) -> int:  # noqa: ANN401
+    if not hasattr(value, "__index__"):
+        raise ArgumentTypeError(name, f"is {value!r}; it must be an integer", tuple(place))
+    number = operator.index(value)
+    if number < 1:
+        raise ArgumentValueError(name, f"is {number}; it must be positive", tuple(place))
+    return number
+
+
+def _orders(orders: ArrayLike) -> NDArray[np.int64]:
+    given = np.atleast_1d(np.asarray(orders))
+    if given.dtype.kind not in "iu" or given.ndim != 1:
+        raise ArgumentTypeError("orders", "must be one integer or a list of integers")
+    wrong = (given < 1) | (given > _HIGHEST_ORDER)
+    if wrong.any():
+        rule = f"; an order must be from 1 to {_HIGHEST_ORDER}"
+        raise wrong_element("orders", given, wrong, rule)
+    return given.astype(np.int64)
+
+
+def _tolerance(tolerance: float) -> float:
+    value = float(as_float64("tolerance", tolerance))
+    if not 1e-12 <= value <= 1e-3:
+        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
+    return value

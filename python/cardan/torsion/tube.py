@@ -1,0 +1,110 @@
+"""Shafts of round section: stiffness, inertia, shear stress and critical bending speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.errors import wrong_element
+
+
+@dataclass(frozen=True, eq=False)
+class Tube:
+    """A shaft of round section; each figure in the shape to which the arguments broadcast.
+
+    Attributes:
+        stiffness: torsional stiffness ``G I_p / L`` in N m/rad.
+        inertia: moment of inertia about the axis ``rho I_p L`` in kg m².
+        mass: in kg.
+        critical_speed: first critical bending speed in rad/s, of a tube that is pinned at both
+            ends: ``(pi/L)**2 sqrt(E I/(rho A))``.
+    """
+
+    stiffness: Any
+    inertia: Any
+    mass: Any
+    critical_speed: Any
+    _shear_per_torque: FloatArray
+
+    def shear_stress(self, torque: ArrayLike) -> Any:  # noqa: ANN401 - a scalar or an array
+        """Return the largest shear stress ``T D / (2 I_p)`` in Pa, at the outer surface.
+
+        Args:
+            torque: in N m; broadcasts against the tube.
+
+        Raises:
+            TypeError: torques that are not real numbers.
+            ValueError: shapes that do not broadcast.
+        """
+        torques = as_float64("torque", torque)
+        common_shape(tube=self._shear_per_torque.shape, torque=torques.shape)
+        return scalar_or_array(np.asarray(self._shear_per_torque * torques))
+
+
+def tube(
+    outer_diameter: ArrayLike,
+    wall: ArrayLike | None = None,
+    *,
+    length: ArrayLike,
+    shear_modulus: ArrayLike = 7.93e10,
+    elastic_modulus: ArrayLike = 2.06e11,
+    density: ArrayLike = 7850.0,
+) -> Tube:
+    """Return the figures of a round shaft, by the textbook formulas for slender bars.
+
+    Arguments broadcast against each other. The defaults are those of steel.
+
+    Args:
+        outer_diameter: in m.
+        wall: thickness of the wall in m, at most half the diameter; a solid shaft by default.
+        length: in m.
+        shear_modulus: ``G`` in Pa.
+        elastic_modulus: ``E`` in Pa.
+        density: in kg/m³.
+
+    Raises:
+        TypeError: values that are not real numbers.
+        ValueError: a value that is not positive and finite, a wall thicker than half the diameter,
+            shapes that do not broadcast.
+
+    >>> import cardan
+    >>> shaft = cardan.tube(0.09, 0.003, length=1.5)
+    >>> float(shaft.stiffness.round(1)), float((shaft.shear_stress(2000.0) / 1e6).round(3))
+    (82123.4, 57.937)
+    """
+    diameter = _positive("outer_diameter", outer_diameter)
+    thickness = 0.5 * diameter if wall is None else _positive("wall", wall)
+    span, shear = _positive("length", length), _positive("shear_modulus", shear_modulus)
+    elastic, rho = _positive("elastic_modulus", elastic_modulus), _positive("density", density)
+    common_shape(
+        outer_diameter=diameter.shape,
+        wall=thickness.shape,
+        length=span.shape,
+        shear_modulus=shear.shape,
+        elastic_modulus=elastic.shape,
+        density=rho.shape,
+    )
+    thick = np.broadcast_to(thickness, np.broadcast_shapes(thickness.shape, diameter.shape))
+    if np.any(thick > 0.5 * diameter):
+        rule = " m; a wall is at most half the outer diameter"
+        raise wrong_element("wall", thick, thick > 0.5 * diameter, rule)
+    # The differences of powers are written as products, which keep the digits of thin walls.
+    radius, inner = 0.5 * diameter, 0.5 * diameter - thickness
+    area = np.pi * thickness * (radius + inner)
+    polar = 0.5 * area * (radius**2 + inner**2)
+    critical = (np.pi / span) ** 2 * np.sqrt(elastic * 0.5 * polar / (rho * area))
+    figures = (shear * polar / span, rho * polar * span, rho * area * span, critical)
+    stiffness, inertia, mass, speed = (scalar_or_array(np.asarray(x)) for x in figures)
+    return Tube(stiffness, inertia, mass, speed, np.asarray(radius / polar))
+
+
+def _positive(name: str, value: ArrayLike) -> FloatArray:
+    array = as_float64(name, value)
+    wrong = ~((array > 0.0) & (array < np.inf))
+    if wrong.any():
+        raise wrong_element(name, array, wrong, "; it must be positive and finite")
+    return array

@@ -1,0 +1,155 @@
+//! Lagrange's equations of the unknown angles, with the drive angle as the independent variable.
+//!
+//! Unknown `s` turns by `θ_s = α + κ_s + y_s`, with the drive angle `α = Ω t` and the sum `κ_s` of
+//! the offsets of the pieces before it. Primes of `I` and `ρ` are derivatives by the angle of the
+//! piece, dots by time:
+//!
+//! `I_s θ̈_s + ½ I_s′ θ̇_s² = T_s − ρ_s T_{s+1}`,
+//! `T_s = c_s (F_{s−1}(θ_{s−1}) − θ_s) + d_s (ρ_{s−1} θ̇_{s−1} − θ̇_s)`,
+//!
+//! and behind the last unknown the load `T_L + b_L ρ_s θ̇_s` (derived here from Lagrange's
+//! equations of the second kind).
+
+use crate::dynamics::rigid_piece::PieceMotion;
+use crate::dynamics::system::{PieceState, TorsionalSystem};
+
+/// The equations at one speed of the drive.
+pub(super) struct MotionEquation<'a> {
+    pub(super) system: &'a TorsionalSystem,
+    /// Speed of the drive in rad/s.
+    pub(super) speed: f64,
+    /// `κ` of every piece.
+    offsets: Vec<f64>,
+    motions: Vec<PieceMotion>,
+    torques: Vec<f64>,
+}
+
+/// The equations at one drive angle and their derivatives, in tridiagonal rows: each unknown is
+/// coupled with the one before it and the one behind it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Row {
+    /// What is left of the equation: inertia torque minus all others, in N m.
+    pub(super) residual: f64,
+    /// Derivative by the unknown's own second derivative.
+    pub(super) by_acceleration: f64,
+    /// Derivatives by the slopes of the unknown before, of its own and of the one behind.
+    pub(super) by_slope: [f64; 3],
+    /// Derivatives by these unknowns themselves.
+    pub(super) by_angle: [f64; 3],
+}
+
+impl<'a> MotionEquation<'a> {
+    pub(super) fn new(system: &'a TorsionalSystem, speed: f64) -> Self {
+        let mut offset = 0.0;
+        let offsets = system.pieces.iter().map(|piece| {
+            let own = offset;
+            offset += piece.offset;
+            own
+        });
+        let offsets = offsets.collect();
+        let size = system.unknowns();
+        Self {
+            system,
+            speed,
+            offsets,
+            motions: Vec::with_capacity(size + 1),
+            torques: vec![0.0; size],
+        }
+    }
+
+    /// The unknowns if every shaft were rigid and turned by its static torque.
+    pub(super) fn rigid(&self, angle: f64, [y, v, a]: [&mut [f64]; 3]) {
+        let load = self.system.load_torque + self.system.load_damping * self.speed;
+        let (mut error, mut slope, mut curve) = (0.0, 1.0, 0.0);
+        for (s, spring) in self.system.springs.iter().enumerate() {
+            let motion = self.system.pieces[s].motion(angle + self.offsets[s] + error);
+            error += motion.angle_error - load / spring.stiffness;
+            curve = motion.ratio * curve + motion.ratio_slope * slope * slope;
+            slope *= motion.ratio;
+            (y[s], v[s], a[s]) = (error, slope - 1.0, curve);
+        }
+    }
+
+    /// Finds the motion of every piece and the torque of every compliant shaft.
+    fn prepare(&mut self, angle: f64, y: &[f64], v: &[f64]) {
+        let system = self.system;
+        self.motions.clear();
+        for (s, piece) in system.pieces.iter().enumerate() {
+            let error = if s == 0 { 0.0 } else { y[s - 1] };
+            self.motions.push(piece.motion(angle + self.offsets[s] + error));
+        }
+        for (s, spring) in system.springs.iter().enumerate() {
+            let (before, slope) = if s == 0 { (0.0, 1.0) } else { (y[s - 1], 1.0 + v[s - 1]) };
+            let motion = &self.motions[s];
+            let twist = before + motion.angle_error - y[s];
+            let rate = self.speed * (motion.ratio * slope - 1.0 - v[s]);
+            self.torques[s] = spring.stiffness * twist + spring.damping * rate;
+        }
+    }
+
+    /// The torque of every compliant shaft at a drive angle, from the unknowns and their slopes.
+    pub(super) fn torques(&mut self, angle: f64, y: &[f64], v: &[f64]) -> &[f64] {
+        self.prepare(angle, y, v);
+        &self.torques
+    }
+
+    /// The torques at the drive angle at which the equations were last evaluated.
+    pub(super) fn last_torques(&self) -> &[f64] {
+        &self.torques
+    }
+
+    /// The state of every piece, for the motion of shaft ends.
+    pub(super) fn pieces(&self, angle: f64, y: &[f64], v: &[f64], out: &mut Vec<PieceState>) {
+        out.clear();
+        out.extend(self.offsets.iter().enumerate().map(|(s, offset)| {
+            let (error, slope) = if s == 0 { (0.0, 0.0) } else { (y[s - 1], v[s - 1]) };
+            PieceState { angle: angle + offset + error, error, ratio: 1.0 + slope }
+        }));
+    }
+
+    /// The equations at a drive angle, from the unknowns, their slopes and second derivatives.
+    pub(super) fn rows(&mut self, angle: f64, [y, v, a]: [&[f64]; 3], rows: &mut [Row]) {
+        self.prepare(angle, y, v);
+        let TorsionalSystem { springs, load_torque, load_damping, .. } = self.system;
+        let speed = self.speed;
+        let square = speed * speed;
+        for (s, row) in rows.iter_mut().enumerate() {
+            let (before, own) = (&self.motions[s], &self.motions[s + 1]);
+            let spring = springs[s];
+            let damping = spring.damping * speed;
+            let slope = 1.0 + v[s];
+            let slope_before = if s == 0 { 1.0 } else { 1.0 + v[s - 1] };
+            // The torque that leaves the piece, and its derivatives by this unknown and the next.
+            let (behind, by_angle, by_slope, next_angle, next_slope) =
+                if let Some(next) = springs.get(s + 1) {
+                    let damping = next.damping * speed;
+                    let by_angle = next.stiffness * own.ratio + damping * own.ratio_slope * slope;
+                    (self.torques[s + 1], by_angle, damping * own.ratio, -next.stiffness, -damping)
+                } else {
+                    let damping = load_damping * speed;
+                    let torque = load_torque + damping * own.ratio * slope;
+                    (torque, damping * own.ratio_slope * slope, damping * own.ratio, 0.0, 0.0)
+                };
+            let inertial = own.inertia * a[s] + 0.5 * own.inertia_slope * slope * slope;
+            let inertial_by_angle =
+                own.inertia_slope * a[s] + 0.5 * own.inertia_curvature * slope * slope;
+            *row = Row {
+                residual: square * inertial - self.torques[s] + own.ratio * behind,
+                by_acceleration: square * own.inertia,
+                by_slope: [
+                    -damping * before.ratio,
+                    square * own.inertia_slope * slope + damping + own.ratio * by_slope,
+                    own.ratio * next_slope,
+                ],
+                by_angle: [
+                    -spring.stiffness * before.ratio - damping * before.ratio_slope * slope_before,
+                    square * inertial_by_angle
+                        + spring.stiffness
+                        + own.ratio_slope * behind
+                        + own.ratio * by_angle,
+                    own.ratio * next_angle,
+                ],
+            };
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Rigid pieces: the joints and rigid shafts that follow one angle.
+
+use crate::mechanics::chain::{Transfer, shaft_turn};
+use crate::mechanics::joint::Joint;
+use crate::mechanics::transmission::Ideal;
+
+/// The joints and rigid shafts between the output end of one compliant shaft and the input end of
+/// the next. Together they are one equivalent joint `F` with an inertia that varies with the angle
+/// of the piece.
+#[derive(Clone, Debug)]
+pub(super) struct RigidPiece {
+    /// The inertia that turns with the piece's angle itself.
+    own_inertia: f64,
+    /// Behind each joint of the piece: how the next shaft follows, and the inertia fixed to it.
+    followers: Vec<(Ideal, f64)>,
+    /// `arg A` of the map `w → A w + B w̄` to the input end of the next compliant shaft. Without
+    /// it the next piece would begin at a wrong angle.
+    pub(super) offset: f64,
+}
+
+/// What a piece does at one angle. Derivatives are with respect to the piece's angle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PieceMotion {
+    /// Angle of the piece's output minus the piece's angle and the offset, in rad.
+    pub(super) angle_error: f64,
+    /// First derivative of the output's angle.
+    pub(super) ratio: f64,
+    /// Second derivative.
+    pub(super) ratio_slope: f64,
+    /// Third derivative, without a factor.
+    pub(super) ratio_curvature: f64,
+    /// The inertia as it acts on the piece's angle, in kg m².
+    pub(super) inertia: f64,
+    /// Its first derivative.
+    pub(super) inertia_slope: f64,
+    /// Its second derivative.
+    pub(super) inertia_curvature: f64,
+}
+
+impl RigidPiece {
+    /// A piece from the bends of its joints, the twists and phases of the shafts behind each of
+    /// them but the last of the driveline, the inertia of its first shaft and those of the shafts
+    /// behind its joints.
+    pub(super) fn new(
+        bends: &[f64],
+        twists: &[f64],
+        phases: &[f64],
+        own_inertia: f64,
+        inertias: &[f64],
+    ) -> Self {
+        let mut transfer = Transfer::default();
+        for (j, &bend) in bends.iter().enumerate() {
+            transfer.pass_joint(&Joint::with_error_terms(bend));
+            if let (Some(&twist), Some(&phase)) = (twists.get(j), phases.get(j)) {
+                transfer.pass_shaft(shaft_turn(phase, twist));
+            }
+        }
+        let follower = |(j, &inertia): (usize, &f64)| {
+            (Ideal::of_chain(&bends[..=j], &twists[..j], &phases[..j]), inertia)
+        };
+        Self {
+            own_inertia,
+            followers: inertias.iter().enumerate().map(follower).collect(),
+            offset: transfer.a.im.value().atan2(transfer.a.re.value()),
+        }
+    }
+
+    /// Whether nothing turns with the piece.
+    pub(super) fn has_no_inertia(&self) -> bool {
+        self.own_inertia == 0.0 && self.followers.iter().all(|&(_, inertia)| inertia == 0.0)
+    }
+
+    /// The motion at an angle of the piece in rad.
+    pub(super) fn motion(&self, angle: f64) -> PieceMotion {
+        let mut found = PieceMotion {
+            angle_error: 0.0,
+            ratio: 1.0,
+            ratio_slope: 0.0,
+            ratio_curvature: 0.0,
+            inertia: self.own_inertia,
+            inertia_slope: 0.0,
+            inertia_curvature: 0.0,
+        };
+        let last = self.followers.len().wrapping_sub(1);
+        for (i, &(ideal, inertia)) in self.followers.iter().enumerate() {
+            if inertia == 0.0 && i != last {
+                continue;
+            }
+            let motion = ideal.motion(angle);
+            let (r, a, j) = (motion.speed_ratio, motion.acceleration_ratio, motion.jerk_ratio);
+            // The kinetic energy of the follower is ½ J r² times the square of the piece's speed.
+            found.inertia += inertia * r * r;
+            found.inertia_slope += 2.0 * inertia * r * a;
+            found.inertia_curvature += 2.0 * inertia * (a * a + r * j);
+            if i == last {
+                found.angle_error = motion.angle_error;
+                (found.ratio, found.ratio_slope, found.ratio_curvature) = (r, a, j);
+            }
+        }
+        found
+    }
+
+    /// Angle error and speed ratio of every shaft behind a joint of the piece.
+    pub(super) fn followers(&self, angle: f64) -> impl Iterator<Item = (f64, f64)> {
+        self.followers.iter().map(move |(ideal, _)| {
+            let motion = ideal.motion(angle);
+            (motion.angle_error, motion.speed_ratio)
+        })
+    }
+}

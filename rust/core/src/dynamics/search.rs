@@ -1,0 +1,222 @@
+//! The search for the orbit at one speed: starts, refinement of the mesh, continuation in speed.
+
+use std::f64::consts::TAU;
+
+use crate::dynamics::motion_equation::MotionEquation;
+use crate::dynamics::orbit::{Failure, Orbit, Step};
+use crate::dynamics::periodic::{Series, roots_of_unity};
+use crate::dynamics::system::TorsionalSystem;
+
+/// The fewest and the most intervals of half a turn.
+const FEWEST: usize = 8;
+const MOST: usize = 1024;
+
+/// The most steps of Newton's method from one start.
+const STEPS: usize = 20;
+
+/// Newton's method ends when its next step would be smaller than this, relative to the twist of the
+/// shafts and to the permitted error.
+const MARGIN: f64 = 0.01;
+
+/// Permitted error relative to the twist on the mesh from which the refinement begins.
+const COARSE: f64 = 1e-6;
+
+/// A change of an unknown in rad that is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// Which accuracy is wanted of an orbit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wanted {
+    /// Permitted error relative to the largest value.
+    pub(super) tolerance: f64,
+    /// The highest order of the drive's rotation that the mesh must resolve.
+    pub(super) order: usize,
+    /// Whether the multipliers count.
+    pub(super) stability: bool,
+}
+
+impl TorsionalSystem {
+    /// The periodic orbit at a speed of the drive in rad/s.
+    pub(super) fn search(&self, speed: f64, wanted: Wanted) -> Result<Orbit, Failure> {
+        if !(speed > 0.0 && speed < f64::INFINITY) {
+            return Err(Failure::Speed);
+        }
+        let mut equation = MotionEquation::new(self, speed);
+        let coarse = self
+            .coarse(&mut equation)
+            .or_else(|| self.continued(speed))
+            .or_else(|| self.large(&mut equation));
+        refined(coarse.ok_or(Failure::NotFound)?, &mut equation, wanted)
+    }
+
+    /// An orbit on the coarsest mesh on which Newton's method converges, from rigid shafts, or from
+    /// uniform rotation behind every compliant shaft.
+    fn coarse(&self, equation: &mut MotionEquation<'_>) -> Option<Found> {
+        let size = self.unknowns();
+        [FEWEST, 4 * FEWEST].into_iter().find_map(|intervals| {
+            let rigid = Orbit::start(size, intervals, |angle, state| equation.rigid(angle, state));
+            converged(rigid, equation, COARSE, None).or_else(|| {
+                let uniform = Orbit::start(size, intervals, |_, _| {});
+                converged(uniform, equation, COARSE, None)
+            })
+        })
+    }
+
+    /// An orbit by continuation in speed, from above all resonances, where the masses turn
+    /// uniformly.
+    fn continued(&self, speed: f64) -> Option<Found> {
+        let highest = self.natural_frequencies().last().copied()?;
+        let start = Orbit::start(self.unknowns(), 4 * FEWEST, |_, _| {});
+        continuation(start, 4.0 * (highest / speed).max(1.0), |orbit, factor| {
+            converged(orbit, &mut MotionEquation::new(self, factor * speed), COARSE, None)
+        })
+    }
+
+    /// A large orbit within a resonance, past the folds at which continuation ends: from
+    /// oscillations of the second order of several amplitudes and phases.
+    fn large(&self, equation: &mut MotionEquation<'_>) -> Option<Found> {
+        const AMPLITUDES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
+        const PHASES: u32 = 8;
+        let mut starts = AMPLITUDES.iter().flat_map(|&size| (0..PHASES).map(move |i| (size, i)));
+        starts.find_map(|(size, i)| {
+            let phase = TAU * f64::from(i) / f64::from(PHASES);
+            let start = Orbit::start(self.unknowns(), 8 * FEWEST, |angle, [y, v, a]| {
+                let (sine, cosine) = (2.0 * angle + phase).sin_cos();
+                y.fill(size * sine);
+                v.fill(2.0 * size * cosine);
+                a.fill(-4.0 * size * sine);
+            });
+            converged(start, equation, COARSE, None)
+        })
+    }
+}
+
+/// Follows an orbit while a factor decreases to 1, in ratios that shrink where Newton's method does
+/// not converge.
+fn continuation(
+    start: Orbit,
+    mut factor: f64,
+    solve: impl Fn(Orbit, f64) -> Option<Found>,
+) -> Option<Found> {
+    const LARGEST: f64 = 1.25;
+    const SMALLEST: f64 = 1.0 + 1e-4;
+    let mut found = solve(start, factor)?;
+    let mut ratio = LARGEST;
+    while factor > 1.0 {
+        let next = (factor / ratio).max(1.0);
+        if let Some(nearer) = solve(found.orbit.clone(), next) {
+            (found, factor) = (nearer, next);
+            ratio = (ratio * ratio).min(LARGEST);
+        } else if ratio > SMALLEST {
+            ratio = ratio.sqrt();
+        } else {
+            return None;
+        }
+    }
+    Some(found)
+}
+
+/// An orbit to which Newton's method has converged.
+struct Found {
+    orbit: Orbit,
+    /// The last step of Newton's method divided by the square of the one before it, per rad.
+    contraction: f64,
+    /// The unit of errors in rad.
+    twist: f64,
+}
+
+/// The orbit to which Newton's method converges, with a permitted error relative to the twist. The
+/// contraction, if it is known, saves the step that would only confirm the one before.
+fn converged(
+    mut orbit: Orbit,
+    equation: &mut MotionEquation<'_>,
+    tolerance: f64,
+    mut contraction: Option<f64>,
+) -> Option<Found> {
+    const SAFETY: f64 = 10.0;
+    let mut before: Option<f64> = None;
+    for _ in 0..STEPS {
+        let Step { change, twist } = orbit.improve(equation)?;
+        if let Some(before) = before {
+            contraction = Some(change / (before * before));
+        }
+        let next = contraction.map_or(f64::INFINITY, |factor| SAFETY * factor * change * change);
+        if change <= ROUNDING || next <= MARGIN * tolerance * twist {
+            let contraction = contraction.unwrap_or_default();
+            return Some(Found { orbit, contraction, twist });
+        }
+        before = Some(change);
+    }
+    None
+}
+
+/// Halves the intervals until the orbit, its harmonics and its multipliers no longer change.
+fn refined(
+    found: Found,
+    equation: &mut MotionEquation<'_>,
+    wanted: Wanted,
+) -> Result<Orbit, Failure> {
+    // Halving divides the error at least by the first, and by the second if that was observed.
+    const GAINS: (f64, f64) = (16.0, 128.0);
+    let Found { mut orbit, mut contraction, .. } = found;
+    let mut before = [f64::NAN; 2];
+    while 2 * orbit.intervals <= MOST {
+        let fine = converged(orbit.halved(), equation, wanted.tolerance, Some(contraction))
+            .ok_or(Failure::NotFound)?;
+        let scales = [fine.twist, fine.orbit.monodromy.amax().max(1.0)];
+        let change = [
+            difference(&orbit, &fine.orbit),
+            if wanted.stability { maps_differ(&orbit, &fine.orbit) } else { 0.0 },
+        ];
+        let settled = (0..2).all(|i| {
+            // NaN, at first, counts as no gain.
+            let gain = (before[i] / change[i]).max(GAINS.0).min(GAINS.1);
+            change[i] <= (gain * wanted.tolerance * scales[i]).max(10.0 * ROUNDING)
+        });
+        (orbit, contraction, before) = (fine.orbit, fine.contraction, change);
+        if settled && orbit.intervals > wanted.order && resolved(&orbit, equation, wanted) {
+            return Ok(orbit);
+        }
+    }
+    Err(Failure::NotResolved)
+}
+
+/// The largest difference of the maps of half a turn.
+fn maps_differ(coarse: &Orbit, fine: &Orbit) -> f64 {
+    (&fine.monodromy - &coarse.monodromy).amax()
+}
+
+/// The largest difference of unknowns at the points that both meshes share, in rad.
+fn difference(coarse: &Orbit, fine: &Orbit) -> f64 {
+    (0..coarse.intervals).fold(0.0, |most: f64, k| {
+        let pairs = coarse.state(k).0.iter().zip(fine.state(2 * k).0);
+        pairs.fold(most, |most, (x, y)| most.max((x - y).abs()))
+    })
+}
+
+/// Whether the torques at the ends of the intervals resolve their own harmonics.
+fn resolved(orbit: &Orbit, equation: &mut MotionEquation<'_>, wanted: Wanted) -> bool {
+    let roots = roots_of_unity(orbit.intervals);
+    let torques = orbit.torques(equation);
+    equation.system.springs.iter().zip(&torques).all(|(spring, torques)| {
+        let series = Series::through(|k| torques[k], &roots);
+        let largest = series.amplitudes.iter().fold(series.mean.abs(), |x, y| x.max(y.norm()));
+        let permitted = wanted.tolerance * largest;
+        series.tail() <= permitted.max(10.0 * ROUNDING * spring.stiffness)
+    })
+}
+
+impl Orbit {
+    /// The torque of every compliant shaft at the start of every interval.
+    pub(super) fn torques(&self, equation: &mut MotionEquation<'_>) -> Vec<Vec<f64>> {
+        let mut found = vec![Vec::with_capacity(self.intervals); self.unknowns];
+        for k in 0..self.intervals {
+            let (y, v) = self.state(k);
+            let torques = equation.torques(self.width() * k as f64, y, v);
+            for (column, torque) in found.iter_mut().zip(torques) {
+                column.push(*torque);
+            }
+        }
+        found
+    }
+}

@@ -1,0 +1,172 @@
+//! A driveline with compliant shafts as a chain of rigid pieces between springs.
+
+use crate::dynamics::rigid_piece::RigidPiece;
+use crate::error::{Error, Result};
+
+/// A driveline with compliant shafts, inertias, dampings and a load.
+///
+/// Shaft `i` has an inertia at its input end and one at its output end, a torsional stiffness
+/// between them and a damping. The input end of shaft 0 turns at constant speed, and the output
+/// end of the last shaft carries the load. Each compliant shaft adds one unknown, the angle of its
+/// output end; the rigid shafts and joints behind it are one piece that follows this angle.
+#[derive(Clone, Debug)]
+pub struct TorsionalSystem {
+    /// The piece that follows the drive, then the one behind each compliant shaft.
+    pub(super) pieces: Vec<RigidPiece>,
+    /// The shaft before each piece but the first.
+    pub(super) springs: Vec<Spring>,
+    /// Constant braking torque on the last shaft in N m.
+    pub(super) load_torque: f64,
+    /// Viscous load on the last shaft in N m s/rad.
+    pub(super) load_damping: f64,
+    shafts: usize,
+}
+
+/// A compliant shaft.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spring {
+    /// The number of the shaft.
+    pub(super) shaft: usize,
+    /// Stiffness in N m/rad.
+    pub(super) stiffness: f64,
+    /// Damping in N m s/rad.
+    pub(super) damping: f64,
+}
+
+/// The properties of the shafts of one driveline with `n` joints.
+#[derive(Clone, Copy, Debug)]
+pub struct ShaftEnds<'a> {
+    /// Inertias at the input end and the output end of each shaft in kg m², `2 (n + 1)`.
+    pub inertias: &'a [f64],
+    /// Stiffnesses in N m/rad, `n + 1`; infinite for a rigid shaft.
+    pub stiffnesses: &'a [f64],
+    /// Dampings in N m s/rad, `n + 1`; those of rigid shafts have no effect.
+    pub dampings: &'a [f64],
+}
+
+impl TorsionalSystem {
+    /// The system of a driveline with `n` bends, `n − 1` twists and `n − 1` phases in rad. The
+    /// load torque in N m brakes the last shaft; the viscous load is in N m s/rad.
+    ///
+    /// ```
+    /// use cardan::{ShaftEnds, TorsionalSystem};
+    ///
+    /// let shafts = ShaftEnds {
+    ///     inertias: &[0.0, 0.0, 0.0, 0.02],
+    ///     stiffnesses: &[f64::INFINITY, 4000.0],
+    ///     dampings: &[0.0, 0.4],
+    /// };
+    /// let system = TorsionalSystem::new(&[0.35], &[], &[], shafts, [30.0, 0.0]).unwrap();
+    /// assert!((system.natural_frequencies()[0] - (4000.0_f64 / 0.02).sqrt()).abs() < 1e-9);
+    /// ```
+    ///
+    /// # Errors
+    /// Arrays whose lengths do not fit the number of joints, no compliant shaft, a compliant shaft
+    /// whose output end has no inertia, neither itself nor by what is fixed to it.
+    pub fn new(
+        bends: &[f64],
+        twists: &[f64],
+        phases: &[f64],
+        of_shafts: ShaftEnds<'_>,
+        [load_torque, load_damping]: [f64; 2],
+    ) -> Result<Self> {
+        let ShaftEnds { inertias, stiffnesses, dampings } = of_shafts;
+        let shafts = bends.len() + 1;
+        for (name, array, needed) in [
+            ("twists", twists, shafts.saturating_sub(2)),
+            ("phases", phases, shafts.saturating_sub(2)),
+            ("inertias", inertias, 2 * shafts),
+            ("stiffnesses", stiffnesses, shafts),
+            ("dampings", dampings, shafts),
+        ] {
+            if array.len() != needed {
+                let problem = format!("has {} values; {shafts} shafts need {needed}", array.len());
+                return Err(Error::new(name, &[], problem));
+            }
+        }
+        let compliant = |shaft: &usize| stiffnesses[*shaft] < f64::INFINITY;
+        let springs: Vec<Spring> = (0..shafts)
+            .filter(compliant)
+            .map(|shaft| Spring { shaft, stiffness: stiffnesses[shaft], damping: dampings[shaft] })
+            .collect();
+        if springs.is_empty() {
+            let problem = "are all infinite; at least one shaft must be compliant";
+            return Err(Error::new("stiffnesses", &[], problem));
+        }
+        // A piece begins at the output end of a shaft and ends at the input end of the next
+        // compliant one.
+        let mut pieces = vec![];
+        let starts = std::iter::once(None).chain(springs.iter().map(|spring| Some(spring.shaft)));
+        for (number, start) in starts.enumerate() {
+            let next = springs.get(number).map(|spring| spring.shaft);
+            let first = start.unwrap_or(0);
+            let end = next.unwrap_or(shafts - 1);
+            // The ends of a shaft that belong to the piece.
+            let at = |shaft: usize| {
+                let input = if start == Some(shaft) { 0.0 } else { inertias[2 * shaft] };
+                let output = if next == Some(shaft) { 0.0 } else { inertias[2 * shaft + 1] };
+                input + output
+            };
+            let behind: Vec<f64> = (first + 1..=end).map(at).collect();
+            let last = end.min(twists.len());
+            let between = first.min(last)..last;
+            pieces.push(RigidPiece::new(
+                &bends[first..end],
+                &twists[between.clone()],
+                &phases[between],
+                at(first),
+                &behind,
+            ));
+            if let (Some(shaft), true) = (start, pieces[number].has_no_inertia()) {
+                let problem = "is 0.0, and so is every inertia that is rigidly connected to it; \
+                               the output end of a compliant shaft needs an inertia";
+                return Err(Error::new("inertias", &[shaft, 1], problem));
+            }
+        }
+        Ok(Self { pieces, springs, load_torque, load_damping, shafts })
+    }
+
+    /// The number of compliant shafts.
+    pub fn unknowns(&self) -> usize {
+        self.springs.len()
+    }
+
+    /// The number of shafts.
+    pub fn shafts(&self) -> usize {
+        self.shafts
+    }
+
+    /// Calls `put` with every shaft end (twice the shaft, plus 1 for the output end), its angle
+    /// error relative to the drive in rad and its speed ratio.
+    pub(super) fn shaft_ends(&self, pieces: &[PieceState], mut put: impl FnMut(usize, f64, f64)) {
+        let starts = std::iter::once(0).chain(self.springs.iter().map(|spring| spring.shaft));
+        for (number, (piece, first)) in self.pieces.iter().zip(starts).enumerate() {
+            let PieceState { angle, error, ratio } = pieces[number];
+            let next = self.springs.get(number).map(|spring| spring.shaft);
+            if number == 0 {
+                put(0, error, ratio);
+            }
+            if number > 0 || next != Some(first) {
+                put(2 * first + 1, error, ratio);
+            }
+            for (shaft, (own_error, own_ratio)) in (first + 1..).zip(piece.followers(angle)) {
+                let (error, ratio) = (error + own_error, ratio * own_ratio);
+                put(2 * shaft, error, ratio);
+                if next != Some(shaft) {
+                    put(2 * shaft + 1, error, ratio);
+                }
+            }
+        }
+    }
+}
+
+/// Where a piece is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PieceState {
+    /// The angle at which its first joint is entered.
+    pub(super) angle: f64,
+    /// The same relative to the drive angle and the constant offsets.
+    pub(super) error: f64,
+    /// Its speed divided by that of the drive.
+    pub(super) ratio: f64,
+}

@@ -1,0 +1,201 @@
+//! Torsional systems of a batch of drivelines.
+
+use std::sync::atomic::AtomicBool;
+
+use cardan::dynamics::{self, Failure, Runs, ShaftEnds};
+use cardan::{Execution, TorsionalSystem};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyIndexError;
+use pyo3::prelude::*;
+
+use crate::convert::{Input, argument_error, check_length, slice, unravel, value_error};
+use crate::lines::Lines;
+use crate::watch::{check_memory, reserve, run_interruptible, threads};
+
+/// The fewest runs that take long enough to be interruptible.
+const MIN_INTERRUPTIBLE: usize = 64;
+
+/// Results, flat, with one record per run, and one number per run: 0 if there is an orbit, else
+/// the number of its failure.
+type Records<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<u8>>);
+
+/// Torsional systems, all with the same shafts compliant.
+#[pyclass(frozen, name = "Torsion", module = "cardan._core")]
+pub(crate) struct NativeTorsion(Vec<TorsionalSystem>);
+
+#[pymethods]
+impl NativeTorsion {
+    /// Systems of the given shape, each of the driveline with the given number, from flat arrays.
+    #[new]
+    fn new(
+        py: Python<'_>,
+        lines: &Lines,
+        shape: Vec<usize>,
+        line: PyReadonlyArray1<'_, i64>,
+        shafts: [Input<'_>; 3],
+        load: [Input<'_>; 2],
+    ) -> PyResult<Self> {
+        let n = lines.joints();
+        let line = slice("line", &line)?;
+        let [inertias, stiffnesses, dampings] = &shafts;
+        let inertias = slice("inertias", inertias)?;
+        let stiffnesses = slice("stiffnesses", stiffnesses)?;
+        let dampings = slice("dampings", dampings)?;
+        let (torques, viscous) =
+            (slice("load_torque", &load[0])?, slice("load_damping", &load[1])?);
+        for (name, array, each) in [
+            ("inertias", inertias, 2 * (n + 1)),
+            ("stiffnesses", stiffnesses, n + 1),
+            ("dampings", dampings, n + 1),
+            ("load_torque", torques, 1),
+            ("load_damping", viscous, 1),
+        ] {
+            check_length(name, array.len(), line.len(), each)?;
+        }
+        let mut systems = vec![];
+        reserve(&mut systems, line.len())?;
+        lines.with(py, |lines| {
+            let part = |array: &[f64], each: usize, at: usize| {
+                array.get(at * each..(at + 1) * each).map(<[f64]>::to_vec)
+            };
+            for (i, &line) in line.iter().enumerate() {
+                let number = usize::try_from(line).ok();
+                let found = number.and_then(|at| {
+                    let between = n - 1;
+                    let bends = part(lines.bends, n, at)?;
+                    Some((
+                        bends,
+                        part(lines.twists, between, at)?,
+                        part(lines.phases, between, at)?,
+                    ))
+                });
+                let Some((bends, twists, phases)) = found else {
+                    return Err(PyIndexError::new_err(format!("there is no driveline {line}")));
+                };
+                let of_shafts = ShaftEnds {
+                    inertias: &inertias[i * 2 * (n + 1)..][..2 * (n + 1)],
+                    stiffnesses: &stiffnesses[i * (n + 1)..][..=n],
+                    dampings: &dampings[i * (n + 1)..][..=n],
+                };
+                let load = [torques[i], viscous[i]];
+                let system = TorsionalSystem::new(&bends, &twists, &phases, of_shafts, load)
+                    .map_err(|error| value_error(&error.within(&unravel(i, &shape))))?;
+                systems.push(system);
+            }
+            Ok(())
+        })?;
+        Ok(Self(systems))
+    }
+
+    /// The natural frequencies of every system in rad/s, flat.
+    fn natural_frequencies<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        let found: Vec<f64> =
+            py.detach(|| self.0.iter().flat_map(TorsionalSystem::natural_frequencies).collect());
+        found.into_pyarray(py)
+    }
+
+    /// Mean, least and largest torques, orders of the torques and of the angles of shaft ends.
+    fn steady<'py>(
+        &self,
+        py: Python<'py>,
+        system: PyReadonlyArray1<'py, i64>,
+        speed: Input<'py>,
+        orders: Vec<usize>,
+        tolerance: f64,
+        workers: Option<usize>,
+    ) -> PyResult<Records<'py>> {
+        let record = self.size(|m, ends| 3 * m + 2 * orders.len() * (m + ends));
+        let input = (system, speed, tolerance);
+        self.records(py, &input, record, workers, |runs, out, failures, execution| {
+            dynamics::steady_of_batch(runs, &orders, out, failures, execution);
+        })
+    }
+
+    /// Floquet multipliers.
+    fn multipliers<'py>(
+        &self,
+        py: Python<'py>,
+        system: PyReadonlyArray1<'py, i64>,
+        speed: Input<'py>,
+        tolerance: f64,
+        workers: Option<usize>,
+    ) -> PyResult<Records<'py>> {
+        let record = self.size(|m, _| 4 * m);
+        let input = (system, speed, tolerance);
+        self.records(py, &input, record, workers, dynamics::multipliers_of_batch)
+    }
+
+    /// Angles and speeds of all shaft ends and torques over half a turn.
+    fn orbits<'py>(
+        &self,
+        py: Python<'py>,
+        system: PyReadonlyArray1<'py, i64>,
+        speed: Input<'py>,
+        samples: usize,
+        tolerance: f64,
+        workers: Option<usize>,
+    ) -> PyResult<Records<'py>> {
+        let record = self.size(|m, ends| samples.saturating_mul(2 * ends + m));
+        let input = (system, speed, tolerance);
+        self.records(py, &input, record, workers, |runs, out, failures, execution| {
+            dynamics::orbits_of_batch(runs, samples, out, failures, execution);
+        })
+    }
+}
+
+impl NativeTorsion {
+    /// A size of all systems from the numbers of compliant shafts and of shaft ends.
+    fn size(&self, of: impl Fn(usize, usize) -> usize) -> usize {
+        self.0.first().map_or(0, |system| of(system.unknowns(), 2 * system.shafts()))
+    }
+
+    fn records<'py>(
+        &self,
+        py: Python<'py>,
+        (system, speed, tolerance): &(PyReadonlyArray1<'py, i64>, Input<'py>, f64),
+        record: usize,
+        workers: Option<usize>,
+        run: impl Fn(&Runs<'_>, &mut [f64], &mut [Option<Failure>], Execution<'_>) + Sync,
+    ) -> PyResult<Records<'py>> {
+        let (system, speed) = (slice("system", system)?, slice("speed", speed)?);
+        if system.len() != speed.len() {
+            let problem = format!("has {} values for {} systems", speed.len(), system.len());
+            return Err(argument_error("speed", &[], problem));
+        }
+        let count = speed.len();
+        check_memory(count.saturating_mul(record.saturating_add(4)).saturating_mul(8))?;
+        let mut numbers = vec![];
+        for &number in system {
+            let known = usize::try_from(number).ok().filter(|&number| number < self.0.len());
+            let missing = || PyIndexError::new_err(format!("there is no system {number}"));
+            numbers.push(known.ok_or_else(missing)?);
+        }
+        let mut results = vec![f64::NAN; count * record];
+        let mut failures = vec![None; count];
+        let tolerance = *tolerance;
+        let runs = Runs { systems: &self.0, system: &numbers, speed, tolerance };
+        let mut work = |stop: Option<&AtomicBool>, workers: Option<usize>| {
+            if record > 0 {
+                let execution = Execution { workers, stop, ..Execution::default() };
+                run(&runs, &mut results, &mut failures, execution);
+            }
+        };
+        if count < MIN_INTERRUPTIBLE {
+            py.detach(|| work(None, Some(1)));
+        } else {
+            let workers = threads(workers);
+            run_interruptible(py, workers, &mut |stop| {
+                work(Some(stop), workers);
+                Ok(())
+            })?;
+        }
+        let number = |failure: &Option<Failure>| match failure {
+            None => 0_u8,
+            Some(Failure::Speed) => 1,
+            Some(Failure::NotFound) => 2,
+            Some(Failure::NotResolved) => 3,
+        };
+        let failures: Vec<u8> = failures.iter().map(number).collect();
+        Ok((results.into_pyarray(py), failures.into_pyarray(py)))
+    }
+}

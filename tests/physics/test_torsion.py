@@ -1,0 +1,372 @@
+"""Torsional vibration against integrated equations, exact series and balances."""
+
+from __future__ import annotations
+
+import doctest
+import pickle
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from numpy.typing import ArrayLike
+
+import cardan
+from cardan.torsion import system as module
+from oracle import read
+
+CASES: list[dict[str, Any]] = read("torsion.json")["cases"]
+NAMES = [f"{case['case']} at {case['speed']:.4g}" for case in CASES]
+INF = float("inf")
+
+
+def system_of(case: dict[str, Any]) -> cardan.TorsionalSystem:
+    # The data have the turn of every intermediate shaft, p = phase - twist + 90 degrees.
+    turns = np.array(case["p"][: len(case["bends"]) - 1])
+    line = cardan.Driveline.from_bends(case["bends"], 0.0, turns - np.pi / 2 if turns.size else 0.0)
+    return cardan.TorsionalSystem(
+        line,
+        inertias=case["J"],
+        stiffnesses=[INF if k is None else k for k in case["k"]],
+        dampings=case["d"],
+        load_torque=case["TL"],
+        load_damping=case["bL"],
+    )
+
+
+def one_joint(
+    bend: float, stiffnesses: list[float], **options: ArrayLike
+) -> cardan.TorsionalSystem:
+    """One joint before a flywheel of 0.05 kg m2."""
+    line = cardan.Driveline.from_bends([bend], degrees=True)
+    inertias = [[0.0, 0.0], [0.0, 0.05]]
+    return cardan.TorsionalSystem(line, inertias=inertias, stiffnesses=stiffnesses, **options)
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_steady_state_is_that_of_the_integrated_equations(case: dict[str, Any]) -> None:
+    found = system_of(case).steady(case["speed"])
+    largest = np.maximum(np.abs(case["torque_min"]), np.abs(case["torque_max"]))
+    assert found.found
+    assert np.all(np.abs(found.torque_mean - case["torque_mean"]) < 1e-8 * largest)
+    for i, order in enumerate((2, 4)):
+        amplitudes = np.abs(found.torque_orders[..., i])
+        assert np.all(np.abs(amplitudes - case[f"torque_order{order}"]) < 1e-8 * largest)
+    angle = np.abs(found.angle_orders[-1, 1])
+    assert angle[0] == pytest.approx(case["last_angle_order2"], rel=1e-8)
+    assert abs(angle[1] - case["last_angle_order4"]) < 1e-8 * angle[0]
+    speed = np.abs(found.speed_orders[-1, 1, 0])
+    assert speed == pytest.approx(case["last_speed_order2"], rel=1e-8)
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_orbits_have_the_sampled_extremes(case: dict[str, Any]) -> None:
+    system = system_of(case)
+    orbit = system.orbit(case["speed"], 256)
+    largest = np.maximum(np.abs(case["torque_min"]), np.abs(case["torque_max"]))
+    assert np.all(np.abs(orbit.torque.min(axis=-1) - case["torque_min"]) < 1e-8 * largest)
+    assert np.all(np.abs(orbit.torque.max(axis=-1) - case["torque_max"]) < 1e-8 * largest)
+    # The true extremes lie beyond those of any samples, and dense samples come near them.
+    steady = system.steady(case["speed"])
+    dense = system.orbit(case["speed"], 20_000).torque
+    assert np.all(steady.torque_max >= dense.max(axis=-1) - 1e-12 * largest)
+    assert np.all(steady.torque_max <= dense.max(axis=-1) + 1e-6 * largest)
+    assert np.all(steady.torque_min <= dense.min(axis=-1) + 1e-12 * largest)
+    assert np.all(steady.torque_min >= dense.min(axis=-1) - 1e-6 * largest)
+
+
+@pytest.mark.parametrize("case", CASES, ids=NAMES)
+def test_multipliers_are_those_of_the_integrated_variation(case: dict[str, Any]) -> None:
+    found = system_of(case).stability(case["speed"])
+    moduli = np.abs(found.multipliers)
+    # The accuracy of the integration: 6e-8 for the strongly damped pairs.
+    assert moduli == pytest.approx(sorted(case["multipliers_abs"], reverse=True), abs=1e-7)
+    assert found.stable == (max(case["multipliers_abs"]) < 1.0)
+
+
+@pytest.mark.parametrize("case", [0, 5, 6])
+def test_multipliers_have_the_product_of_liouville(case: int) -> None:
+    # One unknown of constant inertia: the state's volume shrinks by exp(-d/J) per second.
+    for data in (data for data in CASES if data["case"] == case):
+        inertia = data["J"][1][1]
+        damping = data["d"][1] + data["bL"]
+        expected = np.exp(-damping / inertia * np.pi / data["speed"])
+        product = np.prod(system_of(data).stability(data["speed"]).multipliers)
+        assert product == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("speed", [0.25, 0.5, 0.9])
+def test_a_joint_before_the_only_spring_is_the_exact_series(speed: float) -> None:
+    system = one_joint(20.0, [INF, 8000.0], damping_ratios=0.02)
+    stiffness, inertia, natural = 8000.0, 0.05, 400.0
+    damping = 2 * 0.02 * np.sqrt(stiffness * inertia)
+    assert system.dampings[1] == pytest.approx(damping, rel=1e-14)
+    drive = speed * natural
+    orbit = system.orbit(drive, 4096)
+    twist = orbit.angle_error[1, 1] - orbit.angle_error[1, 0]
+    expected = {0.25: 0.022458264, 0.5: 0.777298573, 0.9: 0.044977174}[speed]
+    assert np.abs(twist).max() == pytest.approx(expected, rel=2e-6)
+    # theta - F is the sum of Im(X exp(2 i n (angle + offset))); the offset of one joint is 0.
+    steady = system.steady(drive, orders=[2, 4, 6])
+    for i, n in enumerate((1, 2, 3)):
+        rate, k = 2 * n * drive, np.tan(np.radians(10.0)) ** 2
+        spring = stiffness + rate * damping * 1j
+        x = k**n / n * rate**2 * inertia / (spring - rate**2 * inertia)
+        # -Im(z) is Re(i z).
+        expected_order = 1j * spring * x
+        error = abs(steady.torque_orders[0, i] - expected_order)
+        # The default tolerance.
+        assert error < 1e-9 * np.abs(steady.torque_max[0])
+
+
+def test_edges_of_the_first_region_of_instability() -> None:
+    # A compliant driving shaft, 20 degrees, a flywheel, no damping: Whittaker-Hill's equation.
+    system = one_joint(20.0, [8000.0, INF])
+    edges = np.array([[0.96761, 0.96763], [1.02996, 1.02994]]) * 400.0
+    assert system.stability(edges).stable.tolist() == [[True, False], [True, False]]
+    # Linearised about rigid rotation the region would lie at 0.97157 to 1.03375.
+    assert not system.stability(0.9700 * 400.0).stable
+    assert system.stability(1.0320 * 400.0).stable
+
+
+def test_instability_needs_more_bend_than_damping() -> None:
+    ratio = np.tan(np.radians(10.0)) ** 2
+    speeds = np.linspace(0.95, 1.05, 201) * 400.0
+    for factor, stable in ((0.9, False), (1.1, True)):
+        system = one_joint(20.0, [8000.0, INF], dampings=[2 * factor * ratio * 20.0, 0.0])
+        assert system.stability(speeds).stable.all() == stable
+
+
+@pytest.mark.parametrize("case", [c for c in CASES if c["case"] in (2, 3, 5)], ids=str)
+def test_power_is_balanced_over_a_period(case: dict[str, Any]) -> None:
+    system = system_of(case)
+    orbit = system.orbit(case["speed"], 256)
+    power = 0.0
+    for torque, shaft in zip(orbit.torque, system.compliant, strict=True):
+        slip = orbit.speed[shaft, 0] - orbit.speed[shaft, 1]
+        power += case["d"][shaft] * np.mean(slip**2)
+        scale = np.abs(torque).max() * case["speed"]
+    last = orbit.speed[-1, 1]
+    power += np.mean((case["TL"] + case["bL"] * last) * last)
+    # The first compliant shaft takes in all power that is not needed before it.
+    given = np.mean(orbit.torque[0] * orbit.speed[system.compliant[0], 0])
+    assert given == pytest.approx(power, abs=1e-10 * scale)
+
+
+def test_natural_frequencies_of_two_masses() -> None:
+    # Straight joints: two springs in series with two flywheels, by the quadratic equation.
+    line = cardan.Driveline.from_bends([0.0, 0.0])
+    system = cardan.TorsionalSystem(
+        line, inertias=[[0.0, 0.0], [0.0, 0.2], [0.1, 0.3]], stiffnesses=[INF, 5000.0, 9000.0]
+    )
+    j1, j2, c1, c2 = 0.3, 0.3, 5000.0, 9000.0
+    sum_, product = (c1 + c2) / j1 + c2 / j2, c1 * c2 / (j1 * j2)
+    root = np.sqrt(sum_**2 - 4 * product)
+    expected = np.sqrt([(sum_ - root) / 2, (sum_ + root) / 2])
+    assert system.natural_frequencies() == pytest.approx(expected, rel=1e-12)
+    assert system.critical_speeds([2, 6]) == pytest.approx(expected[:, None] / [2, 6], rel=1e-12)
+
+
+def test_inertias_of_shafts_are_split_in_half() -> None:
+    line = cardan.Driveline.from_bends([0.3])
+    of: dict[str, Any] = {"stiffnesses": [INF, 4000.0], "dampings": 0.5}
+    halves = cardan.TorsionalSystem(line, inertias=[[0.1, 0.1], [0.2, 0.2]], **of)
+    whole = cardan.TorsionalSystem(line, inertias=[0.2, 0.4], **of)
+    assert whole.steady(90.0).torque_max.tolist() == halves.steady(90.0).torque_max.tolist()
+
+
+def test_a_batch_is_its_members() -> None:
+    bends = np.array([[0.1, 0.2], [0.3, 0.05], [0.2, 0.2]])
+    stiffnesses = np.array([[INF, 9000.0, 7000.0], [INF, 5000.0, 8000.0]])[:, None]
+    inertias = [[0.0, 0.0], [0.01, 0.02], [0.0, 0.1]]
+    speeds = np.array([40.0, 130.0, 400.0])[:, None, None]
+    of: dict[str, Any] = {"dampings": [0.0, 0.8, 0.4], "load_torque": 50.0}
+    line = cardan.Driveline.from_bends(bends)
+    system = cardan.TorsionalSystem(line, inertias=inertias, stiffnesses=stiffnesses, **of)
+    assert system.shape == (2, 3)
+    found = system.steady(speeds, orders=[2, 3, 4, 8])
+    assert found.torque_mean.shape == (2, 3, 2, 3)
+    assert found.torque_orders.shape == (2, 3, 2, 3, 4)
+    assert found.angle_orders.shape == (3, 2, 3, 2, 3, 4)
+    orbit = system.orbit(speeds, 5)
+    assert orbit.torque.shape == (2, 3, 2, 3, 5)
+    multipliers = system.stability(speeds).multipliers
+    assert multipliers.shape == (3, 2, 3, 4)
+    assert system.natural_frequencies().shape == (2, 3, 2)
+    alone = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends(bends[2]),
+        inertias=inertias,
+        stiffnesses=stiffnesses[1, 0],
+        **of,
+    )
+    one = alone.steady(130.0, orders=[2, 3, 4, 8])
+    place = (1, 1, 2)
+    assert one.torque_min.tolist() == found.torque_min[:, *place].tolist()
+    assert one.torque_orders.tolist() == found.torque_orders[:, *place].tolist()
+    assert one.angle_orders.tolist() == found.angle_orders[:, :, *place].tolist()
+    assert not np.any(one.torque_orders[:, 1])
+    assert alone.orbit(130.0, 5).speed.tolist() == orbit.speed[:, :, *place].tolist()
+    assert alone.stability(130.0).multipliers.tolist() == multipliers[place].tolist()
+    single = system.steady(speeds, orders=[2, 3, 4, 8], workers=1)
+    assert single.torque_orders.tolist() == found.torque_orders.tolist()
+
+
+def test_many_speeds_are_the_same_on_one_thread() -> None:
+    system = system_of(CASES[12])
+    speeds = np.linspace(30.0, 700.0, 150)
+    first, second = system.steady(speeds), system.steady(speeds, workers=1)
+    assert first.torque_max.tolist() == second.torque_max.tolist()
+    assert first.found.all()
+
+
+def test_an_empty_batch_has_empty_results() -> None:
+    system = system_of(CASES[12])
+    assert system.steady(np.zeros((0,))).torque_orders.shape == (2, 0, 2)
+    assert system.stability(np.zeros((0, 3))).multipliers.shape == (0, 3, 4)
+
+
+def test_speeds_without_an_orbit_are_named() -> None:
+    # No damping at the resonance of a linear system: the amplitude grows without bound.
+    system = one_joint(20.0, [INF, 8000.0])
+    speeds = [100.5, 200.0, np.nan, -3.0, 0.0, INF]
+    found = system.steady(speeds)
+    assert found.found.tolist() == [True, False, False, False, False, False]
+    assert np.isfinite(found.torque_max[0]).tolist() == found.found.tolist()
+    assert np.isfinite(found.angle_orders).all(axis=(0, 1, 3)).tolist() == found.found.tolist()
+    no_speed = "the speed is not a positive finite number"
+    reasons = ["", "no periodic orbit was found", *4 * [no_speed]]
+    assert found.reasons.tolist() == reasons
+    stability = system.stability(speeds)
+    assert stability.reasons.tolist() == reasons
+    assert stability.stable.tolist() == [True, *5 * [False]]
+
+
+def test_pickles() -> None:
+    system = system_of(CASES[12])
+    again = pickle.loads(pickle.dumps(system))
+    assert again.steady(100.0).torque_max.tolist() == system.steady(100.0).torque_max.tolist()
+
+
+LINE = cardan.Driveline.from_bends([0.2, 0.1])
+GOOD: dict[str, Any] = {"inertias": np.full((3, 2), 0.1), "stiffnesses": [INF, 4000.0, INF]}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"inertias": [0.1, -0.1, 0.1]}, r"inertias\[1\] is -0\.1; it must be finite and not"),
+        (
+            {"inertias": [0.1, 0.1]},
+            r"inertias has shape \(2,\); it needs one per shaft, ",
+        ),
+        (
+            {"inertias": [[0.1, 0.1], [0.1, 0.0], [0.0, 0.0]]},
+            r"inertias\[1, 1\] is 0\.0, and so is every inertia that is rigidly connected",
+        ),
+        (
+            {"stiffnesses": [INF, 0.0, INF]},
+            r"stiffnesses\[1\] is 0\.0; a stiffness must be",
+        ),
+        ({"stiffnesses": [INF, np.nan, INF]}, r"stiffnesses\[1\] is nan; a stiffness must be"),
+        ({"stiffnesses": INF}, r"stiffnesses are all infinite; at least one shaft must be"),
+        (
+            {"stiffnesses": [[INF, 4000.0, INF], [INF, 4000.0, 5000.0]]},
+            r"stiffnesses\[1, 2\] is 5000\.0; the same shafts must be compliant",
+        ),
+        ({"stiffnesses": [4000.0, 1.0]}, r"stiffnesses has shape \(2,\); the last axis needs one"),
+        ({"dampings": [0.0, -1.0, 0.0]}, r"dampings\[1\] is -1\.0; it must be finite and not neg"),
+        ({"damping_ratios": [0.0, INF, 0.0]}, r"damping_ratios\[1\] is inf; it must be finite"),
+        ({"dampings": 1.0, "damping_ratios": 0.1}, "dampings and damping_ratios are both given"),
+        ({"load_torque": [1.0, np.nan]}, r"load_torque\[1\] is nan; it must be finite"),
+        ({"load_damping": -0.5}, r"load_damping is -0\.5; it must be finite and not negative"),
+    ],
+)
+def test_wrong_systems_are_refused(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(cardan.ArgumentValueError, match=message):
+        cardan.TorsionalSystem(LINE, **(GOOD | wrong))
+
+
+def test_the_batch_of_a_missing_inertia_is_named() -> None:
+    inertias = np.full((4, 3, 2), 0.1)
+    inertias[2, 1, 1] = inertias[2, 2] = 0.0
+    with pytest.raises(cardan.ArgumentValueError, match=r"inertias\[2, 1, 1\] is 0\.0"):
+        cardan.TorsionalSystem(LINE, **(GOOD | {"inertias": inertias}))
+
+
+@pytest.mark.parametrize(
+    ("call", "kind", "message"),
+    [
+        (lambda s: s.steady(100.0, orders=[2, 0]), ValueError, r"orders\[1\] is 0; an order must"),
+        (lambda s: s.steady(100.0, orders=2.5), TypeError, "orders must be one integer or a list"),
+        (lambda s: s.steady("fast"), TypeError, "speed has dtype"),
+        (lambda s: s.steady(100.0, tolerance=0.0), ValueError, "tolerance is 0.0; it must be from"),
+        (lambda s: s.orbit(100.0, 0), ValueError, "samples is 0; it must be positive"),
+        (lambda s: s.orbit(100.0, 2.0), TypeError, "samples is 2.0; it must be an integer"),
+        (lambda s: s.stability(100.0, workers=0), ValueError, "workers is 0"),
+        (
+            lambda _: cardan.TorsionalSystem(cast("Any", 3), **GOOD),
+            TypeError,
+            "line is 3; it must be a drivel",
+        ),
+    ],
+)
+def test_wrong_calls_are_refused(
+    call: Callable[[object], object], kind: type[Exception], message: str
+) -> None:
+    system = cardan.TorsionalSystem(LINE, **GOOD)
+    with pytest.raises(kind, match=message):
+        call(system)
+
+
+def test_the_examples_of_the_docstrings() -> None:
+    results = doctest.testmod(module)
+    assert results.attempted > 3
+    assert results.failed == 0
+
+
+def test_a_large_orbit_within_a_resonance_is_periodic() -> None:
+    # Between the folds of the resonance only an orbit of some 2 rad is left. Integrated from its
+    # start by Runge's and Kutta's method, with the joints' formulas, it closes after half a turn.
+    bend, stiffness, damping, near, far, load = np.radians(30.0), 9000.0, 0.8, 0.004, 0.1, 20.0
+    drive, k = 147.0, np.tan(np.radians(15.0)) ** 2
+    line = cardan.Driveline.from_bends([bend, bend])
+    system = cardan.TorsionalSystem(
+        line,
+        inertias=[[0.0, 0.0], [0.0, near], [far, 0.0]],
+        stiffnesses=[INF, stiffness, INF],
+        dampings=[0.0, damping, 0.0],
+        load_torque=load,
+    )
+    orbit = system.orbit(drive, 4)
+    assert orbit.found
+    # Twist 0 and phase 0 turn the shaft by 90 degrees.
+    turn = np.pi / 2
+
+    def slopes(angle: float, state: np.ndarray) -> np.ndarray:
+        theta, speed = state
+        first = 1.0 - k * np.exp(-2j * angle)
+        before = angle + np.angle(first) + turn
+        ratio_before = ((2.0 - first) / first).real
+        z = -k * np.exp(-2j * theta)
+        ratio = ((1 - z) / (1 + z)).real
+        slope = (4j * z / (1 + z) ** 2).real
+        torque = stiffness * (before - theta) + damping * drive * (ratio_before - speed)
+        inertia, inertia_slope = near + far * ratio**2, 2 * far * ratio * slope
+        inertial = torque - ratio * load - 0.5 * inertia_slope * (speed * drive) ** 2
+        return np.array([speed, inertial / (inertia * drive**2)])
+
+    start = np.array([orbit.angle_error[1, 1, 0] + turn, orbit.speed[1, 1, 0] / drive])
+    state, steps = start, 4000
+    step = np.pi / steps
+    largest = 0.0
+    for i in range(steps):
+        angle = i * step
+        one = slopes(angle, state)
+        two = slopes(angle + step / 2, state + step / 2 * one)
+        three = slopes(angle + step / 2, state + step / 2 * two)
+        four = slopes(angle + step, state + step * three)
+        state = state + step / 6 * (one + 2 * two + 2 * three + four)
+        largest = max(largest, abs(state[0] - angle - step - turn))
+    assert largest > 1.5
+    assert state - [np.pi, 0.0] == pytest.approx(start, abs=1e-7)
+    assert system.stability(drive).stable
