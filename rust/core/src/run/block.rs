@@ -363,31 +363,24 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             Target::Planes(planes) => T::direct(planes),
             Target::Reduced(..) => None,
         };
-        let (is_direct, chains) = (direct.is_some(), table.lines.chains(plan.joint_count));
-        let mut planes: Vec<Plane<'_, T::Plane>> = match direct {
-            Some(planes) => {
-                planes.iter_mut().map(|plane| plane.part(first..first + size)).collect()
-            }
-            None => {
-                self.staging.iter_mut().map(|words| Plane::cached(&mut words[..size])).collect()
-            }
-        };
-        kernels::run_motion(
-            level,
-            plan,
-            routes,
-            drive,
-            rotations,
-            folded,
-            chains,
-            geometry,
-            scratch,
-            &mut planes,
-            size,
-            row_offset,
-        );
-        if let Some(load) = &plan.load {
-            for index in loads {
+        let chains = table.lines.chains(plan.joint_count);
+        let mut run = |planes: &mut [Plane<'_, T::Plane>], window: Range<usize>| {
+            kernels::run_motion(
+                level,
+                plan,
+                routes,
+                drive,
+                rotations,
+                folded,
+                chains,
+                geometry,
+                scratch,
+                planes,
+                window.clone(),
+                row_offset,
+            );
+            let Some(load) = &plan.load else { return };
+            for index in loads.clone() {
                 let (origin, step) = scratch.cursors[index];
                 if step != 0 {
                     let (data, buffer) = (table.columns[index].data, &mut scratch.gathered[index]);
@@ -395,18 +388,14 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 }
             }
             kernels::run_load(
-                level,
-                plan,
-                load,
-                table,
-                folded,
-                geometry,
-                scratch,
-                &mut planes,
-                size,
+                level, plan, load, table, folded, geometry, scratch, planes, window,
             );
-        }
-        if !is_direct {
+        };
+        if let Some(planes) = direct {
+            run(planes, first..first + size);
+        } else {
+            let planes = self.staging.iter_mut().map(|words| Plane::cached(words));
+            run(&mut planes.collect::<Vec<_>>(), 0..size);
             self.unstage(first, size, row_in_block, target);
         }
     }

@@ -61,8 +61,10 @@ pub(crate) fn is_compact(level: Level) -> bool {
 /// the module that defines it, whatever types it is compiled for.
 pub(crate) trait Compiled {
     /// Runs the kernel compiled for the level, and tells it whether it [`is_compact`] and how it
-    /// stores strips.
-    fn run<R>(level: Level, kernel: impl FnOnce(bool, Stores) -> R) -> R;
+    /// stores strips. It is an `FnMut` so that it is borrowed and not moved into the function for
+    /// the level: a copy would load in pairs what has just been stored one by one, and such loads
+    /// wait for the stores.
+    fn run<R>(level: Level, kernel: impl FnMut(bool, Stores) -> R) -> R;
 }
 
 macro_rules! compiled_in {
@@ -72,7 +74,7 @@ macro_rules! compiled_in {
 
             impl Compiled for $number {
                 #[inline(never)]
-                fn run<R>(level: Level, kernel: impl FnOnce(bool, Stores) -> R) -> R {
+                fn run<R>(level: Level, mut kernel: impl FnMut(bool, Stores) -> R) -> R {
                     compiled_for!(level, (compact, stores) => kernel(compact, stores))
                 }
             }
