@@ -78,14 +78,37 @@ impl ShaftStep {
     /// The planes of rotation, speed ratio and acceleration ratio, if one loop computes all three:
     /// the angle or the angle error but not both, and no rates for the load.
     pub(crate) fn combined_planes(&self) -> Option<[usize; 3]> {
+        let [rotation, ratio] = self.combined_pair()?;
+        Some([rotation, ratio, self.planes.get(Output::AccelerationRatio)?])
+    }
+
+    /// The planes of rotation and speed ratio, if one loop may compute both.
+    pub(crate) fn combined_pair(&self) -> Option<[usize; 2]> {
         let plane = |output| self.planes.get(output);
         let ((Some(rotation), None) | (None, Some(rotation))) =
             (plane(Output::Angle), plane(Output::AngleError))
         else {
             return None;
         };
-        let all = [rotation, plane(Output::SpeedRatio)?, plane(Output::AccelerationRatio)?];
-        (!self.keep_ratio).then_some(all)
+        let both = [rotation, plane(Output::SpeedRatio)?];
+        (!self.keep_ratio).then_some(both)
+    }
+
+    /// Whether one loop computes everything, at moderate bends or at steep ones. That of the jerk is
+    /// so long that it does not count: with fresh pins it is slower.
+    pub(crate) fn has_one_loop(&self, moderate: bool) -> bool {
+        let count = |outputs: &[Output]| {
+            outputs.iter().filter(|&&output| self.planes.get(output).is_some()).count()
+        };
+        let rotations = count(&[Output::Angle, Output::AngleError]);
+        let rates = count(&[Output::SpeedRatio, Output::AccelerationRatio]);
+        !self.keep_ratio
+            && self.planes.get(Output::JerkRatio).is_none()
+            && match (rotations, rates) {
+                (1, 0) | (0, 1..=2) => true,
+                (1, 1..=2) => moderate && self.combined_pair().is_some(),
+                _ => false,
+            }
     }
 }
 

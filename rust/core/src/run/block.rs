@@ -56,6 +56,8 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) folded: Option<&'a Folded<T>>,
     /// Whether the results exceed the caches, so that strips are stored past them.
     pub(crate) past_caches: bool,
+    /// Whether a loop may find its pins itself: no other row uses the same ones.
+    pub(crate) fresh_pins: bool,
     /// Skips the remaining chunks when set.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
@@ -347,7 +349,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let folded: &Folded<T> = &self.folded;
         let key = selected.is_none().then_some((begin, step, size));
         let [needs_pins, needs_double_angles] = sines::sines_needed(plan, routes, folded, geometry);
-        if needs_pins && (key.is_none() || self.pins_key != key) {
+        let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry);
+        if needs_pins && !fresh && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
             kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
@@ -365,20 +368,17 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         };
         let chains = table.lines.chains(plan.joint_count);
         let mut run = |planes: &mut [Plane<'_, T::Plane>], window: Range<usize>| {
-            kernels::run_motion(
-                level,
-                plan,
-                routes,
-                drive,
-                rotations,
-                folded,
-                chains,
-                geometry,
-                scratch,
-                planes,
-                window.clone(),
-                row_offset,
-            );
+            let mut motion = |scratch: &mut Scratch<T>, fresh| {
+                let window = window.clone();
+                kernels::run_motion(
+                    level, plan, routes, drive, rotations, folded, chains, geometry, scratch,
+                    planes, window, row_offset, fresh,
+                )
+            };
+            if !motion(scratch, fresh) {
+                kernels::find_pins(level, plan, drive, None, scratch, size);
+                motion(scratch, false);
+            }
             let Some(load) = &plan.load else { return };
             for index in loads.clone() {
                 let (origin, step) = scratch.cursors[index];

@@ -71,7 +71,8 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
     planes: &mut [Plane<'_, W>],
     window: Range<usize>,
     row_offset: usize,
-) {
+    fresh: bool,
+) -> bool {
     T::run(
         level,
         #[inline(always)]
@@ -79,10 +80,10 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
             let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores));
             motion::run_motion(
                 plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
-                row_offset, compact,
-            );
+                row_offset, compact, fresh,
+            )
         },
-    );
+    )
 }
 
 /// [`motion::repeat_angle`].

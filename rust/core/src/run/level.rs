@@ -55,6 +55,11 @@ pub(crate) fn is_compact(level: Level) -> bool {
     compiled_for!(level, (compact, _stores) => compact)
 }
 
+/// Whether the registers of this level hold a cache line.
+pub(crate) fn has_wide_registers(level: Level) -> bool {
+    compiled_for!(level, (_compact, stores) => stores.has_wide_registers())
+}
+
 /// A number type with a compilation unit of its own for its kernels.
 ///
 /// The compiler works on several units at once. A unit is a module: a generic function belongs to

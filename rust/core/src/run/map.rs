@@ -44,6 +44,7 @@ pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
             let first = strip * STRIP;
             let (block, inputs) = (block.part(first, STRIP), inputs.strip(first, STRIP));
             let mut results = out.strip(first);
+            block.ask(0, STRIP);
             for i in 0..STRIP {
                 let (s, c) = block.get(i);
                 results.set(i, value(inputs.at(i), s, c));

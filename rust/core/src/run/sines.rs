@@ -63,6 +63,22 @@ pub(crate) fn find_double_angles<T: Number>(
     }
 }
 
+/// Whether the only loop of a chunk of an array that needs pins can find them itself.
+#[inline(always)]
+pub(crate) fn are_fresh<T: Number>(
+    plan: &Plan,
+    routes: &Routes,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+) -> bool {
+    let mut moving = plan.moving();
+    let (Some(step), None, false) = (moving.next(), moving.next(), plan.needs_poses()) else {
+        return false;
+    };
+    let (route, range) = folded.route(routes, step.shaft, geometry);
+    route == Route::Tangent && step.has_one_loop(range.is_moderate())
+}
+
 /// Whether any route of the chunk needs pins, and whether any needs twice the drive angle.
 #[inline(always)]
 pub(crate) fn sines_needed<T: Number>(

@@ -130,6 +130,12 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
         Self { planes, first: window.start, size: window.len(), stores }
     }
 
+    /// Whether the registers of the function hold a cache line.
+    #[inline(always)]
+    pub(crate) fn has_wide_registers(&self) -> bool {
+        self.stores.has_wide_registers()
+    }
+
     /// A plane, for writing in strips.
     #[inline(always)]
     pub(crate) fn plane(&mut self, plane: usize) -> Words<'_, W> {
@@ -273,6 +279,48 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
         self.0.put(first, &strip.0);
         self.1.put(first, &strip.1);
     }
+}
+
+/// A sink for results that nobody asked for, which the compiler does not compute.
+pub(crate) struct Discarded;
+
+impl<T> SinkStrip<T> for Discarded {
+    #[inline(always)]
+    fn set(&mut self, _: usize, _: T) {}
+}
+
+impl<T> PlainSink<T> for Discarded {
+    #[inline(always)]
+    fn store(&mut self, _: usize, _: T) {}
+}
+
+impl<T> Sink<T> for Discarded {
+    type Plain<'a> = Self;
+
+    type Strip = Self;
+
+    #[inline(always)]
+    fn length(&self) -> usize {
+        0
+    }
+
+    #[inline(always)]
+    fn bypasses_caches(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn plain(&mut self, _: usize, _: usize) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn strip(&self, _: usize) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn put(&mut self, _: usize, _: &Self) {}
 }
 
 impl<V, S: SinkStrip<V>> SinkStrip<[V; 3]> for [S; 3] {

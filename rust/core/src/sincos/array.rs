@@ -1,6 +1,7 @@
 //! Sines and cosines of the drive angles of a chunk.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is in range")]
 
+use std::cell::Cell;
 use std::iter::once;
 
 use crate::input::sweep::{AngleReduction, Sweep};
@@ -59,6 +60,9 @@ pub(crate) trait SinCosBlocks<T>: Copy {
     /// Whether they are computed by rotations of a sweep's groups.
     const FROM_SWEEP: bool = false;
 
+    /// Whether the loop finds them itself.
+    const FRESH: bool = false;
+
     /// The angles of whole steps of such a sweep, as many as the longest block.
     fn turns(&self) -> View<'_, DoubleDouble> {
         View::EMPTY
@@ -76,6 +80,11 @@ pub(crate) trait SinCosBlock<T>: Copy {
     fn part(&self, start: usize, length: usize) -> Self;
 
     fn get(&self, i: usize) -> (T, T);
+
+    /// Requests the memory of samples from `i` on, which may lie behind the block, and is read in a
+    /// while.
+    #[inline(always)]
+    fn ask(&self, _: usize, _: usize) {}
 }
 
 impl<T: Real> SinCosBlocks<T> for SinCos<'_, T> {
@@ -101,6 +110,60 @@ impl<T: Real> SinCosBlock<T> for SinCos<'_, T> {
     #[inline(always)]
     fn get(&self, i: usize) -> (T, T) {
         self.get(i)
+    }
+}
+
+/// Pins of an array of angles, found by the loop that needs them. `TURNED` ones are of the sum of
+/// each angle and that of a chain's turn, as [`rotate`] finds them.
+#[derive(Clone, Copy)]
+pub(crate) struct FreshPins<'a, T, const TURNED: bool> {
+    pub(crate) angles: &'a [f64],
+    /// Cosine and sine of the turn.
+    pub(crate) turn: [T; 2],
+    /// Records angles that are too large for the fast reduction. Their pins are meaningless.
+    pub(crate) too_large: &'a Cell<LargeAngleFlag>,
+}
+
+/// How many samples ahead the angles of fresh pins are requested.
+const AHEAD: usize = 512;
+
+impl<T: Angle, const TURNED: bool> SinCosBlocks<T> for FreshPins<'_, T, TURNED> {
+    type SinCosBlock = Self;
+
+    const FRESH: bool = true;
+
+    #[inline(always)]
+    fn parts(self) -> impl Iterator<Item = (usize, Self)> {
+        once((0, self))
+    }
+}
+
+impl<T: Angle, const TURNED: bool> SinCosBlock<T> for FreshPins<'_, T, TURNED> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.angles.len()
+    }
+
+    #[inline(always)]
+    fn part(&self, start: usize, length: usize) -> Self {
+        Self { angles: &self.angles[start..start + length], ..*self }
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> (T, T) {
+        let reduced = T::reduce(self.angles[i]);
+        let mut too_large = self.too_large.get();
+        too_large.accumulate(reduced.1);
+        self.too_large.set(too_large);
+        let pin = PinLine::sin_cos(reduced);
+        if TURNED { turned_pin(pin, self.turn) } else { pin }
+    }
+
+    #[inline(always)]
+    fn ask(&self, i: usize, length: usize) {
+        for line in (0..length).step_by(8) {
+            cardan_memory::ask(self.angles, i + AHEAD + line);
+        }
     }
 }
 
@@ -441,9 +504,13 @@ pub(crate) fn rotate<T: Real>(
     let length = pins.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     for i in 0..length {
-        let (s, c) = pins.get(i);
-        let [turn_cos, turn_sin] = at.at(i);
-        sine.set(i, s.mul_add(turn_cos, c * turn_sin));
-        cosine.set(i, c.mul_add(turn_cos, -(s * turn_sin)));
+        let (s, c) = turned_pin(pins.get(i), at.at(i));
+        sine.set(i, s);
+        cosine.set(i, c);
     }
+}
+
+#[inline(always)]
+fn turned_pin<T: Real>((s, c): (T, T), [turn_cos, turn_sin]: [T; 2]) -> (T, T) {
+    (s.mul_add(turn_cos, c * turn_sin), c.mul_add(turn_cos, -(s * turn_sin)))
 }
