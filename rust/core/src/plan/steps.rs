@@ -145,6 +145,19 @@ impl JointStep {
         self.support.iter().any(Option::is_some)
     }
 
+    /// The number of loops over pins. Those of the tilts need the sense of the pins as well.
+    pub(crate) fn pin_loops(&self) -> usize {
+        let outputs = [
+            Output::TiltDriving,
+            Output::TiltDriven,
+            Output::BendingDriving,
+            Output::BendingDriven,
+            Output::Moment,
+        ];
+        let planes = outputs.iter().filter(|&&output| self.planes.get(output).is_some());
+        planes.count() + usize::from(self.needs_force) + usize::from(self.needs_support())
+    }
+
     pub(crate) fn needs_torsion(&self) -> bool {
         self.needs_moment || self.needs_support() || self.needs_force
     }

@@ -387,9 +387,17 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     gather(data, origin + samples.start * step, step, &mut buffer[..size]);
                 }
             }
-            kernels::run_load(
-                level, plan, load, table, folded, geometry, scratch, planes, window,
-            );
+            let mut load = |scratch: &mut Scratch<T>, fresh| {
+                let window = window.clone();
+                kernels::run_load(
+                    level, plan, load, table, drive, folded, geometry, scratch, planes, window,
+                    fresh,
+                )
+            };
+            if !load(scratch, fresh) {
+                kernels::find_pins(level, plan, drive, None, scratch, size);
+                load(scratch, false);
+            }
         };
         if let Some(planes) = direct {
             run(planes, first..first + size);

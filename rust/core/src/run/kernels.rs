@@ -109,20 +109,24 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
+    drive: DriveAngles<'_>,
     folded: &Folded<T>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [Plane<'_, W>],
     window: Range<usize>,
-) {
+    fresh: bool,
+) -> bool {
     T::run(
         level,
         #[inline(always)]
         |compact, stores| {
             let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores));
-            load::run_load(plan, load, table, folded, geometry, scratch, outputs, size, compact);
+            load::run_load(
+                plan, load, table, drive, folded, geometry, scratch, outputs, size, compact, fresh,
+            )
         },
-    );
+    )
 }
 
 /// [`Reduction::take`].

@@ -20,7 +20,7 @@ use crate::run::formula::MotionFormula;
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
-use crate::run::sink::{AngleSink, ArrayAngle, Discarded, Outputs, SteppedAngle, SweepAngle};
+use crate::run::sink::{AngleSink, ArrayAngle, Outputs, SteppedAngle, SweepAngle};
 use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{self, DriveAngles, FreshPins, SinCos, SinCosBlocks};
 use crate::sincos::rotation::{RotatedSinCos, Rotations};
@@ -232,11 +232,11 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
         )
     {
         let [rotation, ratio] = outputs.several([rotation, ratio]);
-        let rates = (ratio, Discarded);
         if step.planes.get(Output::Angle).is_some() {
-            map::motion(range, at, pins, AngleSink(ArrayAngle(&angle[..size]), rotation), rates);
+            let rotation = AngleSink(ArrayAngle(&angle[..size]), rotation);
+            map::rotation_and_ratio(range, at, pins, rotation, ratio);
         } else {
-            map::motion(range, at, pins, rotation, rates);
+            map::rotation_and_ratio(range, at, pins, rotation, ratio);
         }
         return;
     }

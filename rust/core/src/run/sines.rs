@@ -3,7 +3,7 @@
 use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
 use crate::plan::route::{Route, Routes};
-use crate::plan::steps::Plan;
+use crate::plan::steps::{JointStep, Plan};
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::fold::Folded;
 use crate::run::scratch::Scratch;
@@ -71,12 +71,16 @@ pub(crate) fn are_fresh<T: Number>(
     folded: &Folded<T>,
     geometry: GeometryIndex,
 ) -> bool {
+    let loops: usize = plan.joints.iter().map(JointStep::pin_loops).sum();
     let mut moving = plan.moving();
-    let (Some(step), None, false) = (moving.next(), moving.next(), plan.needs_poses()) else {
-        return false;
-    };
-    let (route, range) = folded.route(routes, step.shaft, geometry);
-    route == Route::Tangent && step.has_one_loop(range.is_moderate())
+    match (moving.next(), moving.next(), loops) {
+        (None, _, 1) => !plan.needs_sense(),
+        (Some(step), None, 0) => {
+            let (route, range) = folded.route(routes, step.shaft, geometry);
+            route == Route::Tangent && step.has_one_loop(range.is_moderate())
+        }
+        _ => false,
+    }
 }
 
 /// Whether any route of the chunk needs pins, and whether any needs twice the drive angle.

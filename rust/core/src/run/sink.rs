@@ -281,48 +281,6 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     }
 }
 
-/// A sink for results that nobody asked for, which the compiler does not compute.
-pub(crate) struct Discarded;
-
-impl<T> SinkStrip<T> for Discarded {
-    #[inline(always)]
-    fn set(&mut self, _: usize, _: T) {}
-}
-
-impl<T> PlainSink<T> for Discarded {
-    #[inline(always)]
-    fn store(&mut self, _: usize, _: T) {}
-}
-
-impl<T> Sink<T> for Discarded {
-    type Plain<'a> = Self;
-
-    type Strip = Self;
-
-    #[inline(always)]
-    fn length(&self) -> usize {
-        0
-    }
-
-    #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
-        false
-    }
-
-    #[inline(always)]
-    fn plain(&mut self, _: usize, _: usize) -> Self {
-        Self
-    }
-
-    #[inline(always)]
-    fn strip(&self, _: usize) -> Self {
-        Self
-    }
-
-    #[inline(always)]
-    fn put(&mut self, _: usize, _: &Self) {}
-}
-
 impl<V, S: SinkStrip<V>> SinkStrip<[V; 3]> for [S; 3] {
     #[inline(always)]
     fn set(&mut self, i: usize, [along_x, along_y, along_z]: [V; 3]) {
