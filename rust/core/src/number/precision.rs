@@ -26,6 +26,7 @@ impl Precision {
 
 /// The measured facts that decide between routes and loops for a number type.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools, reason = "independent facts")]
 pub(crate) struct Costs {
     /// Moderate bends are cheaper from sine and cosine of twice the drive angle. That saves
     /// double-double arithmetic a fifth of the time and costs the other types an eighth more.

@@ -19,7 +19,8 @@ use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
-use crate::sincos::array::{DriveAngles, FreshPins, SinCos, SinCosBlocks};
+use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
+use crate::sincos::fresh::FreshPins;
 
 /// Torques and moments for one chunk, in order from the end where the torque is given. With `fresh`
 /// pins, the only loop that needs pins finds them itself. Returns whether all results are valid, as

@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::exact::Chains;
+use crate::mechanics::joint::JointConstants;
 use crate::mechanics::moment::Pose;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
@@ -22,7 +23,8 @@ use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::{AngleSink, ArrayAngle, Outputs, SteppedAngle, SweepAngle};
 use crate::run::turned::{self, ChunkLines};
-use crate::sincos::array::{self, DriveAngles, FreshPins, SinCos, SinCosBlocks};
+use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
+use crate::sincos::fresh::FreshPins;
 use crate::sincos::rotation::{RotatedSinCos, Rotations};
 
 /// Motion of every shaft of the plan and tilts of every joint, for one chunk. With `fresh` pins, the
@@ -71,15 +73,10 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
                 (fresh, drive, geometry)
         {
-            let (joint, turn) = shaft.equivalents(geometry, size).at(index);
-            let (drive, at, too_large) = (DriveAngles::Array(angles), Same(joint), &too_large);
-            if step.shaft > 1 {
-                let pins = FreshPins::<T, true> { angles, turn, too_large };
-                run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
-            } else {
-                let pins = FreshPins::<T, false> { angles, turn, too_large };
-                run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
-            }
+            let constants = shaft.equivalents(geometry, size).at(index);
+            run_fresh(
+                step, range, constants, angles, &too_large, rates, errors, outputs, size, compact,
+            );
             continue;
         }
         let has_own = T::LOW && shaft.has_offsets();
@@ -149,6 +146,31 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         });
     }
     !too_large.get().any()
+}
+
+/// Outputs of the only shaft that needs pins, which its loop finds itself.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
+fn run_fresh<T: Number, W: Float>(
+    step: &ShaftStep,
+    range: AtanRange,
+    (joint, turn): (JointConstants<T>, [T; 2]),
+    angles: &[f64],
+    too_large: &Cell<LargeAngleFlag>,
+    rates: [&mut Column<T>; 2],
+    errors: ViewMut<'_, T>,
+    outputs: &mut Outputs<'_, '_, W>,
+    size: usize,
+    compact: bool,
+) {
+    let (drive, at) = (DriveAngles::Array(angles), Same(joint));
+    if step.shaft > 1 {
+        let pins = FreshPins::<T, true> { angles, turn, too_large };
+        run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
+    } else {
+        let pins = FreshPins::<T, false> { angles, turn, too_large };
+        run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
+    }
 }
 
 /// The tilts of one joint.
