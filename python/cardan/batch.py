@@ -17,10 +17,11 @@ from cardan.geometry import Geometry
 class Batch:
     """One or more immutable drivelines of equal length; ``Driveline`` adds what they do."""
 
-    __slots__ = ("_geometry", "_lines", "_n_joints", "_shape")
+    __slots__ = ("_geometry", "_lines", "_n_joints", "_plans", "_shape")
     _geometry: Geometry
     _lines: _core.Lines
     _n_joints: int
+    _plans: dict[Any, Any]  # remembered by ``evaluate``, by its arguments
     _shape: tuple[int, ...]
 
     @classmethod
@@ -31,7 +32,16 @@ class Batch:
         for array in own.arrays:
             array.flags.writeable = False
         self._lines = _core.Lines(self._n_joints, self._shape, own.flat(), own.bearings)
+        self._plans = {}
         return self
+
+    def _twin(self) -> Self:
+        """Return the same drivelines as another object, which remembers no plans."""
+        twin = object.__new__(type(self))
+        for name in Batch.__slots__:
+            setattr(twin, name, getattr(self, name))
+        twin._plans = {}
+        return twin
 
     @classmethod
     def concatenate(cls, lines: Iterable[Self], axis: SupportsIndex = 0) -> Self:

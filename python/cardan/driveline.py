@@ -21,6 +21,7 @@ from cardan.limits import Limits
 from cardan.load import Load
 from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
+from cardan.remembered import remembered
 from cardan.request import AngleOf, Axes, Items, Reduction, is_index, item_index
 from cardan.result import Result
 from cardan.sweep import Sweep
@@ -447,7 +448,7 @@ class Driveline(InService):
             plan = PlanOfReductions(reduce, of)
         else:
             options = (load, reduce, dtype, tolerance, workers, axes, angle_of)
-            plan = planned(self, outputs, shafts, joints, *options)
+            plan = remembered(self, outputs, shafts, joints, *options)
         if degrees:
             return PlanInDegrees(plan, angle_of == "driven")(angle, out)
         return plan(angle, out)

@@ -67,6 +67,16 @@ impl Stores {
         Self(Vectors::Avx512)
     }
 
+    /// Whether a cache line is one register, of which there are then 32.
+    #[inline(always)]
+    pub fn has_wide_registers(self) -> bool {
+        match self.0 {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            Vectors::Avx512 => true,
+            _ => false,
+        }
+    }
+
     /// Writes a strip past the caches, if there are stores for that and `out` begins at a cache
     /// line. Returns whether it did.
     ///
@@ -191,9 +201,12 @@ impl<'a, W: Word> Plane<'a, W> {
             out.copy_from_slice(strips);
             return;
         }
-        let lines = strips.chunks_exact(Self::STRIP);
-        assert!(lines.remainder().is_empty(), "strips must fill cache lines");
-        for (out, strip) in out.chunks_exact_mut(Self::STRIP).zip(lines) {
+        assert!(strips.len().is_multiple_of(Self::STRIP), "strips must fill cache lines");
+        // Iterators of pieces are functions that the compiler may call here, for which all vector
+        // registers are saved.
+        for line in 0..strips.len() / Self::STRIP {
+            let line = line * Self::STRIP..(line + 1) * Self::STRIP;
+            let (out, strip) = (&mut out[line.clone()], &strips[line]);
             // SAFETY: both have the bytes of a strip. Only `write_strips` creates planes past the
             // caches; it borrows their words until it has completed the stores, and `words` does
             // so before it lends them.

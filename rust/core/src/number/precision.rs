@@ -26,6 +26,7 @@ impl Precision {
 
 /// The measured facts that decide between routes and loops for a number type.
 #[derive(Clone, Copy, Debug)]
+#[allow(clippy::struct_excessive_bools, reason = "independent facts")]
 pub(crate) struct Costs {
     /// Moderate bends are cheaper from sine and cosine of twice the drive angle. That saves
     /// double-double arithmetic a fifth of the time and costs the other types an eighth more.
@@ -37,21 +38,24 @@ pub(crate) struct Costs {
     /// Reduction and tangent are cheaper in two loops. A vector holds more single-precision numbers
     /// than angles, and one double-double loop is too long for a core to overlap its iterations.
     pub(crate) separate_reduction: bool,
+    /// Where registers are wide, a loop that alone needs the pins of an array of angles finds them
+    /// itself, which saves storing them.
+    pub(crate) fresh_pins: bool,
 }
 
 impl Precision {
     /// The costs of the number type of this arithmetic.
     pub(crate) const fn costs(self) -> Costs {
+        let none = Costs {
+            double_angle: false,
+            turn_fractions: false,
+            separate_reduction: false,
+            fresh_pins: false,
+        };
         match self {
-            Self::Single => {
-                Costs { double_angle: false, turn_fractions: true, separate_reduction: true }
-            }
-            Self::Double => {
-                Costs { double_angle: false, turn_fractions: false, separate_reduction: false }
-            }
-            Self::DoubleDouble => {
-                Costs { double_angle: true, turn_fractions: false, separate_reduction: true }
-            }
+            Self::Single => Costs { turn_fractions: true, separate_reduction: true, ..none },
+            Self::Double => Costs { fresh_pins: true, ..none },
+            Self::DoubleDouble => Costs { double_angle: true, separate_reduction: true, ..none },
         }
     }
 }

@@ -78,14 +78,37 @@ impl ShaftStep {
     /// The planes of rotation, speed ratio and acceleration ratio, if one loop computes all three:
     /// the angle or the angle error but not both, and no rates for the load.
     pub(crate) fn combined_planes(&self) -> Option<[usize; 3]> {
+        let [rotation, ratio] = self.combined_pair()?;
+        Some([rotation, ratio, self.planes.get(Output::AccelerationRatio)?])
+    }
+
+    /// The planes of rotation and speed ratio, if one loop may compute both.
+    pub(crate) fn combined_pair(&self) -> Option<[usize; 2]> {
         let plane = |output| self.planes.get(output);
         let ((Some(rotation), None) | (None, Some(rotation))) =
             (plane(Output::Angle), plane(Output::AngleError))
         else {
             return None;
         };
-        let all = [rotation, plane(Output::SpeedRatio)?, plane(Output::AccelerationRatio)?];
-        (!self.keep_ratio).then_some(all)
+        let both = [rotation, plane(Output::SpeedRatio)?];
+        (!self.keep_ratio).then_some(both)
+    }
+
+    /// Whether one loop computes everything, at moderate bends or at steep ones. That of the jerk is
+    /// so long that it does not count: with fresh pins it is slower.
+    pub(crate) fn has_one_loop(&self, moderate: bool) -> bool {
+        let count = |outputs: &[Output]| {
+            outputs.iter().filter(|&&output| self.planes.get(output).is_some()).count()
+        };
+        let rotations = count(&[Output::Angle, Output::AngleError]);
+        let rates = count(&[Output::SpeedRatio, Output::AccelerationRatio]);
+        !self.keep_ratio
+            && self.planes.get(Output::JerkRatio).is_none()
+            && match (rotations, rates) {
+                (1, 0) | (0, 1..=2) => true,
+                (1, 1..=2) => moderate && self.combined_pair().is_some(),
+                _ => false,
+            }
     }
 }
 
@@ -120,6 +143,19 @@ impl JointStep {
     /// Whether the joint contributes to a support moment.
     pub(crate) fn needs_support(&self) -> bool {
         self.support.iter().any(Option::is_some)
+    }
+
+    /// The number of loops over pins. Those of the tilts need the sense of the pins as well.
+    pub(crate) fn pin_loops(&self) -> usize {
+        let outputs = [
+            Output::TiltDriving,
+            Output::TiltDriven,
+            Output::BendingDriving,
+            Output::BendingDriven,
+            Output::Moment,
+        ];
+        let planes = outputs.iter().filter(|&&output| self.planes.get(output).is_some());
+        planes.count() + usize::from(self.needs_force) + usize::from(self.needs_support())
     }
 
     pub(crate) fn needs_torsion(&self) -> bool {

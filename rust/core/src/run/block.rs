@@ -56,6 +56,8 @@ pub(crate) struct Shared<'a, 's, T: Number> {
     pub(crate) folded: Option<&'a Folded<T>>,
     /// Whether the results exceed the caches, so that strips are stored past them.
     pub(crate) past_caches: bool,
+    /// Whether a loop may find its pins itself: no other row uses the same ones.
+    pub(crate) fresh_pins: bool,
     /// Skips the remaining chunks when set.
     pub(crate) stop: Option<&'a AtomicBool>,
 }
@@ -347,7 +349,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let folded: &Folded<T> = &self.folded;
         let key = selected.is_none().then_some((begin, step, size));
         let [needs_pins, needs_double_angles] = sines::sines_needed(plan, routes, folded, geometry);
-        if needs_pins && (key.is_none() || self.pins_key != key) {
+        let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry);
+        if needs_pins && !fresh && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
             kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
@@ -363,50 +366,44 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             Target::Planes(planes) => T::direct(planes),
             Target::Reduced(..) => None,
         };
-        let (is_direct, chains) = (direct.is_some(), table.lines.chains(plan.joint_count));
-        let mut planes: Vec<Plane<'_, T::Plane>> = match direct {
-            Some(planes) => {
-                planes.iter_mut().map(|plane| plane.part(first..first + size)).collect()
+        let chains = table.lines.chains(plan.joint_count);
+        let mut run = |planes: &mut [Plane<'_, T::Plane>], window: Range<usize>| {
+            let mut motion = |scratch: &mut Scratch<T>, fresh| {
+                let window = window.clone();
+                kernels::run_motion(
+                    level, plan, routes, drive, rotations, folded, chains, geometry, scratch,
+                    planes, window, row_offset, fresh,
+                )
+            };
+            if !motion(scratch, fresh) {
+                kernels::find_pins(level, plan, drive, None, scratch, size);
+                motion(scratch, false);
             }
-            None => {
-                self.staging.iter_mut().map(|words| Plane::cached(&mut words[..size])).collect()
-            }
-        };
-        kernels::run_motion(
-            level,
-            plan,
-            routes,
-            drive,
-            rotations,
-            folded,
-            chains,
-            geometry,
-            scratch,
-            &mut planes,
-            size,
-            row_offset,
-        );
-        if let Some(load) = &plan.load {
-            for index in loads {
+            let Some(load) = &plan.load else { return };
+            for index in loads.clone() {
                 let (origin, step) = scratch.cursors[index];
                 if step != 0 {
                     let (data, buffer) = (table.columns[index].data, &mut scratch.gathered[index]);
                     gather(data, origin + samples.start * step, step, &mut buffer[..size]);
                 }
             }
-            kernels::run_load(
-                level,
-                plan,
-                load,
-                table,
-                folded,
-                geometry,
-                scratch,
-                &mut planes,
-                size,
-            );
-        }
-        if !is_direct {
+            let mut load = |scratch: &mut Scratch<T>, fresh| {
+                let window = window.clone();
+                kernels::run_load(
+                    level, plan, load, table, drive, folded, geometry, scratch, planes, window,
+                    fresh,
+                )
+            };
+            if !load(scratch, fresh) {
+                kernels::find_pins(level, plan, drive, None, scratch, size);
+                load(scratch, false);
+            }
+        };
+        if let Some(planes) = direct {
+            run(planes, first..first + size);
+        } else {
+            let planes = self.staging.iter_mut().map(|words| Plane::cached(words));
+            run(&mut planes.collect::<Vec<_>>(), 0..size);
             self.unstage(first, size, row_in_block, target);
         }
     }

@@ -3,6 +3,8 @@
 //! Each is a function of its own and generic only over what its loops depend on, so that callers
 //! that differ in other types share it. They are the larger part of the library.
 
+use std::ops::Range;
+
 use cardan_memory::Plane;
 
 use crate::input::table::Table;
@@ -67,20 +69,21 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [Plane<'_, W>],
-    size: usize,
+    window: Range<usize>,
     row_offset: usize,
-) {
+    fresh: bool,
+) -> bool {
     T::run(
         level,
         #[inline(always)]
         |compact, stores| {
-            let outputs = &mut Outputs { planes, stores };
+            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores));
             motion::run_motion(
                 plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
-                row_offset, compact,
-            );
+                row_offset, compact, fresh,
+            )
         },
-    );
+    )
 }
 
 /// [`motion::repeat_angle`].
@@ -106,20 +109,24 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
+    drive: DriveAngles<'_>,
     folded: &Folded<T>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     planes: &mut [Plane<'_, W>],
-    size: usize,
-) {
+    window: Range<usize>,
+    fresh: bool,
+) -> bool {
     T::run(
         level,
         #[inline(always)]
         |compact, stores| {
-            let outputs = &mut Outputs { planes, stores };
-            load::run_load(plan, load, table, folded, geometry, scratch, outputs, size, compact);
+            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores));
+            load::run_load(
+                plan, load, table, drive, folded, geometry, scratch, outputs, size, compact, fresh,
+            )
         },
-    );
+    )
 }
 
 /// [`Reduction::take`].

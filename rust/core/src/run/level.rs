@@ -55,14 +55,21 @@ pub(crate) fn is_compact(level: Level) -> bool {
     compiled_for!(level, (compact, _stores) => compact)
 }
 
+/// Whether the registers of this level hold a cache line.
+pub(crate) fn has_wide_registers(level: Level) -> bool {
+    compiled_for!(level, (_compact, stores) => stores.has_wide_registers())
+}
+
 /// A number type with a compilation unit of its own for its kernels.
 ///
 /// The compiler works on several units at once. A unit is a module: a generic function belongs to
 /// the module that defines it, whatever types it is compiled for.
 pub(crate) trait Compiled {
     /// Runs the kernel compiled for the level, and tells it whether it [`is_compact`] and how it
-    /// stores strips.
-    fn run<R>(level: Level, kernel: impl FnOnce(bool, Stores) -> R) -> R;
+    /// stores strips. It is an `FnMut` so that it is borrowed and not moved into the function for
+    /// the level: a copy would load in pairs what has just been stored one by one, and such loads
+    /// wait for the stores.
+    fn run<R>(level: Level, kernel: impl FnMut(bool, Stores) -> R) -> R;
 }
 
 macro_rules! compiled_in {
@@ -72,7 +79,7 @@ macro_rules! compiled_in {
 
             impl Compiled for $number {
                 #[inline(never)]
-                fn run<R>(level: Level, kernel: impl FnOnce(bool, Stores) -> R) -> R {
+                fn run<R>(level: Level, mut kernel: impl FnMut(bool, Stores) -> R) -> R {
                     compiled_for!(level, (compact, stores) => kernel(compact, stores))
                 }
             }

@@ -1,37 +1,46 @@
 //! Torques and moments for one chunk, over slices that fit in the first-level cache.
 
+use std::cell::Cell;
+
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
 use crate::number::Number;
 use crate::number::float::Float;
+use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, View, ViewMut, views, views_mut};
 use crate::number::strips::{At, Same, Strips, mapped};
 use crate::plan::output::Output;
-use crate::plan::steps::{End, JointStep, LoadStep, Plan, Support};
+use crate::plan::steps::{End, JointStep, LoadStep, Plan, Station, Support};
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
-use crate::run::forces::run_forces;
+use crate::run::forces::{ForceBuffers, run_forces};
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
-use crate::sincos::array::SinCos;
+use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
+use crate::sincos::fresh::FreshPins;
 
-/// Torques and moments for one chunk, in order from the end where the torque is given.
+/// Torques and moments for one chunk, in order from the end where the torque is given. With `fresh`
+/// pins, the only loop that needs pins finds them itself. Returns whether all results are valid, as
+/// the motion does.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_load<T: Number, W: Float>(
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
+    drive: DriveAngles<'_>,
     folded: &Folded<T>,
     geometry: GeometryIndex,
     scratch: &mut Scratch<T>,
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     compact: bool,
-) {
+    fresh: bool,
+) -> bool {
+    let too_large = Cell::new(LargeAngleFlag::for_quadrants());
     let Scratch { gathered, pins, rates, power, torsion, parts, support, forces, .. } = scratch;
     let column = |index: usize| &gathered[index][..size];
     let pins = pins_of(pins, size);
@@ -51,15 +60,8 @@ pub(crate) fn run_load<T: Number, W: Float>(
     };
     map::from_doubles(column(TORQUE), first, power.view_mut(size));
     for station in &load.stations {
-        let absorb = |sign: f64, power: ViewMut<'_, T>| {
-            if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
-                let drive = [column(inertia), column(SPEED), column(ACCELERATION)];
-                let acceleration = rates[station.shaft][1].view(size);
-                map::absorb(sign, drive, ratio(station.shaft), acceleration, power);
-            }
-        };
         if load.end == End::Output {
-            absorb(1.0, power.view_mut(size));
+            run_inertia(1.0, station, table, gathered, rates, power.view_mut(size));
         }
         if let Some(plane) = station.torque {
             let torque = outputs.plane(plane);
@@ -79,36 +81,89 @@ pub(crate) fn run_load<T: Number, W: Float>(
             };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
-            with_constants!(compact, geometry, poses, at => {
-                run_bending(step, at, pins, torsion, outputs);
-                if step.needs_force {
-                    let parts = views_mut(&mut forces.parts[joint], 0, size);
-                    map::parts(at, pins, torsion, parts);
-                }
-                if step.needs_support() {
-                    map::parts(at, pins, torsion, views_mut(parts, 0, size));
-                }
-            });
-            // Only a driveline that all samples share is treated as planar.
-            if let GeometryIndex::Shared(index) = geometry
-                && let Some(axes) = poses[index].plane_axes()
+            let buffers = (&mut *parts, &mut *support, &mut *forces);
+            if T::PRECISION.costs().fresh_pins
+                && outputs.has_wide_registers()
+                && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
+                    (fresh, drive, geometry)
             {
-                let at = Same(poses[index].with_axes(axes));
-                run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
-                run_supports::<true, T, W>(step, at, axes, parts, support, outputs, size);
+                let turn = [T::from_f64(0.0); 2];
+                let pins = FreshPins::<T, false> { angles, turn, too_large: &too_large };
+                let geometry = GeometryIndex::Shared(index);
+                run_joint(
+                    joint, step, poses, geometry, pins, torsion, buffers, outputs, size, compact,
+                );
             } else {
-                with_constants!(compact, geometry, poses, at => {
-                    run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
-                    run_supports::<false, T, W>(step, at, AXES, parts, support, outputs, size);
-                });
+                run_joint(
+                    joint, step, poses, geometry, pins, torsion, buffers, outputs, size, compact,
+                );
             }
         }
         if load.end == End::Drive {
-            absorb(-1.0, power.view_mut(size));
+            run_inertia(-1.0, station, table, gathered, rates, power.view_mut(size));
         }
     }
     if let Some(step) = &plan.forces {
         run_forces(step, &folded.forces, geometry, forces, outputs, size);
+    }
+    !too_large.get().any()
+}
+
+/// Adds what the inertia of a station's shaft absorbs, multiplied by `sign`, to the power.
+#[inline(always)]
+fn run_inertia<T: Number>(
+    sign: f64,
+    station: &Station,
+    table: &Table<'_>,
+    gathered: &[Vec<f64>],
+    rates: &[[Column<T>; 2]],
+    power: ViewMut<'_, T>,
+) {
+    if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
+        let size = power.len();
+        let drive = [inertia, SPEED, ACCELERATION].map(|index| &gathered[index][..size]);
+        let [ratio, acceleration] = &rates[station.shaft];
+        map::absorb(sign, drive, ratio.view(size), acceleration.view(size), power);
+    }
+}
+
+/// Moments of one joint and parts of its torsion.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one joint")]
+fn run_joint<T: Number, W: Float>(
+    joint: usize,
+    step: &JointStep,
+    poses: &[Pose<T>],
+    geometry: GeometryIndex,
+    pins: impl SinCosBlocks<T>,
+    torsion: View<'_, T>,
+    (parts, support, forces): (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
+    outputs: &mut Outputs<'_, '_, W>,
+    size: usize,
+    compact: bool,
+) {
+    with_constants!(compact, geometry, poses, at => {
+        run_bending(step, at, pins, torsion, outputs);
+        if step.needs_force {
+            let parts = views_mut(&mut forces.parts[joint], 0, size);
+            map::parts(at, pins, torsion, parts);
+        }
+        if step.needs_support() {
+            map::parts(at, pins, torsion, views_mut(parts, 0, size));
+        }
+    });
+    // Only a driveline that all samples share is treated as planar.
+    if let GeometryIndex::Shared(index) = geometry
+        && let Some(axes) = poses[index].plane_axes()
+    {
+        let at = Same(poses[index].with_axes(axes));
+        run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
+        run_supports::<true, T, W>(step, at, axes, parts, support, outputs, size);
+    } else {
+        with_constants!(compact, geometry, poses, at => {
+            run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
+            run_supports::<false, T, W>(step, at, AXES, parts, support, outputs, size);
+        });
     }
 }
 
@@ -133,7 +188,7 @@ fn run_rates<T: Number>(
 fn run_bending<T: Number, W: Float>(
     step: &JointStep,
     at: impl Strips<Value = Pose<T>>,
-    pins: SinCos<'_, T>,
+    pins: impl SinCosBlocks<T>,
     torsion: View<'_, T>,
     outputs: &mut Outputs<'_, '_, W>,
 ) {
@@ -155,7 +210,7 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     step: &JointStep,
     at: impl Strips<Value = Pose<T>>,
     axes: [usize; 3],
-    pins: SinCos<'_, T>,
+    pins: impl SinCosBlocks<T>,
     torsion: View<'_, T>,
     outputs: &mut Outputs<'_, '_, W>,
 ) {

@@ -25,7 +25,7 @@ use crate::number::storage::{View, ViewMut};
 use crate::number::strips::{At, Same, Strips};
 use crate::run::formula::MotionFormula;
 use crate::run::sink::{PlainSink, STRIP, Sink, SinkStrip};
-use crate::sincos::array::{DriveAngles, SinCos, SinCosBlock, SinCosBlocks, sample_number};
+use crate::sincos::array::{DriveAngles, SinCosBlock, SinCosBlocks, sample_number};
 
 /// A value for each sample, from its inputs, sine and cosine.
 #[inline(always)]
@@ -44,6 +44,7 @@ pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
             let first = strip * STRIP;
             let (block, inputs) = (block.part(first, STRIP), inputs.strip(first, STRIP));
             let mut results = out.strip(first);
+            block.ask(0, STRIP);
             for i in 0..STRIP {
                 let (s, c) = block.get(i);
                 results.set(i, value(inputs.at(i), s, c));
@@ -162,6 +163,36 @@ pub(crate) fn angle_error<T: Number, C: Strips<Value: MotionFormula<T>>>(
     }
 }
 
+/// Angle or angle error and speed ratio in one loop, for moderate bends, by the formulas of two.
+#[inline(always)]
+pub(crate) fn rotation_and_ratio<T: Number, C: Strips<Value: MotionFormula<T>>>(
+    range: AtanRange,
+    at: C,
+    sin_cos: impl SinCosBlocks<T>,
+    rotation: impl Sink<T>,
+    ratio: impl Sink<T>,
+) {
+    macro_rules! by {
+        ($atan:expr) => {
+            over_sin_cos(
+                sin_cos,
+                at,
+                (rotation, ratio),
+                #[inline(always)]
+                |constants, s, c| {
+                    let (y, x) = constants.error_tangent(s, c);
+                    ($atan(y, x), constants.speed_ratio(s, c))
+                },
+            )
+        };
+    }
+    match range {
+        AtanRange::Hundredth => by!(T::atan_hundredth),
+        AtanRange::Tenth => by!(T::atan_tenth),
+        _ => by!(T::atan_third),
+    }
+}
+
 /// Angle or angle error, speed ratio and acceleration ratio in one loop, for moderate bends.
 /// Steeper bends use separate formulas with fewer roundings.
 #[inline(always)]
@@ -263,7 +294,7 @@ pub(crate) fn from_doubles<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: View
 #[inline(always)]
 pub(crate) fn parts<T: Real>(
     at: impl Strips<Value = Pose<T>>,
-    pins: SinCos<'_, T>,
+    pins: impl SinCosBlocks<T>,
     torsion: View<'_, T>,
     parts: [ViewMut<'_, T>; 3],
 ) {
@@ -283,7 +314,7 @@ pub(crate) fn parts<T: Real>(
 #[inline(always)]
 pub(crate) fn moment<const PLANAR: bool, T: Real>(
     at: impl Strips<Value = Pose<T>>,
-    pins: SinCos<'_, T>,
+    pins: impl SinCosBlocks<T>,
     torsion: View<'_, T>,
     out: [impl Sink<T>; 3],
 ) {
@@ -322,7 +353,7 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
 pub(crate) fn magnitude<T: Real>(
     at: impl Strips<Value = Pose<T>>,
     formula: impl Fn(&Pose<T>, T, T, T) -> T,
-    pins: SinCos<'_, T>,
+    pins: impl SinCosBlocks<T>,
     torsion: View<'_, T>,
     out: impl Sink<T>,
 ) {

@@ -1,11 +1,15 @@
 //! The motion of shafts for one chunk, over slices that fit in the first-level cache.
 
+use std::cell::Cell;
+
 use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::exact::Chains;
+use crate::mechanics::joint::JointConstants;
 use crate::mechanics::moment::Pose;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
+use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, ViewMut, views_mut};
 use crate::number::strips::{At, Same, Strips, mapped};
 use crate::plan::output::{Needs, Output};
@@ -20,9 +24,12 @@ use crate::run::sines::pins_of;
 use crate::run::sink::{AngleSink, ArrayAngle, Outputs, SteppedAngle, SweepAngle};
 use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
+use crate::sincos::fresh::FreshPins;
 use crate::sincos::rotation::{RotatedSinCos, Rotations};
 
-/// Motion of every shaft of the plan and tilts of every joint, for one chunk.
+/// Motion of every shaft of the plan and tilts of every joint, for one chunk. With `fresh` pins, the
+/// loop of the only shaft that needs pins finds them itself. Returns whether all results are valid:
+/// fresh pins are not if an angle is too large for the fast reduction.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_motion<T: Number, W: Float>(
@@ -38,7 +45,9 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     size: usize,
     row_offset: usize,
     compact: bool,
-) {
+    fresh: bool,
+) -> bool {
+    let too_large = Cell::new(LargeAngleFlag::for_quadrants());
     let Scratch { pins, double_sin_cos, groups, rotated_pins, turned_pins, rates, errors, .. } =
         scratch;
     let pins = pins_of(pins, size);
@@ -59,6 +68,17 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             run_drive_shaft::<T, W>(step, drive, rates, outputs, size);
             continue;
         };
+        if T::PRECISION.costs().fresh_pins
+            && outputs.has_wide_registers()
+            && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
+                (fresh, drive, geometry)
+        {
+            let constants = shaft.equivalents(geometry, size).at(index);
+            run_fresh(
+                step, range, constants, angles, &too_large, rates, errors, outputs, size, compact,
+            );
+            continue;
+        }
         let has_own = T::LOW && shaft.has_offsets();
         let sin_cos = if has_own {
             turned::find_own_pins(
@@ -124,6 +144,32 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         with_constants!(compact, geometry, poses, at => {
             run_tilts(step, at, pins, outputs);
         });
+    }
+    !too_large.get().any()
+}
+
+/// Outputs of the only shaft that needs pins, which its loop finds itself.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
+fn run_fresh<T: Number, W: Float>(
+    step: &ShaftStep,
+    range: AtanRange,
+    (joint, turn): (JointConstants<T>, [T; 2]),
+    angles: &[f64],
+    too_large: &Cell<LargeAngleFlag>,
+    rates: [&mut Column<T>; 2],
+    errors: ViewMut<'_, T>,
+    outputs: &mut Outputs<'_, '_, W>,
+    size: usize,
+    compact: bool,
+) {
+    let (drive, at) = (DriveAngles::Array(angles), Same(joint));
+    if step.shaft > 1 {
+        let pins = FreshPins::<T, true> { angles, turn, too_large };
+        run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
+    } else {
+        let pins = FreshPins::<T, false> { angles, turn, too_large };
+        run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
     }
 }
 
@@ -198,6 +244,23 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
 ) {
     if let Some(plane) = step.planes.get(Output::JerkRatio) {
         map::formula(S::jerk_ratio, at, pins, outputs.plane(plane));
+    }
+    if P::FRESH
+        && let (true, Some([rotation, ratio]), None, DriveAngles::Array(angle)) = (
+            S::MODERATE && range.is_moderate(),
+            step.combined_pair(),
+            step.planes.get(Output::AccelerationRatio),
+            drive,
+        )
+    {
+        let [rotation, ratio] = outputs.several([rotation, ratio]);
+        if step.planes.get(Output::Angle).is_some() {
+            let rotation = AngleSink(ArrayAngle(&angle[..size]), rotation);
+            map::rotation_and_ratio(range, at, pins, rotation, ratio);
+        } else {
+            map::rotation_and_ratio(range, at, pins, rotation, ratio);
+        }
+        return;
     }
     let together = step.combined_planes().filter(|_| S::MODERATE && range.is_moderate());
     if let Some([rotation, ratio, acceleration]) = together {

@@ -3,7 +3,7 @@
 use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
 use crate::plan::route::{Route, Routes};
-use crate::plan::steps::Plan;
+use crate::plan::steps::{JointStep, Plan};
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::fold::Folded;
 use crate::run::scratch::Scratch;
@@ -60,6 +60,26 @@ pub(crate) fn find_double_angles<T: Number>(
     }
     if T::PRECISION.costs().double_angle {
         rotations.sin_cos(groups, sine, cosine);
+    }
+}
+
+/// Whether the only loop of a chunk of an array that needs pins can find them itself.
+#[inline(always)]
+pub(crate) fn are_fresh<T: Number>(
+    plan: &Plan,
+    routes: &Routes,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+) -> bool {
+    let loops: usize = plan.joints.iter().map(JointStep::pin_loops).sum();
+    let mut moving = plan.moving();
+    match (moving.next(), moving.next(), loops) {
+        (None, _, 1) => !plan.needs_sense(),
+        (Some(step), None, 0) => {
+            let (route, range) = folded.route(routes, step.shaft, geometry);
+            route == Route::Tangent && step.has_one_loop(range.is_moderate())
+        }
+        _ => false,
     }
 }
 

@@ -1,5 +1,7 @@
 //! Sinks: the destinations of the kernels' results.
 
+use std::ops::Range;
+
 use cardan_memory::{Plane, Stores};
 
 use crate::input::sweep::Sweep;
@@ -109,34 +111,52 @@ impl<T: Real> SinkStrip<T> for NumberStrip<T> {
     }
 }
 
-/// The planes of a chunk, and how the function's instruction set stores strips in them.
+/// The planes of a chunk's results, and how the function's instruction set stores strips in them.
 pub(crate) struct Outputs<'a, 'b, W> {
-    pub(crate) planes: &'a mut [Plane<'b, W>],
-    pub(crate) stores: Stores,
+    planes: &'a mut [Plane<'b, W>],
+    first: usize,
+    size: usize,
+    stores: Stores,
 }
 
-impl<W: Float> Outputs<'_, '_, W> {
+impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
+    /// The chunk's window of these planes.
+    #[inline(always)]
+    pub(crate) fn new(
+        planes: &'a mut [Plane<'b, W>],
+        window: &Range<usize>,
+        stores: Stores,
+    ) -> Self {
+        Self { planes, first: window.start, size: window.len(), stores }
+    }
+
+    /// Whether the registers of the function hold a cache line.
+    #[inline(always)]
+    pub(crate) fn has_wide_registers(&self) -> bool {
+        self.stores.has_wide_registers()
+    }
+
     /// A plane, for writing in strips.
     #[inline(always)]
     pub(crate) fn plane(&mut self, plane: usize) -> Words<'_, W> {
-        let plane = &mut self.planes[plane];
-        Words { plane: plane.part(0..plane.len()), stores: self.stores }
+        let window = self.first..self.first + self.size;
+        Words { plane: self.planes[plane].part(window), stores: self.stores }
     }
 
     /// Several planes, for writing in strips.
     #[inline(always)]
     pub(crate) fn several<const N: usize>(&mut self, planes: [usize; N]) -> [Words<'_, W>; N] {
-        let stores = self.stores;
+        let Self { first, size, stores, .. } = *self;
         let planes = self.planes.get_disjoint_mut(planes);
         planes
             .expect("a plan gives every output planes of its own")
-            .map(|plane| Words { plane: plane.part(0..plane.len()), stores })
+            .map(|plane| Words { plane: plane.part(first..first + size), stores })
     }
 
     /// The words of a plane.
     #[inline(always)]
     pub(crate) fn words(&mut self, plane: usize) -> &mut [W] {
-        self.planes[plane].words()
+        &mut self.planes[plane].words()[self.first..self.first + self.size]
     }
 }
 

@@ -14,7 +14,7 @@ use crate::plan::steps::Plan;
 use crate::run::block::{Block, CHUNK, Shared, Target};
 use crate::run::execution::Execution;
 use crate::run::fold::FoldedDriveline;
-use crate::run::level::Level;
+use crate::run::level::{Level, has_wide_registers};
 use crate::run::queue::work_off;
 use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
@@ -154,7 +154,13 @@ impl<'a, 's> Run<'a, 's> {
         let folded = folded.filter(|_| usable).and_then(T::folded);
         let bytes = table.samples().saturating_mul(size_of::<W>()).saturating_mul(plan.planes + 1);
         let past_caches = bytes >= PAST_CACHES;
-        Shared { plan, table, level, routes, tables, folded, past_caches, stop: execution.stop }
+        let fresh_pins = T::PRECISION.costs().fresh_pins
+            && has_wide_registers(level)
+            && one
+            && table.rows() == 1
+            && table.sweep.is_none();
+        let stop = execution.stop;
+        Shared { plan, table, level, routes, tables, folded, past_caches, fresh_pins, stop }
     }
 }
 

@@ -59,6 +59,9 @@ pub(crate) trait SinCosBlocks<T>: Copy {
     /// Whether they are computed by rotations of a sweep's groups.
     const FROM_SWEEP: bool = false;
 
+    /// Whether the loop finds them itself.
+    const FRESH: bool = false;
+
     /// The angles of whole steps of such a sweep, as many as the longest block.
     fn turns(&self) -> View<'_, DoubleDouble> {
         View::EMPTY
@@ -76,6 +79,11 @@ pub(crate) trait SinCosBlock<T>: Copy {
     fn part(&self, start: usize, length: usize) -> Self;
 
     fn get(&self, i: usize) -> (T, T);
+
+    /// Requests the memory of samples from `i` on, which may lie behind the block, and is read in a
+    /// while.
+    #[inline(always)]
+    fn ask(&self, _: usize, _: usize) {}
 }
 
 impl<T: Real> SinCosBlocks<T> for SinCos<'_, T> {
@@ -441,9 +449,14 @@ pub(crate) fn rotate<T: Real>(
     let length = pins.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
     for i in 0..length {
-        let (s, c) = pins.get(i);
-        let [turn_cos, turn_sin] = at.at(i);
-        sine.set(i, s.mul_add(turn_cos, c * turn_sin));
-        cosine.set(i, c.mul_add(turn_cos, -(s * turn_sin)));
+        let (s, c) = turned_pin(pins.get(i), at.at(i));
+        sine.set(i, s);
+        cosine.set(i, c);
     }
+}
+
+/// A pin turned by the angle with this cosine and sine.
+#[inline(always)]
+pub(super) fn turned_pin<T: Real>((s, c): (T, T), [turn_cos, turn_sin]: [T; 2]) -> (T, T) {
+    (s.mul_add(turn_cos, c * turn_sin), c.mul_add(turn_cos, -(s * turn_sin)))
 }

@@ -1,0 +1,62 @@
+//! Pins that are not stored.
+
+use std::cell::Cell;
+use std::iter::once;
+
+use crate::number::reduction::LargeAngleFlag;
+use crate::number::trig::Angle;
+use crate::sincos::array::{PinLine, SinCosBlock, SinCosBlocks, SinCosKind, turned_pin};
+
+/// Pins of an array of angles, found by the loop that needs them. `TURNED` ones are of the sum of
+/// each angle and that of a chain's turn, as [`crate::sincos::array::rotate`] finds them.
+#[derive(Clone, Copy)]
+pub(crate) struct FreshPins<'a, T, const TURNED: bool> {
+    pub(crate) angles: &'a [f64],
+    /// Cosine and sine of the turn.
+    pub(crate) turn: [T; 2],
+    /// Records angles that are too large for the fast reduction. Their pins are meaningless.
+    pub(crate) too_large: &'a Cell<LargeAngleFlag>,
+}
+
+/// How many samples ahead the angles of fresh pins are requested.
+const AHEAD: usize = 512;
+
+impl<T: Angle, const TURNED: bool> SinCosBlocks<T> for FreshPins<'_, T, TURNED> {
+    type SinCosBlock = Self;
+
+    const FRESH: bool = true;
+
+    #[inline(always)]
+    fn parts(self) -> impl Iterator<Item = (usize, Self)> {
+        once((0, self))
+    }
+}
+
+impl<T: Angle, const TURNED: bool> SinCosBlock<T> for FreshPins<'_, T, TURNED> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.angles.len()
+    }
+
+    #[inline(always)]
+    fn part(&self, start: usize, length: usize) -> Self {
+        Self { angles: &self.angles[start..start + length], ..*self }
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> (T, T) {
+        let reduced = T::reduce(self.angles[i]);
+        let mut too_large = self.too_large.get();
+        too_large.accumulate(reduced.1);
+        self.too_large.set(too_large);
+        let pin = PinLine::sin_cos(reduced);
+        if TURNED { turned_pin(pin, self.turn) } else { pin }
+    }
+
+    #[inline(always)]
+    fn ask(&self, i: usize, length: usize) {
+        for line in (0..length).step_by(8) {
+            cardan_memory::ask(self.angles, i + AHEAD + line);
+        }
+    }
+}

@@ -1,0 +1,74 @@
+"""Loops that find their pins themselves give the bits of those that read them from a buffer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from cardan import Driveline, Load, _core
+from cardan.plan import Plan
+from cardan.result import Result
+
+ALONE = [
+    ["angle"],
+    ["angle_error"],
+    ["speed_ratio"],
+    ["acceleration_ratio"],
+    ["speed_ratio", "acceleration_ratio"],
+    ["angle", "speed_ratio"],
+    ["angle_error", "speed_ratio"],
+    ["angle", "speed_ratio", "acceleration_ratio"],
+    ["jerk_ratio"],
+]
+LOADED = [["moment"], ["bending_driving"], ["bending_driven"], ["support_moment"]]
+LINES = {
+    "joint": Driveline.from_bends([0.5]),
+    "small": Driveline.from_bends([0.01]),
+    "steep": Driveline.from_bends([1.4]),
+    "chain": Driveline.from_bends([0.2, 0.3, 0.1], [0.3, 0.2], [0.1, 0.4]),
+    "steep chain": Driveline.from_bends([0.9, 0.8, 0.4], [0.3, 0.2], [0.1, 0.4]),
+}
+
+
+def angles() -> NDArray[np.float64]:
+    """Several chunks; some of them hold angles that the fast reduction cannot take."""
+    angle = np.linspace(-40.0, 60.0, 5000)
+    for i, value in enumerate([1e13, -3e18, 1e300, np.inf, -np.inf, np.nan, 1.7e12, -0.0, 0.0]):
+        angle[1030 + 17 * i] = value
+    angle[-1] = 5e15
+    return angle
+
+
+def equal(one: Result, other: Result, names: list[str]) -> bool:
+    return all(one[name].tobytes() == other[name].tobytes() for name in names)
+
+
+@pytest.mark.parametrize("level", _core.levels())
+@pytest.mark.parametrize("line", LINES.values(), ids=LINES)
+def test_another_output_changes_no_bit(line: Driveline, level: str) -> None:
+    # Another shaft or joint, or the jerk, needs a second loop, so that the pins are stored.
+    angle, load = angles(), Load(drive_torque=50.0)
+    for names in ALONE:
+        more = [*names, "jerk_ratio"] if names != ["jerk_ratio"] else [*names, "speed_ratio"]
+        alone, together = (Plan(line, which, level=level)(angle) for which in (names, more))
+        assert equal(alone, together, names), names
+    for names in LOADED:
+        more = [*names, "tilt_driven"] if names[0] != "moment" else [*names, "bending_driven"]
+        plans = (Plan(line, which, load=load, level=level) for which in (names, more))
+        alone, together = (plan(angle) for plan in plans)
+        assert equal(alone, together, names), names
+
+
+@pytest.mark.parametrize("names", [["angle", "speed_ratio"], ["speed_ratio"], ["moment"]])
+def test_results_past_the_caches_have_the_bits_of_short_calls(names: list[str]) -> None:
+    line, load = LINES["joint"], Load(drive_torque=50.0)
+    angle = np.linspace(0.0, 1e4, 3_300_000)
+    angle[2_000_003], angle[3_299_999] = 1e200, np.nan
+    plan = Plan(line, names, load=load)
+    whole, piece = plan(angle), slice(1_990_000, 2_010_000)
+    for part in (piece, slice(3_290_000, None), slice(0, 1000)):
+        own = plan(angle[part].copy())
+        for name in names:
+            found = whole[name][:, part] if name == "moment" else whole[name][part]
+            np.testing.assert_array_equal(found.view(np.ndarray), own[name])
