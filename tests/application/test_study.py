@@ -400,7 +400,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         (TWO + "[study]\n", "line 4: [study] is empty; give at least one key"),
         (
             STUDY + '"bends_deg.1" = [1, 2]',
-            "line 6: [study] unknown key 'bends_deg.1'; write it without quotes",
+            "line 7: [study] unknown key 'bends_deg.1'; write it without quotes",
         ),
         (
             STUDY + "bends_deg = 3",

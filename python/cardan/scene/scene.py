@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
@@ -22,13 +23,14 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
 from cardan.scene.angles import Angles
-from cardan.scene.axes import axes_of
+from cardan.scene.axes import grid_of
 from cardan.scene.ball_joint import BallJointCase, ball_joint_case
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
 from cardan.scene.bearings import LENGTHS, Mounting, lengths_of
 from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
+from cardan.scene.layout import Layout
 from cardan.scene.parts import (
     at_samples,
     check_load,
@@ -43,6 +45,7 @@ from cardan.scene.reductions import LENGTH
 from cardan.scene.requested import check_forces, items, requested, to_reduce
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
+from cardan.scene.states import States, states_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -80,6 +83,9 @@ class Scene:
         slip: the spline of a shaft that changes its length, if the scene gives one.
         time: recorded times in s, ``(samples,)``, if any.
         signals: the extents of what was recorded besides angles and bends.
+        layout: the keys that describe the driveline; ``None`` if its bends were recorded.
+        states: the states that the scene lists, if it does. ``line`` is the driveline of
+            [driveline], whether that is one of them or not.
     """
 
     name: str
@@ -104,6 +110,8 @@ class Scene:
     slip: Slip | None = None
     time: FloatArray | None = None
     signals: tuple[Signal, ...] = ()
+    layout: Layout | None = None
+    states: States | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -232,7 +240,7 @@ class Scene:
             with document.within(f"bearing.{i}"):
                 mounting = mounting.and_bearing(bearing, line)
         line = mounting.on(line)
-        for section in ("load", "study"):
+        for section in ("load", "study", "states"):
             with document.within(section):
                 check_not_recorded(given.get(section, {}), angle.load)
         with document.within("load"):
@@ -244,7 +252,7 @@ class Scene:
                 )
             if loaded is not None:
                 check_load(loaded, line.n_joints)
-                load = make_load(loaded, given.get("study", {}))
+                load = make_load(loaded, {**given.get("study", {}), **given.get("states", {})})
         with document.within("output"):
             quantities = requested(output, loaded)
             shafts = items(output, "shafts", line.n_joints + 1)
@@ -267,6 +275,13 @@ class Scene:
             slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
         with document.within("ball_joint"):
             ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
+        layout = None if angle.bends is not None else Layout(form, driveline, loaded, mounting)
+        states = None
+        with document.within("states"):
+            if "states" in given:
+                if layout is None:
+                    raise ValueError("it does not go with recorded bends, which differ by sample")
+                states = states_of(given["states"], layout)
         study = None
         with document.within("study"):
             varied = given.get("study", {})
@@ -278,7 +293,7 @@ class Scene:
                 if angle.bends_to_reduce is not None:
                     reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
                 study = Study(
-                    axes_of(varied, driveline, loaded),
+                    grid_of(varied, driveline, loaded),
                     form,
                     reduced,
                     reduced_load,
@@ -319,6 +334,8 @@ class Scene:
             slip=slip,
             time=angle.time,
             signals=angle.signals,
+            layout=layout,
+            states=states,
         )
 
     @property
@@ -362,6 +379,35 @@ class Scene:
     def accelerates(self) -> bool:
         """Whether the speed of the drive changes."""
         return self.load_case is not None and bool(np.any(self.load_case.acceleration != 0.0))
+
+    def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
+        """Return the driveline in every state of the scene, or as a batch of one without [states].
+
+        Args:
+            changes: values by path, as for ``States.drivelines``.
+
+        Raises:
+            ValueError: as for ``States.drivelines``; bends that were recorded.
+        """
+        if self.states:
+            return self.states.drivelines(changes)
+        if self.layout is None:
+            raise ValueError(f"{self.name}: the bends were recorded; they have no keys to change")
+        return self.layout.drivelines(changes=changes)
+
+    def in_state(self, state: int) -> Self:
+        """Return the scene of one of its states alone, without [states] and [study]."""
+        if self.states is None:
+            raise ValueError(f"{self.name}: it has no section [states]")
+        return replace(
+            self,
+            line=self.states.driveline(state),
+            load_case=self.states.load(state),
+            points=self.states.points(state),
+            study=None,
+            layout=None,
+            states=None,
+        )
 
     def run(self, progress: Progress | None = None) -> SceneResult:
         """Evaluate the scene and its study; writes nothing.
