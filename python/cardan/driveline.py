@@ -9,16 +9,16 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cardan import _core, approximations, geometry, threads
+from cardan import approximations, geometry
 from cardan.arrays import FloatArray, deferring
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
 from cardan.driven_angle import planned
 from cardan.equivalent import EquivalentJoint, Transmission, equivalent
 from cardan.harmonics import Harmonics
-from cardan.in_service import InService
 from cardan.limits import Limits
 from cardan.load import Load
+from cardan.phased import Phased
 from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
 from cardan.request import AngleOf, Axes, Items, Reduction, is_index, item_index
@@ -26,7 +26,7 @@ from cardan.result import Result
 from cardan.sweep import Sweep
 
 
-class Driveline(InService):
+class Driveline(Phased):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or
@@ -267,30 +267,6 @@ class Driveline(InService):
             TypeError: a shaft that is not an integer.
         """
         return Transmission(self, shaft)
-
-    def optimal_phases(self, *, degrees: bool = False) -> FloatArray:
-        """Return the phases that bring the last shaft closest to constant velocity.
-
-        With ``L = ln sec(bend)`` exact constant velocity is possible if and only if the largest
-        ``L`` is not more than all others together; then these phases reach it. Otherwise they line
-        all joints up against the largest, which leaves the least possible equivalent bend. Of all
-        such phases they are those to which the yokes turn least from their present ones (least sum
-        of squares; with four or more bent joints least within their neighbourhood).
-
-        Two joints at ``p = phase - twist + 90°`` make ``cosh L = cosh L_1 cosh L_2 + sinh L_1 sinh
-        L_2 cos 2p`` (from Thoma 4), the law of cosines of the hyperbolic plane, where constant
-        velocity is a closed polygon of sides ``L``.
-
-        Args:
-            degrees: whether to return the phases in degrees.
-
-        Returns:
-            phases in rad or degrees, ``(..., n - 1)``, for ``with_phases``.
-        """
-        bends, twists, present, *_ = self._geometry.flat()
-        best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
-        phases = best.reshape(self.phases.shape)
-        return np.degrees(phases) if degrees else phases
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
