@@ -45,7 +45,7 @@ from cardan.scene.reductions import LENGTH
 from cardan.scene.requested import check_forces, items, requested, to_reduce
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
-from cardan.scene.states import States, states_of
+from cardan.scene.states import States, states_of, states_result, with_states
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -73,7 +73,7 @@ class Scene:
         joints: the joints that the scene names; ``None`` for all.
         teeth: of the spline of each intermediate shaft; empty if the scene gives none.
         options: further arguments of ``Driveline.evaluate``.
-        study: what to vary and the figures wanted, if any.
+        study: what to vary and the figures wanted, if any; with [states] the figures of each.
         recording: file that the drive angles come from, if any.
         curves_file: name of the file for the curves, if any.
         table_file: name of the file for the table of the study, if any.
@@ -161,8 +161,10 @@ class Scene:
         document, folder = Document(read_text(path), fspath(path)), Path(path).parent
         recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
         with document.within(""):
-            if not recorded or "study" in document.sections:
-                raise ValueError("it must have a section [angles] and no [study] to be streamed")
+            if not recorded or document.sections.keys() & {"study", "states"}:
+                raise ValueError(
+                    "it must have a section [angles], no [study] and no [states] to be streamed"
+                )
         with document.within("output"):
             if not str(output.get("curves", "")).endswith(".parquet"):
                 raise ArgumentValueError(
@@ -221,6 +223,11 @@ class Scene:
                     "section [driveline] is missing; it describes the joints and shafts"
                     + (alone if is_alone(document) else "")
                 )
+            if given.keys() >= {"study", "states"}:
+                raise ValueError(
+                    "sections [study] and [states] are both given; a study varies the design, "
+                    "states are positions of one design: give one of them"
+                )
             if given.keys() >= set(DRIVE_ANGLES):
                 both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
                 raise ValueError(f"sections {both} are both given; give one of them")
@@ -262,7 +269,7 @@ class Scene:
             check_axes(quantities, output.get("axes", "space"))
             if angle.bends is not None and "closed_forms" in output:
                 raise ArgumentValueError("closed_forms", "do not go with recorded bends")
-            wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
+            wanted = given.keys() & {"study", "states"} | output.keys() & {"reduce", "closed_forms"}
             if LENGTH in output.get("closed_forms", ()) and "points" not in form.keys[0]:
                 raise ArgumentValueError("closed_forms", "'length' needs points_mm or points_m")
             if "table" in output and output["table"] == output.get("curves"):
@@ -270,7 +277,9 @@ class Scene:
                     "table", f"is {output['table']!r}; that is the file of the curves"
                 )
             if "table" in output and not wanted:
-                raise ArgumentValueError("table", "needs a section [study], reduce or closed_forms")
+                raise ArgumentValueError(
+                    "table", "needs a section [study] or [states], reduce or closed_forms"
+                )
         with document.within("slip"):
             slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
         with document.within("ball_joint"):
@@ -289,7 +298,7 @@ class Scene:
                 raise ArgumentValueError(next(iter(varied)), "does not go with recorded bends")
             if wanted:
                 default = () if angle.bends is not None else _CLOSED_FORMS
-                reduced = driveline
+                reduced, caused = driveline, with_states(loaded, given.get("states", {}))
                 if angle.bends_to_reduce is not None:
                     reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
                 study = Study(
@@ -298,7 +307,7 @@ class Scene:
                     reduced,
                     reduced_load,
                     angle.to_reduce,
-                    to_reduce(output, quantities, loaded),
+                    to_reduce(output, quantities, caused),
                     tuple(output.get("reduce", ("peak",))),
                     tuple(output.get("closed_forms", default)),
                     shafts,
@@ -396,7 +405,7 @@ class Scene:
         return self.layout.drivelines(changes=changes)
 
     def in_state(self, state: int) -> Self:
-        """Return the scene of one of its states alone, without [states] and [study]."""
+        """Return the scene of one of its states alone, without [states]."""
         if self.states is None:
             raise ValueError(f"{self.name}: it has no section [states]")
         return replace(
@@ -404,7 +413,7 @@ class Scene:
             line=self.states.driveline(state),
             load_case=self.states.load(state),
             points=self.states.points(state),
-            study=None,
+            study=self.study and self.states.study(self.study, state),
             layout=None,
             states=None,
         )
@@ -420,10 +429,15 @@ class Scene:
         """
         values = self.evaluate()
         try:
-            study = self.study.run(progress) if self.study else None
+            study = self._table(progress)
         except ValueError as error:
             raise SceneError.of(error, self.name, "study") from None
         return SceneResult(self, values, study)
+
+    def _table(self, progress: Progress | None) -> StudyResult | None:
+        if self.states and self.study:
+            return states_result(self.states, self.study, progress)
+        return self.study.run(progress) if self.study else None
 
     def evaluate(self) -> Result:
         """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
@@ -437,6 +451,8 @@ class Scene:
     def explain(self) -> str:
         """Describe how the curves over the drive angle and the study are evaluated."""
         curves: str = self.plan().explain(self.angle)
+        if self.states and self.study:
+            return f"{curves}\n\neach of {self.states.count} states:\n{self.study.explain()}"
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves
 
     def _arguments(self) -> dict[str, Any]:
@@ -457,7 +473,7 @@ class SceneResult:
         values: its quantities in SI units by name, over the drive angles: ``(samples,)`` for the
             last shaft, ``(shafts, samples)`` for shafts that the scene names, ``(joints, samples,
             3)`` for the moments of the joints.
-        study: the table of its study, if it has one.
+        study: the table of its study, if it has one; with [states] a ``StatesResult``.
     """
 
     scene: Scene

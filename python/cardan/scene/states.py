@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +12,18 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
+from cardan.files.progress import Progress
 from cardan.load import Load
 from cardan.scene.axes import Axis, axes_of
 from cardan.scene.axis_rules import Spread
 from cardan.scene.errors import StatePointError
-from cardan.scene.format import OF_STATES
+from cardan.scene.format import FORMAT, OF_STATES
 from cardan.scene.layout import Layout
 from cardan.scene.parts import make_load
+from cardan.scene.study import Study, StudyResult
+
+STATE = "state"
+"""The key of a table over states: the number of the state, counted from 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +47,11 @@ class States:
     def count(self) -> int:
         """Number of states."""
         return len(self.names)
+
+    @property
+    def set_phases(self) -> bool:
+        """Whether the states set phases themselves, so that no one setting serves all."""
+        return any(axis.name == "phases_deg" for axis in self.axes)
 
     def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
         """Return the driveline in every state: a batch ``(count,)`` in the order of ``names``.
@@ -79,9 +89,17 @@ class States:
 
     def load(self, state: int) -> Load | None:
         """Return the load in one state, if there is one."""
-        if self.layout.load is None:
-            return None
-        values: dict[str, Any] = dict(self.layout.load)
+        return None if self.layout.load is None else make_load(self._loads(self.layout.load, state))
+
+    def study(self, of_one: Study, state: int) -> Study:
+        """Return what a study without keys that vary computes of one state."""
+        values = self.layout.values(self.axes, self.count)
+        load = None if of_one.load is None else self._loads(of_one.load, state)
+        driveline = {key: value[state] for key, value in values.items()}
+        return replace(of_one, driveline=driveline, load=load)
+
+    def _loads(self, load: Mapping[str, Any], state: int) -> dict[str, Any]:
+        values: dict[str, Any] = dict(load)
         for axis in self.axes:
             if axis.section == "load" and axis.place is None:
                 values[axis.name] = float(axis.values[state])
@@ -89,7 +107,7 @@ class States:
                 entries = np.array(values[axis.name], dtype=np.float64)
                 entries[axis.place] = axis.values[state]
                 values[axis.name] = entries
-        return make_load(values)
+        return values
 
     def _one(self, values: Mapping[str, FloatArray], state: int) -> Driveline:
         try:
@@ -99,6 +117,59 @@ class States:
             section = "driveline" if error.argument in values else "bearing"
             what = (error.argument, error.problem, error.place, section, point)
             raise StatePointError(*what, self.names[state]) from None
+
+
+@dataclass(frozen=True, eq=False)
+class StatesResult(StudyResult):
+    """The figures of every state, as a study over the number of the state, counted from 0.
+
+    Attributes:
+        states: the states.
+    """
+
+    states: States
+
+    def coordinates(self) -> dict[str, FloatArray]:
+        """Return the number of each state and its values of the keys that vary."""
+        return {
+            **super().coordinates(),
+            **{axis.key: axis.values for axis in self.states.axes},
+        }
+
+    def grid(self) -> dict[str, FloatArray]:
+        """Return the same: all keys vary together, along one dimension."""
+        return self.coordinates()
+
+
+def states_result(states: States, of_one: Study, progress: Progress | None = None) -> StatesResult:
+    """Evaluate a study without keys that vary in every state.
+
+    Args:
+        states: the states.
+        of_one: what to compute of each.
+        progress: called after each state.
+    """
+    results = []
+    for state in range(states.count):
+        results.append(states.study(of_one, state).run())
+        if progress:
+            progress(state + 1, states.count)
+    columns = results[0].columns
+    values = {
+        column.name: np.array([float(each.values[column.name]) for each in results])
+        for column in columns
+    }
+    axis = Axis(STATE, "states", STATE, None, None, np.arange(float(states.count)))
+    return StatesResult((axis,), columns, values, states)
+
+
+def with_states(
+    load: Mapping[str, Any] | None, given: Mapping[str, Any]
+) -> Mapping[str, Any] | None:
+    """Return the keys of a load and those that only the states give."""
+    if load is None:
+        return None
+    return {**{key: given[key] for key in given if key in FORMAT["load"].keys}, **load}
 
 
 def states_of(given: Mapping[str, Any], layout: Layout) -> States:
