@@ -276,7 +276,7 @@ def commands() -> click.Group:
     @click.option(
         "--study",
         metavar="FIGURE",
-        help="Draw this figure of the study instead.",
+        help="Draw this figure of the study or of the states instead.",
     )
     @click.option(
         "--over",
