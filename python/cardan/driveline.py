@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan import approximations, geometry
-from cardan.arrays import FloatArray, deferring
+from cardan.arrays import FloatArray, as_float64, deferring
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
 from cardan.driven_angle import planned
@@ -23,6 +23,7 @@ from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
 from cardan.request import AngleOf, Axes, Items, Reduction, is_index, item_index
 from cardan.result import Result
+from cardan.steering import Steering, steering
 from cardan.sweep import Sweep
 
 
@@ -267,6 +268,25 @@ class Driveline(Phased):
             TypeError: a shaft that is not an integer.
         """
         return Transmission(self, shaft)
+
+    def steering(self, centre: ArrayLike = 0.0, *, degrees: bool = False) -> Steering:
+        """Return what the driveline does as a steering column about straight ahead.
+
+        Args:
+            centre: angle of shaft 0 straight ahead, as drive angles count; broadcasts against the
+                batch.
+            degrees: whether it is in degrees.
+
+        Returns:
+            ratio straight ahead and its slope, how far straight ahead is from symmetry of left and
+            right, and how to turn the driving yoke of joint 0 to reach it.
+
+        Raises:
+            TypeError: angles that are not real numbers.
+            ValueError: shapes that do not broadcast.
+        """
+        angle = np.radians(centre) if degrees else as_float64("centre", centre)
+        return steering(self.equivalent(), self.transmission().motion(angle), angle)
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.

@@ -501,7 +501,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         ),
         (
             TWO + "[output]\ntable = 'a.csv'",
-            "line 5: [output] table needs a section [study], reduce or closed_forms",
+            "line 5: [output] table needs a section [study] or [states], reduce or closed_forms",
         ),
         (
             TWO + "[output]\nreduce = 'rms'\ncurves = 'a.csv'\ntable = 'a.csv'",

@@ -44,6 +44,7 @@ from cardan.figures.run import run_data
 from cardan.figures.schema import answers_schema
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
+from cardan.figures.steering import steering_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
@@ -65,6 +66,7 @@ from cardan.words.limits import check_text
 from cardan.words.signals import signals_text
 from cardan.words.slip import slip_text
 from cardan.words.states import states_text, verdicts_text
+from cardan.words.steering import steering_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
@@ -83,6 +85,8 @@ def _besides(scene: Scene) -> Iterator[str]:
         yield forces_text(forces)
     if slip := slip_figures(scene):
         yield slip_text(slip)
+    if steered := steering_figures(scene):
+        yield steering_text(steered)
     if scene.ball_joint:
         yield ball_joint_text(scene.ball_joint)
 
@@ -226,6 +230,8 @@ def commands() -> click.Group:
             say_before_files(f"\n{forces_text(forces, radians=radians)}")
         if slip := slip_figures(whole):
             say_before_files(f"\n{slip_text(slip)}")
+        if steered := steering_figures(whole):
+            say_before_files(f"\n{steering_text(steered)}")
         if whole.ball_joint:
             say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
         if isinstance(result.study, StatesResult):

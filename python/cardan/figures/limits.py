@@ -25,6 +25,7 @@ from cardan.figures.rounding import alike
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
+from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -125,6 +126,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         more["forces"] = forces_data(forces)
     if slip := slip_figures(scene):
         more["slip"] = slip_data(slip)
+    if steered := steering_figures(scene):
+        more["steering"] = steering_data(steered)
     if scene.states:
         more["states"] = verdicts_data(scene, found)
     if scene.ball_joint:
@@ -151,6 +154,9 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
 def passes(scene: Scene | BallJointScene) -> bool:
     """Whether what a scene has besides its driveline is within what the scene allows."""
     slip = slip_figures(scene) if isinstance(scene, Scene) else None
+    steered = steering_figures(scene) if isinstance(scene, Scene) else None
+    if steered is not None and not steered.passes:
+        return False
     case = scene.ball_joint
     return (slip is None or slip.passes) and (case is None or ball_joint_figures(case).passes)
 
@@ -250,6 +256,7 @@ CHECK_SCHEMA = answers_with(
         "drive_speed": DRIVE_SPEED_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
+        "steering": STEERING_SCHEMA,
         "states": VERDICTS_SCHEMA,
     },
 )

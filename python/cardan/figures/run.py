@@ -11,6 +11,7 @@ from cardan.figures.extremes import StudyTable, study_data
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import STATES_SCHEMA, forces_of, states_data
+from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.figures.summary import Row, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -47,6 +48,8 @@ def run_data(
         data["forces"] = forces_data(forces, radians=radians)
     if slip := slip_figures(scene):
         data["slip"] = slip_data(slip)
+    if steered := steering_figures(scene):
+        data["steering"] = steering_data(steered)
     if scene.ball_joint:
         data["ball_joint"] = ball_joint_data(scene.ball_joint, radians=radians)
     return {**data, "files": list(files)}
@@ -149,6 +152,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
     optional={
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
+        "steering": STEERING_SCHEMA,
         "states": STATES_SCHEMA,
         "study": record(
             {

@@ -16,6 +16,7 @@ from cardan import __version__
 from cardan.arrays import FloatArray
 from cardan.figures.limits import check_scene
 from cardan.figures.slip import slip_figures
+from cardan.figures.steering import steering_figures
 from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
@@ -27,6 +28,7 @@ from cardan.report.limits import limits_table
 from cardan.report.samples import Panel, Samples, evaluated
 from cardan.report.slip import slip
 from cardan.report.states import states
+from cardan.report.steering import steering
 from cardan.report.study import study
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
@@ -50,7 +52,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
-    spline, table = slip_figures(scene), result.study
+    spline, table, steered = slip_figures(scene), result.study, steering_figures(scene)
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
         answer(scene, samples, found, yokes),
@@ -74,6 +76,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         ],
         ball_joint=joint,
         slip=slip(spline) if spline else None,
+        steering=steering(steered) if steered else None,
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )

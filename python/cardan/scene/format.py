@@ -23,6 +23,7 @@ from cardan.scene.paths import pattern_schemas
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
+from cardan.scene.steering import STEERING
 from cardan.scene.units import RPM
 
 
@@ -294,6 +295,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             fewest=1,
         ),
         "slip": SLIP,
+        "steering": STEERING,
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",

@@ -29,23 +29,24 @@ from cardan.scene.ball_joint_scene import BallJointScene, is_alone
 from cardan.scene.bearings import LENGTHS, Mounting, lengths_of
 from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
-from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
+from cardan.scene.format import TEETH, describe
 from cardan.scene.layout import Layout
 from cardan.scene.parts import (
     at_samples,
     check_load,
     check_not_recorded,
-    form_of,
+    filled,
     make_driveline,
     make_load,
     teeth_of,
 )
 from cardan.scene.recorded import Recording
 from cardan.scene.reductions import LENGTH
-from cardan.scene.requested import check_forces, items, requested, to_reduce
+from cardan.scene.requested import check_forces, check_sections, items, requested, to_reduce
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
-from cardan.scene.states import States, states_of, states_result, with_states
+from cardan.scene.states import States, states_of, table_of, with_states
+from cardan.scene.steering import SteeringColumn, steering_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -86,6 +87,7 @@ class Scene:
         layout: the keys that describe the driveline; ``None`` if its bends were recorded.
         states: the states that the scene lists, if it does. ``line`` is the driveline of
             [driveline], whether that is one of them or not.
+        steering: what the scene says of its driveline as a steering column, if it is one.
     """
 
     name: str
@@ -112,6 +114,7 @@ class Scene:
     signals: tuple[Signal, ...] = ()
     layout: Layout | None = None
     states: States | None = None
+    steering: SteeringColumn | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -214,23 +217,7 @@ class Scene:
         output, recorded = given.get("output", {}), given.get("angles", {})
         driveline, loaded = given.get("driveline", {}), given.get("load")
         with document.within(""):
-            if "driveline" not in given and not recorded.keys() & set(BEND_COLUMNS):
-                alone = (
-                    "; a ball joint alone can be run, checked, plotted and reported "
-                    "(in Python: cardan.scene.load_scene)"
-                )
-                raise ValueError(
-                    "section [driveline] is missing; it describes the joints and shafts"
-                    + (alone if is_alone(document) else "")
-                )
-            if given.keys() >= {"study", "states"}:
-                raise ValueError(
-                    "sections [study] and [states] are both given; a study varies the design, "
-                    "states are positions of one design: give one of them"
-                )
-            if given.keys() >= set(DRIVE_ANGLES):
-                both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
-                raise ValueError(f"sections {both} are both given; give one of them")
+            check_sections(document, alone=is_alone(document))
         with document.within("angles"):
             if recorded and angle is None:
                 angle = Recording(recorded, folder).whole()
@@ -239,7 +226,7 @@ class Scene:
         with document.within("driveline"):
             own = (TEETH, *LENGTHS)
             described = {key: value for key, value in driveline.items() if key not in own}
-            form, driveline = _filled(described, angle)
+            form, driveline = filled(described, angle.bends)
             line = make_driveline(form, driveline)
             teeth = teeth_of(given.get("driveline", {}), line.n_joints)
             mounting = Mounting(lengths=lengths_of(given.get("driveline", {}), line))
@@ -282,6 +269,10 @@ class Scene:
                 )
         with document.within("slip"):
             slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
+        with document.within("steering"):
+            if "steering" in given and angle.bends is not None:
+                raise ValueError("it does not go with recorded bends, which differ by sample")
+            column = steering_of(given["steering"]) if "steering" in given else None
         with document.within("ball_joint"):
             ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
         layout = None if angle.bends is not None else Layout(form, driveline, loaded, mounting)
@@ -345,6 +336,7 @@ class Scene:
             signals=angle.signals,
             layout=layout,
             states=states,
+            steering=column,
         )
 
     @property
@@ -429,15 +421,10 @@ class Scene:
         """
         values = self.evaluate()
         try:
-            study = self._table(progress)
+            study = table_of(self.states, self.study, progress)
         except ValueError as error:
             raise SceneError.of(error, self.name, "study") from None
         return SceneResult(self, values, study)
-
-    def _table(self, progress: Progress | None) -> StudyResult | None:
-        if self.states and self.study:
-            return states_result(self.states, self.study, progress)
-        return self.study.run(progress) if self.study else None
 
     def evaluate(self) -> Result:
         """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
@@ -505,25 +492,3 @@ class SceneResult:
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
     describe(), " " * 8
 )
-
-
-def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, Any]]:
-    """Form and keys of the driveline, with twists and phases that are left out as zeros."""
-    filled = dict(values)
-    if angle.bends is not None:
-        for key in values:
-            if key not in FORMS[0].optional:
-                raise ArgumentValueError(key, "does not go with recorded bends")
-        filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
-    for form in FORMS:
-        given = [key for key in form.keys if key in filled]
-        if form.views and given:
-            level = [0.0] * len(filled[given[0]])
-            filled = {**dict.fromkeys(form.keys, level), **filled}
-    form = form_of(filled)
-    joints = len(filled[form.keys[0]]) - form.ends
-    for key in form.optional:
-        filled.setdefault(key, [0.0] * (joints - 1))
-    if angle.bends is not None:
-        filled[form.keys[0]] = angle.bends
-    return form, filled

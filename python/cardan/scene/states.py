@@ -163,6 +163,15 @@ def states_result(states: States, of_one: Study, progress: Progress | None = Non
     return StatesResult((axis,), columns, values, states)
 
 
+def table_of(
+    states: States | None, study: Study | None, progress: Progress | None
+) -> StudyResult | None:
+    """Return the table of a study, or of one in every state; arguments as of ``states_result``."""
+    if study is None:
+        return None
+    return states_result(states, study, progress) if states else study.run(progress)
+
+
 def with_states(
     load: Mapping[str, Any] | None, given: Mapping[str, Any]
 ) -> Mapping[str, Any] | None:

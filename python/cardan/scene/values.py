@@ -50,6 +50,7 @@ TEXT = Kind("text", Text())
 NUMBER = Kind("number", Number())
 POSITIVE = Kind("positive number", Number(0, above=True))
 # As far as sweeps go, and small enough for their steps to be told apart.
+OFFSET = Kind("number", Number(0, 45, above=True, unit="deg"))
 START = Kind("number", Number(-1e12, 1e12))
 # With one on each side, the first and the last sample would be those of no parabola.
 REACH = Kind("whole number", Whole(2, most=1000))
