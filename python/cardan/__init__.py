@@ -37,6 +37,7 @@ from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
 from cardan.slip import Lengths, SplineForce
+from cardan.steering import Steering
 from cardan.sweep import Sweep
 
 if _TYPE_CHECKING:
@@ -69,6 +70,7 @@ __all__ = [
     "Result",
     "Scene",
     "SplineForce",
+    "Steering",
     "Sweep",
     "Transmission",
     "TwoJoints",

@@ -109,6 +109,7 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
             # Every joint repeats its motion after half a turn.
             at = sorted(angle % 360.0 for angle in (at[0], at[0] + 180.0))
         place = f"at {' and '.join(f'{angle:.1f}°' for angle in at)} of drive angle"
+    place += ", with the points of [driveline]" if samples.result.scene.states else ""
     listed = sorted(by_size[:_MOST], key=lambda peak: peak.item)
     return {
         "assumed": samples.assumed,

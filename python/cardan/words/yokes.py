@@ -25,7 +25,7 @@ def yoke_text(data: dict[str, Any]) -> str:
     tried = "On these teeth" if data["teeth"] else "With the best setting"
     passes = "does not pass the check:" if above else "passes the check."
     if "states" in data:
-        passes = f"{passes[:-1]} in {'all of its states:' if above else 'every state.'}"
+        passes = f"{passes[:-1]} in every state{passes[-1]}"
     parts = [
         [data["title"]] if data["title"] else [],
         [arrangement_text(data)],
@@ -61,9 +61,12 @@ def tooth_lines(data: dict[str, Any]) -> list[str]:
     """Say what the teeth cost, and on which tooth to set each shaft; nothing without teeth."""
     if not data["teeth"]:
         return []
-    bend = data["equivalent_bend_deg"]
-    cost = f"{bend['on_teeth'] - bend['best']:.3f}°"
-    lines = [f"On the splines, whose teeth cost {cost} of equivalent bend:"]
+    lines = ["On the splines:"]
+    # Over several states teeth cost something in one and gain it in another.
+    if "states" not in data:
+        bend = data["equivalent_bend_deg"]
+        cost = f"{bend['on_teeth'] - bend['best']:.3f}°"
+        lines = [f"On the splines, whose teeth cost {cost} of equivalent bend:"]
     for tooth in data["teeth"]:
         change = f"turn it {teeth_text(tooth)}" if tooth["turn_teeth"] else "nothing to turn"
         spline = "cannot be turned" if tooth["teeth"] < 3 else f"{tooth['teeth']} teeth"
