@@ -79,8 +79,9 @@ SLIP = {
     *("other_shafts", "travel_mm", "key", "value", "bearings", "bearing", "force_N"),
 }
 STEERING = {
-    *("steering", "centre_deg", "limit_deg", "verdict", "on_centre", "state", "ratio"),
-    *("slope_per_rad", "offset_deg", "nearest", "turn_to_quick_deg", "turn_to_slow_deg"),
+    *("steering", "verdict", "on_centre", "state", "ratio", "slope", "nearest"),
+    *("centre_deg", "limit_deg", "offset_deg", "turn_to_quick_deg", "turn_to_slow_deg"),
+    *("centre_rad", "limit_rad", "offset_rad", "turn_to_quick_rad", "turn_to_slow_rad"),
 }
 STATES = {
     *("states", "state", "names", "weights", "keys", "key", "values", "figures", "column"),

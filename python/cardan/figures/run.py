@@ -49,7 +49,7 @@ def run_data(
     if slip := slip_figures(scene):
         data["slip"] = slip_data(slip)
     if steered := steering_figures(scene):
-        data["steering"] = steering_data(steered)
+        data["steering"] = steering_data(steered, radians=radians)
     if scene.ball_joint:
         data["ball_joint"] = ball_joint_data(scene.ball_joint, radians=radians)
     return {**data, "files": list(files)}

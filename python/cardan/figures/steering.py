@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -10,7 +11,7 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.figures.answers import record
+from cardan.figures.answers import ANGLE, one_of
 from cardan.scene.scene import Scene
 
 Verdict = Literal["within", "beyond", "not judged"]
@@ -119,52 +120,53 @@ def _carried(drawn: Driveline, lines: Driveline, centre: float) -> FloatArray:
     return np.asarray(np.arctan2(np.sum(carried * normals, axis=-1), along))
 
 
-def steering_data(found: SteeringFigures) -> dict[str, Any]:
+def steering_data(found: SteeringFigures, *, radians: bool = False) -> dict[str, Any]:
     """Return the figures as plain data for JSON, as ``STEERING_SCHEMA`` describes it."""
+    unit, turned = ("rad", math.radians) if radians else ("deg", float)
     return {
-        "centre_deg": found.centre_deg,
-        "limit_deg": found.limit_deg,
+        f"centre_{unit}": turned(found.centre_deg),
+        f"limit_{unit}": None if found.limit_deg is None else turned(found.limit_deg),
         "verdict": found.verdict,
         "on_centre": [
             {
                 **({"state": one.state} if one.state else {}),
                 "ratio": one.ratio,
-                "slope_per_rad": one.slope,
-                "offset_deg": one.offset_deg,
+                "slope": one.slope,
+                f"offset_{unit}": turned(one.offset_deg),
                 "nearest": one.nearest,
-                "turn_to_quick_deg": one.turn_to_quick_deg,
-                "turn_to_slow_deg": one.turn_to_slow_deg,
+                f"turn_to_quick_{unit}": turned(one.turn_to_quick_deg),
+                f"turn_to_slow_{unit}": turned(one.turn_to_slow_deg),
             }
             for one in found.each
         ],
     }
 
 
-_NUMBER = {"type": "number"}
-_TURN = {**_NUMBER, "description": "positive is clockwise, looking from the column to the output"}
+def _angle(name: str, description: str, kind: Any = "number") -> dict[str, Any]:  # noqa: ANN401
+    return {f"{name}_{unit}": {"type": kind, "description": description} for unit in ANGLE}
 
-STEERING_SCHEMA: Mapping[str, Any] = record(
+
+_TURN = "of the driving yoke; positive is clockwise, looking from the column to the output"
+
+STEERING_SCHEMA: Mapping[str, Any] = one_of(
     {
-        "centre_deg": _NUMBER,
-        "limit_deg": {"type": ["number", "null"]},
         "verdict": {"enum": ["within", "beyond", "not judged"]},
         "on_centre": {
             "type": "array",
-            "items": record(
+            "items": one_of(
                 {
-                    "ratio": _NUMBER,
-                    "slope_per_rad": _NUMBER,
-                    "offset_deg": {
-                        **_NUMBER,
-                        "description": "how far straight ahead is beyond the nearest symmetry",
-                    },
+                    "ratio": {"type": "number"},
+                    "slope": {"type": "number", "description": "of the ratio, per rad"},
                     "nearest": {"enum": ["quick", "slow"]},
-                    "turn_to_quick_deg": _TURN,
-                    "turn_to_slow_deg": _TURN,
                 },
-                {"state": {"type": "string"}},
+                _angle("offset", "how far straight ahead is beyond the nearest symmetry"),
+                _angle("turn_to_quick", _TURN),
+                _angle("turn_to_slow", _TURN),
+                optional={"state": {"type": "string"}},
             ),
         },
-    }
+    },
+    _angle("centre", "drive angle straight ahead"),
+    _angle("limit", "of the offset", ["number", "null"]),
 )
 """JSON Schema of ``steering_data``."""
