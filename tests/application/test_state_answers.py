@@ -183,6 +183,24 @@ def test_weights_move_the_setting_towards_a_state(tmp_path: Path) -> None:
     own = Scene.parse(single(HEIGHTS[-1])).line
     least = own.with_phases(own.optimal_phases()).equivalent().bend_deg
     np.testing.assert_allclose(bends[-1], least, atol=1e-5)
+    on_teeth = answer("phase", last, tmp_path)["states"]["equivalent_bend_deg"]["on_teeth"]
+    steps = np.radians(np.arange(0, 180, 10))
+    settings = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    np.testing.assert_allclose(
+        on_teeth[-1], np.min(own.with_phases(settings).equivalent().bend_deg), rtol=1e-9
+    )
+
+
+def test_a_setting_that_not_every_state_passes_is_named(tmp_path: Path) -> None:
+    fixed = TRUCK.replace("teeth = 36", "teeth = 1")
+    data = answer("phase", fixed, tmp_path)
+    assert data["states"]["equivalent_bend_deg"]["on_teeth"] == pytest.approx(
+        data["states"]["equivalent_bend_deg"]["present"]
+    )
+    assert len(data["above_limits"]) == 1
+    assert "in bump +80 mm" in data["above_limits"][0]
+    text = run("phase", fixed, tmp_path)[1]
+    assert "On these teeth the driveline does not pass the check in every state:" in text
 
 
 def test_states_that_set_the_yokes_have_no_common_setting(tmp_path: Path) -> None:
@@ -228,6 +246,7 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
     status, text = run("check", COLUMN, tmp_path)
     assert status == 1
     assert "Left and right differ: straight ahead is 18.05° from the nearest symmetric" in text
+    assert "by 12.22° counter-clockwise" in text
     turned = COLUMN.replace("centre_deg = 10", "centre_deg = -2.22")
     assert run("check", turned, tmp_path)[0] == 0
     data = answer("check", turned, tmp_path)["steering"]

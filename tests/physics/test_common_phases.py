@@ -60,6 +60,13 @@ def test_of_one_state_it_is_the_optimum_of_that_state(joints: int) -> None:
     np.testing.assert_allclose(common, bend, rtol=1e-9, atol=3e-8)
 
 
+def test_yokes_that_are_set_as_well_as_can_be_stay() -> None:
+    """Four joints have a continuum of settings that run uniformly, and any of them will do."""
+    line = Driveline.from_bends([[0.2, 0.15, 0.18, 0.1]], [[0.3, -0.4, 1.0]], [[0.5, 1.0, -0.6]])
+    first = line.with_phases(line.optimal_phases(states=0))
+    np.testing.assert_allclose(first.optimal_phases(states=0), first.phases[0], atol=1e-7)
+
+
 def test_a_state_of_weight_zero_does_not_count() -> None:
     line = states_of(np.random.default_rng(3), 3, 4)
     found = line.optimal_phases(states=0, weights=[1.0, 0.0, 2.0, 1.0])
