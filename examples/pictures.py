@@ -118,6 +118,23 @@ study = scene.run().study
 assert study is not None
 save("length", plots.plot_study(study, "length_1"))
 
+# The equivalent bend of a truck over its ride heights, with the limit of the catalogues.
+scene = cardan.Scene.parse("""
+    [driveline]
+    points_mm = [[0, 0, 0], [350, -24, 0], [1650, -145, 0], [3150, -240, 45], [3450, -262, 45]]
+    phases_deg = [90, 0]
+    [states]
+    names = [
+        "rebound -80 mm", "-60 mm", "-40 mm", "-20 mm", "ride height", "+20 mm", "+40 mm", "+60 mm",
+        "bump +80 mm",
+    ]
+    "points_mm.3.y" = [-320, -300, -280, -260, -240, -220, -200, -180, -160]
+    "points_mm.4.y" = [-342, -322, -302, -282, -262, -242, -222, -202, -182]
+""")
+heights = scene.run().study
+assert isinstance(heights, cardan.scene.StatesResult)
+save("states", plots.plot_states(heights))
+
 # The pressure on the seat of a ball joint with clearance.
 ball = cardan.scene.BallJointScene.parse("""
     title = "Ball joint under 20 kN"

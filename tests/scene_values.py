@@ -54,7 +54,8 @@ def _numbers(schema: Mapping[str, Any]) -> st.SearchStrategy[Any]:
 
 
 def _objects(schema: Mapping[str, Any]) -> st.SearchStrategy[Any]:
-    if places := schema.get("patternProperties"):
+    places = schema.get("patternProperties")
+    if places and "properties" not in schema:
         ((pattern, item),) = places.items()
         keys = st.from_regex(pattern).map(str.strip)
         return st.dictionaries(keys, fitting(item), min_size=1, max_size=2)

@@ -38,6 +38,7 @@ from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
 from cardan.slip import Lengths, SplineForce
+from cardan.steering import Steering
 from cardan.sweep import Sweep
 from cardan.torsion import TorsionalSystem, Tube, tube
 
@@ -74,6 +75,7 @@ __all__ = [
     "Result",
     "Scene",
     "SplineForce",
+    "Steering",
     "Sweep",
     "TorsionalSystem",
     "Transmission",

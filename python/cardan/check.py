@@ -118,7 +118,7 @@ class Check:
         for finding in self.findings:
             verdict_words, *more = finding.words
             lines.append(f"- {finding.name}: {finding.value_text}")
-            more += [f"largest at {finding.place}"] * bool(finding.place)
+            more += [f"largest {finding.largest_text}"] * bool(finding.largest_text)
             for words in (verdict_words, *more):
                 lines += textwrap.wrap(
                     words, 79, initial_indent=_INDENT, subsequent_indent=_INDENT + "  "

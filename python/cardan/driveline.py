@@ -9,25 +9,26 @@ from typing import Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from cardan import _core, approximations, geometry, threads
-from cardan.arrays import FloatArray, deferring
+from cardan import approximations, geometry
+from cardan.arrays import FloatArray, as_float64, deferring
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
 from cardan.driven_angle import planned
 from cardan.equivalent import EquivalentJoint, Transmission, equivalent
 from cardan.harmonics import Harmonics
-from cardan.in_service import InService
 from cardan.limits import Limits
 from cardan.load import Load
+from cardan.phased import Phased
 from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
 from cardan.remembered import remembered
 from cardan.request import AngleOf, Axes, Items, Reduction, is_index, item_index
 from cardan.result import Result
+from cardan.steering import Steering, steering
 from cardan.sweep import Sweep
 
 
-class Driveline(InService):
+class Driveline(Phased):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
     Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or
@@ -270,29 +271,24 @@ class Driveline(InService):
         """
         return Transmission(self, shaft)
 
-    def optimal_phases(self, *, degrees: bool = False) -> FloatArray:
-        """Return the phases that bring the last shaft closest to constant velocity.
-
-        With ``L = ln sec(bend)`` exact constant velocity is possible if and only if the largest
-        ``L`` is not more than all others together; then these phases reach it. Otherwise they line
-        all joints up against the largest, which leaves the least possible equivalent bend. Of all
-        such phases they are those to which the yokes turn least from their present ones (least sum
-        of squares; with four or more bent joints least within their neighbourhood).
-
-        Two joints at ``p = phase - twist + 90°`` make ``cosh L = cosh L_1 cosh L_2 + sinh L_1 sinh
-        L_2 cos 2p`` (from Thoma 4), the law of cosines of the hyperbolic plane, where constant
-        velocity is a closed polygon of sides ``L``.
+    def steering(self, centre: ArrayLike = 0.0, *, degrees: bool = False) -> Steering:
+        """Return what the driveline does as a steering column about straight ahead.
 
         Args:
-            degrees: whether to return the phases in degrees.
+            centre: angle of shaft 0 straight ahead, as drive angles count; broadcasts against the
+                batch.
+            degrees: whether it is in degrees.
 
         Returns:
-            phases in rad or degrees, ``(..., n - 1)``, for ``with_phases``.
+            ratio straight ahead and its slope, how far straight ahead is from symmetry of left and
+            right, and how to turn the driving yoke of joint 0 to reach it.
+
+        Raises:
+            TypeError: angles that are not real numbers.
+            ValueError: shapes that do not broadcast.
         """
-        bends, twists, present, *_ = self._geometry.flat()
-        best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
-        phases = best.reshape(self.phases.shape)
-        return np.degrees(phases) if degrees else phases
+        angle = np.radians(centre) if degrees else as_float64("centre", centre)
+        return steering(self.equivalent(), self.transmission().motion(angle), angle)
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.

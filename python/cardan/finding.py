@@ -46,6 +46,7 @@ class Finding:
         at_unit_speed: for a figure that grows with the square of the speed, what it is at 1 rad/s.
         needs_speed: whether the speed that it needs is missing.
         worst_at: in a study, the keys on which the largest value depends and their values there.
+        worst_in: over states, the name of the state with the largest value.
     """
 
     figure: str
@@ -57,6 +58,7 @@ class Finding:
     at_unit_speed: FloatArray | None = None
     needs_speed: bool = False
     worst_at: Mapping[str, float] = field(default_factory=dict)
+    worst_in: str = ""
 
     @property
     def ranks(self) -> NDArray[np.int_]:
@@ -130,6 +132,13 @@ class Finding:
         return ", ".join(f"{key} = {value:.6g}" for key, value in found.items())
 
     @property
+    def largest_text(self) -> str:
+        """Where the largest value occurs, as ``"at bends_deg = 5"`` or ``"in rebound"``."""
+        if self.worst_in:
+            return f"in {self.worst_in}" if self.worst else ""
+        return f"at {self.place}" if self.place else ""
+
+    @property
     def words(self) -> tuple[str, ...]:
         """What follows "is": verdict and margin, the speeds of the limits, numbers of a batch."""
         parts = [*self._verdict_words(), *self._speed_words()]
@@ -181,7 +190,7 @@ class Finding:
 
     def __str__(self) -> str:
         """Return the figure with its verdict and source as text."""
-        place = f" (at {self.place})" if self.place else ""
+        place = f" ({self.largest_text})" if self.largest_text else ""
         source = f" ({self.limit.source})" if self.limit else ""
         return f"{self.name} {self.value_text}{place} is {'; '.join(self.words)}{source}"
 

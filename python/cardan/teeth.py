@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import math
+import operator
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan.errors import ArgumentTypeError, ArgumentValueError
+
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from cardan.arrays import FloatArray
     from cardan.driveline import Driveline
@@ -39,13 +42,35 @@ def tooth_turns(line: Driveline, teeth: Sequence[int], best: FloatArray) -> NDAr
         teeth by which to turn each yoke from where it is, positive clockwise, looking from the
         drive towards the output, ``(n - 1,)``.
     """
+
+    def roots(phases: FloatArray) -> FloatArray:
+        return np.asarray(line.with_phases(phases).equivalent().k)
+
+    return least_turned(roots, line.phases, teeth, best)
+
+
+def least_turned(
+    objective: Callable[[FloatArray], FloatArray],
+    present: FloatArray,
+    teeth: Sequence[int],
+    best: FloatArray,
+) -> NDArray[np.int64]:
+    """Return the turns in teeth with the least objective, searched as ``tooth_turns`` does.
+
+    Args:
+        objective: of settings in rad, ``(trials, n - 1)``; linear in the error of a setting near
+            its least, as ``k`` is.
+        present: the phases from which teeth count, ``(n - 1,)``.
+        teeth: of the spline of each shaft between two joints.
+        best: the phases to come near to, ``(n - 1,)``.
+    """
     n, pitches = len(teeth), 2.0 * np.pi / np.asarray(teeth)
     width = min(n, _SHAFTS)
     steps = [_steps(count) for count in teeth]
     if math.prod(map(len, steps)) > _SETTINGS:
         most = int(_SETTINGS ** (1.0 / width))
         for shaft, own in enumerate(steps):
-            off = line.phases[shaft] + pitches[shaft] * own - best[shaft]
+            off = present[shaft] + pitches[shaft] * own - best[shaft]
             order = np.argsort(np.abs(off - np.pi * np.round(off / np.pi)))
             steps[shaft] = own[order[:most]]
     turns = np.array([own[0] for own in steps])
@@ -57,7 +82,7 @@ def tooth_turns(line: Driveline, teeth: Sequence[int], best: FloatArray) -> NDAr
             chosen = np.array(list(product(*steps[group])))
             trials = np.tile(turns, (len(chosen), 1))
             trials[:, group] = chosen
-            k = line.with_phases(line.phases + pitches * trials).equivalent().k
+            k = objective(present + pitches * trials)
             size = np.sum((pitches * trials) ** 2, axis=-1)
             good = k <= np.min(k) * (1.0 + 1e-9) + _ROUNDING
             taken = int(np.argmin(np.where(good, size, np.inf)))
@@ -75,3 +100,25 @@ def _steps(teeth: int) -> NDArray[np.int64]:
     """
     period = teeth if teeth % 2 else teeth // 2
     return np.arange(period) - (period - 1) // 2
+
+
+def teeth_of(teeth: int | Sequence[int], shafts: int) -> NDArray[np.int64]:
+    """Return the teeth of each shaft between two joints, from one number for all or one each.
+
+    Raises:
+        TypeError: what are not integers.
+        ValueError: not one per shaft, or less than 1.
+    """
+    try:
+        counts = [operator.index(count) for count in np.atleast_1d(teeth)]
+    except TypeError:
+        problem = f"is {teeth!r}; it must be a whole number or one per shaft"
+        raise ArgumentTypeError("teeth", problem) from None
+    if np.ndim(teeth) and len(counts) != shafts:
+        problem = f"has length {len(counts)}; it must be {shafts}, one per shaft between two joints"
+        raise ArgumentValueError("teeth", problem)
+    for i, count in enumerate(counts):
+        if count < 1:
+            place = (i,) if np.ndim(teeth) else ()
+            raise ArgumentValueError("teeth", f"is {count}; a spline has at least 1 tooth", place)
+    return np.broadcast_to(np.array(counts, dtype=np.int64), (shafts,))

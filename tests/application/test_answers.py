@@ -78,7 +78,17 @@ SLIP = {
     *("axial_force_N", "supports", "side", "axial_N", "transverse_N"),
     *("other_shafts", "travel_mm", "key", "value", "bearings", "bearing", "force_N"),
 }
+STEERING = {
+    *("steering", "verdict", "on_centre", "state", "ratio", "slope", "nearest"),
+    *("centre_deg", "limit_deg", "offset_deg", "turn_to_quick_deg", "turn_to_slow_deg"),
+    *("centre_rad", "limit_rad", "offset_rad", "turn_to_quick_rad", "turn_to_slow_rad"),
+}
+STATES = {
+    *("states", "state", "names", "weights", "keys", "key", "values", "figures", "column"),
+    *("quantity", "statistic", "shaft", "joint", "bearing", "least", "largest", "value"),
+}
 FORCES = {
+    "state",
     *("forces", "figures", "not_determinate", "quantity", "reason", "joint", "bearing", "shaft"),
     *("largest_N", "mean_N", "order_2_N", "order_4_N", "at_drive_angle_deg", "at_drive_angle_rad"),
 }
@@ -87,6 +97,8 @@ KEYS = {
         *BALL_JOINT,
         *FORCES,
         *SLIP,
+        *STATES,
+        *STEERING,
         *("answer", "version", "title", "drive_angles", "rows", "study", "files"),
         *("source", "samples", "missing_samples", "turns", "samples_per_turn"),
         *("first_deg", "first_rad", "last_deg", "last_rad"),
@@ -103,6 +115,8 @@ KEYS = {
         *BALL_JOINT,
         *FORCES,
         *SLIP,
+        *STEERING,
+        *("states", "state", "verdicts", "equivalent_bend_deg", "verdict", "worst_in"),
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),
         *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),
@@ -129,6 +143,7 @@ KEYS = {
         *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),
         *("shafts", "shaft", "phase_deg", "sense", "setting_deg", "setting_other_sense_deg"),
         *("turn_deg", "turn_sense", "turn_other_sense_deg", "teeth", "turn_teeth"),
+        *("states", "names", "weights", "worst"),
         *("bend_ranges", "joint", "bend_deg", "from_deg", "to_deg", "off_deg"),
     },
 }

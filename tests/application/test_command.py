@@ -70,11 +70,14 @@ def test_every_example_runs(path: Path, into: Path) -> None:
     scene = Scene.load(path)
     named = {scene.curves_file: len(scene.drive_angle), scene.picture_file: 0}
     if scene.study and scene.table_file:
-        named[scene.table_file] = math.prod(scene.study.shape)
+        rows_of_table = scene.states.count if scene.states else math.prod(scene.study.shape)
+        named[scene.table_file] = rows_of_table
     files = {name: rows for name, rows in named.items() if name}
     written = {entry.name: entry.stat().st_size for entry in into.iterdir()}
     assert set(written) == set(files) >= {f"{path.stem}.csv", f"{path.stem}.svg"}
-    assert min(written.values()) > 2_000
+    # A table over states has a row for each of a few states.
+    least = 300 if scene.states else 2_000
+    assert min(written.values()) > least
     lines = result.output.splitlines()
     assert lines[0] == scene.title
     said = [line for line in lines if line.startswith("wrote ")]
@@ -221,7 +224,9 @@ def test_every_example_as_json(path: Path, into: Path) -> None:
     assert {Path(file["file"]).name for file in data["files"]} == {
         entry.name for entry in into.iterdir()
     }
-    assert ("study" in data) == (Scene.load(path).study is not None)
+    scene = Scene.load(path)
+    assert ("states" in data) == (scene.states is not None)
+    assert ("study" in data) == (scene.study is not None and scene.states is None)
 
 
 def test_json_in_both_units(into: Path) -> None:

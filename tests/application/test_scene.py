@@ -258,7 +258,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         '"a\\nb" = 1',
         None,
         r"unknown key 'a\nb'; known are title, driveline, bearing, load, sweep, angles, limits, "
-        "slip, ball_joint, study, output",
+        "slip, steering, ball_joint, study, states, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",
@@ -928,7 +928,7 @@ def test_wrong_units(section: str, key: str, held: str) -> None:
         ("title = '''a'''\n[driveline]\nbends_deg = [95]", "scene:"),
         ("[load]\nspeed_rpm = 1\n[driveline]\nbends_deg = [95]", "scene, line 4:"),
         # The key in quotes is not looked for; its section is certain.
-        ('[driveline]\n"bends_deg" = [95]', "scene, line 1:"),
+        ('[driveline]\n"bends_deg" = [95]', "scene, line 2:"),
         ('["driveline"]\nbends_deg = [95]', "scene:"),
         (f"{JOINT}[study]\nbends_deg.0 = 3", "scene, line 4:"),
         (f"{JOINT}[study]\nphases_deg.0 = [1]\nbends_deg.0 = {{from = 'a'}}", "scene, line 5:"),

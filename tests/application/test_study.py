@@ -400,7 +400,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         (TWO + "[study]\n", "line 4: [study] is empty; give at least one key"),
         (
             STUDY + '"bends_deg.1" = [1, 2]',
-            "line 6: [study] unknown key 'bends_deg.1'; write it without quotes",
+            "line 7: [study] unknown key 'bends_deg.1'; write it without quotes",
         ),
         (
             STUDY + "bends_deg = 3",
@@ -501,7 +501,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         ),
         (
             TWO + "[output]\ntable = 'a.csv'",
-            "line 5: [output] table needs a section [study], reduce or closed_forms",
+            "line 5: [output] table needs a section [study] or [states], reduce or closed_forms",
         ),
         (
             TWO + "[output]\nreduce = 'rms'\ncurves = 'a.csv'\ntable = 'a.csv'",

@@ -154,7 +154,7 @@ def test_memory_is_that_of_a_chunk(tmp_path: Path) -> None:
         ('curves = "out.parquet"', "", "[output] curves must name a .parquet file"),
         ("curves", 'reduce = ["mean"]\ncurves', "reduce does not go with streaming; it needs all"),
         ("curves", 'picture = "a.svg"\ncurves', "picture does not go with streaming"),
-        ("[output]", "[study]\nspeed_rpm = [1, 2]\n[output]", "no [study] to be streamed"),
+        ("[output]", "[study]\nspeed_rpm = [1, 2]\n[output]", "no [study] and no"),
         ("out.parquet", "in.parquet", "is the recording that the scene reads"),
         ("front_deg", "frond_deg", "no column 'frond_deg'; did you mean 'front_deg'?"),
         ("quantities", "quantity", "unknown key 'quantity'"),

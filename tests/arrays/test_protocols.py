@@ -181,6 +181,7 @@ OBJECTS = [
     LINE.transmission(),
     BATCH.transmission(1).motion(0.3),
     BATCH.harmonics([2, 4]),
+    LINE.steering(0.3),
     LINE.free_running([1.0] + [0.1] * LINE.n_joints),
     SUPPORTED,
     SUPPORTED.lengths(),

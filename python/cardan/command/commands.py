@@ -41,9 +41,10 @@ from cardan.figures.extremes import StudyTable
 from cardan.figures.identification import identification_data
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.run import run_data
-from cardan.figures.scene_forces import scene_forces
 from cardan.figures.schema import answers_schema
 from cardan.figures.slip import slip_figures
+from cardan.figures.states import forces_of, verdicts
+from cardan.figures.steering import steering_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
@@ -54,6 +55,7 @@ from cardan.scene import load_scene, starters
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.cluster import StudyFolder
 from cardan.scene.scene import Scene
+from cardan.scene.states import StatesResult
 from cardan.scene.streaming import stream as stream_curves
 from cardan.words.advice import remedies
 from cardan.words.ball_joint import ball_joint_text
@@ -63,6 +65,8 @@ from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
 from cardan.words.signals import signals_text
 from cardan.words.slip import slip_text
+from cardan.words.states import states_text, verdicts_text
+from cardan.words.steering import steering_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.yokes import yoke_text
@@ -77,10 +81,12 @@ def _besides(scene: Scene) -> Iterator[str]:
     """What a check says beside the limits of the driveline."""
     if speed := drive_speed(scene):
         yield drive_speed_text(speed)
-    if forces := scene_forces(scene):
+    if forces := forces_of(scene):
         yield forces_text(forces)
     if slip := slip_figures(scene):
         yield slip_text(slip)
+    if steered := steering_figures(scene):
+        yield steering_text(steered)
     if scene.ball_joint:
         yield ball_joint_text(scene.ball_joint)
 
@@ -220,13 +226,17 @@ def commands() -> click.Group:
         say_before_files(summary_text(rows, angles, radians=radians))
         if whole.missing:
             say_before_files(f"\n{missing_of(whole)}")
-        if forces := scene_forces(whole):
+        if forces := forces_of(whole):
             say_before_files(f"\n{forces_text(forces, radians=radians)}")
         if slip := slip_figures(whole):
             say_before_files(f"\n{slip_text(slip)}")
+        if steered := steering_figures(whole):
+            say_before_files(f"\n{steering_text(steered)}")
         if whole.ball_joint:
             say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
-        if result.study:
+        if isinstance(result.study, StatesResult):
+            say_before_files(f"\n{states_text(result.study, radians=radians)}")
+        elif result.study:
             say_before_files(f"\n{study_text(result.study, angles, radians=radians)}")
         for number, entry in enumerate(files):
             if number == 0:
@@ -272,7 +282,7 @@ def commands() -> click.Group:
     @click.option(
         "--study",
         metavar="FIGURE",
-        help="Draw this figure of the study instead.",
+        help="Draw this figure of the study or of the states instead.",
     )
     @click.option(
         "--over",
@@ -327,6 +337,8 @@ def commands() -> click.Group:
             if as_json
             else check_text(found, sentences)
         )
+        if loaded.states and not as_json:
+            say(f"\n{verdicts_text(verdicts(loaded, found))}")
         for words in () if as_json else _besides(loaded):
             say(f"\n{words}")
         return 0 if np.all(found.passes) and passes(loaded) else 1

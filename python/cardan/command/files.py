@@ -79,6 +79,8 @@ def check_for_cluster(scene: Scene, local: int | None, scheduler: str | None) ->
         raise ValueError("--local and --scheduler are both given; give one of them")
     if scheduler == "":
         raise ValueError("--scheduler is empty; give an address, as tcp://host:8786")
+    if scene.states:
+        raise ValueError("states are evaluated in one process; only a study is distributed")
     if not scene.study or not str(scene.table_file).endswith(".parquet"):
         option = "--local" if local else "--scheduler"
         raise ValueError(f"{option} needs a scene with a study and a table that ends in .parquet")

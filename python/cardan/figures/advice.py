@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -66,6 +67,23 @@ ADVICE_KEYS: dict[str, Any] = {
 }
 """JSON Schemas of the keys that ``advice`` returns."""
 
+_NAME, _BENDS = {"type": "string"}, {"type": "array", "items": _DEG}
+STATES_ADVICE_SCHEMA: dict[str, Any] = {
+    "description": "the equivalent bend in each state, and the states in which it is largest; "
+    "equivalent_bend_deg and cause are then of these worst states",
+    **record(
+        {
+            "names": {"type": "array", "items": _NAME},
+            "weights": _BENDS,
+            "equivalent_bend_deg": record(
+                {"present": _BENDS, "best": _BENDS}, {"on_teeth": _BENDS}
+            ),
+            "worst": record({"present": _NAME, "best": _NAME}, {"on_teeth": _NAME}),
+        }
+    ),
+}
+"""JSON Schema of what ``states_advice`` adds to them."""
+
 
 def advice(
     line: Driveline, limit: float = MAX_EQUIVALENT_BEND, best: FloatArray | None = None
@@ -101,9 +119,12 @@ def advice(
 def scene_advice(scene: Scene) -> dict[str, Any] | None:
     """Return ``advice`` for a scene; ``None`` where a study or a recording varies the bends.
 
-    With teeth in the scene, ``"teeth"`` are the best of them, as in ``yoke_settings``.
+    With teeth in the scene, ``"teeth"`` are the best of them, as in ``yoke_settings``. With states
+    it is ``states_advice``.
     """
     line = scene.line
+    if scene.states:
+        return None if scene.states.set_phases else states_advice(scene)
     if line.shape or (scene.study is not None and scene.study.axes):
         return None
     best = line.optimal_phases()
@@ -114,13 +135,55 @@ def scene_advice(scene: Scene) -> dict[str, Any] | None:
     return found
 
 
+def states_advice(scene: Scene) -> dict[str, Any]:
+    """Return what one setting of the yokes can do for all states of a scene, as plain data.
+
+    ``"equivalent_bend_deg"`` are the largest over the states, ``"states"`` has those of each.
+    """
+    states, line = scene.states, scene.line
+    assert states
+    lines = scene.drivelines()
+    best = lines.optimal_phases(states=0, weights=states.weights)
+    settings = {"present": line.phases, "best": best}
+    found = advice(line, limit_of(scene), best)
+    if scene.teeth:
+        teeth = np.asarray(scene.teeth)
+        phases = lines.optimal_phases(states=0, weights=states.weights, teeth=scene.teeth)
+        turns = np.round((phases - line.phases) * teeth / (2.0 * np.pi)).astype(int)
+        settings["on_teeth"], found["teeth"] = phases, _on_teeth(phases, turns, scene.teeth)
+    each = {
+        key: [equivalent_bend_deg(one) for one in lines.with_phases(phases)]
+        for key, phases in settings.items()
+    }
+    largest = {key: max(bends) for key, bends in each.items()}
+    within = {key: bend <= found["limit_deg"] * (1.0 + ROUNDING) for key, bend in largest.items()}
+    return {
+        **found,
+        "equivalent_bend_deg": largest,
+        "cause": "none" if within["present"] else "phases" if within["best"] else "bends",
+        "bend_ranges": [],
+        "states": {
+            "names": list(states.names),
+            "weights": states.weights.tolist(),
+            "equivalent_bend_deg": each,
+            "worst": {key: states.names[int(np.argmax(bends))] for key, bends in each.items()},
+        },
+    }
+
+
 def on_teeth(
     line: Driveline, teeth: Sequence[int], best: FloatArray
 ) -> tuple[FloatArray, list[dict[str, Any]]]:
     """Return the best phases on splines in rad, and how to set each shaft as plain data."""
     turns = tooth_turns(line, teeth, best)
     phases = line.phases + 2.0 * np.pi * turns / np.asarray(teeth)
-    return phases, [
+    return phases, _on_teeth(phases, turns, teeth)
+
+
+def _on_teeth(
+    phases: FloatArray, turns: NDArray[np.int64], teeth: Sequence[int]
+) -> list[dict[str, Any]]:
+    return [
         {
             "shaft": i + 1,
             "teeth": count,

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.check import Check
+from cardan.driveline import Driveline
 from cardan.figures.answers import answer, answers_with, record
 from cardan.figures.ball_joint import (
     BALL_JOINT_SCHEMA,
@@ -21,8 +22,10 @@ from cardan.figures.ball_joint import (
 from cardan.figures.drive_speed import DRIVE_SPEED_SCHEMA, drive_speed_data
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
-from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data, scene_forces
+from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
+from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
+from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -41,10 +44,12 @@ _PRACTICE = {
 
 
 def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
-    """Check the driveline of a scene, or all of its study and say where the worst of it lies.
+    """Check the driveline of a scene, or all of its study or states, and say where the worst lies.
 
     ``progress`` is called after each block of the study with the rows done and all rows.
     """
+    if scene.states:
+        return check_states(scene, scene.drivelines())
     if scene.study is None or not scene.study.axes:
         known = scene.without_missing()
         # Bends that were recorded go with the speeds of their samples; of fixed ones the largest
@@ -74,6 +79,23 @@ def check_scene(scene: Scene, progress: Progress | None = None) -> Check:
     return Check(tuple(findings), scene.limits)
 
 
+def check_states(scene: Scene, lines: Driveline) -> Check:
+    """Check the drivelines ``(states,)`` of the states of a scene, each at its own speed."""
+    states = scene.states
+    assert states
+    loads = [states.load(i) for i in range(states.count)]
+    speeds = np.array([scene.speed if load is None else load.speed for load in loads])
+    # Of a recorded speed the largest counts.
+    speed = scene.speed if scene.speed_recorded else speeds
+    found = lines.check(speed if np.any(speed) else None, scene.limits)
+    findings = []
+    for finding in found.findings:
+        value = np.broadcast_to(finding.value, (states.count,))
+        worst = "" if finding.needs_speed else states.names[int(np.argmax(value))]
+        findings.append(replace(finding, value=value, worst_in=worst))
+    return Check(tuple(findings), scene.limits)
+
+
 def _joined(parts: Sequence[FloatArray | None]) -> FloatArray:
     return np.concatenate([np.ravel(np.asarray(part)) for part in parts])
 
@@ -100,10 +122,14 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
     """
     by_figure = {finding.figure: finding for finding in found.findings}
     more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
-    if forces := scene_forces(scene):
+    if forces := forces_of(scene):
         more["forces"] = forces_data(forces)
     if slip := slip_figures(scene):
         more["slip"] = slip_data(slip)
+    if steered := steering_figures(scene):
+        more["steering"] = steering_data(steered)
+    if scene.states:
+        more["states"] = verdicts_data(scene, found)
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
@@ -128,6 +154,9 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
 def passes(scene: Scene | BallJointScene) -> bool:
     """Whether what a scene has besides its driveline is within what the scene allows."""
     slip = slip_figures(scene) if isinstance(scene, Scene) else None
+    steered = steering_figures(scene) if isinstance(scene, Scene) else None
+    if steered is not None and not steered.passes:
+        return False
     case = scene.ball_joint
     return (slip is None or slip.passes) and (case is None or ball_joint_figures(case).passes)
 
@@ -159,6 +188,8 @@ def _entry(finding: Finding) -> dict[str, Any]:
         "source": limit.source if limit else None,
         "worst_at": [{"key": key, "value": value} for key, value in finding.worst_at.items()],
     }
+    if finding.worst_in:
+        entry["worst_in"] = finding.worst_in
     if finding.figure == "equivalent_bend" and limit:
         entry["non_uniformity"] = finite_or_none(non_uniformity(finding.worst))
         entry["non_uniformity_limit"] = non_uniformity(limit.limit)
@@ -189,7 +220,8 @@ def _entry_schema(unit: str, more: Sequence[str]) -> dict[str, Any]:
             "source": {"type": ["string", "null"]},
             "worst_at": {"type": "array", "items": record(_KEY)},
             **dict.fromkeys(more, _NUMBER),
-        }
+        },
+        {"worst_in": {"type": "string", "description": "the state with the largest value"}},
     )
 
 
@@ -224,6 +256,8 @@ CHECK_SCHEMA = answers_with(
         "drive_speed": DRIVE_SPEED_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
+        "steering": STEERING_SCHEMA,
+        "states": VERDICTS_SCHEMA,
     },
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.

@@ -8,14 +8,17 @@ from typing import Any, get_args
 from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
 from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
-from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data, scene_forces
+from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
+from cardan.figures.states import STATES_SCHEMA, forces_of, states_data
+from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.figures.summary import Row, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.scene import Scene
 from cardan.scene.signals import Measured
+from cardan.scene.states import StatesResult
 
 
 def run_data(
@@ -37,12 +40,16 @@ def run_data(
     """
     data = answer("run", scene.title, drive_angles=drive_angles(scene, radians=radians))
     data["rows"] = summary_data(rows, radians=radians)
-    if study and scene.study:
+    if isinstance(study, StatesResult):
+        data["states"] = states_data(study, radians=radians)
+    elif study and scene.study:
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
-    if forces := scene_forces(scene):
+    if forces := forces_of(scene):
         data["forces"] = forces_data(forces, radians=radians)
     if slip := slip_figures(scene):
         data["slip"] = slip_data(slip)
+    if steered := steering_figures(scene):
+        data["steering"] = steering_data(steered, radians=radians)
     if scene.ball_joint:
         data["ball_joint"] = ball_joint_data(scene.ball_joint, radians=radians)
     return {**data, "files": list(files)}
@@ -145,6 +152,8 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
     optional={
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
+        "steering": STEERING_SCHEMA,
+        "states": STATES_SCHEMA,
         "study": record(
             {
                 "drivelines": _COUNT,

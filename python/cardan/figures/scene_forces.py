@@ -27,11 +27,13 @@ class Force:
         shaft: the shaft of the bearing; ``None`` for a joint.
         at_deg: the first drive angle of the scene in degrees at which it is largest; ``None`` if it
             occurs at every angle, or not between the scene's drive angles.
+        state: over states, the name of the one in which it is largest, to which the figures belong.
     """
 
     figures: ForceFigures
     shaft: int | None
     at_deg: float | None
+    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,8 @@ def _entry(force: Force, radians: bool) -> dict[str, Any]:
     if force.shaft is not None:
         entry["shaft"] = force.shaft
     entry |= {f"{part}_N": finite_or_none(getattr(row, part)) for part in _PARTS}
+    if force.state:
+        entry["state"] = force.state
     if force.at_deg is not None:
         angle, turned = ("rad", math.radians) if radians else ("deg", float)
         entry[f"at_drive_angle_{angle}"] = turned(force.at_deg)
@@ -141,6 +145,11 @@ FORCES_SCHEMA: Mapping[str, Any] = {
                     {"joint": _COUNT, "bearing": _COUNT},
                     optional={
                         "shaft": {**_COUNT, "description": "of a bearing"},
+                        "state": {
+                            "type": "string",
+                            "description": "the state in which the force is largest; all figures "
+                            "are those of this state",
+                        },
                         **{f"at_drive_angle_{angle}": {"type": "number"} for angle in ANGLE},
                     },
                 ),

@@ -1,9 +1,9 @@
-"""The spline of a scene: how far it travels over the study, what is left of it, its axial force."""
+"""The spline of a scene: its travel over the study or states, what is left of it, its force."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -33,10 +33,12 @@ class End:
     Attributes:
         value: the figure.
         at: the keys of the study on which it depends, and their values there.
+        state: over states, the name of the one in which it is so.
     """
 
     value: float
     at: Mapping[str, float]
+    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,7 @@ _VERDICTS: tuple[Verdict, ...] = ("beyond", "within", "not judged")
 
 
 def slip_figures(scene: Scene) -> SlipFigures | None:
-    """Return how the spline of a scene is used over its study; ``None`` without one."""
+    """Return how the spline of a scene is used over its study or states; ``None`` without one."""
     slip = scene.slip
     if slip is None:
         return None
@@ -145,12 +147,12 @@ def slip_figures(scene: Scene) -> SlipFigures | None:
     lengths = 1e3 * lengths
     own = lengths[:, slip.shaft]
     length = 1e3 * float(scene.line.lengths().each[slip.shaft])
-    shortest, longest = _ends(scene.study, own)
+    shortest, longest = _ends(scene, own)
     torque: End | None = None
     force: float | None = None
     supports: tuple[Support, ...] = ()
     if np.isfinite(torques).all():
-        torque = _largest(scene.study, torques)
+        torque = _largest(scene, torques)
         assert slip.friction is not None
         assert slip.radius is not None
         forces = slip.friction * torques / slip.radius
@@ -191,6 +193,10 @@ def _states(scene: Scene) -> Iterator[tuple[FloatArray, FloatArray, FloatArray, 
     """Lengths, torque of the shaft, bends and forces of bearings, a row per driveline."""
     slip = scene.slip
     assert slip is not None
+    if scene.states:
+        for i in range(scene.states.count):
+            yield from _states(scene.in_state(i))
+        return
     if scene.study is None or not scene.study.axes:
         line, load = scene.line, scene.load_case
         torque = np.nan
@@ -261,14 +267,17 @@ def _supports(slip: Slip, forces: FloatArray, bends: FloatArray) -> tuple[Suppor
     return tuple(found)
 
 
-def _ends(study: Study | None, values: FloatArray) -> tuple[End, End]:
-    least = _largest(study, -values)
-    return End(-least.value, least.at), _largest(study, values)
+def _ends(scene: Scene, values: FloatArray) -> tuple[End, End]:
+    least = _largest(scene, -values)
+    return replace(least, value=-least.value), _largest(scene, values)
 
 
-def _largest(study: Study | None, values: FloatArray) -> End:
-    """The largest of the values of a study, with the keys on which it depends there."""
-    top = float(np.max(values))
+def _largest(scene: Scene, values: FloatArray) -> End:
+    """The largest of the values, with the state or the keys of a study on which it depends."""
+    top, study = float(np.max(values)), scene.study
+    if scene.states:
+        varies = not alike(float(np.min(values)), top)
+        return End(top, {}, scene.states.names[int(np.argmax(values))] if varies else "")
     if study is None or not study.axes:
         return End(top, {})
     grid = values.reshape(study.shape)
@@ -323,7 +332,8 @@ def slip_data(found: SlipFigures) -> dict[str, Any]:
 
 def _end_data(end: End, unit: str) -> dict[str, Any]:
     at = [{"key": key, "value": value} for key, value in end.at.items()]
-    return {f"value_{unit}": finite_or_none(end.value), "at": at}
+    state = {"state": end.state} if end.state else {}
+    return {f"value_{unit}": finite_or_none(end.value), "at": at, **state}
 
 
 _NUMBER = {"type": ["number", "null"]}
@@ -334,7 +344,10 @@ _LIMITED = record({"value_mm": _NUMBER, "limit_mm": _NUMBER, "verdict": _VERDICT
 
 def _end_schema(unit: str) -> dict[str, Any]:
     at = record({"key": {"type": "string"}, "value": {"type": "number"}})
-    return record({f"value_{unit}": _NUMBER, "at": {"type": "array", "items": at}})
+    return record(
+        {f"value_{unit}": _NUMBER, "at": {"type": "array", "items": at}},
+        {"state": {"type": "string", "description": "name of the state in which it is so"}},
+    )
 
 
 SLIP_SCHEMA: Mapping[str, Any] = record(

@@ -2,11 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
-from cardan.figures.advice import ADVICE_KEYS, advice, limit_of, listed, on_teeth
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.check import Check
+from cardan.figures.advice import (
+    ADVICE_KEYS,
+    STATES_ADVICE_SCHEMA,
+    advice,
+    limit_of,
+    listed,
+    on_teeth,
+    states_advice,
+)
 from cardan.figures.answers import answer, answer_schema, record
 from cardan.figures.catalogue import CATALOGUE_SCHEMA, root_rule
+from cardan.figures.limits import check_states
 from cardan.figures.rounding import equivalent_bend_deg
 from cardan.scene.scene import Scene
 from cardan.workshop import VIEW
@@ -45,21 +59,25 @@ _KEYS: dict[str, Any] = {
     },
 }
 
-PHASE_SCHEMA = answer_schema("phase", "what cardan phase prints with --json", _KEYS)
+PHASE_SCHEMA = answer_schema(
+    "phase", "what cardan phase prints with --json", _KEYS, {"states": STATES_ADVICE_SCHEMA}
+)
 """JSON Schema of ``yoke_settings``."""
 
 
 def yoke_settings(scene: Scene) -> dict[str, Any]:
-    """Return the best yoke settings of a scene as plain data.
+    """Return the best yoke settings of a scene as plain data; one setting for all of its states.
 
     Raises:
-        ValueError: one joint alone, or bends that were recorded.
+        ValueError: one joint alone, bends that were recorded, states that set the phases.
     """
     line = scene.line
     if line.n_joints == 1:
         raise ValueError(f"{scene.name}: one joint has no yokes to set against each other")
     if line.shape:
         raise ValueError(f"{scene.name}: the bends were recorded; yokes are set for fixed bends")
+    if scene.states:
+        return _over_states(scene)
     best = line.optimal_phases()
     found = advice(line, limit_of(scene), best)
     settings = {"present": line.phases, "best": best}
@@ -72,6 +90,37 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
     # On splines, what can be set.
     set_best = line.with_phases(settings.get("on_teeth", best))
     check = set_best.check(scene.speed or None, scene.limits)
+    return _answer(scene, found, teeth, settings, check)
+
+
+def _over_states(scene: Scene) -> dict[str, Any]:
+    """The setting that serves all states; the root rule is that of [driveline]."""
+    assert scene.states
+    if scene.states.set_phases:
+        raise ValueError(
+            f"{scene.name}: [states] gives phases_deg; one setting can serve all states only if "
+            "none of them sets the yokes"
+        )
+    found = states_advice(scene)
+    teeth = found.pop("teeth", [])
+    settings = {
+        key: np.radians([shaft["phase_deg"] for shaft in shafts])
+        for key, shafts in (("best", found["shafts"]), ("on_teeth", teeth))
+        if shafts
+    }
+    set_best = scene.drivelines().with_phases(settings.get("on_teeth", settings["best"]))
+    settings = {"present": scene.line.phases, **settings}
+    return _answer(scene, found, teeth, settings, check_states(scene, set_best))
+
+
+def _answer(
+    scene: Scene,
+    found: dict[str, Any],
+    teeth: list[dict[str, Any]],
+    settings: Mapping[str, FloatArray],
+    check: Check,
+) -> dict[str, Any]:
+    line = scene.line
     return answer(
         "phase",
         scene.title,
@@ -79,5 +128,5 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
         **found,
         teeth=teeth,
         catalogue={key: root_rule(line.with_phases(phases)) for key, phases in settings.items()},
-        above_limits=[str(finding) for finding in check.findings if not finding.passes],
+        above_limits=[str(finding) for finding in check.findings if not np.all(finding.passes)],
     )

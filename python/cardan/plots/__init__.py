@@ -28,6 +28,7 @@ from cardan.plots.harmonics import plot_harmonics
 from cardan.plots.hodograph import plot_hodograph
 from cardan.plots.result import plot_result
 from cardan.plots.scene import plot_scene, write_picture
+from cardan.plots.states import plot_states
 from cardan.plots.study import plot_study
 from cardan.plots.style import STYLE, save
 from cardan.plots.thoma import plot_small_angle
@@ -52,6 +53,7 @@ __all__ = [
     "plot_seat_pressure",
     "plot_seat_section",
     "plot_small_angle",
+    "plot_states",
     "plot_study",
     "plot_torque_ratio",
     "save",

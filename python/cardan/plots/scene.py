@@ -14,9 +14,11 @@ from cardan.plots.abscissa import Abscissa, Over, abscissa
 from cardan.plots.driveline import plot_driveline
 from cardan.plots.key_figures import key_figures
 from cardan.plots.quantities import MOST, Quantity, quantities
+from cardan.plots.states import height_mm, plot_states
 from cardan.plots.study import plot_study
 from cardan.plots.style import MM, STYLE, WIDTH, matplotlib, number, save, text_width, value_ticks
 from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.states import StatesResult
 from cardan.scene.units import RPM
 
 if TYPE_CHECKING:
@@ -81,7 +83,8 @@ def write_picture(
     Args:
         result: an evaluated scene.
         path: file to write.
-        column: a figure of the scene's study, to draw over its keys as ``plot_study`` does.
+        column: a figure of the scene's study, to draw over its keys as ``plot_study`` does, or of
+            its states, as ``plot_states`` does.
         over: what to draw the scene over, as ``plot_scene`` takes it.
 
     Raises:
@@ -97,11 +100,20 @@ def _study(result: SceneResult, column: str) -> Figure:
     scene = result.scene
     if result.study is None:
         raise ValueError(f"{scene.name}: there is no study to draw; it needs a section [study]")
+    states = result.study if isinstance(result.study, StatesResult) else None
+    height = height_mm(states.states.count) if states else 66.0
     with matplotlib().rc_context(STYLE):
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(WIDTH, 66.0 * MM), layout="constrained")
-        plot_study(result.study, column, ax=figure.add_subplot())
+        figure = Figure(figsize=(WIDTH, height * MM), layout="constrained")
+        axes = figure.add_subplot()
+        if states:
+            limits = scene.limits.figures if column == "equivalent_bend" else {}
+            limit = limits.get("equivalent_bend_deg")
+            bound = None if limit is None else float(np.radians(limit.maximum))
+            plot_states(states, column, limit=bound, ax=axes)
+        else:
+            plot_study(result.study, column, ax=axes)
         if scene.title:
             title = textwrap.fill(scene.title, width=48)
             figure.suptitle(title, fontsize=8.0, parse_math=False)

@@ -9,8 +9,8 @@ import numpy as np
 from cardan.check import Check
 from cardan.figures.advice import advice
 from cardan.figures.drive_speed import drive_speed
-from cardan.figures.scene_forces import scene_forces
 from cardan.figures.slip import slip_figures
+from cardan.figures.states import forces_of
 from cardan.finding import counted
 from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.samples import Samples
@@ -52,6 +52,11 @@ def answer(
         "smooth": _smooth(scene, found),
         "bearings": _bearings(samples),
         "yokes": _yokes(yokes) if yokes else None,
+        "no_yokes": (
+            "The states set the yokes themselves, so no setting can serve all of them."
+            if scene.states
+            else "The bends vary along the recording. Yoke settings are given for fixed bends only."
+        ),
         "remedies": _of_one_joint(scene),
         "drive_speed": _drive_speed(scene),
         "forces": _forces(samples),
@@ -65,6 +70,8 @@ def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
     if scene.study and scene.study.axes:
         words = f"Drivelines of the study: {counted(found.ranks)}."
         unvaried = groups(line.check(scene.speed or None, scene.limits))
+    elif scene.states:
+        words = f"States: {counted(found.ranks)}."
     elif line.shape:
         words = f"Recorded samples: {counted(found.ranks)}."
     return {
@@ -102,6 +109,7 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
             # Every joint repeats its motion after half a turn.
             at = sorted(angle % 360.0 for angle in (at[0], at[0] + 180.0))
         place = f"at {' and '.join(f'{angle:.1f}°' for angle in at)} of drive angle"
+    place += ", with the points of [driveline]" if samples.result.scene.states else ""
     listed = sorted(by_size[:_MOST], key=lambda peak: peak.item)
     return {
         "assumed": samples.assumed,
@@ -123,7 +131,7 @@ def _of_one_joint(scene: Scene) -> list[str]:
 
 def _forces(samples: Samples) -> list[str]:
     """The largest force of a bearing, and why forces are not known."""
-    found = scene_forces(samples.result.scene)
+    found = forces_of(samples.result.scene)
     return [] if found is None else [*filter(None, [largest_text(found)]), *reasons(found)]
 
 
@@ -155,6 +163,7 @@ def _yokes(data: dict[str, Any]) -> dict[str, Any]:
         "lines": yoke_lines(data),
         # The first line is the heading of the others.
         "teeth": [line.removeprefix("- ") for line in tooth_lines(data)],
+        "of": "Largest equivalent bend of all states" if "states" in data else "Equivalent bend",
         "bends": [(_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items()],
         "advice": advice_text(data),
         "tried": "On these teeth" if data["teeth"] else "With this setting",

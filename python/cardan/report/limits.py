@@ -57,7 +57,9 @@ def groups(found: Check) -> list[dict[str, Any]]:
 def _line(finding: Finding) -> dict[str, str]:
     css, sign = _SHOWN[verdict_of(finding)]
     words = f"{finding.name} {finding.value_text}: {'; '.join(finding.words)}"
-    if finding.place:
+    if finding.worst_in and finding.largest_text:
+        words += f"; largest {finding.largest_text}"
+    elif finding.place:
         words += f"; largest at {at_keys(finding.worst_at)}"
     return {"class": css, "sign": sign, "words": words}
 

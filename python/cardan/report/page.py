@@ -16,6 +16,7 @@ from cardan import __version__
 from cardan.arrays import FloatArray
 from cardan.figures.limits import check_scene
 from cardan.figures.slip import slip_figures
+from cardan.figures.steering import steering_figures
 from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
@@ -26,9 +27,12 @@ from cardan.report.drawing import drawing
 from cardan.report.limits import limits_table
 from cardan.report.samples import Panel, Samples, evaluated
 from cardan.report.slip import slip
+from cardan.report.states import states
+from cardan.report.steering import steering
 from cardan.report.study import study
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
+from cardan.scene.states import StatesResult
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -43,11 +47,13 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     samples, found = evaluated(scene), check_scene(scene)
     # Of one joint there is nothing to set, and for recorded bends no setting.
     fixed = scene.line.n_joints > 1 and not scene.line.shape
+    fixed = fixed and not (scene.states and scene.states.set_phases)
     yokes = yoke_settings(scene) if fixed else None
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
-    spline = slip_figures(scene)
+    spline, table, steered = slip_figures(scene), result.study, steering_figures(scene)
+    over_states = table if isinstance(table, StatesResult) else None
     return template.render(
         answer(scene, samples, found, yokes),
         version=__version__,
@@ -62,13 +68,15 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         every=samples.every,
         inputs=tables.inputs(scene),
         results=[limits_table(found), *tables.results(samples)],
-        study=study(result.study, found) if result.study else None,
+        study=None if table is None or over_states else study(table, found),
+        states=states(scene, over_states, found, yokes) if over_states else None,
         charts=[
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
         ball_joint=joint,
         slip=slip(spline) if spline else None,
+        steering=steering(steered) if steered else None,
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )

@@ -12,7 +12,7 @@ from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
 from cardan.figures.catalogue import fork_signs
 from cardan.figures.rounding import is_cancelled
-from cardan.figures.scene_forces import scene_forces
+from cardan.figures.states import forces_of
 from cardan.figures.summary import within_turn
 from cardan.report.samples import Peak, Samples
 from cardan.scene.scene import Scene
@@ -113,7 +113,7 @@ def results(samples: Samples) -> list[Table]:
     tables = [_motion(scene), _largest(samples, "shaft"), _largest(samples, "joint")]
     if any(peak.output.per == "bearing" for peak in samples.peaks):
         tables.append(_largest(samples, "bearing"))
-    forces = scene_forces(scene)
+    forces = forces_of(scene)
     if forces and forces.forces:
         caption = f"Forces over a turn [N]{samples.assumed}"
         tables.append(Table(caption, ("", *HEADINGS), force_rows(forces)))

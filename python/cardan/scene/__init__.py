@@ -5,6 +5,7 @@ from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.errors import SceneError
 from cardan.scene.loading import load_scene
 from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.states import States, StatesResult
 from cardan.scene.streaming import stream
 from cardan.scene.study import Axis, Column, StudyResult
 
@@ -17,6 +18,8 @@ __all__ = [
     "Scene",
     "SceneError",
     "SceneResult",
+    "States",
+    "StatesResult",
     "StudyResult",
     "load_scene",
     "stream",

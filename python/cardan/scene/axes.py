@@ -41,13 +41,18 @@ class Axis:
     component: int | None
     values: FloatArray
 
+    @property
+    def location(self) -> Location:
+        """Where the file gives the values, for errors."""
+        return _location(*self.key.partition(".")[::2])
 
-def axes_of(
+
+def grid_of(
     given: Mapping[str, Mapping[str, Spread | list[float]]],
     driveline: Mapping[str, Any],
     load: Mapping[str, Any] | None,
 ) -> tuple[Axis, ...]:
-    """Return the axes that the section [study] describes.
+    """Return the axes of the grid that the section [study] describes.
 
     Args:
         given: values by key and place.
@@ -55,8 +60,7 @@ def axes_of(
         load: those of its load, if any.
 
     Raises:
-        ValueError: a key that the scene does not use, a place that does not exist or is varied
-            twice, more rows than a study takes.
+        ValueError: as for ``axes_of``; more rows than a study takes.
     """
     sizes = {
         _location(name, place): values.steps if isinstance(values, Spread) else len(values)
@@ -72,10 +76,31 @@ def axes_of(
             f"makes the study {count} rows; it takes at most {MOST_ROWS}: "
             "give fewer steps or vary fewer keys"
         )
+    return axes_of(given, driveline, load, "a study")
+
+
+def axes_of(
+    given: Mapping[str, Mapping[str, Spread | list[float]]],
+    driveline: Mapping[str, Any],
+    load: Mapping[str, Any] | None,
+    varying: str,
+) -> tuple[Axis, ...]:
+    """Return the keys that vary, each with its values.
+
+    Args:
+        given: values by key and place.
+        driveline: the keys of the scene's driveline.
+        load: those of its load, if any.
+        varying: what varies them, in words.
+
+    Raises:
+        ValueError: a key that the scene does not use, a place that does not exist or is varied
+            twice.
+    """
     axes = []
     for name, places in given.items():
         section = "driveline" if name in FORMAT["driveline"].keys else "load"
-        base = _base(name, driveline if section == "driveline" else load, section)
+        base = _base(name, driveline if section == "driveline" else load, section, varying)
         taken: set[tuple[int, str]] = set()
         for place, values in places.items():
             index, _, component = place.partition(".")
@@ -102,7 +127,9 @@ def _location(name: str, place: str) -> Location:
     return Location(name, tuple(place.split(".")) if place else ())
 
 
-def _base(name: str, values: Mapping[str, Any] | None, section: str) -> Sequence[Any] | None:
+def _base(
+    name: str, values: Mapping[str, Any] | None, section: str, varying: str
+) -> Sequence[Any] | None:
     """The entries that the scene gives a key; ``None`` for one number, which it may leave out."""
     if values is None:
         raise ArgumentValueError(name, f"needs a section [{section}]")
@@ -120,7 +147,7 @@ def _base(name: str, values: Mapping[str, Any] | None, section: str) -> Sequence
                     raise ArgumentValueError(name, f"does not go with {key} of [load]; vary that")
         return None
     there = ", ".join(values)
-    raise ArgumentValueError(name, f"is not in [{section}]; a study can vary {there}")
+    raise ArgumentValueError(name, f"is not in [{section}]; {varying} can vary {there}")
 
 
 def _entries(key: Location, index: str, base: Sequence[Any] | None) -> slice | None:

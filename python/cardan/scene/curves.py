@@ -112,7 +112,7 @@ def write_study(
         ValueError: an unknown suffix.
     """
     if Path(path).suffix == ".npz":
-        write_columns(path, {**{axis.key: axis.values for axis in result.axes}, **result.values})
+        write_columns(path, {**result.grid(), **result.values})
     else:
         write_columns(path, study_columns(result, radians=radians), progress)
     return result.rows

@@ -15,6 +15,7 @@ from cardan.errors import ArgumentValueError
 from cardan.outputs import nearest
 from cardan.scene.errors import Location, SceneError, path_of
 from cardan.scene.format import FORMAT
+from cardan.scene.paths import nested
 from cardan.scene.rules import shown
 from cardan.scene.sections import Section
 from cardan.scene.units import units_of
@@ -74,6 +75,9 @@ class Document:
 
     def _checked(self, name: str, section: Section, values: Mapping[str, Any]) -> dict[str, Any]:
         checked = {}
+        if section.paths:
+            with self.within(name):
+                values = nested(values)
         for key, value in values.items():
             with self.within(name, key):
                 if key not in section.keys:
@@ -180,7 +184,7 @@ def _keys_by_line(text: str) -> list[tuple[int, str]]:
                 section = f"{name}.{tables[name]}"
                 tables[name] += 1
             found.append((number, section))
-        elif entry := re.match(r"\s*([A-Za-z0-9][\w .-]*?)\s*=", line):
+        elif entry := re.match(r"""\s*["']?([A-Za-z0-9][\w .-]*?)["']?\s*=""", line):
             found.append((number, _path(f"{section}.{entry[1]}" if section else entry[1])))
     return found
 

@@ -69,6 +69,34 @@ class StudyPointError(ArgumentValueError):
         return f"at {values}: {super().__str__()}"
 
 
+class StatePointError(StudyPointError):
+    """A state of a scene that makes no driveline.
+
+    Attributes:
+        name: the name of the state.
+    """
+
+    name: str
+
+    def __init__(
+        self,
+        argument: str,
+        problem: str,
+        place: Place,
+        section: str,
+        point: Mapping[str, float],
+        name: str,
+    ) -> None:
+        """Make an error of its fields."""
+        super().__init__(argument, problem, place, section, point)
+        self.args = (*self.args, name)
+        self.name = name
+
+    def __str__(self) -> str:
+        """Return the sentence, state and values in front."""
+        return f"in {self.name!r}, {super().__str__()}"
+
+
 class SceneError(ArgumentValueError):
     """Something wrong in a scene file; its text begins with file, line and section.
 
@@ -81,7 +109,8 @@ class SceneError(ArgumentValueError):
         section: the section, of an array of tables with the number of the table, counted from 0:
             ``"bearing.2"``; ``""`` for the file itself.
         key: section, key and place as one path: ``"driveline.bends_deg.2"``.
-        point: in a study, the values of the keys that vary where the problem is; else empty.
+        point: in a study or a state, the values of the keys that vary where the problem is; else
+            empty.
     """
 
     name: str

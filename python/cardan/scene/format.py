@@ -19,9 +19,11 @@ from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.ball_joint import BALL_JOINT
 from cardan.scene.bearings import BEARING, LENGTHS
+from cardan.scene.paths import pattern_schemas
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
+from cardan.scene.steering import STEERING
 from cardan.scene.units import RPM
 
 
@@ -178,6 +180,26 @@ def _axis_of(kind: kinds.Kind) -> kinds.Kind:
     return {kinds.NUMBER: kinds.AXIS, kinds.VECTORS: kinds.COMPONENT_AXES}.get(kind, kinds.AXES)
 
 
+def _varied(meaning: str) -> dict[str, Key]:
+    """The keys that a study or states may vary."""
+    return {
+        name: Key(_axis_of(key.kind), f"{meaning} this key of [{section}]")
+        for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
+        for name, key in part.keys.items()
+        if name not in (TEETH, *LENGTHS)
+    }
+
+
+OF_STATES: Mapping[str, Key] = {
+    "names": Key(
+        kinds.NAMES, "what each state is called; default: the value of the key, or state 0"
+    ),
+    "weights": Key(
+        kinds.WEIGHTS, "how much each state counts when one setting must serve all; default 1"
+    ),
+}
+"""The keys of [states] that do not vary the driveline."""
+
 FORMAT: Mapping[str, Section] = MappingProxyType(
     {
         "": Section(
@@ -273,17 +295,21 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             fewest=1,
         ),
         "slip": SLIP,
+        "steering": STEERING,
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",
-            {
-                name: Key(_axis_of(key.kind), f"values for this key of [{section}]")
-                for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
-                for name, key in part.keys.items()
-                if name not in (TEETH, *LENGTHS)
-            },
+            _varied("values for"),
             together=_LOAD.together,
             fewest=1,
+        ),
+        "states": Section(
+            "positions in which the same driveline runs, such as ride heights: one value per state "
+            "for each key",
+            {**OF_STATES, **_varied("one value per state for")},
+            together=_LOAD.together,
+            fewest=1,
+            paths=True,
         ),
         "output": Section(
             "what to evaluate and which files to write",
@@ -341,6 +367,12 @@ or a list of numbers. bends_deg varies all entries of a list alike, bends_deg.0 
 bends_deg.0-1 the first two. points_mm.2.y varies one coordinate of a point.\
 """
 
+_PATHS_HELP = {
+    "study": _STUDY_HELP,
+    "states": "Give keys of [driveline] or [load] their values in each state, as in [study]; all "
+    "lists have one entry per state. Paths may stand in quotes.",
+}
+
 
 def describe() -> str:
     """Return the format of a scene file as plain text, at most 77 characters wide."""
@@ -348,13 +380,15 @@ def describe() -> str:
     for name, section in FORMAT.items():
         heading = f"{section.heading(name)}  " if name else ""
         lines += _filled(f"{heading}{section.meaning}", "", "  ")
-        if name == "study":
-            lines += _filled(_STUDY_HELP, "  ", "  ")
+        if name in _PATHS_HELP:
+            lines += _filled(_PATHS_HELP[name], "  ", "  ")
+            listed = OF_STATES if name == "states" else {}
         else:
-            for key, entry in section.keys.items():
-                default = "" if entry.default is None else f"; default {entry.default}"
-                text = f"{entry.kind.name}: {entry.meaning}{default}"
-                lines += _filled(text, f"  {key:32}", " " * 36)
+            listed = section.keys
+        for key, entry in listed.items():
+            default = "" if entry.default is None else f"; default {entry.default}"
+            text = f"{entry.kind.name}: {entry.meaning}{default}"
+            lines += _filled(text, f"  {key:32}", " " * 36)
         lines.append("")
     return "\n".join(lines)
 
@@ -404,6 +438,8 @@ def _section_schema(section: Section) -> dict[str, Any]:
         "properties": _properties(section),
         "additionalProperties": False,
     }
+    if section.paths:
+        described["patternProperties"] = pattern_schemas(section)
     if section.fewest:
         described["minProperties"] = section.fewest
     rules = [_not_both(*keys) for keys in section.together]

@@ -61,6 +61,36 @@ def form_of(values: Mapping[str, Any]) -> Form:
     return form
 
 
+def filled(values: Mapping[str, Any], bends: FloatArray | None) -> tuple[Form, dict[str, Any]]:
+    """Return form and keys of the driveline, with twists and phases that are left out as zeros.
+
+    Args:
+        values: values by key.
+        bends: the bends of its joints where they were recorded.
+
+    Raises:
+        ValueError: as for ``form_of``; keys that do not go with recorded bends.
+    """
+    made = dict(values)
+    if bends is not None:
+        for key in values:
+            if key not in FORMS[0].optional:
+                raise ArgumentValueError(key, "does not go with recorded bends")
+        made[FORMS[0].keys[0]] = [0.0] * bends.shape[-1]
+    for form in FORMS:
+        given = [key for key in form.keys if key in made]
+        if form.views and given:
+            level = [0.0] * len(made[given[0]])
+            made = {**dict.fromkeys(form.keys, level), **made}
+    form = form_of(made)
+    joints = len(made[form.keys[0]]) - form.ends
+    for key in form.optional:
+        made.setdefault(key, [0.0] * (joints - 1))
+    if bends is not None:
+        made[form.keys[0]] = bends
+    return form, made
+
+
 def make_driveline(form: Form, values: Mapping[str, Any]) -> Driveline:
     """Return the driveline of a form, or a batch if the values have leading dimensions.
 

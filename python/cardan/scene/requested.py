@@ -10,6 +10,38 @@ from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.scene.bearings import LENGTHS_NEEDED, has_lengths
+from cardan.scene.document import Document
+from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES
+
+
+def check_sections(document: Document, *, alone: bool) -> None:
+    """Refuse sections that are missing or do not go together.
+
+    Args:
+        document: the scene file.
+        alone: whether it describes a ball joint and no driveline.
+
+    Raises:
+        ValueError: no driveline, two sections for the drive angles, a study of states.
+    """
+    given = document.sections
+    if "driveline" not in given and not given.get("angles", {}).keys() & set(BEND_COLUMNS):
+        instead = (
+            "; a ball joint alone can be run, checked, plotted and reported "
+            "(in Python: cardan.scene.load_scene)"
+        )
+        raise ValueError(
+            "section [driveline] is missing; it describes the joints and shafts"
+            + (instead if alone else "")
+        )
+    if given.keys() >= {"study", "states"}:
+        raise ValueError(
+            "sections [study] and [states] are both given; a study varies the design, states are "
+            "positions of one design: give one of them"
+        )
+    if given.keys() >= set(DRIVE_ANGLES):
+        both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
+        raise ValueError(f"sections {both} are both given; give one of them")
 
 
 def requested(output: Mapping[str, Any], load: Mapping[str, Any] | None) -> tuple[str, ...]:

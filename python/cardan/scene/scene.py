@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
@@ -22,27 +23,30 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
 from cardan.scene.angles import Angles
-from cardan.scene.axes import axes_of
+from cardan.scene.axes import grid_of
 from cardan.scene.ball_joint import BallJointCase, ball_joint_case
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
 from cardan.scene.bearings import LENGTHS, Mounting, lengths_of
 from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
-from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
+from cardan.scene.format import TEETH, describe
+from cardan.scene.layout import Layout
 from cardan.scene.parts import (
     at_samples,
     check_load,
     check_not_recorded,
-    form_of,
+    filled,
     make_driveline,
     make_load,
     teeth_of,
 )
 from cardan.scene.recorded import Recording
 from cardan.scene.reductions import LENGTH
-from cardan.scene.requested import check_forces, items, requested, to_reduce
+from cardan.scene.requested import check_forces, check_sections, items, requested, to_reduce
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
+from cardan.scene.states import States, states_of, table_of, with_states
+from cardan.scene.steering import SteeringColumn, steering_of
 from cardan.scene.study import Study, StudyResult
 from cardan.sweep import Sweep
 
@@ -70,7 +74,7 @@ class Scene:
         joints: the joints that the scene names; ``None`` for all.
         teeth: of the spline of each intermediate shaft; empty if the scene gives none.
         options: further arguments of ``Driveline.evaluate``.
-        study: what to vary and the figures wanted, if any.
+        study: what to vary and the figures wanted, if any; with [states] the figures of each.
         recording: file that the drive angles come from, if any.
         curves_file: name of the file for the curves, if any.
         table_file: name of the file for the table of the study, if any.
@@ -80,6 +84,10 @@ class Scene:
         slip: the spline of a shaft that changes its length, if the scene gives one.
         time: recorded times in s, ``(samples,)``, if any.
         signals: the extents of what was recorded besides angles and bends.
+        layout: the keys that describe the driveline; ``None`` if its bends were recorded.
+        states: the states that the scene lists, if it does. ``line`` is the driveline of
+            [driveline], whether that is one of them or not.
+        steering: what the scene says of its driveline as a steering column, if it is one.
     """
 
     name: str
@@ -104,6 +112,9 @@ class Scene:
     slip: Slip | None = None
     time: FloatArray | None = None
     signals: tuple[Signal, ...] = ()
+    layout: Layout | None = None
+    states: States | None = None
+    steering: SteeringColumn | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -153,8 +164,10 @@ class Scene:
         document, folder = Document(read_text(path), fspath(path)), Path(path).parent
         recorded, output = (document.sections.get(key, {}) for key in ("angles", "output"))
         with document.within(""):
-            if not recorded or "study" in document.sections:
-                raise ValueError("it must have a section [angles] and no [study] to be streamed")
+            if not recorded or document.sections.keys() & {"study", "states"}:
+                raise ValueError(
+                    "it must have a section [angles], no [study] and no [states] to be streamed"
+                )
         with document.within("output"):
             if not str(output.get("curves", "")).endswith(".parquet"):
                 raise ArgumentValueError(
@@ -204,18 +217,7 @@ class Scene:
         output, recorded = given.get("output", {}), given.get("angles", {})
         driveline, loaded = given.get("driveline", {}), given.get("load")
         with document.within(""):
-            if "driveline" not in given and not recorded.keys() & set(BEND_COLUMNS):
-                alone = (
-                    "; a ball joint alone can be run, checked, plotted and reported "
-                    "(in Python: cardan.scene.load_scene)"
-                )
-                raise ValueError(
-                    "section [driveline] is missing; it describes the joints and shafts"
-                    + (alone if is_alone(document) else "")
-                )
-            if given.keys() >= set(DRIVE_ANGLES):
-                both = " and ".join(f"[{section}]" for section in DRIVE_ANGLES)
-                raise ValueError(f"sections {both} are both given; give one of them")
+            check_sections(document, alone=is_alone(document))
         with document.within("angles"):
             if recorded and angle is None:
                 angle = Recording(recorded, folder).whole()
@@ -224,7 +226,7 @@ class Scene:
         with document.within("driveline"):
             own = (TEETH, *LENGTHS)
             described = {key: value for key, value in driveline.items() if key not in own}
-            form, driveline = _filled(described, angle)
+            form, driveline = filled(described, angle.bends)
             line = make_driveline(form, driveline)
             teeth = teeth_of(given.get("driveline", {}), line.n_joints)
             mounting = Mounting(lengths=lengths_of(given.get("driveline", {}), line))
@@ -232,7 +234,7 @@ class Scene:
             with document.within(f"bearing.{i}"):
                 mounting = mounting.and_bearing(bearing, line)
         line = mounting.on(line)
-        for section in ("load", "study"):
+        for section in ("load", "study", "states"):
             with document.within(section):
                 check_not_recorded(given.get(section, {}), angle.load)
         with document.within("load"):
@@ -244,7 +246,7 @@ class Scene:
                 )
             if loaded is not None:
                 check_load(loaded, line.n_joints)
-                load = make_load(loaded, given.get("study", {}))
+                load = make_load(loaded, {**given.get("study", {}), **given.get("states", {})})
         with document.within("output"):
             quantities = requested(output, loaded)
             shafts = items(output, "shafts", line.n_joints + 1)
@@ -254,7 +256,7 @@ class Scene:
             check_axes(quantities, output.get("axes", "space"))
             if angle.bends is not None and "closed_forms" in output:
                 raise ArgumentValueError("closed_forms", "do not go with recorded bends")
-            wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
+            wanted = given.keys() & {"study", "states"} | output.keys() & {"reduce", "closed_forms"}
             if LENGTH in output.get("closed_forms", ()) and "points" not in form.keys[0]:
                 raise ArgumentValueError("closed_forms", "'length' needs points_mm or points_m")
             if "table" in output and output["table"] == output.get("curves"):
@@ -262,11 +264,24 @@ class Scene:
                     "table", f"is {output['table']!r}; that is the file of the curves"
                 )
             if "table" in output and not wanted:
-                raise ArgumentValueError("table", "needs a section [study], reduce or closed_forms")
+                raise ArgumentValueError(
+                    "table", "needs a section [study] or [states], reduce or closed_forms"
+                )
         with document.within("slip"):
             slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
+        with document.within("steering"):
+            if "steering" in given and angle.bends is not None:
+                raise ValueError("it does not go with recorded bends, which differ by sample")
+            column = steering_of(given["steering"]) if "steering" in given else None
         with document.within("ball_joint"):
             ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
+        layout = None if angle.bends is not None else Layout(form, driveline, loaded, mounting)
+        states = None
+        with document.within("states"):
+            if "states" in given:
+                if layout is None:
+                    raise ValueError("it does not go with recorded bends, which differ by sample")
+                states = states_of(given["states"], layout)
         study = None
         with document.within("study"):
             varied = given.get("study", {})
@@ -274,16 +289,16 @@ class Scene:
                 raise ArgumentValueError(next(iter(varied)), "does not go with recorded bends")
             if wanted:
                 default = () if angle.bends is not None else _CLOSED_FORMS
-                reduced = driveline
+                reduced, caused = driveline, with_states(loaded, given.get("states", {}))
                 if angle.bends_to_reduce is not None:
                     reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
                 study = Study(
-                    axes_of(varied, driveline, loaded),
+                    grid_of(varied, driveline, loaded),
                     form,
                     reduced,
                     reduced_load,
                     angle.to_reduce,
-                    to_reduce(output, quantities, loaded),
+                    to_reduce(output, quantities, caused),
                     tuple(output.get("reduce", ("peak",))),
                     tuple(output.get("closed_forms", default)),
                     shafts,
@@ -319,6 +334,9 @@ class Scene:
             slip=slip,
             time=angle.time,
             signals=angle.signals,
+            layout=layout,
+            states=states,
+            steering=column,
         )
 
     @property
@@ -363,6 +381,35 @@ class Scene:
         """Whether the speed of the drive changes."""
         return self.load_case is not None and bool(np.any(self.load_case.acceleration != 0.0))
 
+    def drivelines(self, changes: Mapping[str, ArrayLike] | None = None) -> Driveline:
+        """Return the driveline in every state of the scene, or as a batch of one without [states].
+
+        Args:
+            changes: values by path, as for ``States.drivelines``.
+
+        Raises:
+            ValueError: as for ``States.drivelines``; bends that were recorded.
+        """
+        if self.states:
+            return self.states.drivelines(changes)
+        if self.layout is None:
+            raise ValueError(f"{self.name}: the bends were recorded; they have no keys to change")
+        return self.layout.drivelines(changes=changes)
+
+    def in_state(self, state: int) -> Self:
+        """Return the scene of one of its states alone, without [states]."""
+        if self.states is None:
+            raise ValueError(f"{self.name}: it has no section [states]")
+        return replace(
+            self,
+            line=self.states.driveline(state),
+            load_case=self.states.load(state),
+            points=self.states.points(state),
+            study=self.study and self.states.study(self.study, state),
+            layout=None,
+            states=None,
+        )
+
     def run(self, progress: Progress | None = None) -> SceneResult:
         """Evaluate the scene and its study; writes nothing.
 
@@ -374,7 +421,7 @@ class Scene:
         """
         values = self.evaluate()
         try:
-            study = self.study.run(progress) if self.study else None
+            study = table_of(self.states, self.study, progress)
         except ValueError as error:
             raise SceneError.of(error, self.name, "study") from None
         return SceneResult(self, values, study)
@@ -391,6 +438,8 @@ class Scene:
     def explain(self) -> str:
         """Describe how the curves over the drive angle and the study are evaluated."""
         curves: str = self.plan().explain(self.angle)
+        if self.states and self.study:
+            return f"{curves}\n\neach of {self.states.count} states:\n{self.study.explain()}"
         return f"{curves}\n\n{self.study.explain()}" if self.study else curves
 
     def _arguments(self) -> dict[str, Any]:
@@ -411,7 +460,7 @@ class SceneResult:
         values: its quantities in SI units by name, over the drive angles: ``(samples,)`` for the
             last shaft, ``(shafts, samples)`` for shafts that the scene names, ``(joints, samples,
             3)`` for the moments of the joints.
-        study: the table of its study, if it has one.
+        study: the table of its study, if it has one; with [states] a ``StatesResult``.
     """
 
     scene: Scene
@@ -443,25 +492,3 @@ class SceneResult:
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
     describe(), " " * 8
 )
-
-
-def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, Any]]:
-    """Form and keys of the driveline, with twists and phases that are left out as zeros."""
-    filled = dict(values)
-    if angle.bends is not None:
-        for key in values:
-            if key not in FORMS[0].optional:
-                raise ArgumentValueError(key, "does not go with recorded bends")
-        filled[FORMS[0].keys[0]] = [0.0] * angle.bends.shape[-1]
-    for form in FORMS:
-        given = [key for key in form.keys if key in filled]
-        if form.views and given:
-            level = [0.0] * len(filled[given[0]])
-            filled = {**dict.fromkeys(form.keys, level), **filled}
-    form = form_of(filled)
-    joints = len(filled[form.keys[0]]) - form.ends
-    for key in form.optional:
-        filled.setdefault(key, [0.0] * (joints - 1))
-    if angle.bends is not None:
-        filled[form.keys[0]] = angle.bends
-    return form, filled

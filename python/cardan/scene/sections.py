@@ -39,6 +39,7 @@ class Section:
         needed: keys that must be given, one of each group.
         fewest: how many keys there must be.
         with_key: pairs of a key and another that must be given with it.
+        paths: whether its keys may be paths in quotes, as in ``"points_mm.2.y"``.
         repeated: whether it is an array of tables, which a scene may give any number of times.
     """
 
@@ -48,6 +49,7 @@ class Section:
     needed: tuple[tuple[str, ...], ...] = ()
     fewest: int = 0
     with_key: tuple[tuple[str, str], ...] = ()
+    paths: bool = False
     repeated: bool = False
 
     def heading(self, name: str) -> str:

@@ -87,6 +87,10 @@ class StudyResult:
         grids = np.meshgrid(*(axis.values for axis in self.axes), indexing="ij", copy=False)
         return {axis.key: grid for axis, grid in zip(self.axes, grids, strict=True)}
 
+    def grid(self) -> dict[str, FloatArray]:
+        """Return the values of every axis, by key."""
+        return {axis.key: axis.values for axis in self.axes}
+
     def figure(self, column: Column, *, radians: bool) -> tuple[str, FloatArray]:
         """Return the ending of a column's unit and its values, angles in the unit asked for."""
         return converted(self.values[column.name], column.unit, radians)

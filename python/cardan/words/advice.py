@@ -28,6 +28,8 @@ def arrangement_text(data: dict[str, Any]) -> str:
 def advice_text(data: dict[str, Any]) -> str:
     """Say what is left at best, on the teeth where these are known, and what would fix it."""
     limit = f"the limit of {data['limit_deg']:.4g}°"
+    if "states" in data:
+        return _states_advice_text(data, limit)
     bends = data["equivalent_bend_deg"]
     present, best = (f"{bends[key]:.3f}°" for key in ("present", "best"))
     settable = bends.get("on_teeth", bends["best"])
@@ -60,6 +62,8 @@ def remedies(data: dict[str, Any]) -> list[str]:
     if data["cause"] == "none":
         return []
     bends = data["equivalent_bend_deg"]
+    if "states" in data:
+        return _states_remedies(data)
     best = f"{bends['best']:.3f}°"
     settable = bends.get("on_teeth", bends["best"])
     if data["cause"] == "phases" and settable > data["limit_deg"]:
@@ -68,15 +72,58 @@ def remedies(data: dict[str, Any]) -> list[str]:
             f"best teeth leave {settable:.3f}°. The exact setting would leave {best}."
         ]
     if data["cause"] == "phases":
-        turns = ", of ".join(
-            f"shaft {shaft['shaft']} by "
-            + (teeth_text(shaft) if shaft.get("turn_teeth") else turn_text(shaft))
-            for shaft in data.get("teeth") or data["shafts"]
-            if shaft["turn_deg"] >= SHOWN
-        )
-        return [f"Turn the output-side yoke of {turns}, {VIEW}; that leaves {settable:.3f}°."]
+        return [f"{_turns(data)}; that leaves {settable:.3f}°."]
     left = f": the best setting leaves {best}" if data["shafts"] else ""
     return [f"{_too_different(data)}{left}.", _changes(data)]
+
+
+def _turns(data: dict[str, Any]) -> str:
+    turns = ", of ".join(
+        f"shaft {shaft['shaft']} by "
+        + (teeth_text(shaft) if shaft.get("turn_teeth") else turn_text(shaft))
+        for shaft in data.get("teeth") or data["shafts"]
+        if shaft["turn_deg"] >= SHOWN
+    )
+    return f"Turn the output-side yoke of {turns}, {VIEW}"
+
+
+def _settable(data: dict[str, Any]) -> str:
+    """The setting that can be made: on the teeth where these are known."""
+    return "on_teeth" if "on_teeth" in data["equivalent_bend_deg"] else "best"
+
+
+def _most(data: dict[str, Any], setting: str) -> str:
+    """The largest equivalent bend over the states, and in which of them it is."""
+    return f"{data['equivalent_bend_deg'][setting]:.3f}° in {data['states']['worst'][setting]}"
+
+
+def _states_advice_text(data: dict[str, Any], limit: str) -> str:
+    settable = _settable(data)
+    within = data["equivalent_bend_deg"][settable] <= data["limit_deg"]
+    verdict = "within" if data["cause"] == "none" else "beyond"
+    now = (
+        f"The largest equivalent bend of all states is {_most(data, 'present')}, {verdict} {limit}."
+    )
+    turned = any(shaft["turn_deg"] >= SHOWN for shaft in data.get("teeth") or data["shafts"])
+    if not turned:
+        return f"{now} The yokes have the best common setting."
+    left = f"The best common setting leaves at most {_most(data, settable)}"
+    if verdict == "within":
+        return f"{now} Nothing has to be turned. {left}."
+    return f"{now} {left}, {'within' if within else 'beyond'} the limit."
+
+
+def _states_remedies(data: dict[str, Any]) -> list[str]:
+    settable = _settable(data)
+    if data["equivalent_bend_deg"][settable] <= data["limit_deg"]:
+        return [f"{_turns(data)}; that leaves at most {_most(data, settable)}."]
+    if not data["shafts"]:
+        return ["A single joint cannot cancel its own unevenness; add a second joint."]
+    return [
+        f"The common setting with the least mean over the states leaves {_most(data, settable)}, "
+        f"beyond the limit of {data['limit_deg']:.4g}°. Bring the bends of the joints nearer to "
+        "each other in that state, or give it more weight."
+    ]
 
 
 def teeth_text(shaft: dict[str, Any]) -> str:

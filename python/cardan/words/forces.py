@@ -17,7 +17,8 @@ def forces_text(found: SceneForces, *, radians: bool = False) -> str:
     """Return the forces as a table of plain text, and the reason for those that are missing."""
     lines = []
     if found.forces:
-        table: list[tuple[str, ...]] = [("Forces over a turn [N]", *HEADINGS)]
+        over = "states and turn" if found.forces[0].state else "a turn"
+        table: list[tuple[str, ...]] = [(f"Forces over {over} [N]", *HEADINGS)]
         table += [(f"  {label}", *figures) for label, *figures in force_rows(found, radians)]
         widths = [max(map(len, column)) for column in zip(*table, strict=True)]
         for label, *figures in table:
@@ -57,7 +58,8 @@ def largest_text(found: SceneForces) -> str:
 def _label(force: Force) -> str:
     row = force.figures
     label = f"{row.per} {row.item}"
-    return label if force.shaft is None else f"{label}, shaft {force.shaft}"
+    label = label if force.shaft is None else f"{label}, shaft {force.shaft}"
+    return f"{label}, in {force.state}" if force.state else label
 
 
 def _figures(force: Force, radians: bool) -> Iterator[str]:

@@ -104,7 +104,7 @@ def _verdict(found: SlipFigures) -> Iterator[str]:
             "the scene gives no travel_mm, least_engaged_mm or push_in_mm."
         )
     if found.drivelines == 1:
-        yield "These are figures of one position; a [study] of points finds the travel."
+        yield "These are figures of one position; [states] or a [study] of points find the travel."
 
 
 def _judged(part: Limited, rule: str) -> str:
@@ -118,6 +118,8 @@ def _placed(end: End) -> str:
 
 
 def _at(end: End) -> str:
+    if end.state:
+        return f" in {end.state}"
     places = ", ".join(f"{key} = {value:.6g}" for key, value in end.at.items())
     return f" at {places}" if places else ""
 

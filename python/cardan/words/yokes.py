@@ -24,6 +24,8 @@ def yoke_text(data: dict[str, Any]) -> str:
     above: list[str] = data["above_limits"]
     tried = "On these teeth" if data["teeth"] else "With the best setting"
     passes = "does not pass the check:" if above else "passes the check."
+    if "states" in data:
+        passes = f"{passes[:-1]} in every state{passes[-1]}"
     parts = [
         [data["title"]] if data["title"] else [],
         [arrangement_text(data)],
@@ -33,7 +35,7 @@ def yoke_text(data: dict[str, Any]) -> str:
             *(f"- {words}" for words in yoke_lines(data)),
         ],
         tooth_lines(data),
-        _table(data),
+        _states_table(data) if "states" in data else _table(data),
         [advice_text(data), f"{tried} the driveline {passes}", *(f"- {words}" for words in above)],
         [f"In the scene: {phases_text(data)}"],
     ]
@@ -59,9 +61,12 @@ def tooth_lines(data: dict[str, Any]) -> list[str]:
     """Say what the teeth cost, and on which tooth to set each shaft; nothing without teeth."""
     if not data["teeth"]:
         return []
-    bend = data["equivalent_bend_deg"]
-    cost = f"{bend['on_teeth'] - bend['best']:.3f}°"
-    lines = [f"On the splines, whose teeth cost {cost} of equivalent bend:"]
+    lines = ["On the splines:"]
+    # Over several states teeth cost something in one and gain it in another.
+    if "states" not in data:
+        bend = data["equivalent_bend_deg"]
+        cost = f"{bend['on_teeth'] - bend['best']:.3f}°"
+        lines = [f"On the splines, whose teeth cost {cost} of equivalent bend:"]
     for tooth in data["teeth"]:
         change = f"turn it {teeth_text(tooth)}" if tooth["turn_teeth"] else "nothing to turn"
         spline = "cannot be turned" if tooth["teeth"] < 3 else f"{tooth['teeth']} teeth"
@@ -87,6 +92,19 @@ def _table(data: dict[str, Any]) -> list[str]:
         ("  yokes off these by", (f"{rule['off_deg']:.2f}°" for rule in settings.values())),
     ]
     return [f"{label:24}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
+
+
+def _states_table(data: dict[str, Any]) -> list[str]:
+    """The equivalent bend of each state with each setting, as aligned columns."""
+    states = data["states"]
+    bends = states["equivalent_bend_deg"]
+    width = max(24, *(len(name) + 4 for name in states["names"]))
+    rows = [("Equivalent bend", [_COLUMNS[key] for key in bends])]
+    rows += [
+        (f"  {name}", [f"{each[i]:.3f}°" for each in bends.values()])
+        for i, name in enumerate(states["names"])
+    ]
+    return [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
 
 
 def _setting(shaft: dict[str, Any]) -> str:

@@ -1,0 +1,20 @@
+"""The section of a steering column: figures of each state and what follows from them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cardan.figures.steering import SteeringFigures
+from cardan.report.limits import shown
+from cardan.report.tables import Table
+from cardan.words.steering import HEADINGS, steering_rows, steering_sentences
+
+
+def steering(found: SteeringFigures) -> dict[str, Any]:
+    """Return a steering column as plain data for ``steering.html``."""
+    caption = f"Straight ahead, at a drive angle of {found.centre_deg:.6g} deg"
+    return {
+        "class": shown(found.verdict),
+        "sentences": list(steering_sentences(found)),
+        "table": Table(caption, ("State", *HEADINGS), steering_rows(found)),
+    }

@@ -1,0 +1,66 @@
+"""Steering columns: the ratio straight ahead, its slope there, and symmetry of left and right."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray
+from cardan.equivalent import EquivalentJoint, Motion
+
+
+@dataclass(frozen=True, eq=False)
+class Steering:
+    """What a steering column does about straight ahead; fields have the shape of the batch.
+
+    The last shaft follows the column as the driven shaft of one joint. Its ratio is ``(1 -
+    k**2)/(1 - 2 k cos 2 t + k**2)`` at the input angle ``t`` of that joint, which is even about
+    every multiple of 90° and about no other angle (derived here from Thoma 4). So left and right
+    are symmetric if and only if straight ahead is at such a multiple: at an even one the ratio is
+    largest there (quick), at an odd one least (slow).
+
+    Attributes:
+        ratio: speed of the last shaft over that of the column, straight ahead.
+        slope: derivative of the ratio by the angle of the column there, per rad.
+        offset: angle in rad by which straight ahead is beyond the nearest symmetric position,
+            within [-pi/4, pi/4].
+        quick: whether that position is one of the largest ratio.
+        turn_to_quick: by how much to turn the driving yoke of joint 0 on the column, in rad within
+            [-pi/2, pi/2], so that the ratio is largest straight ahead; positive is clockwise,
+            looking from the column towards the output.
+        turn_to_slow: the same for the least ratio.
+    """
+
+    ratio: FloatArray
+    slope: FloatArray
+    offset: FloatArray
+    quick: NDArray[np.bool_]
+    turn_to_quick: FloatArray
+    turn_to_slow: FloatArray
+
+
+def steering(joint: EquivalentJoint, motion: Motion, centre: Any) -> Steering:  # noqa: ANN401
+    """Return the figures of an equivalent joint.
+
+    Args:
+        joint: the joint.
+        motion: its motion straight ahead.
+        centre: angle of the column straight ahead in rad.
+    """
+    at = np.asarray(centre + joint.angle_offset)
+    quarters = np.round(at / (0.5 * np.pi))
+    return Steering(
+        np.asarray(motion.speed_ratio)[()],
+        np.asarray(motion.acceleration_ratio)[()],
+        (at - 0.5 * np.pi * quarters)[()],
+        np.asarray(quarters % 2.0 == 0.0)[()],
+        _within_quarter(-at)[()],
+        _within_quarter(0.5 * np.pi - at)[()],
+    )
+
+
+def _within_quarter(angle: FloatArray) -> FloatArray:
+    return np.asarray(angle - np.pi * np.round(angle / np.pi))

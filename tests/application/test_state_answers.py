@@ -1,0 +1,303 @@
+"""Answers of scenes with states: each state as its own scene gives it, the worst by its name."""
+
+from __future__ import annotations
+
+import csv
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+from cardan import Driveline
+from cardan.command import commands
+from cardan.figures.limits import check_scene
+from cardan.figures.states import forces_of
+from cardan.figures.steering import steering_figures
+from cardan.plots import plot_states, write_picture
+from cardan.report import write_report
+from cardan.scene import Scene, StatesResult
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TRUCK = (EXAMPLES / "ride_heights.toml").read_text(encoding="utf-8")
+COLUMN = (EXAMPLES / "steering_column.toml").read_text(encoding="utf-8")
+HEIGHTS = range(-320, -159, 20)
+NAMES = Scene.parse(TRUCK).states.names  # type: ignore[union-attr]
+
+
+def single(height: int, phases: str = "[90, 0]") -> str:
+    """The truck's scene at one height, without states."""
+    head, _, tail = TRUCK.partition("[states]")
+    output = tail[tail.index("[output]") :].replace('table = "ride_heights.csv"\n', "")
+    head = head.replace("[3150, -240, 45]", f"[3150, {height}, 45]")
+    head = head.replace("[3450, -262, 45]", f"[3450, {height - 22}, 45]")
+    return head.replace("[90, 0]", phases) + output
+
+
+def run(command: str, text: str, folder: Path, *options: str) -> tuple[int, str]:
+    path = folder / "scene.toml"
+    path.write_text(text, encoding="utf-8")
+    into = ["--into", str(folder)] if command == "run" else []
+    result = CliRunner().invoke(commands(), [command, str(path), *into, *options])
+    return result.exit_code, result.output
+
+
+def answer(command: str, text: str, folder: Path) -> Any:  # noqa: ANN401 - JSON
+    return json.loads(run(command, text, folder, "--json")[1])
+
+
+def test_figures_of_each_state_are_those_of_its_own_scene(tmp_path: Path) -> None:
+    data = answer("run", TRUCK, tmp_path)["states"]
+    assert data["names"] == list(NAMES)
+    assert [key["key"] for key in data["keys"]] == ["points_mm.3.y", "points_mm.4.y"]
+    figures = {figure["column"]: figure for figure in data["figures"]}
+    closed = 'closed_forms = ["equivalent_bend", "non_uniformity", "max_angle_error"]\n'
+    for i, height in enumerate(HEIGHTS):
+        text = single(height) + closed + 'reduce = ["peak"]\nquantities = ["torque", "moment"]\n'
+        study = Scene.parse(text).run().study
+        assert study
+        for column in study.columns:
+            ending, value = study.figure(column, radians=False)
+            assert figures[f"{column.name}{ending}"]["values"][i] == float(value)
+    bends = figures["equivalent_bend_deg"]
+    assert bends["largest"] == {"value": max(bends["values"]), "state": "bump +80 mm"}
+    assert bends["least"]["state"] == NAMES[int(np.argmin(bends["values"]))]
+
+
+def test_the_table_has_a_row_per_state(tmp_path: Path) -> None:
+    assert run("run", TRUCK, tmp_path)[0] == 0
+    with open(tmp_path / "ride_heights.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["state"]) for row in rows] == list(range(9))
+    assert [float(row["points_mm.3.y"]) for row in rows] == list(HEIGHTS)
+    assert [float(row["points_mm.4.y"]) for row in rows] == [height - 22 for height in HEIGHTS]
+    table = Scene.parse(TRUCK).run().study
+    assert isinstance(table, StatesResult)
+    assert [float(row["non_uniformity"]) for row in rows] == table.values["non_uniformity"].tolist()
+
+
+def test_an_archive_has_the_keys_of_the_states(tmp_path: Path) -> None:
+    assert run("run", TRUCK.replace("heights.csv", "heights.npz"), tmp_path)[0] == 0
+    with np.load(tmp_path / "ride_heights.npz") as held:
+        assert held["points_mm.3.y"].tolist() == list(HEIGHTS)
+        assert held["equivalent_bend"].shape == (9,)
+
+
+def test_check_judges_every_state_and_names_the_worst(tmp_path: Path) -> None:
+    status, text = run("check", TRUCK, tmp_path)
+    assert status == 1
+    assert text.startswith("7 of 9 within, 2 beyond.")
+    assert "largest in bump +80 mm" in text
+    data = answer("check", TRUCK, tmp_path)
+    found = data["states"]["verdicts"]
+    for state, height in zip(found, HEIGHTS, strict=True):
+        own = answer("check", single(height), tmp_path)["catalogue"]["equivalent_bend"]
+        assert state["equivalent_bend_deg"] == own["value_deg"]
+        assert state["verdict"] == own["verdict"]
+        assert (state["beyond"] == ["equivalent_bend"]) is (own["verdict"] == "beyond")
+    assert data["catalogue"]["equivalent_bend"]["worst_in"] == "bump +80 mm"
+    assert not data["passes"]
+    turned = TRUCK.replace("[90, 0]", "[30, 10]")
+    assert run("check", turned, tmp_path)[0] == 0
+
+
+def test_check_passes_only_if_all_states_do(tmp_path: Path) -> None:
+    """The ride height, which is [driveline], is within; a state that is not decides."""
+    assert run("check", single(-240), tmp_path)[0] == 0
+    two = (
+        TRUCK[: TRUCK.index("names")]
+        + '"points_mm.3.y" = [-240, -160]\npoints_mm.4.y = [-262, -182]'
+    )
+    assert run("check", two, tmp_path)[0] == 1
+    first = two.replace("[-240, -160]", "[-240]").replace("[-262, -182]", "[-262]")
+    assert run("check", first, tmp_path)[0] == 0
+
+
+def test_speeds_of_states_are_checked_with_their_own_state() -> None:
+    text = (
+        "[driveline]\nbends_deg = 5\n[load]\nspeed_rpm = 100\n"
+        '[states]\nbends_deg = [5, 10]\nspeed_rpm = [3000, 1000]\nnames = ["a", "b"]\n'
+    )
+    found = {f.figure: f for f in check_scene(Scene.parse(text)).findings}["torsional_excitation"]
+    exact = [
+        float(line.check(rpm * np.pi / 30.0).findings[1].value)
+        for line, rpm in (
+            (Driveline.from_bends([5], degrees=True), 3000.0),
+            (Driveline.from_bends([10], degrees=True), 1000.0),
+        )
+    ]
+    np.testing.assert_allclose(found.value, exact, rtol=1e-13)
+    assert found.worst_in == "ab"[int(np.argmax(exact))]
+
+
+def test_forces_are_those_of_the_worst_state() -> None:
+    found = forces_of(Scene.parse(TRUCK))
+    assert found
+    each = [forces_of(Scene.parse(single(height))) for height in HEIGHTS]
+    for i, force in enumerate(found.forces):
+        largest = [own.forces[i].figures.largest for own in each if own]
+        assert force.figures.largest == max(largest)
+        assert force.state == NAMES[int(np.argmax(largest))]
+
+
+def test_slip_over_the_states(tmp_path: Path) -> None:
+    slip = answer("check", TRUCK, tmp_path)["slip"]
+    points = np.array(tomllib.loads(TRUCK)["driveline"]["points_mm"], dtype=float)
+    lengths = []
+    for height in HEIGHTS:
+        points[3, 1] = height
+        lengths.append(float(np.linalg.norm(points[3] - points[2])))
+    drawn = lengths[NAMES.index("ride height")]
+    assert slip["drivelines"] == 9
+    assert slip["longest"]["state"] == NAMES[int(np.argmax(lengths))]
+    assert slip["shortest"]["state"] == NAMES[int(np.argmin(lengths))]
+    np.testing.assert_allclose(slip["travel"]["value_mm"], max(lengths) - min(lengths), rtol=1e-10)
+    np.testing.assert_allclose(slip["engaged"]["value_mm"], 90 - max(lengths) + drawn, rtol=1e-10)
+    np.testing.assert_allclose(slip["push_in"]["value_mm"], 30 - drawn + min(lengths), rtol=1e-10)
+
+
+def test_phase_gives_one_setting_for_all_states(tmp_path: Path) -> None:
+    data = answer("phase", TRUCK, tmp_path)
+    assert [tooth["phase_deg"] for tooth in data["teeth"]] == pytest.approx([30, 10])
+    for key, phases in (("present", "[90, 0]"), ("on_teeth", "[30, 10]")):
+        for i, height in enumerate(HEIGHTS):
+            own = Scene.parse(single(height, phases)).line.equivalent().bend_deg
+            bend = data["states"]["equivalent_bend_deg"][key][i]
+            np.testing.assert_allclose(bend, own, rtol=1e-9)
+        bends = data["states"]["equivalent_bend_deg"][key]
+        assert data["equivalent_bend_deg"][key] == max(bends)
+        assert data["states"]["worst"][key] == NAMES[int(np.argmax(bends))]
+    assert (data["cause"], data["above_limits"]) == ("phases", [])
+    text = run("phase", TRUCK, tmp_path)[1]
+    assert "On these teeth the driveline passes the check in every state." in text
+    assert "at most 2.829° in bump +80 mm" in text
+
+
+def test_weights_move_the_setting_towards_a_state(tmp_path: Path) -> None:
+    weights = "weights = [0.2, 0.5, 1, 2, 4, 2, 1, 0.5, 0.2]"
+    last = TRUCK.replace(weights, "weights = [0, 0, 0, 0, 0, 0, 0, 0, 1]")
+    bends = answer("phase", last, tmp_path)["states"]["equivalent_bend_deg"]["best"]
+    own = Scene.parse(single(HEIGHTS[-1])).line
+    least = own.with_phases(own.optimal_phases()).equivalent().bend_deg
+    np.testing.assert_allclose(bends[-1], least, atol=1e-5)
+    on_teeth = answer("phase", last, tmp_path)["states"]["equivalent_bend_deg"]["on_teeth"]
+    steps = np.radians(np.arange(0, 180, 10))
+    settings = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    np.testing.assert_allclose(
+        on_teeth[-1], np.min(own.with_phases(settings).equivalent().bend_deg), rtol=1e-9
+    )
+
+
+def test_a_setting_that_not_every_state_passes_is_named(tmp_path: Path) -> None:
+    fixed = TRUCK.replace("teeth = 36", "teeth = 1")
+    data = answer("phase", fixed, tmp_path)
+    assert data["states"]["equivalent_bend_deg"]["on_teeth"] == pytest.approx(
+        data["states"]["equivalent_bend_deg"]["present"]
+    )
+    assert len(data["above_limits"]) == 1
+    assert "in bump +80 mm" in data["above_limits"][0]
+    text = run("phase", fixed, tmp_path)[1]
+    assert "On these teeth the driveline does not pass the check in every state:" in text
+
+
+def test_states_that_set_the_yokes_have_no_common_setting(tmp_path: Path) -> None:
+    text = "[driveline]\nbends_deg = [5, 6]\n[states]\nphases_deg = [0, 90]\n"
+    status, said = run("phase", text, tmp_path)
+    assert status == 2
+    assert "[states] gives phases_deg; one setting can serve all states only if" in said
+    assert run("check", text, tmp_path)[0] == 1
+    assert "What would help" not in run("check", text, tmp_path)[1]
+
+
+def test_steering_over_the_tilt_of_a_column() -> None:
+    """Against pins carried by a rotation matrix, and ratios to the left and to the right."""
+    scene = Scene.parse(COLUMN)
+    found = steering_figures(scene)
+    assert found
+    lines, drawn = scene.drivelines(), scene.line
+    normal, along = drawn.normals[0], drawn.directions[0]
+    centre = np.radians(10)
+    pin = np.cos(centre) * np.cross(normal, along) + np.sin(centre) * normal
+    for i, one in enumerate(found.each):
+        # The column tilts about the lateral axis y, which is square to it in every state.
+        tilted = lines.directions[i, 0]
+        angle = np.arctan2(along[2], along[0]) - np.arctan2(tilted[2], tilted[0])
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turned = np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]]) @ pin
+        own = lines.normals[i, 0]
+        at = np.arctan2(turned @ own, turned @ np.cross(own, tilted))
+        ratio = lines[i].evaluate(at, "speed_ratio").speed_ratio
+        np.testing.assert_allclose(one.ratio, ratio, rtol=1e-12)
+        away = np.linspace(0, 3, 31)
+        symmetric = at - np.radians(one.offset_deg)
+        left, right = (
+            lines[i].evaluate(symmetric + sign * away, "speed_ratio").speed_ratio
+            for sign in (-1, 1)
+        )
+        np.testing.assert_allclose(left, right, rtol=1e-11)
+    assert found.verdict == "beyond"
+    assert found.worst.state == "low"
+
+
+def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
+    status, text = run("check", COLUMN, tmp_path)
+    assert status == 1
+    assert "Left and right differ: straight ahead is 18.05° from the nearest symmetric" in text
+    assert "by 12.22° counter-clockwise" in text
+    turned = COLUMN.replace("centre_deg = 10", "centre_deg = -2.22")
+    assert run("check", turned, tmp_path)[0] == 0
+    data = answer("check", turned, tmp_path)["steering"]
+    offsets = [one["offset_deg"] for one in data["on_centre"]]
+    assert max(offsets) == pytest.approx(-min(offsets), abs=0.01)
+    exact = COLUMN[: COLUMN.index("[limits]")].replace("centre_deg = 10", "centre_deg = 0")
+    own = steering_figures(Scene.parse(exact))
+    assert own
+    symmetric = exact.replace("centre_deg = 0", f"centre_deg = {own.each[0].turn_to_quick_deg!r}")
+    assert "Left and right are symmetric." in run("check", symmetric, tmp_path)[1]
+
+
+def test_pictures_and_report(tmp_path: Path) -> None:
+    result = Scene.parse(TRUCK).run()
+    assert isinstance(result.study, StatesResult)
+    axes = plot_states(result.study)
+    bars = axes.patches
+    widths = [bar.get_width() for bar in bars]  # type: ignore[attr-defined]
+    np.testing.assert_allclose(widths, np.degrees(result.study.values["equivalent_bend"]))
+    assert [bool(bar.get_hatch()) for bar in bars] == [width > 3 for width in widths]
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(NAMES)
+    with pytest.raises(ValueError, match="column is 'bend'"):
+        plot_states(result.study, "bend")
+    write_picture(result, tmp_path / "a.svg", "moment_0_peak")
+    assert "<svg" in (tmp_path / "a.svg").read_text(encoding="utf-8")
+    for text in (TRUCK, COLUMN):
+        write_report(Scene.parse(text), tmp_path / "a.html")
+        page = (tmp_path / "a.html").read_text(encoding="utf-8")
+        assert 'id="states"' in page
+        assert ('id="steering"' in page) is (text is COLUMN)
+    assert "straight ahead is 18.05°" in page
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        ("[study]\npoints_mm.2.y = [0, 1]\n", "sections [study] and [states] are both given; a "),
+        ("[states]\npoints_mm.2.y = []\n", "line 2: [states] points_mm.2.y is []"),
+    ],
+)
+def test_what_does_not_go_with_states(more: str, message: str) -> None:
+    text = "[driveline]\npoints_mm = [[0, 0, 0], [1, 0, 0], [2, 1, 0]]\n"
+    if "study" in more:
+        more += "[states]\npoints_mm.2.y = [0, 1]\n"
+    with pytest.raises(ValueError, match="states") as caught:
+        Scene.parse(text + more)
+    assert message.split(": ")[-1] in str(caught.value)
+
+
+def test_a_cluster_takes_studies_only(tmp_path: Path) -> None:
+    text = TRUCK.replace("ride_heights.csv", "ride_heights.parquet")
+    status, said = run("run", text, tmp_path, "--local", "1")
+    assert status == 2
+    assert "states are evaluated in one process; only a study is distributed" in said
