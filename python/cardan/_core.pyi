@@ -13,6 +13,7 @@ __all__ = [
     "Sweep",
     "Transmission",
     "__version__",
+    "dq",
     "equivalent",
     "from_bends",
     "from_directions",
@@ -26,6 +27,7 @@ __version__: str
 
 def levels() -> list[str]: ...
 def outputs() -> list[tuple[str, Literal["shaft", "joint", "bearing"], str, list[str], bool]]: ...
+def dq(lines: Lines, shaft: int, by: str, workers: int | None) -> NDArray[np.complex128]: ...
 def from_bends(
     joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat
 ) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...

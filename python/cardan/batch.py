@@ -131,8 +131,9 @@ class Batch:
         return True
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Pickle as the arrays, with the shafts of the bearings."""
-        return (_unpickled, (type(self), self._geometry.bearings, *self._geometry.arrays))
+        """Pickle as the arrays, with what else the geometry knows."""
+        own = self._geometry
+        return (_unpickled, (type(self), (own.bearings, own.has_points), *own.arrays))
 
     def __copy__(self) -> Self:
         """Return the driveline itself: it never changes."""
@@ -205,6 +206,14 @@ class Batch:
         return np.degrees(self._geometry.phases)
 
     @property
+    def has_points(self) -> bool:
+        """Whether derivatives by points exist.
+
+        They do for drivelines from points, unless ``with_bearings`` gave them other lengths.
+        """
+        return self._geometry.has_points
+
+    @property
     def directions(self) -> FloatArray:
         """Unit vector along each shaft, ``(..., n + 1, 3)``."""
         return self._geometry.directions
@@ -215,7 +224,7 @@ class Batch:
         return self._geometry.normals
 
 
-def _unpickled(cls: type[Batch], bearings: tuple[int, ...], *arrays: FloatArray) -> Batch:
+def _unpickled(cls: type[Batch], known: tuple[tuple[int, ...], bool], *arrays: FloatArray) -> Batch:
     # What came in a message lies anywhere in it.
     whole = (np.require(a, requirements=["C", "A"]) for a in arrays)
-    return cls._of(Geometry._make([*whole, bearings]))
+    return cls._of(Geometry._make([*whole, *known]))

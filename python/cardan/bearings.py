@@ -116,7 +116,13 @@ def _mounted(
                 )
     spread = own._replace(lengths=own.lengths[..., :0], positions=own.positions[..., :0])
     full = np.array(np.broadcast_to(known, (*shape, known.shape[-1])))
-    return spread.batched(shape)._replace(lengths=full, positions=positions, bearings=tuple(shafts))
+    return spread.batched(shape)._replace(
+        lengths=full,
+        positions=positions,
+        bearings=tuple(shafts),
+        # Other lengths are not those between the points.
+        has_points=own.has_points and lengths is None,
+    )
 
 
 def _lengths(lengths: ArrayLike, n: int) -> FloatArray:

@@ -261,7 +261,8 @@ class Driveline(Phased):
             shaft: index of the shaft, by default the last.
 
         Returns:
-            ``q``, ``motion(angle)`` and ``gradient(angle)``, each in the shape of the batch.
+            ``q``, ``motion(angle)`` and ``gradient(angle)``, each in the shape of the batch, and
+            the derivatives ``dq(by)`` and ``d_abs2(by)`` by the driveline's parameters.
 
         Raises:
             IndexError: a shaft that does not exist.

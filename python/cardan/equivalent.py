@@ -5,14 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan import _core
+from cardan import _core, threads
 from cardan.arrays import as_float64, common_shape, scalar_or_array
 from cardan.geometry import Geometry
+from cardan.parameters import Parameters, checked_parameters, parameter_shape
 from cardan.request import Plannable, item_index
 
 
@@ -105,6 +106,9 @@ class Transmission:
     ``Re(8 q u (1 - q u) g**3)`` (derived here from Thoma 4). ``abs(q)`` is ``tan(bend/2)**2`` of
     the equivalent bend. Unlike the bend, ``q`` is smooth where the driveline becomes uniform.
 
+    ``abs2``, which is ``abs(q)**2``, is the objective for constant velocity. The equivalent bend is
+    not: near constant velocity it is ``2 sqrt(abs(q))``, whose slope is infinite there.
+
     For many angles ``Driveline.evaluate`` is faster.
     """
 
@@ -163,6 +167,70 @@ class Transmission:
             ValueError: shapes that do not broadcast.
         """
         return self._columns(self._core.gradient, angle)
+
+    @property
+    def abs2(self) -> NDArray[np.float64]:
+        """``abs(q)**2``, ``tan(bend/2)**4`` of the equivalent bend, in the shape of the batch."""
+        return np.asarray(self.q.real**2 + self.q.imag**2)[()]
+
+    def dq(self, by: Parameters = "bends") -> NDArray[np.complex128]:
+        """Return the derivatives of ``q`` by parameters of the driveline.
+
+        Those by the parameters of joints behind the shaft are 0. Angles are in rad and points in
+        their own unit. By bends, twists or phases everything else keeps its value; by points all
+        bends and twists change.
+
+        A joint gives ``dk/db = tan(b/2)/cos(b/2)**2`` and a shaft ``exp(i p)`` with ``p = phase -
+        twist + 90°``; products of the chain's maps before and behind them do the rest (derived
+        here from Thoma 4). By points the product ``k exp(2 i P)`` of a joint is differentiated, not
+        ``k`` and its plane's angle ``P``. Derivatives are therefore smooth through straight joints,
+        whose plane is arbitrary.
+
+        The drive angle counts from the plane of joint 0, and ``q`` turns with it. Where joint 0 is
+        straight, that plane has no derivative by points and is held. ``d_abs2`` does not depend on
+        it.
+
+        Args:
+            by: ``"bends"``, ``"twists"``, ``"phases"`` or ``"points"``.
+
+        Returns:
+            ``(..., n)`` by bends, ``(..., n - 1)`` by twists and phases, ``(..., n + 2, 3)`` by
+            points.
+
+        Raises:
+            TypeError: a kind that is not a name.
+            ValueError: an unknown kind, points of a driveline that was not made from points.
+        """
+        line, index = self._arguments
+        kind = checked_parameters(line, by)
+        flat = _core.dq(line._lines, index, kind, threads.at_most(None))
+        return flat.reshape(*line.shape, *parameter_shape(kind, line.n_joints))
+
+    def d_abs2(self, by: Parameters = "bends") -> NDArray[np.float64]:
+        """Return the derivatives of ``abs2`` by parameters of the driveline.
+
+        They are ``2 Re(conj(q) dq)``, smooth everywhere and 0 at constant velocity.
+
+        Args:
+            by: as for ``dq``, like shape and errors.
+        """
+        derivatives = self.dq(by)
+        q = np.reshape(self.q, np.shape(self.q) + (1,) * (derivatives.ndim - np.ndim(self.q)))
+        return 2.0 * (q.real * derivatives.real + q.imag * derivatives.imag)
+
+    def d_bend(self, by: Parameters = "bends") -> NoReturn:
+        """Refuse to differentiate the equivalent bend.
+
+        Args:
+            by: of no effect.
+
+        Raises:
+            TypeError: always. At constant velocity, where the bend is least, its slope is infinite.
+        """
+        raise TypeError(
+            f"the equivalent bend has no derivative by {by} at constant velocity, where its slope "
+            "is infinite; use d_abs2, the derivatives of abs(q)**2, or dq"
+        )
 
     def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
         angles = as_float64("angle", angle)

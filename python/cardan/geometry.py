@@ -27,6 +27,7 @@ class Geometry(NamedTuple):
         positions: position of each bearing along its shaft, in the unit of the lengths,
             ``(..., m)``.
         bearings: the shaft of each bearing, ``m`` in number.
+        has_points: whether they were made from points, with these lengths between them.
     """
 
     bends: FloatArray
@@ -37,6 +38,7 @@ class Geometry(NamedTuple):
     lengths: FloatArray
     positions: FloatArray
     bearings: tuple[int, ...] = ()
+    has_points: bool = False
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -52,7 +54,7 @@ class Geometry(NamedTuple):
     @property
     def arrays(self) -> tuple[FloatArray, ...]:
         """The arrays, each with the axes of the batch first."""
-        return self[:-1]
+        return self[:-2]
 
     def flat(self) -> list[FloatArray]:
         """Return each array as one run of elements, which the native module takes."""
@@ -60,7 +62,7 @@ class Geometry(NamedTuple):
 
     def each(self, change: Callable[[FloatArray], FloatArray]) -> Geometry:
         """Return the geometry with every array changed."""
-        return Geometry._make([*map(change, self.arrays), self.bearings])
+        return Geometry._make([*map(change, self.arrays), self.bearings, self.has_points])
 
     def batched(self, shape: tuple[int, ...]) -> Geometry:
         """Broadcast to a batch of that shape."""
@@ -85,6 +87,7 @@ class Geometry(NamedTuple):
             np.array(self.lengths[..., ::-1]),
             self.lengths[..., list(self.bearings)] - self.positions,
             tuple(self.n_joints - shaft for shaft in self.bearings),
+            self.has_points,
         )
 
     def taken(self, index: Any) -> Geometry:  # noqa: ANN401 - whatever NumPy takes
@@ -138,7 +141,8 @@ def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
         parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
     every = zip(*(part.arrays for part in parts), strict=True)
     joined = (np.concatenate(arrays, axis=axis) for arrays in every)
-    return Geometry._make([*joined, parts[0].bearings])
+    has_points = all(part.has_points for part in parts)
+    return Geometry._make([*joined, parts[0].bearings, has_points])
 
 
 def from_bends(bends: ArrayLike, twists: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:
@@ -168,7 +172,7 @@ def from_points(points: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry
     n = array.shape[-2] - 2
     turned = _per_shaft("phases", phases, n, degrees)
     made = _laid_out(_core.from_points, n, vectors=(array, 2), phases=(turned, 1))
-    return made._replace(lengths=_spread(_lengths(array), made.shape, 1))
+    return made._replace(lengths=_spread(_lengths(array), made.shape, 1), has_points=True)
 
 
 def from_slopes(

@@ -39,4 +39,5 @@ pub use run::explain::Call;
 pub use run::fold::FoldedDriveline;
 pub use run::level::{self, Level};
 pub use run::phases::optimal_phases_of_batch;
+pub use run::q_derivatives::{Parameters, q_derivatives};
 pub use run::threads::uses_threads;

@@ -8,6 +8,7 @@
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
 
 mod convert;
+mod derivatives;
 mod driveline;
 mod lines;
 mod plan;
@@ -21,6 +22,8 @@ use pyo3::prelude::*;
 /// The module has no unsynchronised shared state, so free-threaded Python runs it without its lock.
 #[pymodule(gil_used = false)]
 mod _core {
+    #[pymodule_export]
+    use super::derivatives::dq;
     #[pymodule_export]
     use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};
     #[pymodule_export]

@@ -3,6 +3,7 @@
 
 pub(crate) mod bearings;
 pub mod chain;
+pub(crate) mod derivatives;
 pub(crate) mod double_angle;
 pub(crate) mod exact;
 pub(crate) mod extremes;

@@ -15,6 +15,7 @@ mod load;
 mod map;
 mod motion;
 pub mod phases;
+pub mod q_derivatives;
 mod queue;
 mod reduce;
 mod scratch;

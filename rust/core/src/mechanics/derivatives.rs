@@ -1,0 +1,194 @@
+//! Derivatives of a chain: from those by its map to those by bends, twists, phases and points.
+//!
+//! All motion of shaft `i` depends on `q_i = B_i/A_i` of the map `w → A_i w + B_i w̄` of
+//! [`crate::mechanics::chain`]. Given how a value changes with these numbers, one sweep from the
+//! last joint to the first finds how it changes with all parameters (derived here).
+//!
+//! The adjoint of a complex `x` is `x̃` with `dV = Re(x̃* dx)`. Behind a joint, with `(a, b)` before
+//! it and `Z = Ã' b + B̃' a`,
+//!
+//! `ã = Ã' − k B̃'*`, `b̃ = B̃' − k Ã'*`, `k̃ = −Re Z`, `dk = tan(β/2) sec²(β/2) dβ`,
+//!
+//! and the turn `e^{ip}` of a shaft, `p = δ − τ + 90°`, has `p̃ = −Im(ã* a + b̃* b)`.
+//!
+//! **By directions.** If a joint's shafts `u` and `v` turn by `du` and `dv`, its bend changes by
+//! `dv·e_out − du·e_in`. Its plane turns about `u` by `dμ_u = (dv·m − du·m cos β)/sin β` and about
+//! `v` by `dμ_v = dμ_u − tan(β/2) (du·m + dv·m)`. The twists before and behind the joint change by
+//! `dμ_u` and `−dμ_v`, which are infinite where the joint is straight. Their effects cancel there:
+//! together with that of `k` they are
+//!
+//! `dV = −h [Re Z (dv·e_out − du·e_in) + Im Z (dv·m cos β − du·m)] − p̃ tan(β/2) (du·m + dv·m)`
+//!
+//! with `h = tan(β/2) sec²(β/2)`, which is smooth: it differentiates `k e^{2iΦ}` instead of `k` and
+//! `Φ`. The plane of joint 0 is also that from which the drive angle counts. That adds `p̃ dμ_u`.
+
+use nalgebra::Complex;
+
+use crate::mechanics::chain::{Transfer, shaft_turn};
+use crate::mechanics::geometry::Vector;
+use crate::mechanics::joint::Joint;
+
+/// The map to a shaft, or its adjoint: the numbers `A` and `B`.
+pub(crate) type Map = [Complex<f64>; 2];
+
+/// A chain of joints with the map to each of its shafts.
+pub(crate) struct Chain {
+    /// One per shaft.
+    maps: Vec<Map>,
+    /// `e^{ip}` of each intermediate shaft.
+    turns: Vec<Complex<f64>>,
+    joints: Vec<Bent>,
+}
+
+/// Functions of one bend.
+#[derive(Clone, Copy)]
+struct Bent {
+    cosine: f64,
+    sine: f64,
+    /// `tan²(β/2)`.
+    k: f64,
+    /// `tan(β/2)`.
+    half_tangent: f64,
+    /// `tan(β/2) sec²(β/2)`, the derivative of `k`.
+    slope: f64,
+}
+
+impl Bent {
+    fn new(bend: f64, joint: &Joint) -> Self {
+        let half_tangent = (0.5 * bend).tan();
+        let slope = half_tangent.mul_add(half_tangent, 1.0) * half_tangent;
+        Self { cosine: joint.cos, sine: joint.sin, k: joint.k, half_tangent, slope }
+    }
+}
+
+/// The derivatives of a value by the parameters of a chain.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct ChainGradient {
+    /// By the bend of each joint.
+    pub(crate) bends: Vec<f64>,
+    /// By the phase of each intermediate shaft. The derivatives by twists are the opposite.
+    pub(crate) phases: Vec<f64>,
+}
+
+/// The directions of shafts and the normals of bend planes, from which points are differentiated.
+#[derive(Clone, Copy)]
+pub(crate) struct Layout<'a> {
+    /// Three numbers per shaft.
+    pub(crate) directions: &'a [f64],
+    /// Three numbers per joint.
+    pub(crate) normals: &'a [f64],
+    /// One per shaft.
+    pub(crate) lengths: &'a [f64],
+}
+
+impl Chain {
+    /// The first joints of a chain, as many as there are bends.
+    pub(crate) fn new(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        let mut transfer = Transfer::default();
+        let mut chain = Self {
+            maps: Vec::with_capacity(bends.len() + 1),
+            turns: Vec::with_capacity(bends.len()),
+            joints: Vec::with_capacity(bends.len()),
+        };
+        chain.maps.push(map(&transfer));
+        for (j, &bend) in bends.iter().enumerate() {
+            if j > 0 {
+                let turn = shaft_turn(phases[j - 1], twists[j - 1]);
+                transfer.pass_shaft(turn);
+                chain.turns.push(Complex::new(turn.re.value(), turn.im.value()));
+            }
+            let joint = Joint::of_chain(bend);
+            transfer.pass_joint(&joint);
+            chain.maps.push(map(&transfer.renormalized()));
+            chain.joints.push(Bent::new(bend, &Joint::nearest(&joint)));
+        }
+        chain
+    }
+
+    /// `q` of a shaft.
+    pub(crate) fn q(&self, shaft: usize) -> Complex<f64> {
+        let [a, b] = self.maps[shaft];
+        b / a
+    }
+
+    /// The adjoint of a shaft's map for a value that changes by `Re(weight dq)`.
+    pub(crate) fn adjoint_of_q(&self, shaft: usize, weight: Complex<f64>) -> Map {
+        let share = (weight / self.maps[shaft][0]).conj();
+        [-(share * self.q(shaft).conj()), share]
+    }
+
+    /// The derivatives by all parameters, from the adjoints of the maps to all shafts.
+    pub(crate) fn gradient(&self, adjoints: &[Map]) -> ChainGradient {
+        let mut gradient = ChainGradient {
+            bends: vec![0.0; self.joints.len()],
+            phases: vec![0.0; self.turns.len()],
+        };
+        self.pull_back(adjoints, |j, pulled| {
+            gradient.bends[j] = -self.joints[j].slope * pulled.coupling.re;
+            if j > 0 {
+                gradient.phases[j - 1] = pulled.turn;
+            }
+        });
+        gradient
+    }
+
+    /// The derivatives by the directions of all shafts, across each of them.
+    pub(crate) fn by_directions(&self, adjoints: &[Map], layout: Layout<'_>) -> Vec<Vector> {
+        let mut directions = vec![Vector::zeros(); self.maps.len()];
+        self.pull_back(adjoints, |j, Pulled { coupling, turn }| {
+            let Bent { cosine, sine, half_tangent, slope, .. } = self.joints[j];
+            let [u, v] = [j, j + 1].map(|shaft| vector(layout.directions, shaft));
+            let normal = vector(layout.normals, j);
+            let [inward, outward] = [u, v].map(|shaft| normal.cross(&shaft));
+            let Complex { re, im } = coupling * slope;
+            let transported = turn * half_tangent;
+            // The plane of a straight first joint is arbitrary, and is held.
+            let plane = if j == 0 && sine > 0.0 { turn / sine } else { 0.0 };
+            directions[j] += inward * re + normal * (im - transported - plane * cosine);
+            directions[j + 1] += normal * (plane - im * cosine - transported) - outward * re;
+        });
+        directions
+    }
+
+    /// Calls `each` with every joint, from the last to the first.
+    fn pull_back(&self, adjoints: &[Map], mut each: impl FnMut(usize, Pulled)) {
+        let mut adjoint = [Complex::default(); 2];
+        for j in (0..self.joints.len()).rev() {
+            let [of_a, of_b]: Map = [0, 1].map(|i| adjoint[i] + adjoints[j + 1][i]);
+            let turn = if j > 0 { self.turns[j - 1] } else { Complex::new(1.0, 0.0) };
+            let [a, b] = self.maps[j].map(|x| x * turn);
+            let k = self.joints[j].k;
+            let coupling = of_a * b + of_b * a;
+            let before = [of_a - of_b.conj() * k, of_b - of_a.conj() * k];
+            let turned = -(before[0].conj() * a + before[1].conj() * b).im;
+            each(j, Pulled { coupling, turn: turned });
+            adjoint = before.map(|x| x * turn.conj());
+        }
+    }
+}
+
+/// What the sweep finds at one joint: `Z` and `p̃`.
+struct Pulled {
+    coupling: Complex<f64>,
+    turn: f64,
+}
+
+/// The derivatives by points from those by the directions between them, which may be fewer.
+pub(crate) fn by_points(directions: &[Vector], layout: Layout<'_>) -> Vec<Vector> {
+    let mut points = vec![Vector::zeros(); layout.lengths.len() + 1];
+    for (shaft, gradient) in directions.iter().enumerate() {
+        let axis = vector(layout.directions, shaft);
+        let across = (gradient - axis * axis.dot(gradient)) / layout.lengths[shaft];
+        points[shaft] -= across;
+        points[shaft + 1] += across;
+    }
+    points
+}
+
+fn map(transfer: &Transfer) -> Map {
+    [transfer.a, transfer.b].map(|x| Complex::new(x.re.value(), x.im.value()))
+}
+
+fn vector(flat: &[f64], i: usize) -> Vector {
+    Vector::from_column_slice(&flat[3 * i..3 * i + 3])
+}
