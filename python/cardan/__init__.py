@@ -33,6 +33,7 @@ from cardan.life import Life
 from cardan.limits import Limit, Limits
 from cardan.load import Load
 from cardan.losses import Losses
+from cardan.optimisation import ActiveLimit, Optimum, optimise
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
@@ -47,6 +48,7 @@ if _TYPE_CHECKING:
 
 __all__ = [
     "OUTPUTS",
+    "ActiveLimit",
     "ArgumentError",
     "ArgumentTypeError",
     "ArgumentValueError",
@@ -65,6 +67,7 @@ __all__ = [
     "Load",
     "Losses",
     "Motion",
+    "Optimum",
     "Output",
     "Plan",
     "Result",
@@ -78,6 +81,7 @@ __all__ = [
     "approximations",
     "identify",
     "identify_two_joints",
+    "optimise",
     "plots",
     "reference",
     "workshop",
