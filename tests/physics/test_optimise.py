@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
-from cardan.optimisation.measures import Quantity
+from cardan.optimisation.measures import Quantity, measure_of
+from cardan.optimisation.problem import Problem
 
 HEIGHTS = np.linspace(-80.0, 80.0, 9)
 LOW, HIGH = np.array([-90.0, -90.0, -90.0]), np.array([-10.0, 90.0, 90.0])
@@ -213,6 +214,31 @@ def test_known_derivatives_find_the_same() -> None:
     assert calls
     assert exact.value == pytest.approx(plain.value, rel=1e-7)
     np.testing.assert_allclose(exact.x, plain.x, atol=1e-3)
+
+
+@pytest.mark.parametrize("at", [-90.0, -46.0, -10.0])
+def test_differences_are_the_derivatives_within_and_at_the_bounds(at: float) -> None:
+    x, low, high = np.array([at, 20.0, -7.0]), LOW.copy(), HIGH.copy()
+    measure = measure_of("minimise", "equivalent_bend", 3, None)
+    asked: dict[str, Any] = {
+        "goal": measure,
+        "keep": (),
+        "lengths": np.empty(0),
+        "rms": False,
+        "weights": np.full(9, 1.0 / 9.0),
+        "jac": None,
+        "vectorised": True,
+    }
+
+    def inside(points: NDArray[np.float64]) -> Driveline:
+        assert np.all((points >= low) & (points <= high))
+        return truck(points)
+
+    (found,) = Problem(inside, low, high, high - low, **asked).derivatives(x)
+    transmission = truck(x).transmission()
+    np.testing.assert_allclose(found[:, 0, 0], transmission.dq(by="points")[:, 2, 1], rtol=1e-6)
+    by_phases = np.pi / 180.0 * transmission.dq(by="phases")
+    np.testing.assert_allclose(found[:, 0, 1:], by_phases, rtol=1e-6, atol=1e-12)
 
 
 def test_batches_of_variables_find_the_same() -> None:

@@ -134,7 +134,7 @@ OPTIMISE_SCHEMA = answer_schema(
                 {
                     "key": {"description": "path of the key in the scene", **_TEXT},
                     "unit": {"description": "of its values", **_TEXT},
-                    "before": {"description": "in [driveline]", **_NUMBER},
+                    "before": {"description": "in [driveline], of the first entry", **_NUMBER},
                     "after": _NUMBER,
                     "change": _NUMBER,
                     "range": _RANGE,

@@ -233,16 +233,16 @@ def _place(axis: Axis) -> tuple[Any, ...]:
 
 
 def optimisation_of(
-    given: Mapping[str, Any],
+    given: Mapping[str, Any] | None,
     layout: Layout | None,
     states: States | None,
     load: Load | None,
     teeth: Sequence[int],
-) -> Optimisation:
-    """Return what the section [optimise] asks for.
+) -> Optimisation | None:
+    """Return what the section [optimise] asks for; ``None`` without it.
 
     Args:
-        given: its values by key.
+        given: its values by key, if the scene has it.
         layout: what the other sections say of the driveline; ``None`` if its bends were recorded.
         states: the states, if the scene has any.
         load: the load of the scene, if any.
@@ -253,6 +253,8 @@ def optimisation_of(
             of what a state changes, a range that leaves what its key may be, a quantity that the
             scene cannot have.
     """
+    if given is None:
+        return None
     if layout is None:
         raise ValueError("it does not go with recorded bends, which nothing can change")
     ranges: Mapping[str, tuple[float, float] | None] = given["vary"]

@@ -286,9 +286,7 @@ class Scene:
                     raise ValueError("it does not go with recorded bends, which differ by sample")
                 states = states_of(given["states"], layout)
         with document.within("optimise"):
-            optimisation = None
-            if "optimise" in given:
-                optimisation = optimisation_of(given["optimise"], layout, states, load, teeth)
+            optimisation = optimisation_of(given.get("optimise"), layout, states, load, teeth)
         study = None
         with document.within("study"):
             varied = given.get("study", {})

@@ -53,6 +53,9 @@ def change_lines(found: Optimised) -> list[str]:
         data = variable_data(found, number)
         unit = _unit(unit_of(variable))
         values = f"{data['key']}: {_number(data['before'])} → {_number(data['after'])}{unit}"
+        if not _is_one(variable):
+            # Each entry has its own value.
+            values = str(data["key"])
         if abs(data["change"]) < _SHOWN:
             stays = "it is" if _is_one(variable) else "they are"
             lines.append(f"leave {_what(variable)} as {stays} ({data['key']})")
@@ -163,6 +166,9 @@ def _both(best: Any) -> tuple[Any, Any]:  # noqa: ANN401 - an optimum and its ar
 
 def _table(found: Optimised) -> list[str]:
     headings, rows = table_of(found)
+    if len(rows) == 1 and len(headings) == 3:
+        # The first sentence says it.
+        return []
     lines: list[str] = []
     first = max(len(row[0]) for row in rows)
     for column in range(1, len(headings), 2):
