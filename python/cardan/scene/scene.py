@@ -414,7 +414,6 @@ class Scene:
             study=self.study and self.states.study(self.study, state),
             layout=None,
             states=None,
-            optimisation=None,
         )
 
     def run(self, progress: Progress | None = None) -> SceneResult:
