@@ -296,6 +296,28 @@ def test_limits_of_the_motion_are_exact(name: str) -> None:
     assert best.message.startswith(f"{name} is at its limit of ")
 
 
+def test_a_start_beyond_a_limit_is_left_for_a_worse_one_within() -> None:
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([x]),
+        [0.5],
+        [(0.0, 1.0)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        keep={"equivalent_bend": 0.3},
+    )
+    assert best.value > best.before
+    assert best.x[0] == pytest.approx(0.3, rel=1e-5)
+
+
+def test_several_starts_leave_a_local_optimum() -> None:
+    def phased(x: NDArray[np.float64]) -> Driveline:
+        return truck(np.array([-86.0, x[0], 0.0]))
+
+    one, many = (
+        cardan.optimise(phased, [30.0], phases=[0], degrees=True, starts=n) for n in (1, 8)
+    )
+    assert many.value < 0.9 * one.value
+
+
 def test_weights_shift_the_mean() -> None:
     weights = np.zeros(9)
     weights[7] = 2.0
