@@ -183,6 +183,12 @@ def test_inertia_excitation_is_at_the_speed(tmp_path: Path) -> None:
     assert data["minimised"]["before"] == pytest.approx(float(np.max(own)))
 
 
+def test_a_limit_of_inertia_excitation_is_at_the_speed() -> None:
+    text = TRUCK + VARY + "keep = {inertia_excitation_rad_s2 = 1}\n"
+    with pytest.raises(ValueError, match=r"is 1; no changes within the ranges keep it: at best"):
+        optimised(Scene.parse(text))
+
+
 def test_outputs_with_the_load_of_each_state() -> None:
     text = TRUCK.replace("[states]", "output_torque_Nm = 1\n[states]\noutput_torque_Nm = [1, 2, 3]")
     scene = Scene.parse(f'{text}{VARY}minimise = "bending_driven_2_peak"\n')
@@ -266,7 +272,9 @@ def test_a_limit_that_cannot_be_kept(tmp_path: Path) -> None:
 
 def test_the_scene_is_never_overwritten(tmp_path: Path) -> None:
     (tmp_path / "link.toml").symlink_to(tmp_path / "a.toml")
-    for target in ("a.toml", "link.toml"):
+    (tmp_path / "a.toml").touch()
+    (tmp_path / "same.toml").hardlink_to(tmp_path / "a.toml")
+    for target in ("a.toml", "link.toml", "same.toml"):
         result = run(tmp_path, TRUCK + VARY, "--to", str(tmp_path / target))
         assert result.exit_code == 2
         assert result.stderr.endswith("is the scene itself; it is never overwritten\n")
