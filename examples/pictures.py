@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 import cardan
 from cardan import plots
+from cardan.figures.optimise import optimised
 
 matplotlib.use("agg")
 matplotlib.style.use(dict(plots.STYLE))
@@ -134,6 +135,22 @@ scene = cardan.Scene.parse("""
 heights = scene.run().study
 assert isinstance(heights, cardan.scene.StatesResult)
 save("states", plots.plot_states(heights))
+
+# The best layout of a truck's driveline over nine ride heights.
+scene = cardan.Scene.parse("""
+    [driveline]
+    points_mm = [[0, 0, 0], [350, -24, 0], [1650, -46, 0], [3150, -180, 45], [3450, -196, 45]]
+    teeth = 24
+    [states]
+    names = ["-80", "-60", "-40", "-20", "rest", "+20", "+40", "+60", "+80"]
+    points_mm.3.y = [-260, -240, -220, -200, -180, -160, -140, -120, -100]
+    points_mm.4.y = [-276, -256, -236, -216, -196, -176, -156, -136, -116]
+    [optimise]
+    vary = {"points_mm.2.y" = [-40, 40], "phases_deg.0" = "free", "phases_deg.1" = "free"}
+""")
+best = optimised(scene)
+assert best is not None
+save("optimise", plots.plot_optimise(best))
 
 # The pressure on the seat of a ball joint with clearance.
 ball = cardan.scene.BallJointScene.parse("""

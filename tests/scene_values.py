@@ -56,9 +56,14 @@ def _numbers(schema: Mapping[str, Any]) -> st.SearchStrategy[Any]:
 def _objects(schema: Mapping[str, Any]) -> st.SearchStrategy[Any]:
     places = schema.get("patternProperties")
     if places and "properties" not in schema:
-        ((pattern, item),) = places.items()
-        keys = st.from_regex(pattern).map(str.strip)
-        return st.dictionaries(keys, fitting(item), min_size=1, max_size=2)
+        return st.sampled_from(sorted(places)).flatmap(
+            lambda pattern: st.dictionaries(
+                st.from_regex(pattern, alphabet=st.characters(max_codepoint=0x17F)).map(str.strip),
+                fitting(places[pattern]),
+                min_size=1,
+                max_size=2,
+            )
+        )
     parts = {key: fitting(part) for key, part in schema["properties"].items()}
     needed = {key: parts.pop(key) for key in schema.get("required", ())}
     made = st.fixed_dictionaries(needed, optional=parts)

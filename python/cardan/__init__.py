@@ -34,6 +34,7 @@ from cardan.life import Life
 from cardan.limits import Limit, Limits
 from cardan.load import Load
 from cardan.losses import Losses
+from cardan.optimisation import ActiveLimit, Optimum, optimise
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
@@ -50,6 +51,7 @@ if _TYPE_CHECKING:
 
 __all__ = [
     "OUTPUTS",
+    "ActiveLimit",
     "ArgumentError",
     "ArgumentTypeError",
     "ArgumentValueError",
@@ -70,6 +72,7 @@ __all__ = [
     "Load",
     "Losses",
     "Motion",
+    "Optimum",
     "Output",
     "Plan",
     "Result",
@@ -86,6 +89,7 @@ __all__ = [
     "identify",
     "identify_two_joints",
     "jax",
+    "optimise",
     "plots",
     "reference",
     "scipy",

@@ -138,6 +138,11 @@ KEYS = {
         *("two_joints", "joints", "joint", "bend_deg", "bend_rad"),
         *("phase_less_twist_deg", "phase_less_twist_rad"),
     },
+    "optimise": {
+        *("answer", "version", "title", "variables", "minimised", "kept", "files"),
+        *("key", "unit", "before", "after", "change", "range", "teeth", "at_end"),
+        *("quantity", "over", "states", "state", "limit", "at_limit"),
+    },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),
         *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),

@@ -25,6 +25,7 @@ LATER = (
     "dask",
     "matplotlib",
     "pyarrow",
+    "scipy",
     "xarray",
 )
 

@@ -35,6 +35,9 @@ VALIDATOR = _OfToml(SCHEMA)
 ONE_STEP = r"\.steps is 1; from \S+ to \S+ takes at least 2$"
 NOT_PRINTABLE = r"; it must have printable characters only$"
 FALLING = r"; it must have a maximum that is not below the limit$"
+NO_CHANGE = r"; it is the range of the change, which must contain 0$"
+NO_RANGE = r"; the first must be below the second$"
+TWICE = r" is given twice, with quotes and without$"
 
 
 def _only_the_reader(value: object, message: str) -> bool:
@@ -42,7 +45,7 @@ def _only_the_reader(value: object, message: str) -> bool:
         return any(_only_the_reader(entry, message) for entry in value.values())
     if isinstance(value, str):
         return not value.isprintable() and bool(re.search(NOT_PRINTABLE, message))
-    return bool(re.search(f"{ONE_STEP}|{FALLING}", message))
+    return bool(re.search("|".join((ONE_STEP, FALLING, NO_CHANGE, NO_RANGE, TWICE)), message))
 
 
 KINDS = {name: kind for name, kind in vars(kinds).items() if isinstance(kind, kinds.Kind)}

@@ -17,6 +17,7 @@ import numpy as np
 import cardan.command.help_text as help_text
 from cardan import __version__
 from cardan.command import ball_joint
+from cardan.command import optimise as optimising
 from cardan.command.files import (
     check_folder,
     check_for_cluster,
@@ -349,6 +350,24 @@ def commands() -> click.Group:
     def phase(scene: Path, as_json: bool) -> None:
         data = yoke_settings(Scene.load(scene))
         say(as_json_text(data) if as_json else yoke_text(data))
+
+    @cardan.command(help=help_text.OPTIMISE, short_help="Find the best values of a scene.")
+    @scene_argument
+    @click.option(
+        "--to",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="Scene to write; default: beside the scene, its name with .optimised.toml.",
+    )
+    @click.option(
+        "--picture",
+        type=click.Path(path_type=Path),
+        metavar="FILE",
+        help="Also draw the quantity over each variable and each state, before and after.",
+    )
+    @as_json
+    def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
+        optimising.run(scene, to, picture, as_json=as_json)
 
     @cardan.command(help=help_text.IDENTIFY, short_help="Find the bend in a recording.")
     @click.argument("file", type=click.Path(path_type=Path))

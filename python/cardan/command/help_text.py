@@ -111,6 +111,23 @@ Examples:
   cardan phase shaft.toml --json
 """
 
+OPTIMISE = """\
+Find the best values of what a scene lets change, over all its states.
+
+The section [optimise] names the keys that may change, how far, what to minimise and which limits
+other quantities must keep. The answer says what to change, the figures of each state before and
+after, and what limits the result. The scene with the values found is written beside the scene, as
+NAME.optimised.toml; the scene itself is never overwritten.
+
+\b
+Examples:
+  cardan optimise shaft.toml
+  cardan optimise shaft.toml --to better.toml
+  cardan optimise shaft.toml --json
+
+It needs SciPy: pip install 'cardan[optimise]'.
+"""
+
 REPORT = """\
 Write a page to share, with a slider that turns the driveline.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from cardan.figures.identification import IDENTIFY_SCHEMA
 from cardan.figures.limits import CHECK_SCHEMA
+from cardan.figures.optimise import OPTIMISE_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
 from cardan.figures.yokes import PHASE_SCHEMA
 
@@ -15,6 +16,7 @@ _ANSWERS: Mapping[str, Any] = {
     "check": CHECK_SCHEMA,
     "phase": PHASE_SCHEMA,
     "identify": IDENTIFY_SCHEMA,
+    "optimise": OPTIMISE_SCHEMA,
 }
 
 

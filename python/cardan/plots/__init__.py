@@ -26,6 +26,7 @@ from cardan.plots.driveline import plot_driveline, yoke_pins
 from cardan.plots.grossmann import plot_bending_moments, plot_torque_ratio
 from cardan.plots.harmonics import plot_harmonics
 from cardan.plots.hodograph import plot_hodograph
+from cardan.plots.optimise import plot_optimise, plot_optimised_states, plot_over_variable
 from cardan.plots.result import plot_result
 from cardan.plots.scene import plot_scene, write_picture
 from cardan.plots.states import plot_states
@@ -48,6 +49,9 @@ __all__ = [
     "plot_hodograph",
     "plot_largest_angle_error",
     "plot_non_uniformity",
+    "plot_optimise",
+    "plot_optimised_states",
+    "plot_over_variable",
     "plot_result",
     "plot_scene",
     "plot_seat_pressure",

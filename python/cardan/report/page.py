@@ -25,6 +25,7 @@ from cardan.report.ball_joint import ball_joint, page_data
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
 from cardan.report.limits import limits_table
+from cardan.report.optimise import optimise
 from cardan.report.samples import Panel, Samples, evaluated
 from cardan.report.slip import slip
 from cardan.report.states import states
@@ -77,6 +78,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         ball_joint=joint,
         slip=slip(spline) if spline else None,
         steering=steering(steered) if steered else None,
+        optimise=optimise(scene),
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )

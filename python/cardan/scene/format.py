@@ -19,6 +19,7 @@ from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.ball_joint import BALL_JOINT
 from cardan.scene.bearings import BEARING, LENGTHS
+from cardan.scene.optimise_section import OPTIMISE
 from cardan.scene.paths import pattern_schemas
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
@@ -311,6 +312,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             fewest=1,
             paths=True,
         ),
+        "optimise": OPTIMISE,
         "output": Section(
             "what to evaluate and which files to write",
             {

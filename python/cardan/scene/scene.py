@@ -31,6 +31,7 @@ from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.format import TEETH, describe
 from cardan.scene.layout import Layout
+from cardan.scene.optimise import Optimisation, optimisation_of
 from cardan.scene.parts import (
     at_samples,
     check_load,
@@ -88,6 +89,7 @@ class Scene:
         states: the states that the scene lists, if it does. ``line`` is the driveline of
             [driveline], whether that is one of them or not.
         steering: what the scene says of its driveline as a steering column, if it is one.
+        optimisation: what may change for the better, if the scene says so.
     """
 
     name: str
@@ -115,6 +117,7 @@ class Scene:
     layout: Layout | None = None
     states: States | None = None
     steering: SteeringColumn | None = None
+    optimisation: Optimisation | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -282,6 +285,8 @@ class Scene:
                 if layout is None:
                     raise ValueError("it does not go with recorded bends, which differ by sample")
                 states = states_of(given["states"], layout)
+        with document.within("optimise"):
+            optimisation = optimisation_of(given.get("optimise"), layout, states, load, teeth)
         study = None
         with document.within("study"):
             varied = given.get("study", {})
@@ -337,6 +342,7 @@ class Scene:
             layout=layout,
             states=states,
             steering=column,
+            optimisation=optimisation,
         )
 
     @property

@@ -10,6 +10,7 @@ from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
 from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.material_rules import MaterialRule
+from cardan.scene.optimise_rules import Keep, Minimised, Vary
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.rules import (
     FileName,
@@ -92,3 +93,7 @@ SEAT_ANGLE = Kind("number", Number(0.1, 90, unit="deg"))
 FRICTION = Kind("number", Number(0, 10))
 MATERIAL = Kind("material", MaterialRule())
 COMPONENT_AXES = Kind("values", VectorAxes())
+RANGES = Kind("ranges", Vary())
+MINIMISED = Kind("name", Minimised())
+OVER = Kind("name", OneOf(("largest", "rms")))
+KEPT = Kind("limits", Keep())

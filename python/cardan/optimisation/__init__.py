@@ -1,0 +1,398 @@
+"""The best layout of a driveline over its states, within bounds and limits."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, SupportsIndex
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cardan.arrays import FloatArray, as_float64
+from cardan.driveline import Driveline
+from cardan.errors import ArgumentTypeError, ArgumentValueError, Place, wrong_element
+from cardan.load import Load
+from cardan.optimisation.measures import Measure, Quantity, largest_limit, measure_of
+from cardan.optimisation.problem import Problem, many_of, states_of
+from cardan.optimisation.search import MARGIN, TOLERANCE, Candidate, candidates, search
+
+__all__ = ["ActiveLimit", "NotKeptError", "Optimum", "optimise"]
+
+# As near to its bound, as a share of the range, a variable is at it.
+_AT_BOUND = 1e-6
+
+
+class NotKeptError(ArgumentValueError):
+    """A limit that no variables keep.
+
+    Attributes:
+        quantity: the kept quantity.
+        limit: the limit.
+        reached: the least of the quantity that was found, with all limits in view.
+    """
+
+    def __init__(
+        self, argument: str, problem: str, place: Place, limit: float, reached: float
+    ) -> None:
+        """Make an error of its fields."""
+        super().__init__(argument, problem, place)
+        self.args = (argument, problem, place, limit, reached)
+        self.quantity, self.limit, self.reached = str(place[0]), limit, reached
+
+
+@dataclass(frozen=True)
+class ActiveLimit:
+    """What keeps an optimum from being better.
+
+    Attributes:
+        kind: ``"low"`` or ``"high"`` for the bound of a variable, ``"keep"`` for a kept quantity.
+        variable: number of the variable; ``None`` for a kept quantity.
+        quantity: the kept quantity; ``""`` for a bound.
+        limit: the bound or the limit.
+        states: the states in which the kept quantity is at its limit.
+    """
+
+    kind: Literal["low", "high", "keep"]
+    variable: int | None
+    quantity: str
+    limit: float
+    states: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The best variables that were found, and what they bring.
+
+    Attributes:
+        x: the variables, ``(m,)``.
+        value: the quantity over all states, the largest or the root mean square.
+        before: the same at the start.
+        per_state: the quantity in each state, ``(states,)``.
+        per_state_before: the same at the start.
+        kept: the quantities with limits in each state, by name.
+        kept_before: the same at the start.
+        active: the bounds and limits that keep it from being better.
+        message: one sentence that says so.
+        unit: SI unit of the quantity; ``"1"`` for a ratio, ``""`` if it is a function.
+    """
+
+    x: FloatArray
+    value: float
+    before: float
+    per_state: FloatArray
+    per_state_before: FloatArray
+    kept: Mapping[str, FloatArray]
+    kept_before: Mapping[str, FloatArray]
+    active: tuple[ActiveLimit, ...]
+    message: str
+    unit: str
+
+
+def optimise(
+    lines_of: Callable[[FloatArray], Driveline],
+    start: ArrayLike,
+    bounds: ArrayLike | None = None,
+    *,
+    minimise: Quantity = "equivalent_bend",
+    over: Literal["largest", "rms"] = "largest",
+    states: Sequence[str] | None = None,
+    weights: ArrayLike | None = None,
+    keep: Mapping[str, float] | None = None,
+    jac: Callable[[FloatArray], NDArray[np.complex128]] | None = None,
+    load: Load | None = None,
+    phases: Sequence[int] = (),
+    teeth: int | Sequence[int] | None = None,
+    degrees: bool = False,
+    starts: int = 8,
+    seed: int = 0,
+    decimals: int | None = None,
+    vectorised: bool = False,
+) -> Optimum:
+    """Find the variables that make a quantity of a driveline least over its states.
+
+    The quantities are ``equivalent_bend``, ``non_uniformity`` and ``max_angle_error`` of the last
+    shaft (as of ``Driveline.equivalent``); ``inertia_excitation``, the larger of driving and
+    coasting, over the square of the drive speed (as of ``Driveline.check``); an output over half a
+    turn of the drive with the number of its shaft, joint or bearing and its reduction, such as
+    ``support_moment_1_peak`` or ``bearing_force_0_rms``, of which the magnitude counts; or a
+    function that returns one value for each state of a driveline.
+
+    Each local search is SciPy's sequential quadratic programming. The largest of the states is
+    minimised by one more variable that bounds them all. The first three quantities grow with
+    ``|q|`` of the transmission; the search uses ``|q|**2``, which is smooth where the equivalent
+    bend is not (``Driveline.transmission``). Their root mean square is that of ``|q|``, and
+    ``value`` the figure that belongs to it.
+
+    Args:
+        lines_of: returns the driveline of variables ``(m,)``; its batch axis is the states.
+        start: the variables to begin with, ``(m,)``, in any unit.
+        bounds: least and largest value of each variable, ``(m, 2)``; infinite where there is none.
+            By default there are none.
+        minimise: the quantity.
+        over: of the states, the largest value or the root mean square.
+        states: names of the states, for ``message``; by default their numbers.
+        weights: of the states in the root mean square, ``(states,)``; by default all alike.
+        keep: the largest value that other quantities may have in any state, by name, in SI units.
+        jac: returns the derivatives of ``lines_of(x).transmission().q`` by the variables,
+            ``(states, m)``. By default, and for quantities that do not follow from this ``q``, they
+            come from differences.
+        load: for outputs that need one.
+        phases: numbers of the variables that are phases. They repeat after half a turn, which the
+            starts cover; without bounds the result is the value nearest to the start.
+        teeth: of the splines of these phases: one number for all or one for each. They then differ
+            from the start by whole teeth.
+        degrees: whether phases are in degrees.
+        starts: number of local searches: from the start, and from the best of random points within
+            the bounds.
+        seed: of the random points. The same seed gives the same result.
+        decimals: decimal places to which to round the variables found, before their figures are
+            computed; by default they are not rounded.
+        vectorised: whether ``lines_of`` takes several sets of variables at once, ``(p, m)``, and
+            returns a batch ``(p, states)``. The search is then faster.
+
+    Returns:
+        the best variables. They are never worse than the start, if that keeps all limits.
+
+    Raises:
+        ImportError: SciPy is missing.
+        IndexError: a quantity of a shaft, joint or bearing that does not exist.
+        TypeError: arguments of a wrong type.
+        ValueError: bounds that exclude the start, an unknown quantity, a limit that no variables
+            keep (the message says how near they come), shapes that do not fit.
+
+    >>> import cardan
+    >>> heights = np.linspace(-0.08, 0.08, 9)
+    >>> def lines_of(x):
+    ...     points = np.zeros((9, 5, 3))
+    ...     points[:, :, 0] = 0.0, 0.35, 1.65, 3.15, 3.45
+    ...     points[:, 1:3, 1] = -0.02, x[0]
+    ...     points[:, 3:, 1] = heights[:, None] + (-0.18, -0.19)
+    ...     return cardan.Driveline.from_points(points, x[1:])
+    >>> bounds = [(-0.09, -0.01), (-np.inf, np.inf), (-np.inf, np.inf)]
+    >>> best = cardan.optimise(lines_of, [-0.05, 0.0, 0.0], bounds, phases=[1, 2])
+    >>> print(f"{np.degrees(best.before):.2f} -> {np.degrees(best.value):.2f} deg")
+    2.05 -> 0.97 deg
+    """
+    first = as_float64("start", start)
+    if first.ndim != 1 or not first.size:
+        raise ArgumentValueError(
+            "start", f"has shape {first.shape}; it must be one number per variable"
+        )
+    if not np.all(np.isfinite(first)):
+        raise wrong_element("start", first, ~np.isfinite(first), "; it must be finite")
+    low, high = _bounds(bounds, first)
+    half_turn = 180.0 if degrees else math.pi
+    numbers = _phases(phases, len(first))
+    steps = _steps(teeth, numbers)
+    if over not in ("largest", "rms"):
+        raise ArgumentValueError("over", f"is {over!r}; it must be 'largest' or 'rms'")
+    _whole("starts", starts)
+    line = many_of(lines_of(first[np.newaxis]), 1) if vectorised else states_of(lines_of(first))
+    n_states = line.shape[-1]
+    goal = measure_of("minimise", minimise, line.n_joints, load)
+    kept, lengths = _kept(keep or {}, line.n_joints, load)
+    names = [str(i) for i in range(n_states)] if states is None else list(states)
+    if len(names) != n_states:
+        raise ArgumentValueError("states", f"has {len(names)} names; there are {n_states} states")
+    weight = _weights(weights, over, n_states)
+    spans = np.array([low, high])
+    scale = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(first), 1.0))
+    unbounded = [i for i in numbers if not np.isfinite(high[i] - low[i])]
+    scale[unbounded] = half_turn
+    rms = over == "rms"
+    problem = Problem(lines_of, low, high, scale, goal, kept, lengths, rms, weight, jac, vectorised)
+    # Errors of the start are those of the caller.
+    problem.vectors_at(first[np.newaxis])
+    begin = next(iter(candidates(problem, first[np.newaxis])), None)
+    if begin is None:
+        raise ArgumentValueError("start", "gives a quantity that is not finite")
+    spans[0] = np.where(np.isfinite(low), low, np.minimum(first, high) - scale / 2.0)
+    spans[1] = np.where(np.isfinite(high), high, np.maximum(first, low) + scale / 2.0)
+    best = search(problem, begin, spans, starts, steps, half_turn, seed)
+    if best.excess > TOLERANCE:
+        raise _not_kept(problem, best)
+    x = best.x.copy()
+    # Half a turn need not be whole teeth.
+    for i in set(unbounded) - set(steps):
+        off = x[i] - first[i]
+        near = first[i] + off - half_turn * np.round(off / half_turn)
+        x[i] = near if low[i] <= near <= high[i] else x[i]
+    if decimals is not None:
+        x = np.clip(np.round(x, _index("decimals", decimals, ())) + 0.0, low, high)
+    best = next(iter(candidates(problem, x[np.newaxis])), best)
+    return _optimum(problem, begin, best, names)
+
+
+def _optimum(problem: Problem, begin: Candidate, best: Candidate, names: list[str]) -> Optimum:
+    active: list[ActiveLimit] = []
+    sides: tuple[tuple[Literal["low", "high"], FloatArray], ...] = (
+        ("low", problem.low),
+        ("high", problem.high),
+    )
+    for kind, bound in sides:
+        for i in np.flatnonzero(np.abs(best.x - bound) <= _AT_BOUND * problem.scale):
+            active.append(ActiveLimit(kind, int(i), "", float(bound[i])))
+    of_keep = zip(problem.keep, best.vectors[1:], problem.lengths, strict=True)
+    for measure, vectors, length in of_keep:
+        shares = np.max(np.abs(vectors), axis=-1) / length
+        if np.max(shares) > 1.0 - 10.0 * MARGIN:
+            there = tuple(map(int, np.flatnonzero(shares > 1.0 - 10.0 * MARGIN)))
+            limit = float(measure.figure(length))
+            active.append(ActiveLimit("keep", None, measure.name, limit, there))
+
+    def value(found: Candidate) -> float:
+        return float(problem.goal.figure(found.size))
+
+    def by_name(found: Candidate) -> dict[str, FloatArray]:
+        pairs = zip(problem.keep, found.vectors[1:], strict=True)
+        return {measure.name: measure.per_state(vectors) for measure, vectors in pairs}
+
+    return Optimum(
+        x=best.x,
+        value=value(best),
+        before=value(begin),
+        per_state=problem.goal.per_state(best.vectors[0]),
+        per_state_before=problem.goal.per_state(begin.vectors[0]),
+        kept=by_name(best),
+        kept_before=by_name(begin),
+        active=tuple(active),
+        message=_message(active, names),
+        unit=problem.goal.unit,
+    )
+
+
+def _message(active: Sequence[ActiveLimit], names: Sequence[str]) -> str:
+    parts = []
+    for found in active:
+        if found.kind == "keep":
+            where = ", ".join(names[state] for state in found.states)
+            place = f" in state {where}" if len(names) > 1 else ""
+            parts.append(f"{found.quantity} is at its limit of {found.limit:.6g}{place}")
+        else:
+            side = "lower" if found.kind == "low" else "upper"
+            parts.append(f"x[{found.variable}] is at its {side} bound of {found.limit:.6g}")
+    if not parts:
+        return "no bound and no limit is reached"
+    return "; ".join(parts)
+
+
+def _not_kept(problem: Problem, best: Candidate) -> NotKeptError:
+    """The error for limits that cannot be kept, with the worst of them."""
+    shares = [
+        np.max(np.abs(vectors)) / length
+        for vectors, length in zip(best.vectors[1:], problem.lengths, strict=True)
+    ]
+    worst = int(np.argmax(shares))
+    measure = problem.keep[worst]
+    limit = float(measure.figure(problem.lengths[worst]))
+    figure = float(np.max(measure.per_state(best.vectors[1 + worst])))
+    others = [problem.keep[i].name for i, share in enumerate(shares) if i != worst and share > 1.0]
+    beside = f", with {' and '.join(others)} above the limit as well" if others else ""
+    return NotKeptError(
+        "keep",
+        f"is {limit:.6g}; no variables within the bounds keep it: the best found reach "
+        f"{figure:.6g}, {figure - limit:.3g} above{beside}",
+        (measure.name,),
+        limit,
+        figure,
+    )
+
+
+def _bounds(bounds: ArrayLike | None, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    if bounds is None:
+        return np.full(start.shape, -np.inf), np.full(start.shape, np.inf)
+    array = as_float64("bounds", bounds)
+    if array.shape != (len(start), 2):
+        raise ArgumentValueError(
+            "bounds", f"has shape {array.shape}; it must be {(len(start), 2)}, a pair per variable"
+        )
+    for i, (low, high) in enumerate(array):
+        if not low < high:
+            raise ArgumentValueError(
+                "bounds", f"is [{low:g}, {high:g}]; the first must be below the second", (i,)
+            )
+        if not low <= start[i] <= high:
+            raise ArgumentValueError(
+                "start", f"is {start[i]:g}; it must lie within its bounds [{low:g}, {high:g}]", (i,)
+            )
+    return array[:, 0].copy(), array[:, 1].copy()
+
+
+def _phases(phases: Sequence[int], count: int) -> list[int]:
+    numbers = []
+    for i, given in enumerate(phases):
+        number = _index("phases", given, (i,))
+        if not 0 <= number < count:
+            raise ArgumentValueError(
+                "phases", f"is {number}; there are {count} variables, counted from 0", (i,)
+            )
+        if number in numbers:
+            raise ArgumentValueError("phases", f"is {number} again; name each once", (i,))
+        numbers.append(number)
+    return numbers
+
+
+def _steps(teeth: int | Sequence[int] | None, phases: Sequence[int]) -> dict[int, float]:
+    if teeth is None:
+        return {}
+    listed: Sequence[Any] = [teeth] * len(phases) if not isinstance(teeth, Sequence) else teeth
+    if len(listed) != len(phases):
+        raise ArgumentValueError(
+            "teeth", f"has length {len(listed)}; there are {len(phases)} phases"
+        )
+    for i, count in enumerate(listed):
+        _whole("teeth", count, (i,) if isinstance(teeth, Sequence) else ())
+    return dict(zip(phases, listed, strict=True))
+
+
+def _whole(argument: str, value: SupportsIndex, place: tuple[int, ...] = ()) -> None:
+    number = _index(argument, value, place)
+    if number < 1:
+        raise ArgumentValueError(argument, f"is {number}; it must be at least 1", place)
+
+
+def _index(argument: str, value: SupportsIndex, place: tuple[int, ...]) -> int:
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise ArgumentTypeError(
+            argument, f"is {value!r}; it must be a whole number", place
+        ) from None
+
+
+def _kept(
+    keep: Mapping[str, float], n_joints: int, load: Load | None
+) -> tuple[tuple[Measure, ...], FloatArray]:
+    measures, lengths = [], []
+    for name, limit in keep.items():
+        argument = f"keep[{name!r}]"
+        measure = measure_of(argument, name, n_joints, load)
+        value = float(as_float64(argument, limit))
+        if not 0.0 < value < largest_limit(name):
+            most = largest_limit(name)
+            below = f" below {most:.6g}" if math.isfinite(most) else ""
+            raise ArgumentValueError(
+                "keep", f"is {limit!r}; a limit must be a positive number{below}", (name,)
+            )
+        measures.append(measure)
+        lengths.append(measure.length(value))
+    return tuple(measures), np.array(lengths)
+
+
+def _weights(weights: ArrayLike | None, over: str, n_states: int) -> FloatArray:
+    if weights is None:
+        return np.full(n_states, 1.0 / n_states)
+    if over != "rms":
+        raise ArgumentValueError("weights", "go with over='rms'; the largest needs none")
+    array = as_float64("weights", weights)
+    if array.shape != (n_states,):
+        raise ArgumentValueError("weights", f"has shape {array.shape}; there are {n_states} states")
+    wrong = ~((array >= 0.0) & np.isfinite(array))
+    if np.any(wrong):
+        raise wrong_element("weights", array, wrong, "; it must be finite and not negative")
+    if not np.any(array > 0.0):
+        raise ArgumentValueError("weights", "are all 0; at least one must be positive")
+    return array / np.sum(array)

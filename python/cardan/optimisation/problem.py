@@ -1,0 +1,162 @@
+"""A layout problem: the driveline that variables make, its quantities, and their derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.errors import ArgumentTypeError, ArgumentValueError
+from cardan.optimisation.measures import Measure, Vectors, over_states
+
+# Steps of central differences, as a share of the scale of a variable: the third root of the
+# rounding error balances it against the error of the formula.
+_STEP = 6e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """What to minimise over which variables.
+
+    Attributes:
+        lines_of: the driveline of the variables ``(m,)``; its batch is the states.
+        low: lower bounds, ``(m,)``; ``-inf`` where there is none.
+        high: upper bounds.
+        scale: what counts as a large change of each variable, ``(m,)``.
+        goal: the quantity to minimise.
+        keep: quantities with limits.
+        lengths: the largest length that each of them permits.
+        rms: whether to minimise the root mean square over the states and not the largest.
+        weights: of the states in the mean, ``(states,)``, with sum 1.
+        jac: derivatives of ``q`` of the last shaft, if known.
+        vectorised: whether ``lines_of`` takes points ``(p, m)`` and returns a batch ``(p,
+            states)``.
+    """
+
+    lines_of: Callable[[FloatArray], Driveline]
+    low: FloatArray
+    high: FloatArray
+    scale: FloatArray
+    goal: Measure
+    keep: tuple[Measure, ...]
+    lengths: FloatArray
+    rms: bool
+    weights: FloatArray
+    jac: Callable[[FloatArray], NDArray[np.complex128]] | None
+    vectorised: bool
+
+    @property
+    def measures(self) -> tuple[Measure, ...]:
+        """The goal, then the quantities with limits."""
+        return (self.goal, *self.keep)
+
+    def vectors_at(self, points: FloatArray) -> list[Vectors]:
+        """Return the vectors of all measures at points ``(p, m)``, ``(p, states, r)`` each."""
+        return self._of(points, self.measures)
+
+    def _of(self, points: FloatArray, measures: Sequence[Measure]) -> list[Vectors]:
+        if self.vectorised:
+            line = many_of(self.lines_of(points), len(points))
+            return [measure.vectors(line) for measure in measures]
+        lines = [states_of(self.lines_of(x)) for x in points]
+        found: list[Vectors] = []
+        for measure in measures:
+            every: Any = [measure.vectors(line) for line in lines]
+            found.append(np.stack(every))
+        return found
+
+    def derivatives(self, x: FloatArray) -> list[Vectors]:
+        """Return the derivatives of the vectors by the variables, ``(states, r, m)`` each."""
+        found: list[Vectors | None] = [None] * len(self.measures)
+        if self.jac is not None:
+            by_q = np.asarray(self.jac(x))
+            wanted = (len(self.weights), len(x))
+            if by_q.shape != wanted:
+                raise ArgumentValueError(
+                    "jac", f"returned shape {by_q.shape}; it must be states by variables, {wanted}"
+                )
+            for i, measure in enumerate(self.measures):
+                found[i] = by_q[:, np.newaxis, :] if measure.of_q else None
+        missing = [i for i, known in enumerate(found) if known is None]
+        if missing:
+            measures = [self.measures[i] for i in missing]
+            for i, difference in zip(missing, self._differences(x, measures), strict=True):
+                found[i] = difference
+        return [known for known in found if known is not None]
+
+    def _differences(self, x: FloatArray, measures: Sequence[Measure]) -> list[Vectors]:
+        points, factors = [], []
+        for i, step in enumerate(_STEP * self.scale):
+            # Within the bounds, beyond which there may be no driveline.
+            if x[i] + step > self.high[i]:
+                stencil: tuple[tuple[float, float], ...] = ((-2.0, 0.5), (-1.0, -2.0), (0.0, 1.5))
+            elif x[i] - step < self.low[i]:
+                stencil = ((2.0, -0.5), (1.0, 2.0), (0.0, -1.5))
+            else:
+                stencil = ((1.0, 0.5), (-1.0, -0.5))
+            for steps, factor in stencil:
+                moved = x.copy()
+                moved[i] += steps * step
+                points.append(moved)
+                row = np.zeros(len(x))
+                row[i] = factor / step
+                factors.append(row)
+        weights = np.array(factors)
+        return [
+            np.tensordot(found, weights, axes=(0, 0))
+            for found in self._of(np.array(points), measures)
+        ]
+
+    def size(self, vectors: Sequence[Vectors]) -> float:
+        """Return the length that is minimised."""
+        return over_states(vectors[0], self.weights if self.rms else None)
+
+    def excess(self, vectors: Sequence[Vectors]) -> float:
+        """Return by which factor, less 1, the worst limit is exceeded; 0 if all are kept."""
+        shares = [
+            float(np.max(np.abs(found))) / length
+            for found, length in zip(vectors[1:], self.lengths, strict=True)
+        ]
+        return max(0.0, max(shares, default=0.0) - 1.0)
+
+
+def many_of(lines: object, count: int) -> Driveline:
+    """Return drivelines of several sets of variables, ``(count, states)``.
+
+    Raises:
+        TypeError: something else than drivelines.
+        ValueError: another batch.
+    """
+    if not isinstance(lines, Driveline):
+        raise ArgumentTypeError(
+            "lines_of", f"returned a {type(lines).__name__}; it must return a Driveline"
+        )
+    if len(lines.shape) != 2 or lines.shape[0] != count or 0 in lines.shape:
+        raise ArgumentValueError(
+            "lines_of",
+            f"returned a batch {lines.shape}; vectorised, it must be ({count}, states)",
+        )
+    return lines
+
+
+def states_of(line: object) -> Driveline:
+    """Return a driveline with one batch axis.
+
+    Raises:
+        TypeError: something else than a driveline.
+        ValueError: a batch of more axes, or of none at all.
+    """
+    if not isinstance(line, Driveline):
+        raise ArgumentTypeError(
+            "lines_of", f"returned a {type(line).__name__}; it must return a Driveline"
+        )
+    if len(line.shape) > 1 or 0 in line.shape:
+        raise ArgumentValueError(
+            "lines_of", f"returned a batch {line.shape}; its one axis must be the states"
+        )
+    return line if line.shape else Driveline._of(line._geometry.batched((1,)))

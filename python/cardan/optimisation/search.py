@@ -1,0 +1,295 @@
+"""The search for the best variables: from several starts, with a local solver, on teeth."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray, import_optional
+from cardan.errors import ArgumentValueError
+from cardan.optimisation.measures import Vectors
+from cardan.optimisation.problem import Problem
+
+TOLERANCE = 1e-9
+"""How far, relatively, a kept quantity may exceed its limit by rounding."""
+
+# So much below its limit, relatively, a quantity is kept, so that the solver's own error and a
+# result that is rounded for a drawing do not exceed it.
+MARGIN = 1e-6
+
+# Points that are evaluated at once.
+_BLOCK = 4096
+
+# So many random points are compared for each start that is followed.
+_SCREENED = 8
+
+# A goal so much smaller than at the start is rounding, and no start can do better.
+_NOTHING = 1e-10
+
+# After a search, the goal has another size; it is searched again until it shrinks by less.
+_SHRINKS, _ROUNDS = 0.99, 6
+
+# So many settings of splines are compared at once, and so many followed with other variables.
+_SETTINGS, _FOLLOWED = 1024, 6
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Variables and how good they are.
+
+    Attributes:
+        x: the variables.
+        vectors: of all measures.
+        size: the length that is minimised.
+        excess: by which factor, less 1, the worst limit is exceeded.
+    """
+
+    x: FloatArray
+    vectors: Sequence[Vectors]
+    size: float
+    excess: float
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """What to compare: first the limits, then the goal."""
+        return (self.excess if self.excess > TOLERANCE else 0.0, self.size)
+
+
+def candidates(problem: Problem, points: FloatArray) -> list[Candidate]:
+    """Return points ``(p, m)`` as candidates, without those that make no driveline."""
+    found: list[Candidate] = []
+    for first in range(0, len(points), _BLOCK):
+        found += _block(problem, points[first : first + _BLOCK])
+    return found
+
+
+def _block(problem: Problem, points: FloatArray) -> list[Candidate]:
+    try:
+        every = problem.vectors_at(points)
+    except ArgumentValueError:
+        # One of the points makes no driveline; the others are found one by one.
+        if len(points) < 2:
+            return []
+        half = len(points) // 2
+        return _block(problem, points[:half]) + _block(problem, points[half:])
+    found = []
+    for i, x in enumerate(points):
+        vectors = [own[i] for own in every]
+        if all(np.all(np.isfinite(own)) for own in vectors):
+            one = Candidate(x, vectors, problem.size(vectors), problem.excess(vectors))
+            found.append(one)
+    return found
+
+
+def search(
+    problem: Problem,
+    first: Candidate,
+    spans: FloatArray,
+    starts: int,
+    steps: Mapping[int, float],
+    half_turn: float,
+    seed: int,
+) -> Candidate:
+    """Return the best candidate.
+
+    Args:
+        problem: what to minimise.
+        first: the start.
+        spans: low and high end of the range from which starts are drawn, ``(2, m)``.
+        starts: from how many points to search.
+        steps: the teeth of variables that can only be changed by whole ones.
+        half_turn: after which such a variable repeats.
+        seed: of the random starts.
+    """
+    everywhere = np.ones(len(first.x), dtype=bool)
+    found = [first]
+    for start in _starts(problem, first, spans, starts, seed):
+        found.append(_settled(problem, start, everywhere))
+        if found[-1].rank <= (0.0, _NOTHING * first.size):
+            break
+    if steps:
+        return _on_teeth(problem, first, found, steps, half_turn)
+    return min(found, key=lambda one: one.rank)
+
+
+def _starts(
+    problem: Problem, first: Candidate, spans: FloatArray, starts: int, seed: int
+) -> list[Candidate]:
+    """The start, and the best of many points that are spread evenly in each variable."""
+    generator = np.random.default_rng(seed)
+    count, m = _SCREENED * (starts - 1), len(first.x)
+    cells = generator.permuted(np.tile(np.arange(count), (m, 1)), axis=-1).T
+    shares = (cells + generator.random((count, m))) / max(count, 1)
+    points = spans[0] + shares * (spans[1] - spans[0])
+    drawn = sorted(candidates(problem, points), key=lambda one: one.rank)
+    return [first, *drawn[: starts - 1]]
+
+
+def _settled(problem: Problem, start: Candidate, free: NDArray[np.bool_]) -> Candidate:
+    """The local best from a start, changing the free variables only."""
+    best = start
+    for _ in range(_ROUNDS):
+        moved = candidates(problem, _local(problem, best, free)[np.newaxis])
+        if not moved or not moved[0].rank < best.rank:
+            return best
+        tried = moved[0]
+        settled = tried.rank[0] == best.rank[0] and tried.size > _SHRINKS * best.size
+        best = tried
+        if settled or best.rank <= (0.0, _NOTHING * start.size):
+            break
+    return best
+
+
+def _local(problem: Problem, start: Candidate, free: NDArray[np.bool_]) -> FloatArray:
+    """One run of SLSQP from a start.
+
+    The largest of several values has kinks; a further variable ``t`` that bounds them all has
+    none: minimise ``t`` with every ``|z|**2 <= t``. If limits are exceeded, their largest share is
+    minimised first in the same way.
+    """
+    optimise = import_optional("scipy", "optimise").optimize
+    repair = start.excess > TOLERANCE
+    rms = problem.rms and not repair
+    squares = (
+        start.size**2 or 1.0,
+        *(((1.0 - MARGIN) * length) ** 2 for length in problem.lengths),
+    )
+    last: dict[str, Any] = {}
+
+    def terms(y: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Squared lengths over their scale, and their derivatives, of all measures."""
+        key = y[:m].tobytes()
+        if last.get("key") != key:
+            x = start.x.copy()
+            x[free] = np.clip(x[free] + y[:m] * scale, problem.low[free], problem.high[free])
+            values, slopes = [], []
+            vectors = [own[0] for own in problem.vectors_at(x[np.newaxis])]
+            pairs = zip(vectors, problem.derivatives(x), squares, strict=True)
+            for vector, derivative, square in pairs:
+                values.append((np.abs(vector) ** 2 / square).ravel())
+                slope = 2.0 * np.real(np.conj(vector)[..., np.newaxis] * derivative) / square
+                slopes.append(slope.reshape(vector.size, -1)[:, free] * scale)
+            last.update(key=key, terms=(values, slopes))
+        found: tuple[list[FloatArray], list[FloatArray]] = last["terms"]
+        return found
+
+    m, scale = int(np.count_nonzero(free)), problem.scale[free]
+    bounded = slice(1, None) if repair else slice(0, 0 if rms else 1)
+    hard = slice(1, None) if not repair else slice(0, 0)
+
+    def margins(y: FloatArray) -> FloatArray:
+        values = terms(y)[0]
+        t = 0.0 if rms else y[m]
+        parts = [np.zeros(0), *(t - v for v in values[bounded]), *(1.0 - v for v in values[hard])]
+        return np.concatenate(parts)
+
+    def margin_slopes(y: FloatArray) -> FloatArray:
+        slopes = terms(y)[1]
+        own = 0 if rms else 1
+        rows = [np.hstack([-s, np.ones((len(s), own))]) for s in slopes[bounded]]
+        rows += [np.hstack([-s, np.zeros((len(s), own))]) for s in slopes[hard]]
+        return np.vstack([np.zeros((0, m + own)), *rows])
+
+    parts = start.vectors[0].shape[-1]
+    repeated = np.repeat(problem.weights / parts, parts)
+
+    def goal(y: FloatArray) -> float:
+        return float(repeated @ terms(y)[0][0]) if rms else float(y[m])
+
+    def goal_slope(y: FloatArray) -> FloatArray:
+        if rms:
+            slope: FloatArray = repeated @ terms(y)[1][0]
+            return slope
+        return np.append(np.zeros(m), 1.0)
+
+    low = (problem.low[free] - start.x[free]) / scale
+    high = (problem.high[free] - start.x[free]) / scale
+    top = (1.0 + start.excess) ** 2 if repair else 1.0
+    begin = np.append(np.zeros(m), [] if rms else top)
+    limits = [*zip(low, high, strict=True), *([] if rms else [(0.0, None)])]
+    constraints = {"type": "ineq", "fun": margins, "jac": margin_slopes}
+    has_margins = bool(len(margins(begin)))
+    try:
+        with warnings.catch_warnings():
+            # A trial step beyond the bounds is clipped, here as well as there.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            done = optimise.minimize(
+                goal,
+                begin,
+                jac=goal_slope,
+                method="SLSQP",
+                bounds=limits,
+                constraints=[constraints] if has_margins else [],
+                options={"ftol": 1e-10, "maxiter": 100},
+            )
+    except ArgumentValueError:
+        # A trial step made no driveline.
+        return start.x
+    x = start.x.copy()
+    step = np.nan_to_num(done.x[:m]) * scale
+    x[free] = np.clip(x[free] + step, problem.low[free], problem.high[free])
+    return x
+
+
+def _on_teeth(
+    problem: Problem,
+    first: Candidate,
+    found: Sequence[Candidate],
+    steps: Mapping[int, float],
+    half_turn: float,
+) -> Candidate:
+    """The best candidate of which some variables differ from the start by whole teeth.
+
+    All settings are compared if they are not too many, otherwise those next to the local bests.
+    The best settings are followed with the other variables free.
+    """
+    phases = list(steps)
+    free = np.ones(len(first.x), dtype=bool)
+    free[phases] = False
+    best = first
+    settings = np.array(_settings(problem, first, found, steps, half_turn))
+    bases = sorted(found, key=lambda one: one.rank)[: _FOLLOWED if np.any(free) else 1]
+    points = np.repeat([one.x for one in bases], len(settings), axis=0)
+    points[:, phases] = np.tile(settings, (len(bases), 1))
+    tried = sorted(candidates(problem, points), key=lambda one: one.rank)
+    for one in tried[: _FOLLOWED if np.any(free) else 1]:
+        settled = _settled(problem, one, free) if np.any(free) else one
+        best = min(best, settled, key=lambda known: known.rank)
+    return best
+
+
+def _settings(
+    problem: Problem,
+    first: Candidate,
+    found: Sequence[Candidate],
+    steps: Mapping[int, float],
+    half_turn: float,
+) -> list[tuple[float, ...]]:
+    """Values of the variables with teeth."""
+    allowed: list[FloatArray] = []
+    for i, teeth in steps.items():
+        pitch = 2.0 * half_turn / teeth
+        # With an odd number of teeth half a turn is no whole number of them.
+        count = teeth if teeth % 2 else max(teeth // 2, 1)
+        values = first.x[i] + pitch * (np.arange(count) - (count - 1) // 2)
+        room = MARGIN * pitch
+        inside = (values >= problem.low[i] - room) & (values <= problem.high[i] + room)
+        allowed.append(np.clip(values[inside], problem.low[i], problem.high[i]))
+    if math.prod(len(values) for values in allowed) <= _SETTINGS:
+        return list(itertools.product(*allowed))
+    near: set[tuple[float, ...]] = set()
+    for one in found:
+        own = []
+        for i, values in zip(steps, allowed, strict=True):
+            off = values - one.x[i]
+            off = np.abs(off - half_turn * np.round(off / half_turn))
+            own.append(values[np.argsort(off)[:3]])
+        near.update(itertools.islice(itertools.product(*own), _SETTINGS))
+    return sorted(near)

@@ -1,0 +1,381 @@
+"""What a scene lets change, and the best values of it over the scene's states."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
+from cardan.load import Load
+from cardan.optimisation import NotKeptError, Optimum, optimise
+from cardan.optimisation.measures import measure_of, over_states
+from cardan.scene.axes import Axis, axes_of
+from cardan.scene.errors import Location
+from cardan.scene.format import FORMAT
+from cardan.scene.layout import Layout
+from cardan.scene.optimise_rules import kept_quantity
+from cardan.scene.optimise_section import OPTIMISE
+from cardan.scene.paths import nested
+from cardan.scene.states import States
+
+DECIMALS = 6
+"""Decimal places of the values that are found, in the unit of their keys."""
+
+# The kind of parameter of each key by which q is differentiated, and its unit there.
+_DERIVATIVES: Mapping[str, tuple[Literal["bends", "twists", "phases", "points"], float]] = {
+    "bends_deg": ("bends", math.pi / 180.0),
+    "twists_deg": ("twists", math.pi / 180.0),
+    "phases_deg": ("phases", math.pi / 180.0),
+    "points_m": ("points", 1.0),
+    # Drivelines of scenes have lengths in metres.
+    "points_mm": ("points", 1e-3),
+}
+
+_EXCITATION = "inertia_excitation"
+
+
+@dataclass(frozen=True, eq=False)
+class Variable:
+    """A key of a scene that may change.
+
+    Attributes:
+        axis: the key, with the entries that change together.
+        base: its value in [driveline], of the first of its entries.
+        low: least change; ``-inf`` for a phase that is free.
+        high: largest change.
+        teeth: of the spline of a phase; 0 without one.
+        last_entry: number of the last entry of its key.
+    """
+
+    axis: Axis
+    base: float
+    low: float
+    high: float
+    teeth: int = 0
+    last_entry: int = 0
+
+    @property
+    def is_phase(self) -> bool:
+        """Whether it is a phase, which repeats after half a turn."""
+        return self.axis.name == "phases_deg"
+
+
+@dataclass(frozen=True, eq=False)
+class Optimisation:
+    """What a scene's section [optimise] asks for.
+
+    Attributes:
+        variables: what may change.
+        minimise: the quantity.
+        over: ``"largest"`` or ``"rms"`` of the states.
+        keep: limits of other quantities by key, in the unit of the key.
+        starts: number of local searches.
+        layout: what the other sections say of the driveline.
+        states: the states, if the scene has any.
+        load: the load in every state, if there is one.
+    """
+
+    variables: tuple[Variable, ...]
+    minimise: str
+    over: Literal["largest", "rms"]
+    keep: Mapping[str, float]
+    starts: int
+    layout: Layout
+    states: States | None
+    load: Load | None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the states; of one driveline alone an empty one."""
+        return self.states.names if self.states else ("",)
+
+    @property
+    def squared_speed(self) -> float:
+        """The factor of an inertia excitation; 1 without a speed."""
+        speed = 0.0 if self.load is None else float(np.max(np.abs(self.load.speed)))
+        return speed**2 or 1.0
+
+    @functools.cached_property
+    def _unchanged(self) -> dict[str, FloatArray]:
+        axes = self.states.axes if self.states else ()
+        return self.layout.values(axes, len(self.names))
+
+    def drivelines(self, changes: FloatArray) -> Driveline:
+        """Return the driveline in every state, ``(..., states)``, after changes of the variables.
+
+        Args:
+            changes: one for each variable, in the unit of its key, ``(..., m)``.
+
+        Raises:
+            ValueError: values that make no driveline.
+        """
+        values = dict(self._unchanged)
+        for name in {variable.axis.name for variable in self.variables}:
+            shape = changes.shape[:-1] + values[name].shape
+            values[name] = np.array(np.broadcast_to(values[name], shape))
+        for i, variable in enumerate(self.variables):
+            own = values[variable.axis.name][_place(variable.axis)]
+            # A view of the copy above.
+            own += changes[..., i].reshape((*changes.shape[:-1], 1, 1))
+        return self.layout.of(values)
+
+    def values_at(self, points: FloatArray) -> FloatArray:
+        """Return the quantity to minimise over all states, at changes ``(p, m)``, in SI units."""
+        found = []
+        for x in points:
+            try:
+                line = self.drivelines(x)
+            except ArgumentValueError:
+                found.append(math.nan)
+                continue
+            measure = measure_of("minimise", self.minimise, line.n_joints, self.load)
+            vectors = measure.vectors(line)
+            weights = self.weights if self.over == "rms" else None
+            found.append(float(measure.figure(over_states(vectors, weights))))
+        return np.array(found)
+
+    @property
+    def weights(self) -> FloatArray:
+        """How much each state counts in a root mean square, with sum 1."""
+        own = self.states.weights if self.states else np.ones(1)
+        return own / np.sum(own)
+
+    def values_after(self, changes: FloatArray) -> dict[str, Any]:
+        """Return the values of the scene's keys that change, as plain data by path.
+
+        The path begins with the section: ``"driveline.points_mm"``, ``"states.points_mm.3.y"``.
+        """
+        found: dict[str, Any] = {}
+        for variable, change in zip(self.variables, changes, strict=True):
+            axis = variable.axis
+            path = f"driveline.{axis.name}"
+            values = np.array(found.get(path, self.layout.driveline[axis.name]), dtype=np.float64)
+            values[_place(axis)] += change
+            found[path] = values.tolist()
+            for other in self.states.axes if self.states else ():
+                if other.name == axis.name and _entries(other) <= _entries(axis):
+                    found[f"states.{other.key}"] = (other.values + change).tolist()
+        return found
+
+    def run(self) -> Optimum:
+        """Return the best changes, rounded to ``DECIMALS``, with what they bring, in SI units.
+
+        Raises:
+            ImportError: SciPy is missing.
+            ValueError: a limit that cannot be kept.
+        """
+        phases = [i for i, variable in enumerate(self.variables) if variable.is_phase]
+        teeth = [self.variables[i].teeth for i in phases]
+        keep: dict[str, float] = {}
+        for key, limit in self.keep.items():
+            keep[kept_quantity(key)] = self._in_si(key, limit)
+        jac = self._dq if all(v.axis.name in _DERIVATIVES for v in self.variables) else None
+        try:
+            return optimise(
+                self.drivelines,
+                np.zeros(len(self.variables)),
+                [(variable.low, variable.high) for variable in self.variables],
+                minimise=self.minimise,
+                over=self.over,
+                states=self.names,
+                weights=self.weights if self.over == "rms" else None,
+                keep=keep,
+                jac=jac,
+                load=self.load,
+                phases=phases,
+                teeth=teeth if any(teeth) else None,
+                degrees=True,
+                starts=self.starts,
+                decimals=DECIMALS,
+                vectorised=True,
+            )
+        except NotKeptError as error:
+            reached = {kept_quantity(key): key for key in self.keep}
+            key = reached[error.quantity]
+            limit, found = self.keep[key], self._shown(key, error.reached)
+            raise Location("keep", (key,)).error(
+                f"is {limit:g}; no changes within the ranges keep it: at best it reaches "
+                f"{found:.4g}, {found - limit:.3g} above"
+            ) from None
+
+    def _in_si(self, key: str, value: float) -> float:
+        if key == f"{_EXCITATION}_rad_s2":
+            return value / self.squared_speed
+        return math.radians(value) if key.endswith("_deg") else value
+
+    def _shown(self, key: str, value: float) -> float:
+        return value * self.keep[key] / self._in_si(key, self.keep[key])
+
+    def _dq(self, changes: FloatArray) -> NDArray[np.complex128]:
+        """The derivatives of ``q`` of the last shaft by the variables, ``(states, m)``."""
+        transmission = self.drivelines(changes).transmission()
+        by = {_DERIVATIVES[variable.axis.name][0] for variable in self.variables}
+        parts = {kind: transmission.dq(by=kind) for kind in by}
+        columns = []
+        for variable in self.variables:
+            kind, factor = _DERIVATIVES[variable.axis.name]
+            own = parts[kind][_place(variable.axis)]
+            columns.append(factor * np.sum(own, axis=-1))
+        return np.stack(columns, axis=-1)
+
+
+def _place(axis: Axis) -> tuple[Any, ...]:
+    place = slice(None) if axis.place is None else axis.place
+    return (..., place) if axis.component is None else (..., place, axis.component)
+
+
+def optimisation_of(
+    given: Mapping[str, Any] | None,
+    layout: Layout | None,
+    states: States | None,
+    load: Load | None,
+    teeth: Sequence[int],
+) -> Optimisation | None:
+    """Return what the section [optimise] asks for; ``None`` without it.
+
+    Args:
+        given: its values by key, if the scene has it.
+        layout: what the other sections say of the driveline; ``None`` if its bends were recorded.
+        states: the states, if the scene has any.
+        load: the load of the scene, if any.
+        teeth: of the spline of each shaft between two joints; empty if the scene gives none.
+
+    Raises:
+        ValueError: recorded bends, a path that the scene does not use or that changes with a part
+            of what a state changes, a range that leaves what its key may be, a quantity that the
+            scene cannot have.
+    """
+    if given is None:
+        return None
+    if layout is None:
+        raise ValueError("it does not go with recorded bends, which nothing can change")
+    ranges: Mapping[str, tuple[float, float] | None] = given["vary"]
+    axes = _axes(ranges, layout)
+    variables = tuple(_variable(axis, ranges[axis.key], layout, teeth) for axis in axes)
+    values = {key: entry.default for key, entry in OPTIMISE.keys.items()} | dict(given)
+    if states:
+        load = _load_of_states(states, load)
+        for axis in axes:
+            _check_states(axis, states.axes)
+    found = Optimisation(
+        variables,
+        values["minimise"],
+        values["over"],
+        values["keep"] or {},
+        values["starts"],
+        layout,
+        states,
+        load,
+    )
+    _check_ranges(found)
+    _check_quantities(found)
+    return found
+
+
+def _axes(ranges: Mapping[str, Any], layout: Layout) -> tuple[Axis, ...]:
+    paths: dict[str, dict[str, list[float]]] = {}
+    known = FORMAT["study"].keys
+    for name, places in nested({path: [0.0] for path in ranges}).items():
+        where = Location("vary", (name,))
+        if name not in known or name not in FORMAT["driveline"].keys:
+            raise where.error(f"is no key that can change; those of the scene are {_there(layout)}")
+        if name not in layout.driveline:
+            raise where.error(f"is not in [driveline]; what can change is {_there(layout)}")
+        paths[name] = known[name].kind.rule.read(Location(name), places)
+    return axes_of(paths, layout.driveline, None, "an optimisation")
+
+
+def _there(layout: Layout) -> str:
+    return ", ".join(layout.driveline)
+
+
+def _variable(
+    axis: Axis, ends: tuple[float, float] | None, layout: Layout, teeth: Sequence[int]
+) -> Variable:
+    low, high = (-math.inf, math.inf) if ends is None else ends
+    values = np.asarray(layout.driveline[axis.name], dtype=np.float64)
+    base = float(np.ravel(values[_place(axis)[1:]])[0])
+    own = 0
+    if axis.name == "phases_deg" and teeth:
+        counts = set(teeth[axis.place or slice(None)])
+        if len(counts) > 1:
+            raise Location("vary", (axis.key,)).error(
+                "turns yokes on splines of different teeth together; vary one phase at a time"
+            )
+        own = counts.pop()
+    return Variable(axis, base, low, high, own, len(values) - 1)
+
+
+def _check_states(axis: Axis, varied: Sequence[Axis]) -> None:
+    """Refuse a variable that moves only a part of what one value of a state sets."""
+    own = _entries(axis)
+    for other in varied:
+        theirs = _entries(other) if other.name == axis.name else set()
+        if own & theirs and not theirs <= own:
+            raise Location("vary", (axis.key,)).error(
+                f"changes only a part of {other.key}, which [states] sets; vary all of it"
+            )
+
+
+def _entries(axis: Axis) -> set[tuple[int, int | None]]:
+    # More entries than any list of a file has.
+    entries = range(*(axis.place or slice(None)).indices(1 << 20))
+    return {(entry, axis.component) for entry in entries}
+
+
+def _check_ranges(found: Optimisation) -> None:
+    """Refuse ranges at an end of which there is no driveline."""
+    for i, variable in enumerate(found.variables):
+        for end in (variable.low, variable.high):
+            changes = np.zeros(len(found.variables))
+            changes[i] = end if math.isfinite(end) else 0.0
+            try:
+                found.drivelines(changes)
+            except ArgumentValueError as error:
+                raise Location("vary", (variable.axis.key,)).error(
+                    f"reaches {end:g}, where {error}"
+                ) from None
+
+
+def _check_quantities(found: Optimisation) -> None:
+    line = found.drivelines(np.zeros(len(found.variables)))
+    named: list[tuple[str, tuple[str, ...], str]] = [("minimise", (), found.minimise)]
+    named += [("keep", (key,), kept_quantity(key)) for key in found.keep]
+    for argument, place, quantity in named:
+        try:
+            measure_of(argument, quantity, line.n_joints, found.load).vectors(line)
+        except (IndexError, ArgumentValueError) as error:
+            problem = error.problem if isinstance(error, ArgumentValueError) else str(error)
+            problem = problem if problem.startswith("is ") else f"is {quantity!r}; {problem}"
+            raise Location(argument, place).error(problem) from None
+        if place and quantity == _EXCITATION and found.squared_speed == 1.0:
+            raise Location(argument, place).error("needs the speed of the drive in [load]")
+    if found.load is not None and np.ptp(np.abs(found.load.speed)) > 0.0:
+        for argument, place, quantity in named:
+            if quantity == _EXCITATION:
+                raise Location(argument, place).error("needs one speed; [states] varies it")
+
+
+def _load_of_states(states: States, load: Load | None) -> Load | None:
+    """The load of all states, its arrays ``(states, 1)``, if states vary it."""
+    if load is None or all(axis.section == "driveline" for axis in states.axes):
+        return load
+    every = [states.load(i) for i in range(states.count)]
+    loads = [one for one in every if one is not None]
+
+    def column(name: str) -> FloatArray:
+        return np.stack([np.asarray(getattr(one, name)) for one in loads])[:, np.newaxis]
+
+    inertias = None if load.inertias is None else column("inertias")
+    torque: dict[str, Any] = {f"{loads[0].end}_torque": column("torque")}
+    return Load(
+        speed=column("speed"), acceleration=column("acceleration"), inertias=inertias, **torque
+    )

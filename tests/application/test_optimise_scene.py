@@ -1,0 +1,396 @@
+"""Section [optimise] and the command: what they read, say, draw, write and refuse."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+from cardan.command import commands
+from cardan.figures.optimise import optimised
+from cardan.figures.schema import answers_schema
+from cardan.plots import plot_optimise, plot_optimised_states, plot_over_variable
+from cardan.report import write_report
+from cardan.scene import Scene
+from cardan.scene.edit import map_of, with_values
+from cardan.words.optimise import change_lines
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = (ROOT / "examples" / "truck_heights.toml").read_text("utf-8")
+TRUCK = """\
+[driveline]
+points_mm = [
+    [0, 0, 0],
+    [350, -24, 0],
+    [1650, -46, 0], # behind the centre bearing
+    [3150, -180, 45],
+    [3450, -196, 45],
+]
+[load]
+speed_rpm = 1500
+[states]
+points_mm.3-4.z = [35, 45, 55]
+"""
+Z_SHAFT = "[driveline]\nbends_deg = [10, 9]\ntwists_deg = 180\nphases_deg = [8] # as found\n"
+VARY = '[optimise]\nvary = {"points_mm.2.y" = [-40, 40], "phases_deg.0" = "free"}\n'
+
+
+def run(folder: Path, text: str, *options: str) -> Result:
+    (folder / "a.toml").write_text(text, encoding="utf-8")
+    return CliRunner().invoke(commands(), ["optimise", str(folder / "a.toml"), *options])
+
+
+def largest_bend(scene: Scene) -> float:
+    return float(np.degrees(np.max(scene.drivelines().equivalent().bend)))
+
+
+def test_the_scene_with_the_values_found_is_written_and_checked(tmp_path: Path) -> None:
+    result = run(tmp_path, EXAMPLE)
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "a.toml").read_text("utf-8") == EXAMPLE
+    written = tmp_path / "a.optimised.toml"
+    assert result.output.rstrip().endswith(f"wrote {written}")
+    # The values are changed in place, and nothing else.
+    lines = zip(EXAMPLE.splitlines(), written.read_text("utf-8").splitlines(), strict=True)
+    changed = [(one, other) for one, other in lines if one != other]
+    assert [re.sub(r"-?\d+(\.\d+)?", "0", one) for one, _ in changed] == [
+        re.sub(r"-?\d+(\.\d+)?", "0", other) for _, other in changed
+    ]
+    assert ["joint 1, behind" in changed[0][0], "phases_deg" in changed[1][0]] == [True, True]
+    before, after = largest_bend(Scene.parse(EXAMPLE)), largest_bend(Scene.load(written))
+    said = re.search(r"of 9 states: (\S+)° before, (\S+)° after", result.output)
+    assert said
+    assert [float(said[1]), float(said[2])] == pytest.approx([before, after], rel=1e-3)
+    assert after < 0.5 * before
+    check = CliRunner().invoke(commands(), ["check", str(written)])
+    assert check.exit_code == 0, check.output
+
+
+def test_one_sentence_for_each_variable() -> None:
+    text = EXAMPLE.replace("[-40, 40]", "[-12.5, 40]").replace("keep", "# keep")
+    found = optimised(Scene.parse(text))
+    assert found
+    lines = change_lines(found)
+    assert lines[0] == "move joint 1 by 12.5 mm along -y (points_mm.2.y: -46 → -58.5 mm)"
+    assert re.match(r"turn the output-side yoke of shaft 1 by 1 tooth counter-clockwise", lines[1])
+    assert len(lines) == 3
+
+
+@pytest.mark.parametrize(
+    ("vary", "words"),
+    [
+        ('"bends_deg.1" = [-2, 2]', r"increase the bend of joint 1 by 1° "),
+        ('"bends_deg.0" = [-2, 2]', r"reduce the bend of joint 0 by 1° "),
+        ('"twists_deg.0" = [-20, 20]', r"increase the twist of shaft 1 by 8° "),
+        ('"phases_deg.0" = "free"', r"turn the output-side yoke of shaft 1 by 8.00° counter-clock"),
+        ("bends_deg = [-1, 1]", r"reduce the bends of all joints by 1° "),
+        ("phases_deg = [0, 1]", r"leave the output-side yoke of shaft 1 as it is "),
+    ],
+)
+def test_words_of_other_keys(vary: str, words: str) -> None:
+    text = Z_SHAFT.replace("[8]", "[0]") if "bends_deg.1" in vary or ".0 = [-2" in vary else Z_SHAFT
+    if vary.startswith('"bends_deg'):
+        text = text.replace("[8]", "[0]")
+    found = optimised(Scene.parse(f"{text}[optimise]\nvary = {{{vary}}}\n"))
+    assert found
+    assert re.match(words, change_lines(found)[0]), change_lines(found)
+
+
+@pytest.mark.parametrize(
+    ("text", "vary"),
+    [
+        (TRUCK, '"points_mm.2.y" = [-40, 40], "points_mm.1-2.z" = [-9, 9], "phases_deg" = "free"'),
+        (TRUCK, '"points_mm.3-4.z" = [-10, 40], "phases_deg.1" = "free"'),
+        (
+            TRUCK.replace("points_mm", "points_m"),
+            '"points_m.2.y" = [-40, 40], "phases_deg.0-1" = [-3, 50]',
+        ),
+        (
+            "[driveline]\nbends_deg = [10, 9, 4]\nphases_deg = [20, 3]\n",
+            '"bends_deg.0-1" = [-4, 4], "twists_deg.1" = [-9, 9], "phases_deg.0" = "free"',
+        ),
+    ],
+)
+def test_exact_derivatives_are_those_of_differences(text: str, vary: str) -> None:
+    asked = Scene.parse(f"{text}[optimise]\nvary = {{{vary}}}\n").optimisation
+    assert asked
+    x = np.linspace(1.0, 3.0, len(asked.variables))
+    exact = asked._dq(x)
+    for i in range(len(x)):
+        step = 1e-4 * np.eye(len(x))[i]
+        q = [asked.drivelines(x + sign * step).transmission().q for sign in (-1, 1)]
+        difference = (q[1] - q[0]) / 2e-4
+        np.testing.assert_allclose(exact[:, i], difference, atol=1e-7 * np.max(np.abs(exact)))
+
+
+@pytest.mark.parametrize("slopes", ["slopes_vertical_deg = [-3, -7, -4]"])
+def test_keys_without_exact_derivatives(slopes: str) -> None:
+    text = f"[driveline]\n{slopes}\n[optimise]\nvary = {{slopes_vertical_deg.2 = [-3, 3]}}\n"
+    scene = Scene.parse(text)
+    assert scene.optimisation
+    # Parallel outer shafts run evenly.
+    np.testing.assert_allclose(scene.optimisation.run().x, [1.0], atol=1e-5)
+
+
+def test_states_move_with_what_changes() -> None:
+    """A variable adds its change to what a state sets."""
+    text = TRUCK.replace("[35, 45, 55]", "{from = 35, to = 55, steps = 3} # spread")
+    scene = Scene.parse(text + '[optimise]\nvary = {"points_mm.3-4.z" = [-60, 60]}\n')
+    asked = scene.optimisation
+    assert asked
+    changed = with_values(text, asked.values_after(np.array([-5.0])))
+    assert "points_mm.3-4.z = {from = 30, to = 50, steps = 3} # spread" in changed
+    assert [line[2] for line in tomllib.loads(changed)["driveline"]["points_mm"]][3:] == [40, 40]
+    after = Scene.parse(changed).drivelines()
+    np.testing.assert_allclose(after.bends, asked.drivelines(np.array([-5.0])).bends, rtol=1e-12)
+
+
+def test_bare_and_quoted_paths_mean_the_same() -> None:
+    bare = '[optimise.vary]\npoints_mm.2.y = [-40, 40]\nphases_deg.0 = "free"\n'
+    keys = []
+    for text in (VARY, bare):
+        asked = Scene.parse(TRUCK + text).optimisation
+        assert asked
+        keys.append([(v.axis.key, v.low, v.high) for v in asked.variables])
+    assert keys[0] == keys[1]
+
+
+def test_a_root_mean_square_has_the_weights_of_the_states() -> None:
+    text = TRUCK.replace("[states]", "[states]\nweights = [0, 3, 0]")
+    asked = Scene.parse(f'{text}{VARY}over = "rms"\n').optimisation
+    assert asked
+    best = asked.run()
+    assert best.value == pytest.approx(best.per_state[1])
+    assert best.per_state[0] > best.value
+
+
+def test_inertia_excitation_is_at_the_speed(tmp_path: Path) -> None:
+    options = ("--json",)
+    data = json.loads(
+        run(tmp_path, TRUCK + VARY + 'minimise = "inertia_excitation"', *options).stdout
+    )
+    assert data["minimised"]["unit"] == "rad/s²"
+    scene = Scene.load(tmp_path / "a.toml")
+    findings = scene.drivelines().check(scene.speed).findings
+    own = [f.value for f in findings if f.figure.startswith("inertia_excitation")]
+    assert data["minimised"]["before"] == pytest.approx(float(np.max(own)))
+
+
+def test_a_limit_of_inertia_excitation_is_at_the_speed() -> None:
+    text = TRUCK + VARY + "keep = {inertia_excitation_rad_s2 = 1}\n"
+    with pytest.raises(ValueError, match=r"is 1; no changes within the ranges keep it: at best"):
+        optimised(Scene.parse(text))
+
+
+def test_outputs_with_the_load_of_each_state() -> None:
+    text = TRUCK.replace("[states]", "output_torque_Nm = 1\n[states]\noutput_torque_Nm = [1, 2, 3]")
+    scene = Scene.parse(f'{text}{VARY}minimise = "bending_driven_2_peak"\n')
+    asked, states = scene.optimisation, scene.states
+    assert asked
+    assert states
+    before = asked.run().per_state_before
+    for i in range(3):
+        line, load = states.driveline(i), states.load(i)
+        angles = np.linspace(0.0, np.pi, 181)
+        own = line.evaluate(angles, "bending_driven", joints=2, load=load, reduce="peak")
+        assert before[i] == pytest.approx(float(own.bending_driven), rel=1e-9)
+
+
+def test_json_follows_its_schema(tmp_path: Path) -> None:
+    result = run(tmp_path, EXAMPLE, "--json")
+    data = json.loads(result.stdout)
+    jsonschema.Draft202012Validator(answers_schema()).validate(data)
+    after = Scene.load(tmp_path / "a.optimised.toml")
+    assert data["minimised"]["after"] == pytest.approx(largest_bend(after), rel=1e-9)
+    first = data["variables"][0]
+    assert (first["key"], first["unit"], first["range"]) == ("points_mm.2.y", "mm", [-40, 40])
+    assert first["before"] + first["change"] == pytest.approx(first["after"])
+    assert first["at_end"] == "low"
+    assert data["variables"][1]["range"] is None
+    turned = data["variables"][1]["teeth"] * 15.0
+    assert data["variables"][1]["change"] == pytest.approx(turned)
+    assert [state["state"] for state in data["minimised"]["states"]][4] == "rest"
+    assert data["kept"][0]["limit"] == 300
+    assert data["files"] == [str(tmp_path / "a.optimised.toml")]
+
+
+@pytest.mark.parametrize(
+    ("section", "message"),
+    [
+        ("vary = {}", "vary is a section; it must name keys and ranges"),
+        ('vary = {"points_mm.2" = [1, 2]}', "vary.points_mm.2 needs place and axis"),
+        ('vary = {"points_mm.9.y" = [-1, 1]}', "points_mm.9.y does not exist; there are 5"),
+        ('vary = {"points_mm.2.y" = [1, 2]}', "vary.points_mm.2.y is [1, 2]; it is the range of"),
+        ('vary = {"points_mm.2.y" = [1, -2]}', "vary.points_mm.2.y is [1, -2]; the first must"),
+        ('vary = {"points_mm.2.y" = "free"}', "vary.points_mm.2.y is 'free'; only phases may be"),
+        ('vary = {"bends_deg.0" = [-1, 1]}', "vary.bends_deg is not in [driveline]; what can"),
+        ("vary = {speed_rpm = [-1, 1]}", "vary.speed_rpm is no path of a key of [driveline]"),
+        ('vary = {"points_mm.3.z" = [-1, 1]}', "vary.points_mm.3.z changes only a part of points"),
+        ('vary = {"points_mm.2.y" = [-1, 1], points_mm.1-2.y = [-1, 1]}', "points_mm.1-2.y varies"),
+        ('vary = {"points_mm.1.x" = [-360, 1e4]}', "vary.points_mm.1.x reaches "),
+        (f'{VARY[11:]}minimise = "bend"', "minimise is 'bend'; "),
+        (f'{VARY[11:]}minimise = "torque_9_peak"', "minimise is 'torque_9_peak'; "),
+        (f'{VARY[11:]}over = "mean"', "over is 'mean'; "),
+        (f"{VARY[11:]}keep = {{bend = 1}}", "keep.bend is no quantity; "),
+        (f"{VARY[11:]}keep = {{non_uniformity = 0}}", "keep.non_uniformity is 0; it must be pos"),
+        ("over = 'rms'", "vary is missing"),
+    ],
+)
+def test_errors_name_place_and_rule(tmp_path: Path, section: str, message: str) -> None:
+    result = run(tmp_path, f"{TRUCK}[optimise]\n{section}\n")
+    assert result.exit_code == 2
+    (line,) = result.stderr.splitlines()
+    assert re.match(
+        rf"cardan: {re.escape(str(tmp_path / 'a.toml'))}, line 1\d: \[optimise\] ", line
+    )
+    assert line.partition("[optimise] ")[2].startswith(message)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["a.toml"]
+
+
+def test_a_limit_that_cannot_be_kept(tmp_path: Path) -> None:
+    result = run(tmp_path, TRUCK + VARY + "keep = {equivalent_bend_deg = 0.1}\n")
+    assert result.exit_code == 2
+    said = re.search(
+        r"a.toml: \[optimise\] keep.equivalent_bend_deg is 0.1; no changes within the ranges keep "
+        r"it: at best it reaches (\S+), (\S+) above$",
+        result.stderr.strip(),
+    )
+    assert said, result.stderr
+    least = Scene.parse(TRUCK + VARY).optimisation
+    assert least
+    assert float(said[1]) == pytest.approx(float(np.degrees(least.run().value)), rel=1e-2)
+    assert float(said[2]) == pytest.approx(float(said[1]) - 0.1, rel=1e-2)
+    assert not (tmp_path / "a.optimised.toml").exists()
+
+
+def test_the_scene_is_never_overwritten(tmp_path: Path) -> None:
+    (tmp_path / "link.toml").symlink_to(tmp_path / "a.toml")
+    (tmp_path / "a.toml").touch()
+    (tmp_path / "same.toml").hardlink_to(tmp_path / "a.toml")
+    for target in ("a.toml", "link.toml", "same.toml"):
+        result = run(tmp_path, TRUCK + VARY, "--to", str(tmp_path / target))
+        assert result.exit_code == 2
+        assert result.stderr.endswith("is the scene itself; it is never overwritten\n")
+    assert (tmp_path / "a.toml").read_text("utf-8") == TRUCK + VARY
+
+
+def test_another_file(tmp_path: Path) -> None:
+    target = tmp_path / "better.toml"
+    result = run(tmp_path, TRUCK + VARY, "--to", str(target), "--picture", str(tmp_path / "a.svg"))
+    assert result.exit_code == 0, result.output
+    assert largest_bend(Scene.load(target)) < largest_bend(Scene.parse(TRUCK))
+    # The scene gives no phases: a line is added.
+    assert re.search(r"^phases_deg = \[\S+, 0\]$", target.read_text("utf-8"), re.MULTILINE)
+    assert "<svg" in (tmp_path / "a.svg").read_text("utf-8")
+    assert run(tmp_path, TRUCK + VARY, "--to", str(tmp_path / "a.csv")).exit_code == 2
+
+
+def test_a_scene_without_the_section(tmp_path: Path) -> None:
+    result = run(tmp_path, TRUCK)
+    assert result.exit_code == 2
+    assert result.stderr.endswith("section [optimise] is missing; it says what may change\n")
+
+
+def test_a_single_driveline_without_states(tmp_path: Path) -> None:
+    result = run(
+        tmp_path, f'{Z_SHAFT}[optimise]\nvary = {{"bends_deg.1" = [-3, 3], phases_deg = "free"}}\n'
+    )
+    assert result.exit_code == 0, result.output
+    assert result.output.startswith("Equivalent bend: ")
+    written = (tmp_path / "a.optimised.toml").read_text("utf-8")
+    assert "bends_deg = [10, 10]" in written
+    assert "phases_deg = [0] # as found" in written
+
+
+TOML = '''\
+title = "a # b" # [driveline]
+[ driveline ] # points
+"bends_deg" = [ 1.0, # one ]
+   2_0, ] # two
+phases_deg.x = """ # ]
+" [y] """
+other = {a = [1, {b = 2}], "c.d" = 'it''s'}
+[[bearing]]
+shaft = 1
+[load]
+speed_rpm=15
+'''.replace("'it''s'", "'its'")
+
+
+def test_values_are_found_in_any_toml() -> None:
+    known = map_of(TOML)
+    texts = {path: TOML[span.start : span.end] for path, span in known.values.items()}
+    assert texts["title"] == '"a # b"'
+    assert texts["driveline.phases_deg.x"].startswith('"""')
+    assert texts["driveline.other.c.d"] == "'its'"
+    assert texts["load.speed_rpm"] == "15"
+    items = known.values["driveline.bends_deg"].items
+    assert [TOML[item.start : item.end] for item in items] == ["1.0", "2_0"]
+
+
+def test_values_are_changed_in_place() -> None:
+    changed = with_values(TOML, {"driveline.bends_deg": [1, 3.5], "load.speed_rpm": -7.25})
+    expected = TOML.replace("2_0", "3.5").replace("=15", "=-7.25")
+    assert changed == expected
+    added = with_values(TOML, {"load.drive_torque_Nm": 2.0, "driveline.twists_deg": [0.5]})
+    document = tomllib.loads(added)
+    assert document["load"] == {"speed_rpm": 15, "drive_torque_Nm": 2}
+    assert document["driveline"]["twists_deg"] == [0.5]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.toml")), ids=lambda p: p.stem)
+def test_examples_are_read_as_toml_reads_them(path: Path) -> None:
+    text = path.read_text("utf-8")
+
+    def leaves(value: Any, above: str) -> dict[str, Any]:  # noqa: ANN401 - any TOML
+        if not isinstance(value, dict):
+            return {above: value}
+        parts = [leaves(entry, f"{above}.{key}".strip(".")) for key, entry in value.items()]
+        return {key: entry for part in parts for key, entry in part.items()}
+
+    found = {
+        path: tomllib.loads(f"v = {text[span.start : span.end]}")["v"]
+        for path, span in map_of(text).values.items()
+    }
+    tables = {key for key, value in tomllib.loads(text).items() if isinstance(value, list)}
+    wanted = {k: v for k, v in leaves(tomllib.loads(text), "").items() if k not in tables}
+    assert {k: v for k, v in found.items() if k.partition(".")[0] not in tables} == wanted
+
+
+def test_pictures() -> None:
+    found = optimised(Scene.parse(EXAMPLE))
+    assert found
+    figure = plot_optimise(found)
+    assert len(figure.axes) == 4
+    states = figure.axes[0]
+    bars: Any = states.patches
+    heights = [bar.get_height() for bar in bars]
+    np.testing.assert_allclose(heights[:9], np.degrees(found.best.per_state_before))
+    np.testing.assert_allclose(heights[9:], np.degrees(found.best.per_state))
+    axes = plot_over_variable(found, 0)
+    x, y = axes.get_lines()[0].get_data()
+    best = float(np.degrees(found.best.value))
+    at = int(np.argmin(np.abs(np.asarray(x) - (-46.0 + found.best.x[0]))))
+    assert float(np.asarray(y)[at]) == pytest.approx(best)
+    assert np.nanmin(np.asarray(y)) >= best - 1e-9
+    with pytest.raises(ValueError, match="variable is 3; there are 3, counted from 0"):
+        plot_over_variable(found, 3)
+    assert plot_optimised_states(found).get_ylabel() == "equivalent bend [deg]"
+
+
+def test_the_report_has_a_section(tmp_path: Path) -> None:
+    pytest.importorskip("jinja2")
+    write_report(Scene.parse(EXAMPLE), tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text("utf-8")
+    assert 'id="optimise"' in page
+    assert "Move joint 1 by 40 mm along -y" in page
+    text = EXAMPLE.replace("inertia_excitation_rad_s2 = 300", "equivalent_bend_deg = 0.1")
+    write_report(Scene.parse(text), tmp_path / "b.html")
+    assert "no changes within the ranges keep it" in (tmp_path / "b.html").read_text("utf-8")

@@ -1,0 +1,412 @@
+"""The best layout over states, against grids, another optimiser and closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal, TypedDict
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import cardan
+from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
+from cardan.optimisation.measures import Quantity, measure_of
+from cardan.optimisation.problem import Problem
+
+HEIGHTS = np.linspace(-80.0, 80.0, 9)
+LOW, HIGH = np.array([-90.0, -90.0, -90.0]), np.array([-10.0, 90.0, 90.0])
+START = np.array([-46.0, 0.0, 0.0])
+BOUNDS = [(-90.0, -10.0), (-np.inf, np.inf), (-np.inf, np.inf)]
+
+
+class _Phases(TypedDict):
+    phases: tuple[int, ...]
+    degrees: bool
+
+
+PHASES: _Phases = {"phases": (1, 2), "degrees": True}
+
+
+def truck(x: NDArray[np.float64]) -> Driveline:
+    """A truck of three joints over nine ride heights, ``(..., 9)``.
+
+    The variables are the height of the centre bearing in mm and both phases in degrees.
+    """
+    points = np.zeros((*x.shape[:-1], 9, 5, 3))
+    points[..., 0] = 0, 350, 1650, 3150, 3450
+    points[..., 1, 1] = -24
+    points[..., 2, 1] = x[..., np.newaxis, 0]
+    points[..., 3, 1] = HEIGHTS - 180
+    points[..., 4, 1] = HEIGHTS - 196
+    points[..., 3:, 2] = 45
+    return Driveline.from_points(points, x[..., np.newaxis, 1:], degrees=True)
+
+
+def largest(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.asarray(np.max(truck(x).equivalent().bend, axis=-1))
+
+
+def grid(*counts: int) -> NDArray[np.float64]:
+    axes = [np.linspace(a, b, count) for a, b, count in zip(LOW, HIGH, counts, strict=True)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def test_no_point_of_a_fine_grid_is_better() -> None:
+    best = cardan.optimise(truck, START, BOUNDS, **PHASES)
+    values = largest(grid(25, 45, 45))
+    assert best.value <= np.min(values)
+    assert np.min(values) < 1.25 * best.value
+    # Nor is any of a grid around the optimum that is finer still.
+    around = best.x + grid(9, 9, 9) / 90.0 * [0.01, 0.01, 0.01]
+    around[:, 0] = np.clip(around[:, 0] + 50.0 / 9000.0, *BOUNDS[0])
+    assert best.value <= np.min(largest(around)) + 1e-9
+    np.testing.assert_allclose(best.value, largest(best.x), rtol=1e-12)
+    np.testing.assert_allclose(best.before, largest(START), rtol=1e-12)
+    np.testing.assert_allclose(best.per_state, truck(best.x).equivalent().bend, rtol=1e-9)
+    np.testing.assert_allclose(best.per_state_before, truck(START).equivalent().bend, rtol=1e-9)
+
+
+@pytest.mark.parametrize("over", ["largest", "rms"])
+def test_ten_times_the_work_of_another_optimiser_finds_nothing_better(
+    over: Literal["largest", "rms"],
+) -> None:
+    from scipy.optimize import differential_evolution
+
+    drivelines = 0
+
+    def counted(x: NDArray[np.float64]) -> Driveline:
+        nonlocal drivelines
+        drivelines += 9
+        return truck(x)
+
+    best = cardan.optimise(counted, START, BOUNDS, over=over, **PHASES)
+
+    done = 0
+
+    def other(columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        nonlocal done
+        done += 9 * columns.shape[1]
+        k = truck(columns.T).equivalent().k
+        length = np.max(k, axis=-1) if over == "largest" else np.sqrt(np.mean(k**2, axis=-1))
+        return np.asarray(2.0 * np.arctan(np.sqrt(length)))
+
+    generations = 10 * drivelines // (9 * 45)
+    found = differential_evolution(
+        other,
+        list(zip(LOW, HIGH, strict=True)),
+        seed=3,
+        maxiter=generations,
+        popsize=15,
+        tol=0.0,
+        vectorized=True,
+        updating="deferred",
+        polish=False,
+    )
+    assert done >= 10 * drivelines
+    assert best.value <= found.fun * (1.0 + 1e-7)
+    assert found.fun <= best.value * (1.0 + 1e-3)
+
+
+def test_one_phase_is_that_of_the_closed_form() -> None:
+    line = Driveline.from_bends([10, 9], twists=[37], phases=[0], degrees=True)
+    best = cardan.optimise(lambda x: line.with_phases(x), [0.0], phases=[0])
+    exact = line.optimal_phases()
+    np.testing.assert_allclose(best.x, exact, atol=1e-7)
+    np.testing.assert_allclose(
+        best.value, line.with_phases(exact).equivalent().bend, rtol=1e-12, atol=1e-12
+    )
+
+
+def test_constant_velocity_is_reached() -> None:
+    """There the equivalent bend has an infinite slope, and ``q`` none of that."""
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([10.0, x[0]], [180.0], [x[1]], degrees=True),
+        [14.0, 8.0],
+        [(5.0, 20.0), (-np.inf, np.inf)],
+        phases=[1],
+        degrees=True,
+    )
+    assert np.degrees(best.value) < 1e-3
+    np.testing.assert_allclose(best.x, [10.0, 0.0], atol=1e-6)
+    assert best.active == ()
+
+
+def test_a_kept_quantity_is_at_its_limit() -> None:
+    free = cardan.optimise(truck, START, BOUNDS, **PHASES)
+    excitation = cardan.optimise(truck, START, BOUNDS, minimise="inertia_excitation", **PHASES)
+    limit = 0.5 * (excitation.value + np.max(excitation_of(truck(free.x))))
+    best = cardan.optimise(truck, START, BOUNDS, keep={"inertia_excitation": limit}, **PHASES)
+    assert limit * (1.0 - 1e-4) < np.max(best.kept["inertia_excitation"]) <= limit
+    assert free.value < best.value < best.before
+    (active,) = (found for found in best.active if found.kind == "keep")
+    assert (active.quantity, active.variable) == ("inertia_excitation", None)
+    assert active.limit == pytest.approx(limit)
+    points = grid(33, 36, 36)
+    lines = truck(points)
+    kept = np.max(excitation_of(lines), axis=-1) <= limit
+    assert best.value <= np.min(largest(points)[kept])
+
+
+def excitation_of(line: Driveline) -> NDArray[np.float64]:
+    """By the check, which has its own formula; the larger of driving and coasting."""
+    findings = line.check(1.0).findings
+    own = [f.value for f in findings if f.figure.startswith("inertia_excitation")]
+    return np.asarray(np.max(own, axis=0))
+
+
+def test_a_limit_that_cannot_be_kept_is_named_with_how_near_it_comes() -> None:
+    least = np.min(largest(grid(21, 40, 40)))
+    with pytest.raises(ArgumentValueError, match=r"no variables within the bounds keep it") as hit:
+        cardan.optimise(
+            truck,
+            START,
+            BOUNDS,
+            minimise="inertia_excitation",
+            keep={"equivalent_bend": 0.5 * least},
+            **PHASES,
+        )
+    error: Any = hit.value
+    assert (error.argument, error.place) == ("keep", ("equivalent_bend",))
+    assert error.limit == pytest.approx(0.5 * least)
+    assert 0.7 * least < error.reached <= least
+
+
+@pytest.mark.parametrize("teeth", [16, [9, 24]])
+def test_no_other_teeth_are_better(teeth: int | list[int]) -> None:
+    def phased(x: NDArray[np.float64]) -> Driveline:
+        return truck(np.array([-46.0, *x]))
+
+    best = cardan.optimise(phased, [3.0, 5.0], phases=[0, 1], teeth=teeth, degrees=True)
+    counts = np.broadcast_to(teeth, 2)
+    axes = [
+        start + 360.0 / count * np.arange(count)
+        for start, count in zip((3, 5), counts, strict=True)
+    ]
+    first, second = np.meshgrid(*axes, indexing="ij")
+    every = largest(np.stack([np.full(first.size, -46.0), first.ravel(), second.ravel()], axis=-1))
+    assert best.value == pytest.approx(np.min(every), rel=1e-12)
+    turned = (best.x - [3.0, 5.0]) / (360.0 / counts)
+    np.testing.assert_allclose(turned, np.round(turned), atol=1e-9)
+
+
+def test_teeth_with_another_variable() -> None:
+    best = cardan.optimise(truck, START, BOUNDS, teeth=16, **PHASES)
+    heights = np.linspace(-90.0, -10.0, 321)
+    turns = 22.5 * np.arange(8)
+    points = np.stack(np.meshgrid(heights, turns, turns, indexing="ij"), axis=-1).reshape(-1, 3)
+    every = largest(points)
+    assert np.min(every) * (1.0 - 1e-3) < best.value <= np.min(every) * (1.0 + 1e-9)
+
+
+def test_known_derivatives_find_the_same() -> None:
+    calls = 0
+
+    def jac(x: NDArray[np.float64]) -> NDArray[np.complex128]:
+        nonlocal calls
+        calls += 1
+        transmission = truck(x).transmission()
+        by_points = transmission.dq(by="points")[:, 2, 1:2]
+        return np.hstack([by_points, np.pi / 180.0 * transmission.dq(by="phases")])
+
+    exact = cardan.optimise(truck, START, BOUNDS, jac=jac, **PHASES)
+    plain = cardan.optimise(truck, START, BOUNDS, **PHASES)
+    assert calls
+    assert exact.value == pytest.approx(plain.value, rel=1e-7)
+    np.testing.assert_allclose(exact.x, plain.x, atol=1e-3)
+
+
+@pytest.mark.parametrize("at", [-90.0, -46.0, -10.0])
+def test_differences_are_the_derivatives_within_and_at_the_bounds(at: float) -> None:
+    x, low, high = np.array([at, 20.0, -7.0]), LOW.copy(), HIGH.copy()
+    measure = measure_of("minimise", "equivalent_bend", 3, None)
+    asked: dict[str, Any] = {
+        "goal": measure,
+        "keep": (),
+        "lengths": np.empty(0),
+        "rms": False,
+        "weights": np.full(9, 1.0 / 9.0),
+        "jac": None,
+        "vectorised": True,
+    }
+
+    def inside(points: NDArray[np.float64]) -> Driveline:
+        assert np.all((points >= low) & (points <= high))
+        return truck(points)
+
+    (found,) = Problem(inside, low, high, high - low, **asked).derivatives(x)
+    transmission = truck(x).transmission()
+    np.testing.assert_allclose(found[:, 0, 0], transmission.dq(by="points")[:, 2, 1], rtol=1e-6)
+    by_phases = np.pi / 180.0 * transmission.dq(by="phases")
+    np.testing.assert_allclose(found[:, 0, 1:], by_phases, rtol=1e-6, atol=1e-12)
+
+
+def test_batches_of_variables_find_the_same() -> None:
+    one = cardan.optimise(truck, START, BOUNDS, **PHASES)
+    many = cardan.optimise(truck, START, BOUNDS, vectorised=True, **PHASES)
+    assert many.value == pytest.approx(one.value, rel=1e-9)
+
+
+def moment(line: Driveline) -> NDArray[np.float64]:
+    angles = np.linspace(0.0, np.pi, 181)
+    result = line[:, np.newaxis].evaluate(
+        angles, "bending_driven", joints=2, load=Load(output_torque=100.0), reduce="peak"
+    )
+    return np.asarray(result.bending_driven)
+
+
+@pytest.mark.parametrize(
+    ("quantity", "figure"),
+    [
+        ("equivalent_bend", lambda line: line.equivalent().bend),
+        ("non_uniformity", lambda line: line.equivalent().non_uniformity),
+        ("max_angle_error", lambda line: line.equivalent().max_angle_error),
+        ("inertia_excitation", excitation_of),
+        ("bending_driven_2_peak", moment),
+        (moment, moment),
+    ],
+)
+def test_figures_are_those_of_the_driveline(
+    quantity: Quantity, figure: Callable[[Any], Any]
+) -> None:
+    load = Load(output_torque=100.0)
+    best = cardan.optimise(truck, START, BOUNDS, minimise=quantity, load=load, starts=2, **PHASES)
+    np.testing.assert_allclose(best.per_state, figure(truck(best.x)), rtol=1e-9)
+    np.testing.assert_allclose(best.per_state_before, figure(truck(START)), rtol=1e-9)
+    assert best.value == pytest.approx(np.max(best.per_state))
+    assert best.value < best.before
+
+
+@pytest.mark.parametrize("name", ["equivalent_bend", "non_uniformity", "max_angle_error"])
+def test_limits_of_the_motion_are_exact(name: str) -> None:
+    """One joint whose bend may grow up to a limit: the best is at the limit."""
+    largest_bend = 0.3
+    limit = getattr(
+        Driveline.from_bends([largest_bend]).equivalent(),
+        {"equivalent_bend": "bend"}.get(name, name),
+    )
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([x]),
+        [0.1],
+        [(0.0, 1.0)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        keep={name: float(limit)},
+    )
+    assert best.x[0] == pytest.approx(largest_bend, rel=1e-5)
+    assert best.message.startswith(f"{name} is at its limit of ")
+
+
+def test_a_start_beyond_a_limit_is_left_for_a_worse_one_within() -> None:
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([x]),
+        [0.5],
+        [(0.0, 1.0)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        keep={"equivalent_bend": 0.3},
+    )
+    assert best.value > best.before
+    assert best.x[0] == pytest.approx(0.3, rel=1e-5)
+
+
+def test_several_starts_leave_a_local_optimum() -> None:
+    def phased(x: NDArray[np.float64]) -> Driveline:
+        return truck(np.array([-86.0, x[0], 0.0]))
+
+    one, many = (
+        cardan.optimise(phased, [30.0], phases=[0], degrees=True, starts=n) for n in (1, 8)
+    )
+    assert many.value < 0.9 * one.value
+
+
+def test_weights_shift_the_mean() -> None:
+    weights = np.zeros(9)
+    weights[7] = 2.0
+    best = cardan.optimise(truck, START, BOUNDS, over="rms", weights=weights, **PHASES)
+    alone = cardan.optimise(lambda x: truck(x)[7], START, BOUNDS, **PHASES)
+    assert best.per_state[7] <= 1e-3
+    assert alone.value <= 1e-3
+
+
+def test_the_same_seed_finds_the_same() -> None:
+    one, other = (cardan.optimise(truck, START, BOUNDS, seed=4, **PHASES) for _ in range(2))
+    assert np.array_equal(one.x, other.x)
+
+
+def test_a_rounded_result_has_the_figures_of_the_rounded_variables() -> None:
+    best = cardan.optimise(truck, START, BOUNDS, decimals=0, **PHASES)
+    assert np.array_equal(best.x, np.round(best.x))
+    assert best.value == pytest.approx(float(largest(best.x)), rel=1e-12)
+
+
+def test_what_is_best_already_stays() -> None:
+    line = Driveline.from_bends([10, 10], degrees=True)
+    best = cardan.optimise(lambda x: line.with_phases(x), [0.0], [(-0.1, 0.1)])
+    assert best.x.tolist() == [0.0]
+    assert best.value == best.before
+    assert best.message == "no bound and no limit is reached"
+
+
+def one_phase(x: NDArray[np.float64]) -> Driveline:
+    return Driveline.from_bends([0.1, 0.1], [0.0], x)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"start": [[0.0]]}, "start has shape (1, 1); it must be one number per variable"),
+        ({"start": [np.nan]}, "start[0] is nan; it must be finite"),
+        ({"start": [2.0]}, "start[0] is 2; it must lie within its bounds [-1, 1]"),
+        ({"bounds": [(1, -1)]}, "bounds[0] is [1, -1]; the first must be below the second"),
+        ({"bounds": [(0, 1)] * 2}, "bounds has shape (2, 2); it must be (1, 2), a pair per"),
+        ({"over": "all"}, "over is 'all'; it must be 'largest' or 'rms'"),
+        ({"minimise": "bend"}, "minimise is 'bend'; "),
+        ({"minimise": "torque_1_peak"}, "minimise is 'torque_1_peak'; it needs a load"),
+        ({"minimise": lambda line: [0.0, 1.0]}, "minimise returned shape (2,); it must return"),
+        ({"states": ["a", "b"]}, "states has 2 names; there are 1 states"),
+        ({"weights": [1.0]}, "weights go with over='rms'; the largest needs none"),
+        ({"over": "rms", "weights": [-1.0]}, "weights[0] is -1.0; it must be finite and not"),
+        ({"over": "rms", "weights": [0.0]}, "weights are all 0; at least one must be positive"),
+        ({"over": "rms", "weights": [1, 1]}, "weights has shape (2,); there are 1 states"),
+        ({"keep": {"non_uniformity": 0}}, "keep['non_uniformity'] is 0; a limit must be a pos"),
+        ({"keep": {"equivalent_bend": 2}}, "keep['equivalent_bend'] is 2; a limit must be a "),
+        ({"phases": [1]}, "phases[0] is 1; there are 1 variables, counted from 0"),
+        ({"phases": [0, 0]}, "phases[1] is 0 again; name each once"),
+        ({"phases": [0], "teeth": [3, 4]}, "teeth has length 2; there are 1 phases"),
+        ({"phases": [0], "teeth": 0}, "teeth is 0; it must be at least 1"),
+        ({"starts": 0}, "starts is 0; it must be at least 1"),
+        (
+            {"lines_of": lambda x: Driveline.from_bends([[[0.1]]])},
+            "lines_of returned a batch (1, 1); ",
+        ),
+        ({"jac": lambda x: np.zeros((2, 1))}, "jac returned shape (2, 1); it must be states by"),
+        (
+            {"vectorised": True, "lines_of": lambda x: one_phase(x[0])},
+            "lines_of returned a batch (); ",
+        ),
+    ],
+)
+def test_bad_input(arguments: dict[str, Any], message: str) -> None:
+    given = {"lines_of": one_phase, "start": [0.5], "bounds": [(-1.0, 1.0)], **arguments}
+    with pytest.raises(ArgumentValueError) as caught:
+        cardan.optimise(**given)
+    assert str(caught.value).startswith(message)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"minimise": 3}, "minimise is 3; it must be a name or a function of a driveline"),
+        ({"starts": 2.5}, "starts is 2.5; it must be a whole number"),
+        ({"lines_of": lambda x: x}, "lines_of returned a ndarray; it must return a Driveline"),
+    ],
+)
+def test_wrong_types(arguments: dict[str, Any], message: str) -> None:
+    given = {"lines_of": one_phase, "start": [0.5], "bounds": [(-1.0, 1.0)], **arguments}
+    with pytest.raises(ArgumentTypeError) as caught:
+        cardan.optimise(**given)
+    assert str(caught.value) == message
+
+
+def test_errors_of_the_start_are_those_of_the_driveline() -> None:
+    with pytest.raises(ArgumentValueError, match=r"^bends\[0\] is 2 rad; a bend must lie in"):
+        cardan.optimise(lambda x: Driveline.from_bends(x), [2.0])
