@@ -38,6 +38,7 @@ from cardan.plan import Plan
 from cardan.result import Result
 from cardan.slip import Lengths, SplineForce
 from cardan.sweep import Sweep
+from cardan.tolerances import Tolerances
 
 if _TYPE_CHECKING:
     from cardan import approximations, plots, reference, workshop
@@ -70,6 +71,7 @@ __all__ = [
     "Scene",
     "SplineForce",
     "Sweep",
+    "Tolerances",
     "Transmission",
     "TwoJoints",
     "__version__",

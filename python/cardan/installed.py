@@ -131,9 +131,9 @@ class Installed(Mounted):
             bends: tolerance of the bends, ± each, one number or ``(..., n)``.
             twists: of the twists, one number or ``(..., n - 1)``.
             phases: of the phases, one number or ``(..., n - 1)``.
-            points: of every coordinate of the points, in their unit: one number, ``(..., n + 2, 1)``
-                or ``(..., n + 2, 3)``. Bends and twists follow from the points; only phases can
-                have tolerances besides.
+            points: of every coordinate of the points, in their unit: one number, ``(..., n + 2,
+                1)`` or ``(..., n + 2, 3)``. Bends and twists follow from the points; only phases
+                can have tolerances besides.
             degrees: whether tolerances and limits that are angles are in degrees.
             distribution: ``"uniform"`` within ± the tolerance, or ``"normal"`` with the tolerance
                 as three standard deviations.

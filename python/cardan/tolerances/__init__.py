@@ -1,5 +1,7 @@
 """Tolerances: what the errors of a workshop make of a driveline."""
 
-from cardan.tolerances.result import Tolerances, tolerances
+from cardan.tolerances.quantities import FIGURES
+from cardan.tolerances.request import tolerances
+from cardan.tolerances.result import Tolerances
 
-__all__ = ["Tolerances", "tolerances"]
+__all__ = ["FIGURES", "Tolerances", "tolerances"]

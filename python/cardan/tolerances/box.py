@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -140,27 +141,21 @@ class Box:
         Raises:
             ValueError: one has, or points change the direction of a shaft by 90° or more.
         """
-        farthest = _FARTHEST["normal" if self.normal else "uniform"]
-        wide = self if farthest == 1.0 else Box(self.nominal, _times(self.halves, farthest), {}, False)
+        times = _FARTHEST["normal" if self.normal else "uniform"]
+        halves = {place: times * half for place, half in self.halves.items()}
+        wide = self if times == 1.0 else Box(self.nominal, halves, {}, self.normal)
         most = self.nominal.bends + wide.bend_changes
-        wrong = np.flatnonzero(~((most < np.pi / 2) & (np.maximum(*_pairs(wide.cones)) < np.pi / 2)))
+        turned = np.maximum(wide.cones[1:], wide.cones[:-1])
+        wrong = np.flatnonzero(~((most < np.pi / 2) & (turned < np.pi / 2)))
         if wrong.size:
             joint = int(wrong[0])
             group = "bends" if self.nominal.points is None else "points"
-            often = "" if farthest == 1.0 else f" (at {2 * 3:d} standard deviations)"
+            where = " at six standard deviations" if self.normal else ""
             raise ArgumentValueError(
                 group,
-                f"permit a bend of {np.degrees(most[joint]):.6g} deg at joint {joint}{often}; every "
-                "bend must stay below 90 deg",
+                f"permit a bend of {np.degrees(most[joint]):.6g} deg at joint {joint}{where}; "
+                "every bend must stay below 90 deg",
             )
-
-
-def _times(halves: Mapping[Place, float], factor: float) -> dict[Place, float]:
-    return {place: factor * half for place, half in halves.items()}
-
-
-def _pairs(cones: FloatArray) -> tuple[FloatArray, FloatArray]:
-    return cones[1:], cones[:-1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,12 +202,13 @@ def boxes(
     if half_tooth is not None:
         shapes["teeth"] = half_tooth.shape[:-1]
     shape = common_shape(driveline=line.shape, **shapes)
+    count = math.prod(shape)
     spread = {
-        group: np.broadcast_to(array, (*shape, *own[group])).reshape(-1, *own[group])
+        group: np.broadcast_to(array, (*shape, *own[group])).reshape(count, *own[group])
         for group, array in arrays.items()
     }
     if half_tooth is not None:
-        half_tooth = np.broadcast_to(half_tooth, (*shape, n - 1)).reshape(-1, n - 1)
+        half_tooth = np.broadcast_to(half_tooth, (*shape, n - 1)).reshape(count, n - 1)
     geometry = line._geometry.batched(shape)
     nominals = _nominals(geometry, "points" in arrays)
     each = []
@@ -282,9 +278,10 @@ def _check_points(line: Toleranced, arrays: Mapping[str, Any]) -> None:
 
 def _nominals(geometry: Geometry, by_points: bool) -> Iterator[Nominal]:
     n = geometry.n_joints
-    flat = [array.reshape(-1, array.shape[-1]) for array in geometry[:3]]
+    count = math.prod(geometry.shape)
+    flat = [array.reshape(count, array.shape[-1]) for array in geometry.arrays[:3]]
     spans = (
-        (geometry.directions * geometry.lengths[..., np.newaxis]).reshape(-1, n + 1, 3)
+        (geometry.directions * geometry.lengths[..., np.newaxis]).reshape(count, n + 1, 3)
         if by_points
         else None
     )

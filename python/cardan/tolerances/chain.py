@@ -92,7 +92,9 @@ def joints_and_turns(
             [at("points", nominal.points, i, axis) for axis in range(3)] for i in range(n + 2)
         ]
         joints, twisted = _from_spans([_difference(b, a) for a, b in pairwise(points)])
-        turned = [-square * _turn(-2.0 * phase) for square, phase in zip(twisted, phases, strict=True)]
+        turned = [
+            -square * _turn(-2.0 * phase) for square, phase in zip(twisted, phases, strict=True)
+        ]
         return joints, turned
     bends = [at("bends", nominal.bends, j) for j in range(n)]
     twists = [at("twists", nominal.twists, i) for i in range(n - 1)]

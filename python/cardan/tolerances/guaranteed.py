@@ -49,7 +49,9 @@ def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:
     if kind == "coasting":
         grown, changes, corners, turned = grown[::-1], changes[::-1], corners[::-1], turned[::-1]
     nominal = box.nominal.reversed() if kind == "coasting" else box.nominal
-    total = sum(_displacement(nominal, s, grown, changes, corners, turned) for s in _between(nominal))
+    total = sum(
+        _displacement(nominal, s, grown, changes, corners, turned) for s in _between(nominal)
+    )
     own = float(np.abs(amplitude("driving", nominal, {}, shaft)))
     most = sum(float(np.tanh(0.5 * np.sum(grown[:s]))) for s in _between(nominal))
     return min(own + total, most)
@@ -116,4 +118,4 @@ def _half_area(product: FloatArray) -> FloatArray:
 
 def _swung(arm: FloatArray, half_turn: FloatArray) -> FloatArray:
     sine = np.sin(np.minimum(half_turn, np.pi / 2))
-    return 2.0 * np.arcsinh(np.sinh(arm) * sine)
+    return np.asarray(2.0 * np.arcsinh(np.sinh(arm) * sine))

@@ -29,7 +29,7 @@ _SAMPLES_PER_TURN = 360
 
 @dataclass(frozen=True, eq=False)
 class ReducedOutput:
-    """An output over one turn, reduced to one number: the largest of all shafts or joints asked for.
+    """An output over one turn, reduced to one number: the largest of all requested items.
 
     Attributes:
         name: of the output.
@@ -112,7 +112,7 @@ def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: 
         values = np.repeat(array[np.newaxis], samples, axis=0)
         for (name, place), deviation in deviations.items():
             if name == group:
-                values[(slice(None), *place)] += deviation
+                np.moveaxis(values, 0, -1)[place] += deviation
         return values
 
     phases = deviated("phases", nominal.phases)

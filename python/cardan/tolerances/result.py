@@ -3,33 +3,19 @@
 from __future__ import annotations
 
 import math
-import operator
-from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
-from typing import Any, SupportsIndex
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, scalar_or_array
-from cardan.errors import ArgumentTypeError, ArgumentValueError
-from cardan.geometry import Geometry
-from cardan.load import Load
-from cardan.outputs import OUTPUTS, nearest
-from cardan.request import Items, item_index
-from cardan.tolerances.box import Box, Boxes, Toleranced, boxes
-from cardan.tolerances.chain import ComplexArray
-from cardan.tolerances.guaranteed import largest_modulus
-from cardan.tolerances.quantities import FIGURES, Figure, amplitude
+from cardan.errors import ArgumentValueError
+from cardan.tolerances.case import Case, Quantity
+from cardan.tolerances.quantities import FIGURES, Figure
 from cardan.tolerances.reduced import ReducedOutput
-from cardan.tolerances.sampling import sampled
-from cardan.tolerances.worst import MOST_CORNERS, largest_in_box, zonotope_radius
-
-# Differences by this part of a tolerance, but no less than what leaves enough digits.
-_STEP = 1e-5
-
-# Every trial of a reduced output is an evaluation over a turn.
-_MOST_REDUCED = 10
+from cardan.tolerances.sampling import sample
 
 # The search for permitted tolerances stops at this relative width.
 _BISECTIONS = 50
@@ -51,13 +37,11 @@ class Tolerances:
 
     def __init__(
         self,
-        each: Boxes,
-        quantities: Mapping[str, Figure | ReducedOutput],
+        cases: Sequence[Case],
+        shape: tuple[int, ...],
+        quantities: Mapping[str, Quantity],
         *,
         several: bool,
-        line_of: Callable[[Geometry], Any],
-        shaft: int,
-        speed: float,
         limits: Mapping[str, float],
         samples: int,
         seed: int,
@@ -65,17 +49,16 @@ class Tolerances:
         workers: int | None,
     ) -> None:
         """Take checked arguments; ``Driveline.tolerances`` makes them."""
-        self._boxes, self._quantities, self._several = each, quantities, several
-        self._line_of, self._shaft, self._speed = line_of, shaft, speed
+        self._cases, self._quantities, self._several = cases, quantities, several
         self._limits, self._workers = limits, workers
         self.of = tuple(quantities)
-        self.shape = each.shape
+        self.shape = shape
         self.samples, self.seed, self.distribution = samples, seed, distribution
 
     @property
     def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name
         """The figure of the driveline as drawn."""
-        return self._each(self._nominal)
+        return self._each(Case.nominal)
 
     @cached_property
     def worst(self) -> Any:  # noqa: ANN401
@@ -84,11 +67,7 @@ class Tolerances:
         For a normal distribution the tolerances are three standard deviations, and samples beyond
         them can exceed this figure.
         """
-        return self._each(
-            lambda box, i, name: self._found(i, name)[0]
-            if self._searched(box, name)
-            else self._linear(box, i, name)
-        )
+        return self._each(Case.worst)
 
     @property
     def worst_kind(self) -> Any:  # noqa: ANN401
@@ -97,11 +76,12 @@ class Tolerances:
         ``"box"``: over the box of tolerances itself, from all its corners inwards; ``"linear"``:
         too many parameters for that, as ``linear`` has it.
         """
-        kinds = {
-            name: "box" if all(self._searched(box, name) for box in self._boxes.each) else "linear"
-            for name in self.of
-        }
-        return kinds if self._several else kinds[self.of[0]]
+        return self._named(
+            {
+                name: "box" if all(case.searched(quantity) for case in self._cases) else "linear"
+                for name, quantity in self._quantities.items()
+            }
+        )
 
     @cached_property
     def worst_at(self) -> Any:  # noqa: ANN401
@@ -110,9 +90,9 @@ class Tolerances:
         Raises:
             ValueError: ``worst_kind`` is ``"linear"``.
         """
-        if any(not self._searched(box, name) for name in self.of for box in self._boxes.each):
+        if not all(case.searched(q) for case in self._cases for q in self._quantities.values()):
             raise ValueError("the worst driveline is not known: worst_kind is 'linear'")
-        return self._grouped(lambda box, i, name: self._found(i, name)[1] * box.sizes)
+        return self._grouped(Case.worst_at)
 
     @cached_property
     def linear(self) -> Any:  # noqa: ANN401
@@ -120,7 +100,7 @@ class Tolerances:
 
         For a reduced output: its value and the sum of the magnitudes of all first-order changes.
         """
-        return self._each(self._linear)
+        return self._each(Case.linear)
 
     @cached_property
     def guaranteed(self) -> Any:  # noqa: ANN401
@@ -137,13 +117,7 @@ class Tolerances:
                     "which depend on one complex number",
                 )
 
-        def bound(box: Box, _i: int, name: str) -> float:
-            figure = self._quantities[name]
-            assert isinstance(figure, Figure)
-            modulus = largest_modulus(figure.amplitude, box, self._shaft)
-            return float(figure.of_modulus(np.asarray(modulus), self._speed))
-
-        return self._each(bound)
+        return self._each(lambda case, figure: case.guaranteed(cast(Figure, figure)))
 
     @cached_property
     def sampled(self) -> Any:  # noqa: ANN401
@@ -151,13 +125,14 @@ class Tolerances:
 
         All drivelines of a batch have the same random numbers, so that they can be compared.
         """
-        found = {name: np.empty((len(self._boxes.each), self.samples)) for name in self.of}
-        for i, box in enumerate(self._boxes.each):
-            of = self._figures(i)
-            for name, values in sampled(box, self.samples, self.seed, self._workers, of).items():
-                found[name][i] = values
-        shaped = {name: v.reshape(*self.shape, self.samples) for name, v in found.items()}
-        return shaped if self._several else shaped[self.of[0]]
+        found = {name: np.empty((len(self._cases), self.samples)) for name in self.of}
+        for i, case in enumerate(self._cases):
+            of = partial(case.values, self._quantities)
+            out = {name: values[i] for name, values in found.items()}
+            sample(case.box, self.seed, self._workers, of, out)
+        return self._named(
+            {name: values.reshape((*self.shape, self.samples)) for name, values in found.items()}
+        )
 
     def quantile(self, share: ArrayLike) -> Any:  # noqa: ANN401
         """Return the figure that this share of the random drivelines does not exceed.
@@ -179,7 +154,7 @@ class Tolerances:
             name: scalar_or_array(np.asarray(self._quantiles(values, p)))
             for name, values in self._sampled_by_name().items()
         }
-        return found if self._several else found[self.of[0]]
+        return self._named(found)
 
     @staticmethod
     def _quantiles(values: FloatArray, share: FloatArray) -> FloatArray:
@@ -195,12 +170,7 @@ class Tolerances:
         ``"points"``: ``(..., n + 2, 3)``.
         """
 
-        def share(box: Box, i: int, name: str) -> FloatArray:
-            parts = np.square(np.abs(self._slopes(box, i, name)) * box.sigmas)
-            total = np.sum(parts)
-            return np.asarray(parts / total if total > 0.0 else parts)
-
-        return self._grouped(share)
+        return self._grouped(Case.shares)
 
     @property
     def passing(self) -> Any:  # noqa: ANN401
@@ -225,8 +195,7 @@ class Tolerances:
     @property
     def limit(self) -> Any:  # noqa: ANN401
         """The limit of each figure in its unit; NaN without one."""
-        found = {name: self._limits.get(name, math.nan) for name in self.of}
-        return found if self._several else found[self.of[0]]
+        return self._named({name: self._limits.get(name, math.nan) for name in self.of})
 
     def permitted(self, group: str, *, bound: str = "worst") -> Any:  # noqa: ANN401
         """Return by which factor the tolerances of one group may grow until the limit is reached.
@@ -247,10 +216,11 @@ class Tolerances:
         """
         if self._several or self.shape:
             raise ValueError("permitted tolerances are found for one driveline and one figure")
-        box, name = self._boxes.each[0], self.of[0]
+        case, name = self._cases[0], self.of[0]
+        quantity = self._quantities[name]
         if name not in self._limits:
             raise ArgumentValueError("limit", f"is missing; {name!r} has no limit of its own")
-        if not any(place[0] == group for place in box.places):
+        if not any(place[0] == group for place in case.box.places):
             raise ArgumentValueError("group", f"is {group!r}; it has no tolerances")
         if bound not in ("worst", "linear", "guaranteed"):
             raise ArgumentValueError(
@@ -258,12 +228,12 @@ class Tolerances:
             )
 
         def within(factor: float) -> bool:
-            scaled = box.scaled(group, factor)
+            scaled = case.scaled(group, factor)
             try:
-                scaled.check()
+                scaled.box.check()
             except ValueError:
                 return False
-            return bool(getattr(self._with(scaled), bound) <= self._limits[name])
+            return bool(getattr(scaled, bound)(quantity) <= self._limits[name])
 
         if not within(0.0):
             return math.nan
@@ -276,21 +246,6 @@ class Tolerances:
             middle = 0.5 * (low + high)
             low, high = (middle, high) if within(middle) else (low, middle)
         return low
-
-    def _with(self, box: Box) -> Tolerances:
-        return Tolerances(
-            Boxes((), self._boxes.geometry, (box,)),
-            self._quantities,
-            several=False,
-            line_of=self._line_of,
-            shaft=self._shaft,
-            speed=self._speed,
-            limits=self._limits,
-            samples=self.samples,
-            seed=self.seed,
-            distribution=self.distribution,
-            workers=self._workers,
-        )
 
     @property
     def nominal_deg(self) -> Any:  # noqa: ANN401
@@ -332,7 +287,7 @@ class Tolerances:
 
     def __repr__(self) -> str:
         """Show the figures, the number of parameters and of drivelines."""
-        parameters = max((len(box.places) for box in self._boxes.each), default=0)
+        parameters = max((len(case.box.places) for case in self._cases), default=0)
         batch = f" of a batch of shape {self.shape}" if self.shape else ""
         kinds = self.worst_kind if self._several else {self.of[0]: self.worst_kind}
         listed = ", ".join(f"{name} (worst: {kinds[name]})" for name in self.of)
@@ -354,233 +309,28 @@ class Tolerances:
         )
         return found
 
-    def _each(self, of: Callable[[Box, int, str], float]) -> Any:  # noqa: ANN401
+    def _each(self, of: Callable[[Case, Quantity], float]) -> Any:  # noqa: ANN401
         """One number per driveline and figure, in the shape of the batch."""
         found = {}
-        for name in self.of:
-            values = [of(box, i, name) for i, box in enumerate(self._boxes.each)]
-            found[name] = scalar_or_array(np.array(values, dtype=float).reshape(self.shape))
-        return found if self._several else found[self.of[0]]
+        for name, quantity in self._quantities.items():
+            values = np.array([of(case, quantity) for case in self._cases], dtype=float)
+            found[name] = scalar_or_array(values.reshape(self.shape))
+        return self._named(found)
 
-    def _grouped(self, of: Callable[[Box, int, str], FloatArray]) -> Any:  # noqa: ANN401
+    def _grouped(self, of: Callable[[Case, Quantity], FloatArray]) -> Any:  # noqa: ANN401
         """One number per parameter as arrays by group, in the shape of the batch."""
         found: dict[str, dict[str, FloatArray]] = {}
-        for name in self.of:
-            parts = [box.by_group(of(box, i, name)) for i, box in enumerate(self._boxes.each)]
-            groups = {group: part[group] for part in parts for group in part}
+        for name, quantity in self._quantities.items():
+            parts = [case.box.by_group(of(case, quantity)) for case in self._cases]
+            groups = {group: array.shape for part in parts for group, array in part.items()}
             found[name] = {
-                group: np.array(
-                    [part.get(group, np.zeros_like(like)) for part in parts]
-                ).reshape(*self.shape, *like.shape)
-                for group, like in groups.items()
+                group: np.array([part.get(group, np.zeros(own)) for part in parts]).reshape(
+                    (*self.shape, *own)
+                )
+                for group, own in groups.items()
             }
+        return self._named(found)
+
+    def _named(self, found: Mapping[str, Any]) -> Any:  # noqa: ANN401
+        """The only result, or all by name."""
         return found if self._several else found[self.of[0]]
-
-    def _figures(self, i: int) -> Callable[[FloatArray], dict[str, FloatArray]]:
-        """Figures by name of deviations of the driveline, each amplitude computed once."""
-        box = self._boxes.each[i]
-
-        def of(values: FloatArray) -> dict[str, FloatArray]:
-            deviations, samples = box.deviations(values), values.shape[1]
-            moduli: dict[str, FloatArray] = {}
-            found = {}
-            for name, quantity in self._quantities.items():
-                if isinstance(quantity, ReducedOutput):
-                    found[name] = quantity.values(
-                        self._line_of, self._geometry(i), box.nominal, deviations, samples
-                    )
-                    continue
-                kind = quantity.amplitude
-                if kind not in moduli:
-                    q = amplitude(kind, box.nominal, deviations, self._shaft)
-                    moduli[kind] = np.broadcast_to(np.abs(q), samples)
-                found[name] = quantity.of_modulus(moduli[kind], self._speed)
-            return found
-
-        return of
-
-    def _geometry(self, i: int) -> Geometry:
-        """The geometry of one driveline of the batch."""
-        own = self._boxes.geometry
-        return own.reshaped((len(self._boxes.each),)).taken(i) if own.shape else own
-
-    def _value(self, box: Box, i: int, name: str) -> Callable[[FloatArray], FloatArray]:
-        """The figure of deviations in units of the tolerances."""
-        only = {name: self._quantities[name]}
-        one = Tolerances.__new__(Tolerances)
-        one.__dict__.update(self.__dict__, _quantities=only)
-        of = one._figures(i)
-        return lambda units: of(units * box.sizes[:, np.newaxis])[name]
-
-    def _nominal(self, box: Box, i: int, name: str) -> float:
-        return float(self._value(box, i, name)(np.zeros((len(box.places), 1)))[0])
-
-    def _searched(self, box: Box, name: str) -> bool:
-        reduced = isinstance(self._quantities[name], ReducedOutput)
-        return len(box.places) <= (_MOST_REDUCED if reduced else MOST_CORNERS)
-
-    @cached_property
-    def _searches(self) -> dict[tuple[int, str], tuple[float, FloatArray]]:
-        return {}
-
-    def _found(self, i: int, name: str) -> tuple[float, FloatArray]:
-        """The worst driveline of a box: its figure, and the deviations in units of tolerances."""
-        if (i, name) not in self._searches:
-            box = self._boxes.each[i]
-            found = largest_in_box(self._value(box, i, name), len(box.places))
-            self._searches[i, name] = found
-        return self._searches[i, name]
-
-    def _slopes(self, box: Box, i: int, name: str) -> ComplexArray:
-        """Derivatives by each parameter, of the amplitude or of the reduced output."""
-        steps = np.diag(_STEP * np.ones(len(box.places)))
-        units = np.concatenate([steps, -steps], axis=1)
-        quantity = self._quantities[name]
-        if isinstance(quantity, ReducedOutput):
-            values = self._value(box, i, name)(units).astype(complex)
-        else:
-            deviations = box.deviations(units * box.sizes[:, np.newaxis])
-            values = amplitude(quantity.amplitude, box.nominal, deviations, self._shaft)
-            values = np.broadcast_to(values, units.shape[1])
-        plus, minus = np.split(values, 2)
-        return np.asarray((plus - minus) / (2.0 * _STEP * box.sizes))
-
-    def _linear(self, box: Box, i: int, name: str) -> float:
-        changes = self._slopes(box, i, name) * box.sizes
-        quantity = self._quantities[name]
-        if isinstance(quantity, ReducedOutput):
-            return self._nominal(box, i, name) + float(np.sum(np.abs(changes)))
-        centre = complex(amplitude(quantity.amplitude, box.nominal, {}, self._shaft))
-        modulus = zonotope_radius(centre, changes)
-        if quantity.amplitude == "last":
-            # Far beyond the linear range; a joint has |q| < 1.
-            modulus = min(modulus, np.nextafter(1.0, 0.0))
-        return float(quantity.of_modulus(np.asarray(modulus), self._speed))
-
-
-def tolerances(
-    line: Toleranced,
-    line_of: Callable[[Geometry], Any],
-    *,
-    bends: ArrayLike | None,
-    twists: ArrayLike | None,
-    phases: ArrayLike | None,
-    points: ArrayLike | None,
-    degrees: bool,
-    distribution: str,
-    teeth: ArrayLike | None,
-    of: str | Iterable[str],
-    limit: Any,  # noqa: ANN401 - a number or a mapping
-    speed: float | None,
-    load: Load | None,
-    reduce: str,
-    shaft: SupportsIndex,
-    shafts: Items,
-    joints: Items,
-    samples: SupportsIndex,
-    seed: int | None,
-    workers: int | None,
-) -> Tolerances:
-    """Check the arguments of ``Driveline.tolerances`` and return its result."""
-    names, several = _names(of)
-    index = item_index("shaft", shaft, line.n_joints + 1)
-    if index == 0:
-        raise ArgumentValueError("shaft", "is 0; the drive shaft has no errors of its own")
-    given = {"bends": bends, "twists": twists, "phases": phases, "points": points}
-    each = boxes(line, given, teeth, distribution, degrees)
-    quantities: dict[str, Figure | ReducedOutput] = {}
-    for name in names:
-        if name in FIGURES:
-            quantities[name] = FIGURES[name]
-            if FIGURES[name].needs_speed and speed is None:
-                raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
-        else:
-            reduced = ReducedOutput(name, reduce, load, shafts, joints, workers)
-            reduced.check()
-            quantities[name] = reduced
-    return Tolerances(
-        each,
-        quantities,
-        several=several,
-        line_of=line_of,
-        shaft=index,
-        speed=0.0 if speed is None else _speed(speed),
-        limits=_limits(limit, quantities, several, degrees),
-        samples=_samples(samples),
-        seed=_seed(seed),
-        distribution=distribution,
-        workers=workers,
-    )
-
-
-def _names(of: str | Iterable[str]) -> tuple[tuple[str, ...], bool]:
-    names = (of,) if isinstance(of, str) else tuple(of)
-    if not names:
-        raise ArgumentValueError("of", "is empty; name at least one figure")
-    for i, name in enumerate(names):
-        if not isinstance(name, str):
-            raise ArgumentTypeError("of", f"is {name!r}; a figure is asked for by its name", (i,))
-        if name not in FIGURES and name not in OUTPUTS:
-            raise ArgumentValueError("of", f"is {name!r}; {nearest(name, [*FIGURES, *OUTPUTS])}", (i,))
-        if names.index(name) < i:
-            raise ArgumentValueError("of", f"is {name!r} again; name each figure once", (i,))
-    return names, not isinstance(of, str)
-
-
-def _limits(
-    limit: Any,  # noqa: ANN401
-    quantities: Mapping[str, Figure | ReducedOutput],
-    several: bool,
-    degrees: bool,
-) -> dict[str, float]:
-    """The limits by figure, in the units of the figures."""
-    found = {
-        name: figure.default_limit
-        for name, figure in quantities.items()
-        if isinstance(figure, Figure) and figure.default_limit is not None
-    }
-    if limit is None:
-        return found
-    if not isinstance(limit, Mapping):
-        if several:
-            raise ArgumentTypeError(
-                "limit", f"is {limit!r}; with several figures it must be a mapping by their names"
-            )
-        limit = {next(iter(quantities)): limit}
-    for name, value in limit.items():
-        if name not in quantities:
-            raise ArgumentValueError("limit", f"names {name!r}; {nearest(str(name), quantities)}")
-        number = as_float64("limit", value)
-        if number.ndim or not number > 0.0:
-            raise ArgumentValueError("limit", f"is {value!r}; it must be a positive number", (name,))
-        in_degrees = degrees and quantities[name].unit == "rad"
-        found[name] = math.radians(float(number)) if in_degrees else float(number)
-    return found
-
-
-def _speed(speed: float) -> float:
-    value = as_float64("speed", speed)
-    if value.ndim or not np.isfinite(value):
-        raise ArgumentValueError("speed", f"is {speed!r}; it must be one finite number in rad/s")
-    return float(value)
-
-
-def _samples(samples: SupportsIndex) -> int:
-    if not hasattr(samples, "__index__"):
-        raise ArgumentTypeError("samples", f"is {samples!r}; it must be an integer")
-    count = operator.index(samples)
-    if count < 1:
-        raise ArgumentValueError("samples", f"is {count}; it must be positive")
-    return count
-
-
-def _seed(seed: int | None) -> int:
-    """The seed, a fresh one if none is given."""
-    if seed is None:
-        return int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
-    if not hasattr(seed, "__index__"):
-        raise ArgumentTypeError("seed", f"is {seed!r}; it must be an integer")
-    value = operator.index(seed)
-    if value < 0:
-        raise ArgumentValueError("seed", f"is {value}; it must not be negative")
-    return value

@@ -23,41 +23,38 @@ _CHUNK = 1 << 14
 _FEWEST = 4
 
 
-def sampled(
+def sample(
     box: Box,
-    samples: int,
     seed: int,
     workers: int | None,
     of: Callable[[FloatArray], Mapping[str, FloatArray]],
-) -> dict[str, FloatArray]:
-    """Return figures of random drivelines.
+    out: Mapping[str, FloatArray],
+) -> None:
+    """Fill arrays with figures of random drivelines.
 
     Args:
         box: the driveline and its tolerances.
-        samples: how many to draw.
         seed: of the random numbers.
         workers: largest number of threads, as ``Driveline.evaluate`` takes it.
         of: figures by name of deviations, ``(parameters, samples)``.
+        out: an array to fill per figure, ``(samples,)``.
     """
+    samples = len(next(iter(out.values())))
     firsts = range(0, samples, _CHUNK)
-    found: dict[str, FloatArray] = {}
 
     def fill(number: int) -> None:
         first = firsts[number]
         count = min(_CHUNK, samples - first)
         random = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(number,)))
         for name, values in of(box.drawn(random, count)).items():
-            found[name][first : first + count] = values
+            out[name][first : first + count] = values
 
-    # The names, from the driveline as drawn.
-    for name in of(np.zeros((len(box.places), 1))):
-        found[name] = np.empty(samples)
     limit = threads.at_most(workers)
     many = min(limit or os.cpu_count() or 1, os.cpu_count() or 1)
     if many == 1 or len(firsts) < _FEWEST:
         for number in range(len(firsts)):
             fill(number)
-        return found
+        return
     with ThreadPoolExecutor(many) as pool:
-        list(pool.map(fill, range(len(firsts))))
-    return found
+        for _ in pool.map(fill, range(len(firsts))):
+            pass

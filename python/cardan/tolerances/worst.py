@@ -35,7 +35,9 @@ def zonotope_radius(centre: complex, generators: ComplexArray) -> float:
     upwards = np.where(below, -generators, generators)
     steps = 2.0 * np.cumsum(upwards[np.argsort(np.angle(upwards))])
     half = np.sum(upwards)
-    vertices = np.concatenate([[centre - half, centre + half], centre - half + steps, centre + half - steps])
+    vertices = np.concatenate(
+        [[centre - half, centre + half], centre - half + steps, centre + half - steps]
+    )
     return float(np.max(np.abs(vertices)))
 
 
@@ -51,7 +53,7 @@ def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
         parameters: how many, at most ``MOST_CORNERS``.
     """
     levels = (-1.0, 0.0, 1.0) if parameters <= _MOST_MIDDLES else (-1.0, 1.0)
-    grid = np.array(list(product(levels, repeat=parameters)), dtype=float).reshape(-1, parameters).T
+    grid = np.array(list(product(levels, repeat=parameters)), dtype=float).T
     grid = np.concatenate([grid, np.zeros((parameters, 1))], axis=1)
     values = value(grid)
     best = np.argsort(-values, kind="stable")[:_STARTS]
