@@ -75,9 +75,11 @@ def reversed_deviations(nominal: Nominal, deviations: Deviations) -> Deviations:
 def joints_and_turns(
     nominal: Nominal, deviations: Deviations
 ) -> tuple[list[_Values], list[_Values]]:
-    """Return ``k`` of each joint and ``exp(-2 i p)`` of each intermediate shaft.
+    """Return ``k`` of each joint and ``exp(-2 i p)`` of the shaft before it.
 
-    Each is a number or an array over the samples.
+    Each is a number or an array over the samples. Of shaft 0 it is the turn of the plane of joint
+    0, which points can change. Without that turn ``q`` would rotate with the plane, which a small
+    deviation can turn far where joint 0 is nearly straight.
     """
 
     def at(group: str, array: FloatArray, *place: int) -> _Values:
@@ -91,23 +93,24 @@ def joints_and_turns(
         points = [
             [at("points", nominal.points, i, axis) for axis in range(3)] for i in range(n + 2)
         ]
-        joints, twisted = _from_spans([_difference(b, a) for a, b in pairwise(points)])
+        joints, twisted = _from_spans(
+            [_difference(b, a) for a, b in pairwise(points)], nominal.points[1] - nominal.points[0]
+        )
         turned = [
-            -square * _turn(-2.0 * phase) for square, phase in zip(twisted, phases, strict=True)
+            -turn * _turn(-2.0 * phase) for turn, phase in zip(twisted[1:], phases, strict=True)
         ]
-        return joints, turned
+        return joints, [twisted[0], *turned]
     bends = [at("bends", nominal.bends, j) for j in range(n)]
     twists = [at("twists", nominal.twists, i) for i in range(n - 1)]
     joints = [np.square(np.tan(0.5 * bend)) for bend in bends]
-    return joints, [-_turn(2.0 * (t - p)) for t, p in zip(twists, phases, strict=True)]
+    return joints, [1.0, *(-_turn(2.0 * (t - p)) for t, p in zip(twists, phases, strict=True))]
 
 
 def q_of(joints: Sequence[_Values], turns: Sequence[_Values]) -> ComplexArray:
-    """Return ``q`` behind the last of these joints."""
-    x: _Values = joints[-1] + 0j
-    for k, turn in zip(reversed(joints[:-1]), reversed(turns), strict=True):
-        x = turn * x
-        x = (x + k) / (1.0 + k * x)
+    """Return ``q`` behind the last of these joints, each with the turn before it."""
+    x: _Values = turns[-1] * (joints[-1] + 0j)
+    for k, turn in zip(reversed(joints[:-1]), reversed(turns[:-1]), strict=True):
+        x = turn * ((x + k) / (1.0 + k * x))
     return np.asarray(-x)
 
 
@@ -124,16 +127,17 @@ def _turn(angle: _Values) -> _Values:
 _Vector: TypeAlias = list[_Values]
 
 
-def _from_spans(spans: list[_Vector]) -> tuple[list[_Values], list[_Values]]:
-    """``k`` of each joint and ``exp(2 i twist)`` of each intermediate shaft, from the shafts.
+def _from_spans(spans: list[_Vector], first: FloatArray) -> tuple[list[_Values], list[_Values]]:
+    """``k`` of each joint and ``exp(2 i twist)`` of the shaft before it, from the shafts.
 
     With the cross product ``c`` of two shafts ``a`` and ``b``, ``k = (|c|/(|a| |b| + a·b))**2``. A
-    joint that is straight to the last bit takes the normal of the previous one, a first one any
-    perpendicular.
+    joint that is straight to the last bit takes the normal of the previous one. The turn of joint
+    0 is that from a vector across shaft 0 as drawn, to first order without rotation about the
+    shaft; a straight joint 0 has that vector as its normal.
     """
     lengths = [np.sqrt(_dot(span, span)) for span in spans]
     joints, twists = [], []
-    normal = _perpendicular(spans[0])
+    normal = _across(_perpendicular(first), spans[0], lengths[0])
     for j, (a, b) in enumerate(pairwise(spans)):
         cross = _cross(a, b)
         square = _dot(cross, cross)
@@ -142,12 +146,11 @@ def _from_spans(spans: list[_Vector]) -> tuple[list[_Values], list[_Values]]:
         # The limit of the core, below which the direction of the cross product is rounding.
         straight = square <= (4.0 * np.finfo(float).eps * product) ** 2
         if np.any(straight):
-            kept = normal if j == 0 else _across(normal, a, lengths[j])
+            kept = _across(normal, a, lengths[j])
             cross = [np.where(straight, old, new) for old, new in zip(kept, cross, strict=True)]
-        if j > 0:
-            turn = _dot(normal, cross) + 1j * (_dot(_cross(normal, cross), a) / lengths[j])
-            squared = turn * turn
-            twists.append(squared / np.abs(squared))
+        turn = _dot(normal, cross) + 1j * (_dot(_cross(normal, cross), a) / lengths[j])
+        squared = turn * turn
+        twists.append(squared / np.abs(squared))
         normal = cross
     return joints, twists
 
@@ -168,12 +171,10 @@ def _cross(a: _Vector, b: _Vector) -> _Vector:
     ]
 
 
-def _perpendicular(a: _Vector) -> _Vector:
-    """A vector across ``a`` that changes smoothly for shafts near one direction."""
-    axis = int(np.argmin([abs(np.mean(component)) for component in a]))
-    unit = [0.0, 0.0, 0.0]
-    unit[axis] = 1.0
-    return _cross(a, unit)
+def _perpendicular(shaft: FloatArray) -> _Vector:
+    """A vector across a shaft."""
+    across: _Vector = np.cross(shaft, np.eye(3)[np.argmin(np.abs(shaft))]).tolist()
+    return across
 
 
 def _across(vector: _Vector, a: _Vector, length: _Values) -> _Vector:

@@ -38,10 +38,10 @@ def amplitude(
         deviations, nominal = reversed_deviations(nominal, deviations), nominal.reversed()
     joints, turns = joints_and_turns(nominal, deviations)
     if kind == "last":
-        return q_of(joints[:shaft], turns[: shaft - 1])
+        return q_of(joints[:shaft], turns[:shaft])
     total: Any = 0j
     for behind in range(1, nominal.n_joints):
-        total = total + q_of(joints[:behind], turns[: behind - 1])
+        total = total + q_of(joints[:behind], turns[:behind])
     return np.asarray(total)
 
 
