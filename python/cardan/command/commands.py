@@ -45,10 +45,17 @@ from cardan.figures.scene_forces import scene_forces
 from cardan.figures.schema import answers_schema
 from cardan.figures.slip import slip_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
+from cardan.figures.tolerances import (
+    needed_tolerances,
+    permitted_tolerances,
+    tolerance_figures,
+    tolerances_data,
+)
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
 from cardan.plots.abscissa import Over
+from cardan.plots.tolerances import write_tolerances
 from cardan.report import write_report
 from cardan.scene import load_scene, starters
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -65,6 +72,7 @@ from cardan.words.signals import signals_text
 from cardan.words.slip import slip_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
+from cardan.words.tolerances import tolerances_text, verdicts_text
 from cardan.words.yokes import yoke_text
 
 if TYPE_CHECKING:
@@ -81,6 +89,8 @@ def _besides(scene: Scene) -> Iterator[str]:
         yield forces_text(forces)
     if slip := slip_figures(scene):
         yield slip_text(slip)
+    if toleranced := tolerance_figures(scene):
+        yield f"Tolerances\n{verdicts_text(toleranced)}"
     if scene.ball_joint:
         yield ball_joint_text(scene.ball_joint)
 
@@ -337,6 +347,26 @@ def commands() -> click.Group:
     def phase(scene: Path, as_json: bool) -> None:
         data = yoke_settings(Scene.load(scene))
         say(as_json_text(data) if as_json else yoke_text(data))
+
+    @cardan.command(help=help_text.TOLERANCES, short_help="Say what tolerances do.")
+    @scene_argument
+    @output_option("Picture to write as well.")
+    @as_json
+    def tolerances(scene: Path, output: Path | None, as_json: bool) -> None:
+        loaded = Scene.load(scene)
+        found = needed_tolerances(loaded)
+        assert loaded.tolerances
+        if output is not None:
+            check_output(loaded, output)
+            write_tolerances(loaded.tolerances, output)
+        if as_json:
+            say(as_json_text(tolerances_data(loaded)))
+            return
+        if loaded.title:
+            say(f"{loaded.title}\n")
+        say(tolerances_text(found, permitted_tolerances(loaded.tolerances)))
+        if output is not None:
+            say(f"\nwrote {output}")
 
     @cardan.command(help=help_text.IDENTIFY, short_help="Find the bend in a recording.")
     @click.argument("file", type=click.Path(path_type=Path))

@@ -111,6 +111,22 @@ Examples:
   cardan phase shaft.toml --json
 """
 
+TOLERANCES = """\
+Say what errors of manufacture and assembly make of a driveline.
+
+The section [tolerances] of the scene says how exact bends, twists, yokes or points are. The answer
+has the worst driveline, a bound that none exceeds, quantiles of random drivelines, the share within
+the limit, and which joint, shaft or point contributes most. For a single figure with a limit it
+also says how exact each group must be for every driveline to be within the limit. The exit status
+does not depend on the verdict.
+
+\b
+Examples:
+  cardan tolerances shaft.toml
+  cardan tolerances shaft.toml --output tolerances.svg
+  cardan tolerances shaft.toml --json
+"""
+
 REPORT = """\
 Write a page to share, with a slider that turns the driveline.
 

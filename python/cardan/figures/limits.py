@@ -23,6 +23,7 @@ from cardan.figures.extremes import finite_or_none
 from cardan.figures.rounding import alike
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data, scene_forces
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
+from cardan.figures.tolerances import TOLERANCES_PART, tolerance_figures, tolerances_part
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -104,6 +105,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         more["forces"] = forces_data(forces)
     if slip := slip_figures(scene):
         more["slip"] = slip_data(slip)
+    if toleranced := tolerance_figures(scene):
+        more["tolerances"] = tolerances_part(toleranced)
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
@@ -224,6 +227,7 @@ CHECK_SCHEMA = answers_with(
         "drive_speed": DRIVE_SPEED_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
+        "tolerances": TOLERANCES_PART,
     },
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.

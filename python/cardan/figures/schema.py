@@ -8,6 +8,7 @@ from typing import Any
 from cardan.figures.identification import IDENTIFY_SCHEMA
 from cardan.figures.limits import CHECK_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
+from cardan.figures.tolerances import TOLERANCES_SCHEMA
 from cardan.figures.yokes import PHASE_SCHEMA
 
 _ANSWERS: Mapping[str, Any] = {
@@ -15,6 +16,7 @@ _ANSWERS: Mapping[str, Any] = {
     "check": CHECK_SCHEMA,
     "phase": PHASE_SCHEMA,
     "identify": IDENTIFY_SCHEMA,
+    "tolerances": TOLERANCES_SCHEMA,
 }
 
 

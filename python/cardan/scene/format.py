@@ -22,6 +22,7 @@ from cardan.scene.bearings import BEARING, LENGTHS
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
+from cardan.scene.tolerances import TOLERANCES
 from cardan.scene.units import RPM
 
 
@@ -272,6 +273,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
             fewest=1,
         ),
+        "tolerances": TOLERANCES,
         "slip": SLIP,
         "ball_joint": BALL_JOINT,
         "study": Section(

@@ -44,7 +44,9 @@ from cardan.scene.requested import check_forces, items, requested, to_reduce
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
 from cardan.scene.study import Study, StudyResult
+from cardan.scene.tolerances import tolerances_of
 from cardan.sweep import Sweep
+from cardan.tolerances import Tolerances
 
 _OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
@@ -80,6 +82,7 @@ class Scene:
         slip: the spline of a shaft that changes its length, if the scene gives one.
         time: recorded times in s, ``(samples,)``, if any.
         signals: the extents of what was recorded besides angles and bends.
+        tolerances: what errors of manufacture make of the driveline, if the scene gives any.
     """
 
     name: str
@@ -104,6 +107,7 @@ class Scene:
     slip: Slip | None = None
     time: FloatArray | None = None
     signals: tuple[Signal, ...] = ()
+    tolerances: Tolerances | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -265,6 +269,11 @@ class Scene:
                 raise ArgumentValueError("table", "needs a section [study], reduce or closed_forms")
         with document.within("slip"):
             slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
+        limits, tolerances = Limits(**given.get("limits", {})), None
+        with document.within("tolerances"):
+            if "tolerances" in given:
+                speed = _largest_speed(load)
+                tolerances = tolerances_of(given["tolerances"], line, limits, load, speed)
         with document.within("ball_joint"):
             ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
         study = None
@@ -298,7 +307,7 @@ class Scene:
             title=given[""].get("title", ""),
             line=line,
             load_case=load,
-            limits=Limits(**given.get("limits", {})),
+            limits=limits,
             drive_angle_deg=angle.degrees,
             angle=angle.drive,
             quantities=quantities,
@@ -319,6 +328,7 @@ class Scene:
             slip=slip,
             time=angle.time,
             signals=angle.signals,
+            tolerances=tolerances,
         )
 
     @property
@@ -347,11 +357,7 @@ class Scene:
     @property
     def speed(self) -> float:
         """Speed of the drive in rad/s, the largest one of a recording; 0 if it is not given."""
-        if self.load_case is None:
-            return 0.0
-        speeds = np.atleast_1d(self.load_case.speed)
-        known = speeds[~np.isnan(speeds)]
-        return float(known[np.argmax(np.abs(known))]) if known.size else 0.0
+        return _largest_speed(self.load_case)
 
     @property
     def speed_recorded(self) -> bool:
@@ -443,6 +449,13 @@ class SceneResult:
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
     describe(), " " * 8
 )
+
+
+def _largest_speed(load: Load | None) -> float:
+    """Speed of the drive in rad/s, the largest one of a recording; 0 if it is not given."""
+    speeds = np.atleast_1d(0.0 if load is None else load.speed)
+    known = speeds[~np.isnan(speeds)]
+    return float(known[np.argmax(np.abs(known))]) if known.size else 0.0
 
 
 def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, Any]]:

@@ -67,9 +67,14 @@ class Box:
         return np.array(list(self.halves.values()), dtype=float)
 
     @cached_property
+    def tooth_sizes(self) -> FloatArray:
+        """The half tooth in each of them, 0 for most."""
+        return np.array([self.teeth.get(place, 0.0) for place in self.places], dtype=float)
+
+    @cached_property
     def sigmas(self) -> FloatArray:
         """Their standard deviations."""
-        tooth = np.array([self.teeth.get(place, 0.0) for place in self.places])
+        tooth = self.tooth_sizes
         own = (self.sizes - tooth) / (3.0 if self.normal else np.sqrt(3.0))
         return np.asarray(np.hypot(own, tooth / np.sqrt(3.0)))
 
@@ -80,7 +85,7 @@ class Box:
     def drawn(self, random: np.random.Generator, samples: int) -> FloatArray:
         """Draw deviations of the parameters, ``(parameters, samples)``."""
         shape = (len(self.places), samples)
-        tooth = np.array([self.teeth.get(place, 0.0) for place in self.places])
+        tooth = self.tooth_sizes
         own = (self.sizes - tooth)[:, np.newaxis]
         if self.normal:
             values = random.standard_normal(shape)
@@ -95,12 +100,14 @@ class Box:
 
     def scaled(self, group: str, factor: float) -> Box:
         """Return the box with the tolerances of one group multiplied; half a tooth stays."""
-        halves = {
-            place: (half - self.teeth.get(place, 0.0)) * factor + self.teeth.get(place, 0.0)
-            if place[0] == group
-            else half
-            for place, half in self.halves.items()
-        }
+
+        def size(place: Place, half: float) -> float:
+            tooth = self.teeth.get(place, 0.0)
+            return tooth + factor * (half - tooth) if place[0] == group else half
+
+        halves = {place: size(place, half) for place, half in self.halves.items()}
+        # A parameter without a tolerance has no steps for differences.
+        halves = {place: half for place, half in halves.items() if half > 0.0}
         return Box(self.nominal, halves, self.teeth, self.normal)
 
     def by_group(self, values: FloatArray) -> dict[str, FloatArray]:

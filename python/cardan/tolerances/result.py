@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,12 +13,9 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64, scalar_or_array
 from cardan.errors import ArgumentValueError
 from cardan.tolerances.case import Case, Quantity
+from cardan.tolerances.permitted import permitted_factor
 from cardan.tolerances.quantities import FIGURES, Figure
-from cardan.tolerances.reduced import ReducedOutput
 from cardan.tolerances.sampling import sample
-
-# The search for permitted tolerances stops at this relative width.
-_BISECTIONS = 50
 
 
 class Tolerances:
@@ -54,6 +51,16 @@ class Tolerances:
         self.of = tuple(quantities)
         self.shape = shape
         self.samples, self.seed, self.distribution = samples, seed, distribution
+
+    @property
+    def given(self) -> dict[str, FloatArray]:
+        """The tolerances by group in rad or the unit of the points, without half a tooth."""
+        return self._by_group([case.box.sizes - case.box.tooth_sizes for case in self._cases])
+
+    @property
+    def half_tooth(self) -> dict[str, FloatArray]:
+        """Half a tooth of each phase in rad, by group like ``given``; 0 where none is set."""
+        return self._by_group([case.box.tooth_sizes for case in self._cases])
 
     @property
     def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name
@@ -106,18 +113,23 @@ class Tolerances:
     def guaranteed(self) -> Any:  # noqa: ANN401
         """A bound that no driveline within the tolerances exceeds, by the triangle inequality.
 
-        Raises:
-            ValueError: one of the figures is a reduced output, of which no bound is known.
-        """
-        for name in self.of:
-            if isinstance(self._quantities[name], ReducedOutput):
-                raise ArgumentValueError(
-                    "of",
-                    f"has {name!r}; a guaranteed bound is known for {', '.join(FIGURES)} only, "
-                    "which depend on one complex number",
-                )
+        With several figures, of those of which one is known.
 
-        return self._each(lambda case, figure: case.guaranteed(cast(Figure, figure)))
+        Raises:
+            ValueError: the only figure is a reduced output, of which no bound is known.
+        """
+        found = {
+            name: self._batch([case.guaranteed(quantity) for case in self._cases])
+            for name, quantity in self._quantities.items()
+            if isinstance(quantity, Figure)
+        }
+        if self._several or found:
+            return self._named(found)
+        raise ArgumentValueError(
+            "of",
+            f"is {self.of[0]!r}; a guaranteed bound is known for {', '.join(FIGURES)} only, which "
+            "depend on one complex number",
+        )
 
     @cached_property
     def sampled(self) -> Any:  # noqa: ANN401
@@ -227,25 +239,7 @@ class Tolerances:
                 "bound", f"is {bound!r}; it must be 'worst', 'linear' or 'guaranteed'"
             )
 
-        def within(factor: float) -> bool:
-            scaled = case.scaled(group, factor)
-            try:
-                scaled.box.check()
-            except ValueError:
-                return False
-            return bool(getattr(scaled, bound)(quantity) <= self._limits[name])
-
-        if not within(0.0):
-            return math.nan
-        low, high = 0.0, 1.0
-        while within(high):
-            low, high = high, 2.0 * high
-            if high > 1e6:
-                return math.inf
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if within(middle) else (low, middle)
-        return low
+        return permitted_factor(case, quantity, self._limits[name], group, bound)
 
     @property
     def nominal_deg(self) -> Any:  # noqa: ANN401
@@ -311,25 +305,35 @@ class Tolerances:
 
     def _each(self, of: Callable[[Case, Quantity], float]) -> Any:  # noqa: ANN401
         """One number per driveline and figure, in the shape of the batch."""
-        found = {}
-        for name, quantity in self._quantities.items():
-            values = np.array([of(case, quantity) for case in self._cases], dtype=float)
-            found[name] = scalar_or_array(values.reshape(self.shape))
-        return self._named(found)
+        return self._named(
+            {
+                name: self._batch([of(case, quantity) for case in self._cases])
+                for name, quantity in self._quantities.items()
+            }
+        )
+
+    def _batch(self, values: Sequence[float]) -> Any:  # noqa: ANN401
+        return scalar_or_array(np.array(values, dtype=float).reshape(self.shape))
 
     def _grouped(self, of: Callable[[Case, Quantity], FloatArray]) -> Any:  # noqa: ANN401
         """One number per parameter as arrays by group, in the shape of the batch."""
-        found: dict[str, dict[str, FloatArray]] = {}
-        for name, quantity in self._quantities.items():
-            parts = [case.box.by_group(of(case, quantity)) for case in self._cases]
-            groups = {group: array.shape for part in parts for group, array in part.items()}
-            found[name] = {
-                group: np.array([part.get(group, np.zeros(own)) for part in parts]).reshape(
-                    (*self.shape, *own)
-                )
-                for group, own in groups.items()
+        return self._named(
+            {
+                name: self._by_group([of(case, quantity) for case in self._cases])
+                for name, quantity in self._quantities.items()
             }
-        return self._named(found)
+        )
+
+    def _by_group(self, rows: Sequence[FloatArray]) -> dict[str, FloatArray]:
+        """Numbers per parameter of each driveline as arrays by group."""
+        parts = [case.box.by_group(row) for case, row in zip(self._cases, rows, strict=True)]
+        groups = {group: array.shape for part in parts for group, array in part.items()}
+        return {
+            group: np.array([part.get(group, np.zeros(own)) for part in parts]).reshape(
+                (*self.shape, *own)
+            )
+            for group, own in groups.items()
+        }
 
     def _named(self, found: Mapping[str, Any]) -> Any:  # noqa: ANN401
         """The only result, or all by name."""
