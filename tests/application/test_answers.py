@@ -82,6 +82,11 @@ FORCES = {
     *("forces", "figures", "not_determinate", "quantity", "reason", "joint", "bearing", "shaft"),
     *("largest_N", "mean_N", "order_2_N", "order_4_N", "at_drive_angle_deg", "at_drive_angle_rad"),
 }
+TOLERANCES = {
+    *("distribution", "samples", "seed", "figures", "figure", "unit", "nominal", "quantiles"),
+    *("share", "value", "worst", "worst_kind", "guaranteed", "limit", "passing"),
+    *("shares", "group", "of", "number"),
+}
 KEYS = {
     "run": {
         *BALL_JOINT,
@@ -103,6 +108,8 @@ KEYS = {
         *BALL_JOINT,
         *FORCES,
         *SLIP,
+        *TOLERANCES,
+        "tolerances",
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),
         *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),
@@ -123,6 +130,10 @@ KEYS = {
         *("orders", "order", "amplitude", "amplitude_deg", "amplitude_rad"),
         *("two_joints", "joints", "joint", "bend_deg", "bend_rad"),
         *("phase_less_twist_deg", "phase_less_twist_rad"),
+    },
+    "tolerances": {
+        *TOLERANCES,
+        *("answer", "version", "title", "permitted", "given", "factor", "needless"),
     },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),

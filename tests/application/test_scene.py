@@ -258,7 +258,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         '"a\\nb" = 1',
         None,
         r"unknown key 'a\nb'; known are title, driveline, bearing, load, sweep, angles, limits, "
-        "slip, ball_joint, study, output",
+        "tolerances, slip, ball_joint, study, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",

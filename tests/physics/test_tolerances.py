@@ -472,8 +472,10 @@ def test_reduced_outputs_are_those_of_the_drivelines() -> None:
         assert sum(part.sum() for part in found.shares[name].values()) == pytest.approx(1.0)
     assert set(found.passing) == {"torque"}
     assert found.passing["torque"] == np.mean(found.sampled["torque"] <= 101.0)
-    with pytest.raises(ValueError, match=r"of has 'bending_driven'; a guaranteed bound is known"):
-        _ = found.guaranteed
+    assert found.guaranteed == {}
+    alone = line.tolerances(bends=0.01, of="torque", load=load)
+    with pytest.raises(ValueError, match=r"of is 'torque'; a guaranteed bound is known"):
+        _ = alone.guaranteed
 
 
 def test_reduced_outputs_keep_bearings_and_points() -> None:

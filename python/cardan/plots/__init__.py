@@ -31,6 +31,7 @@ from cardan.plots.scene import plot_scene, write_picture
 from cardan.plots.study import plot_study
 from cardan.plots.style import STYLE, save
 from cardan.plots.thoma import plot_small_angle
+from cardan.plots.tolerances import plot_tolerance_shares, plot_tolerances, write_tolerances
 
 __all__ = [
     "STYLE",
@@ -53,8 +54,11 @@ __all__ = [
     "plot_seat_section",
     "plot_small_angle",
     "plot_study",
+    "plot_tolerance_shares",
+    "plot_tolerances",
     "plot_torque_ratio",
     "save",
     "write_picture",
+    "write_tolerances",
     "yoke_pins",
 ]

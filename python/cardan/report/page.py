@@ -16,6 +16,7 @@ from cardan import __version__
 from cardan.arrays import FloatArray
 from cardan.figures.limits import check_scene
 from cardan.figures.slip import slip_figures
+from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
@@ -27,6 +28,7 @@ from cardan.report.limits import limits_table
 from cardan.report.samples import Panel, Samples, evaluated
 from cardan.report.slip import slip
 from cardan.report.study import study
+from cardan.report.tolerances import tolerances
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 
@@ -47,7 +49,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     panels, (x, x_label) = samples.panels(), _abscissa(samples)
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
-    spline = slip_figures(scene)
+    spline, toleranced = slip_figures(scene), tolerance_figures(scene)
     return template.render(
         answer(scene, samples, found, yokes),
         version=__version__,
@@ -69,6 +71,9 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         ],
         ball_joint=joint,
         slip=slip(spline) if spline else None,
+        tolerances=tolerances(toleranced, scene.tolerances)
+        if toleranced and scene.tolerances
+        else None,
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )
