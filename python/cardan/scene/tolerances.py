@@ -80,6 +80,7 @@ def tolerances_of(
     """
     if line.shape:
         raise ValueError("it does not go with recorded bends, which differ by sample")
+    _check_lengths(values, line.n_joints)
     of = values.get("of", ["equivalent_bend"])
     for name in of:
         if name in OUTPUTS and OUTPUTS[name].needs_load and load is None:
@@ -113,6 +114,24 @@ def tolerances_of(
         raise ArgumentValueError(key, error.problem, error.place) from None
 
 
+def _check_lengths(values: Mapping[str, Any], joints: int) -> None:
+    """Check that lists have as many entries as the driveline has parts."""
+    between = (joints - 1, "shaft between two joints")
+    wanted = {
+        "bends_deg": (joints, "joint"),
+        "twists_deg": between,
+        "phases_deg": between,
+        "points_mm": (joints + 2, "point"),
+        "teeth": between,
+    }
+    for key, (count, part) in wanted.items():
+        given = values.get(key)
+        if isinstance(given, list) and len(given) != count:
+            raise ArgumentValueError(
+                key, f"has length {len(given)}; it needs {count}, one per {part}"
+            )
+
+
 def _limits(values: Mapping[str, Any], of: list[str], limits: Limits) -> Any:  # noqa: ANN401
     """The limit of each figure in SI units: the scene's own, or those of its section [limits]."""
     known = {
@@ -131,7 +150,7 @@ def _limits(values: Mapping[str, Any], of: list[str], limits: Limits) -> Any:  #
     if "limit" in values:
         if len(of) > 1:
             raise ArgumentValueError(
-                "limit", f"is the limit of one figure; of names {len(of)}; give them in [limits]"
+                "limit", f"applies to a single figure, and 'of' names {len(of)}; give [limits]"
             )
         unit = FIGURES[of[0]].unit if of[0] in FIGURES else OUTPUTS[of[0]].unit
         found[of[0]] = np.radians(values["limit"]) if unit == "rad" else values["limit"]

@@ -56,7 +56,7 @@ def figure_lines(figure: ToleranceFigure) -> list[tuple[str, str]]:
         ("worst", f"{with_unit(figure.worst, figure.unit)} ({_KINDS[figure.worst_kind]})"),
     ]
     if figure.guaranteed is not None:
-        lines.append(("never above", with_unit(figure.guaranteed, figure.unit)))
+        lines.append(("guaranteed bound", with_unit(figure.guaranteed, figure.unit)))
     if figure.limit is not None and figure.passing is not None:
         within = f"{percent(figure.passing)} of the drivelines"
         lines.append((f"within {limit_text(figure)}", within))
@@ -115,18 +115,23 @@ def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
 
 def _permitted(part: Permitted, found: ToleranceFigures) -> str:
     limit = limit_text(found.figures[0])
-    names = {"points": "coordinates of the points"}
-    group = names.get(part.group, part.group)
-    same = " with the other tolerances as they are" if len(found.given) > 1 else ""
+    group = {"points": "coordinates of the points"}.get(part.group, part.group)
+    same = ", with the other tolerances unchanged" if len(found.given) > 1 else ""
     if math.isnan(part.factor):
         return f"No accuracy of the {group} brings every driveline within {limit}{same}."
     if math.isinf(part.factor):
-        return f"The {group} may have any error: every driveline stays within {limit}{same}."
-    low, high = (part.factor * end for end in part.given)
+        return f"With any error of the {group} every driveline is within {limit}{same}."
+    low, high = (_rounded_down(part.factor * end) for end in part.given)
     sizes = _ends((low, high), part.unit)
-    if part.factor < 1.0:
-        return f"For every driveline to be within {limit}, the {group} need {sizes}{same}."
-    return f"Every driveline stays within {limit} up to {sizes} of the {group}{same}."
+    return f"Every driveline is within {limit} if the {group} are exact to {sizes}{same}."
+
+
+def _rounded_down(value: float) -> float:
+    """A tolerance with three digits: at what is printed the limit is not yet exceeded."""
+    if value <= 0.0:
+        return 0.0
+    step = 10.0 ** (math.floor(math.log10(value)) - 2)
+    return math.floor(value / step) * step
 
 
 def with_unit(value: float, unit: str) -> str:
