@@ -18,7 +18,9 @@ from hypothesis import strategies as st
 
 import cardan
 from cardan import Driveline, Load, Sweep, installed
+from cardan.tolerances.box import boxes
 from cardan.tolerances.chain import Deviations, Nominal, joints_and_turns, q_of
+from cardan.tolerances.guaranteed import bound_parts
 from cardan.tolerances.worst import zonotope_radius
 from oracle import Fold
 
@@ -234,6 +236,13 @@ def test_yokes_set_by_teeth_are_off_by_up_to_half_a_tooth() -> None:
     # The sum of two uniform errors has the variance of both.
     assert np.mean(wide**2) == pytest.approx((half**2 + own**2) / 3, rel=0.01)
     assert both.shares["phases"] == pytest.approx([1.0])
+    # To both sides alike, seen where the phase is wrong on the drawing already.
+    off = line.with_phases([0.3]).tolerances(teeth=36, seed=5).sampled
+    wrong = np.arcsin(np.sinh(-np.log(np.cos(off)) / 2) / math.sinh(side))
+    assert kolmogorov(wrong, lambda x: (x - 0.3 + half) / (2 * half)) < 2.0
+    # Half a tooth is uniform also where other tolerances are normal.
+    mixed = line.tolerances(teeth=36, twists=half, distribution="normal").shares
+    assert mixed["twists"] / mixed["phases"] == pytest.approx([3 / 9], rel=1e-6)
 
 
 @pytest.mark.parametrize("distribution", ["uniform", "normal"])
@@ -288,6 +297,8 @@ def test_samples_depend_on_the_seed_alone() -> None:
     assert np.array_equal(of[1], of[2])
     again = line.tolerances(points=1e-3, seed=4).sampled
     assert not np.any(of[1] == again)
+    # No chunk repeats another one.
+    assert len(np.unique(of[1])) == of[1].size
     fresh = line.tolerances(points=1e-3, samples=100)
     assert line.tolerances(points=1e-3, samples=100).seed != fresh.seed
     repeated = line.tolerances(points=1e-3, samples=100, seed=fresh.seed)
@@ -476,6 +487,121 @@ def test_reduced_outputs_are_those_of_the_drivelines() -> None:
     alone = line.tolerances(bends=0.01, of="torque", load=load)
     with pytest.raises(ValueError, match=r"of is 'torque'; a guaranteed bound is known"):
         _ = alone.guaranteed
+
+
+def test_a_joint_that_bends_to_the_other_side() -> None:
+    line, load = Driveline.from_bends([0.0, 0.09]), Load(output_torque=100.0)
+    of = {"of": "support_moment", "load": load, "shafts": 1, "samples": 4000, "seed": 1}
+    found = line.tolerances(bends=[0.02, 0.0], **of)  # type: ignore[arg-type]
+    turn = Sweep.revolutions(1, 360)
+    ends = [
+        Driveline.from_bends([0.02, 0.09], twist)
+        .evaluate(turn, "support_moment", load=load, shafts=1, reduce="peak")
+        .support_moment
+        for twist in (0.0, np.pi)
+    ]
+    assert max(ends) > 1.2 * min(ends)
+    assert found.worst == pytest.approx(max(ends), rel=1e-9)
+    assert found.sampled.max() == pytest.approx(max(ends), rel=1e-3)
+    assert found.sampled.min() == pytest.approx(min(ends), rel=1e-3)
+
+
+@pytest.mark.parametrize("by", ["points", "angles"])
+def test_coasting_is_driving_of_the_reversed_driveline(by: str) -> None:
+    random = np.random.default_rng(4)
+    if by == "points":
+        line = Driveline.from_points(TRUCK, [0.3, -0.4])
+        sizes = {"points": random.uniform(0, 2e-3, (5, 1)), "phases": np.array([0.01, 0.04])}
+    else:
+        line = Driveline.from_bends([0.2, 0.1, 0.15], [0.3, -0.8], [0.3, -0.4])
+        sizes = {
+            "bends": np.array([1e-3, 4e-3, 0.0]),
+            "twists": np.array([0.0, 0.03]),
+            "phases": np.array([0.01, 0.04]),
+        }
+    turned = {group: array[::-1] for group, array in sizes.items()}
+    coasting, driving = (f"inertia_excitation_{way}" for way in ("coasting", "driving"))
+    one = line.tolerances(**sizes, of=coasting, speed=1.0)  # type: ignore[arg-type]
+    other = line.reversed().tolerances(**turned, of=driving, speed=1.0)  # type: ignore[arg-type]
+    for name in ("nominal", "worst", "linear", "guaranteed"):
+        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=1e-7), name
+
+
+def minimal_rotation(start: np.ndarray, end: np.ndarray, vector: np.ndarray) -> np.ndarray:
+    """Carry a vector from one unit direction to another along the shorter arc."""
+    cross = np.cross(start, end)
+    along = np.dot(start, end)
+    turned = along * vector + np.cross(cross, vector)
+    return np.asarray(turned + cross * np.dot(cross, vector) / (1 + along))
+
+
+def disc_map(directions: Any, frames: Any) -> Any:  # noqa: ANN401
+    """A joint as a map of the disc, from the frame of its driven to that of its driving shaft."""
+    (u, v), (f, g) = directions, frames
+    x, y, z = np.dot(v, f), np.dot(v, np.cross(u, f)), np.dot(u, v)
+    end = ((x + 1j * y) / (1 + z)) ** 2
+    carried = minimal_rotation(u, v, f)
+    turn = complex(np.dot(g, carried), np.dot(g, np.cross(v, carried))) ** 2
+    return lambda w: (end + turn * w) / (1 + np.conj(end) * turn * w)
+
+
+def test_the_picture_of_directions_in_the_disc_is_that_of_the_core() -> None:
+    random = np.random.default_rng(3)
+    for _ in range(20):
+        spans = random.normal(size=(4, 3)) * 0.4 + np.array([2, 0, 0])
+        units = spans / np.linalg.norm(spans, axis=1, keepdims=True)
+        frames = [np.cross(u, random.normal(size=3)) for u in units]
+        frames = [frame / np.linalg.norm(frame) for frame in frames]
+        point: complex = 0.0
+        for j in (2, 1, 0):
+            # Frames are drawn at random, so what stands in one is the same in the next.
+            point = disc_map(units[j : j + 2], frames[j : j + 2])(point)
+            # A shaft whose yokes lie in one plane turns the polygon back: p = 90° - twist.
+            point = -point
+        line = Driveline.from_directions(spans, 0.0)
+        assert abs(point) == pytest.approx(float(line.equivalent().k), abs=1e-13)
+
+
+def test_the_bound_holds_where_a_side_moves_far_ends_apart() -> None:
+    # A U of long legs opens by more than its base becomes longer: L grows as cosh of the legs.
+    bends = [1.3, 0.1, 1.3]
+    line = Driveline.from_bends(bends, phases=[np.pi / 4, np.pi / 4])
+    found = line.tolerances(bends=[0.0, 0.02, 0.0])
+    sides = [-np.log(np.cos(bend)) for bend in (found.nominal, found.worst, found.guaranteed)]
+    base = math.log(math.cos(0.1) / math.cos(0.12))
+    assert sides[1] - sides[0] > 1.5 * base
+    assert sides[1] <= sides[2]
+
+
+def test_the_lemma_of_the_bound_of_points() -> None:
+    # What moves is the far end of a polygon behind one joint; far away the turns decide.
+    random, sharpest = np.random.default_rng(8), 0.0
+    for _ in range(2000):
+        bend, far = random.uniform(0.05, 0.9), random.uniform(0.0, 9.0)
+        size = random.uniform(0.001, 0.03)
+        line = Driveline.from_points(
+            [[0, 0, 0], [1, 0, 0], [1 + math.cos(bend), math.sin(bend), 0]]
+        )
+        box = boxes(line, {"points": size}, None, "uniform", False).each[0]
+        _, changes, _, turned = bound_parts(box)
+        assert box.nominal.points is not None
+        corner = box.nominal.points + size * random.choice([-1, 1], (3, 3))
+        pairs = []
+        for points in (box.nominal.points, corner):
+            spans = np.diff(points, axis=0)
+            pairs.append(spans / np.linalg.norm(spans, axis=1, keepdims=True))
+        frames = [np.array([0.0, 0, 1]), np.array([0.0, 0, 1])]
+        moved = [minimal_rotation(u, v, f) for u, v, f in zip(*pairs, frames, strict=True)]
+        w = math.tanh(far / 2) * np.exp(1j * random.uniform(0, math.tau))
+        a, b = disc_map(pairs[0], frames)(w), disc_map(pairs[1], moved)(w)
+        # The distance in the disc, from 1 - |.|² of both ends without cancellation.
+        distance = 2 * math.asinh(abs(a - b) / math.sqrt((1 - abs(a) ** 2) * (1 - abs(b) ** 2)))
+        swing = 2 * math.asinh(math.sinh(far) * math.sin(min(turned[0], math.pi / 2)))
+        shift = 2 * math.asinh(math.sinh(changes[0] / 2) * math.cosh(far))
+        assert distance <= (shift + swing) * (1 + 1e-6)
+        sharpest = max(sharpest, distance / (shift + swing))
+    # Not so wide that it says nothing.
+    assert sharpest > 0.5
 
 
 def test_reduced_outputs_keep_bearings_and_points() -> None:

@@ -4,20 +4,26 @@ With ``L = ln sec(bend)`` a chain is a polygon in the hyperbolic plane: a joint 
 ``L_j``, a shaft a corner, and ``q`` the end of the polygon at the distance ``L_E`` from its start
 (the Poincaré disc, ``|q| = tanh(L_E/2)``). If one element changes, the end moves by at most
 
-* ``L(b + t) - L(b)`` for a bend ``b`` that changes by up to ``t``, and
-* ``2 asinh(sinh(s) |sin d|)`` for a corner turned by ``2 d``, with ``s`` the distance from the
-  corner to the end; if only the distance of start and end matters, to the nearer of the two.
+* ``2 asinh(sinh(c/2) cosh(s))`` for a side that becomes longer or shorter by up to ``c = L(b + t) -
+  L(b)``, the shift of a point at the distance ``s`` from the axis of a translation by ``c``, and
+* ``2 asinh(sinh(s) |sin d|)`` for a corner turned by ``2 d``,
 
-``s`` is at most the sum of the sides between, each at its longest. By the triangle inequality the
-changes add up (derived here).
+with ``s`` the distance from the element to the end; if only the distance of start and end matters,
+to the nearer of the two. ``s`` is at most the sum of the sides between. By the triangle inequality
+the changes add up, in any order (derived here). The corners are turned first, while the sides are
+as drawn, then the sides change, with all others at their longest.
+
+The simple form takes all sides at their longest for the corners and leaves out ``cosh``. It has no
+proof of its own: two long sides on the same side of a third move apart by more than that becomes
+longer. It is larger in nearly all cases, and the larger of both is the bound.
 
 Points change the direction of each shaft by up to a cone ``e``. Write a joint as ``z = tan(b/2)
 exp(i phi)``, the stereographic picture of the next direction in a frame of its shaft. The side ends
 at ``z**2``, and a step ``ds`` on the sphere moves it by ``tan(b) ds`` in the hyperbolic plane. So
-two cones together move it by at most ``L(b + e) - L(b)`` with ``e = e_j + e_{j+1}``, whatever the
-bend plane does; this holds through a straight joint. What turns in addition are the frame of the
-next shaft, by the area of the spherical quadrilateral of the old and new directions, and the plane
-behind the side, by the area of a hyperbolic triangle. Half the area of a triangle with two sides
+two cones together move it by at most ``c = L(b + e) - L(b)`` with ``e = e_j + e_{j+1}``, whatever
+the bend plane does; this holds through a straight joint. What turns in addition are the frame of
+the next shaft, by the area of the spherical quadrilateral of the old and new directions, and the
+plane behind the side, by the area of a hyperbolic triangle. Half the area of a triangle with two sides
 ``p`` and ``r`` is at most ``asin(tan(p/2) tan(r/2))`` on the sphere and ``asin(tanh(p/2)
 tanh(r/2))`` in the hyperbolic plane. A turn of a frame counts twice, since a side is ``z**2``.
 """
@@ -40,7 +46,7 @@ def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:
         box: the driveline with its tolerances.
         shaft: the shaft of ``"last"``.
     """
-    grown, changes, corners, turned = _parts(box)
+    grown, changes, corners, turned = bound_parts(box)
     if kind == "last":
         k = float(np.abs(amplitude(kind, box.nominal, {}, shaft)))
         # The distance of start and end: each corner may be seen from the nearer of them.
@@ -70,8 +76,13 @@ def _displacement(nominal: Nominal, shaft: int, *parts: FloatArray) -> float:
     return r * (1.0 - q * q) / (1.0 - q * r)
 
 
-def _parts(box: Box) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Sides at their longest, their changes, corners, and turns at joints; half turns in rad."""
+def bound_parts(box: Box) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the sides at their longest, their changes, and half of the turns in rad.
+
+    Returns:
+        length of each side ``(n,)``, its change ``(n,)``, half the turn of each corner ``(n - 1,)``
+        by phases and twists, and of the polygon behind each joint ``(n,)`` by points.
+    """
     bends, sizes = box.nominal.bends, box.by_group(box.sizes)
     least = _length(bends)
     grown = _length(bends + box.bend_changes)
@@ -79,8 +90,10 @@ def _parts(box: Box) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     between = np.zeros(len(bends) - 1)
     corners = sizes.get("phases", between) + sizes.get("twists", between)
     before, behind = box.cones[:-1], box.cones[1:]
-    frames = _half_area(np.tan(0.5 * before) * np.tan(0.5 * (bends + before + behind)))
-    frames = frames + _half_area(np.tan(0.5 * behind) * np.tan(0.5 * bends))
+    # Either diagonal divides the quadrilateral into two triangles.
+    frames = np.minimum(
+        _two_triangles(before, behind, bends), _two_triangles(behind, before, bends)
+    )
     plane = _half_area(np.tanh(0.5 * least) * np.tanh(0.5 * changes))
     # The area of the quadrilateral turns the frame, and twice of it the plane; half turns here.
     turned = 2.0 * frames + np.where(before + behind > 0.0, plane, 0.0)
@@ -99,17 +112,33 @@ def _moved(
     n = len(grown)
     reach = np.concatenate([[0.0], np.cumsum(grown)])
     behind, before = reach[-1] - reach, reach
-    arm = np.minimum(behind, before) if nearer else behind
     # A corner lies between two sides. The turn at a joint acts where its side begins or ends.
     at_joint = np.minimum(behind[1:], before[:-1]) if nearer else behind[1:]
-    moved = np.sum(changes[:n])
-    moved += np.sum(_swung(arm[1:-1], corners[: n - 1])) + np.sum(_swung(at_joint, turned[:n]))
-    return float(moved)
+    turns = np.sum(_swung(at_joint, turned[:n]))
+    shifts = np.sum(2.0 * np.arcsinh(np.sinh(0.5 * changes[:n]) * np.cosh(at_joint)))
+    proven = np.sum(_swung(_arms(grown - changes[:n], nearer), corners[: n - 1])) + shifts + turns
+    simple = np.sum(_swung(_arms(grown, nearer), corners[: n - 1])) + np.sum(changes[:n]) + turns
+    return float(max(proven, simple))
+
+
+def _arms(sides: FloatArray, nearer: bool) -> FloatArray:
+    """Longest distance from each corner to the end, or to the nearer of end and start."""
+    before = np.cumsum(sides)[:-1]
+    behind = np.sum(sides) - before
+    return np.minimum(behind, before) if nearer else behind
 
 
 def _length(bends: FloatArray) -> FloatArray:
     """``L = ln sec(bend)``."""
     return -np.log(np.cos(bends))
+
+
+def _two_triangles(first: FloatArray, second: FloatArray, bends: FloatArray) -> FloatArray:
+    """Half the area between old and new directions, divided from the old of the first shaft."""
+    moved = bends + first + second
+    return _half_area(np.tan(0.5 * first) * np.tan(0.5 * moved)) + _half_area(
+        np.tan(0.5 * second) * np.tan(0.5 * bends)
+    )
 
 
 def _half_area(product: FloatArray) -> FloatArray:
