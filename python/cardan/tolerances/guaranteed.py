@@ -23,8 +23,8 @@ at ``z**2``, and a step ``ds`` on the sphere moves it by ``tan(b) ds`` in the hy
 two cones together move it by at most ``c = L(b + e) - L(b)`` with ``e = e_j + e_{j+1}``, whatever
 the bend plane does; this holds through a straight joint. What turns in addition are the frame of
 the next shaft, by the area of the spherical quadrilateral of the old and new directions, and the
-plane behind the side, by the area of a hyperbolic triangle. Half the area of a triangle with two sides
-``p`` and ``r`` is at most ``asin(tan(p/2) tan(r/2))`` on the sphere and ``asin(tanh(p/2)
+plane behind the side, by the area of a hyperbolic triangle. Half the area of a triangle with two
+sides ``p`` and ``r`` is at most ``asin(tan(p/2) tan(r/2))`` on the sphere and ``asin(tanh(p/2)
 tanh(r/2))`` in the hyperbolic plane. A turn of a frame counts twice, since a side is ``z**2``.
 """
 
