@@ -173,6 +173,9 @@ def test_examples_of_the_help_work(
             *(",".join(map(str, row)) for row in zip(*columns, strict=True)),
         ]
         Path("run.csv").write_text("\n".join(rows))
+    if name == "tolerances":
+        with Path("shaft.toml").open("a") as scene:
+            scene.write("\n[tolerances]\nphases_deg = 1\n")
     assert all(example.split()[0] == name for example in examples)
     for example in [*others, *examples]:
         result = run(*example.split())

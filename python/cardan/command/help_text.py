@@ -114,10 +114,11 @@ Examples:
 TOLERANCES = """\
 Say what errors of manufacture and assembly make of a driveline.
 
-The section [tolerances] of the scene says how exact bends, twists, yokes or points are. The answer
-has the worst driveline, a bound that none exceeds, quantiles of random drivelines, the share within
-the limit, and which joint, shaft or point contributes most. For a single figure with a limit it
-also says how exact each group must be for every driveline to be within the limit. The exit status
+The section [tolerances] of the scene says how exact bends, twists, yokes or points are.
+
+The answer has the worst driveline, a guaranteed bound, quantiles of random drivelines, the share
+within the limit, and the share of each joint, shaft or point in the scatter. It also says how exact
+each group must be for all drivelines to be within the limit, if there is one limit. The exit status
 does not depend on the verdict.
 
 \b
