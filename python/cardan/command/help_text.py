@@ -118,7 +118,7 @@ The section [tolerances] of the scene says how exact bends, twists, yokes or poi
 
 The answer has the worst driveline, a guaranteed bound, quantiles of random drivelines, the share
 within the limit, and the share of each joint, shaft or point in the scatter. It also says how exact
-each group must be for all drivelines to be within the limit, if there is one limit. The exit status
+each group must be for every driveline to be within the limit, if there is one. The exit status
 does not depend on the verdict.
 
 \b
