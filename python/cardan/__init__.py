@@ -41,6 +41,7 @@ from cardan.result import Result
 from cardan.slip import Lengths, SplineForce
 from cardan.steering import Steering
 from cardan.sweep import Sweep
+from cardan.tolerances import Tolerances
 from cardan.torsion import TorsionalSystem, Tube, tube
 
 if _TYPE_CHECKING:
@@ -80,6 +81,7 @@ __all__ = [
     "SplineForce",
     "Steering",
     "Sweep",
+    "Tolerances",
     "TorsionalSystem",
     "Transmission",
     "Tube",

@@ -1,15 +1,19 @@
-"""Drivelines as they are installed: what follows from lengths and from the inertia of the drive."""
+"""Drivelines as they are built: lengths, the inertia of the drive, the tolerances of a workshop."""
 
 from __future__ import annotations
 
-from typing import Any, SupportsIndex
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal, SupportsIndex
 
 from numpy.typing import ArrayLike
 
-from cardan import free_running, slip
+from cardan import free_running, slip, tolerances
 from cardan.bearings import Mounted
 from cardan.free_running import FreeRunning
+from cardan.load import Load
+from cardan.request import Items
 from cardan.slip import Lengths, SplineForce
+from cardan.tolerances import Tolerances
 
 
 class Installed(Mounted):
@@ -94,3 +98,99 @@ class Installed(Mounted):
         """
         line: Any = self
         return free_running.free_running(line, inertias)
+
+    def tolerances(
+        self,
+        *,
+        bends: ArrayLike | None = None,
+        twists: ArrayLike | None = None,
+        phases: ArrayLike | None = None,
+        points: ArrayLike | None = None,
+        degrees: bool = False,
+        distribution: Literal["uniform", "normal"] = "uniform",
+        teeth: ArrayLike | None = None,
+        of: str | Iterable[str] = "equivalent_bend",
+        limit: ArrayLike | Mapping[str, ArrayLike] | None = None,
+        speed: float | None = None,
+        load: Load | None = None,
+        reduce: Literal["peak", "rms", "max", "mean"] = "peak",
+        shaft: SupportsIndex = -1,
+        shafts: Items = None,
+        joints: Items = None,
+        samples: SupportsIndex = 100_000,
+        seed: int | None = None,
+        workers: int | None = None,
+    ) -> Tolerances:
+        """Return what errors of manufacture and assembly make of the driveline.
+
+        Near constant velocity the equivalent bend grows with the square root of an error: 5° of
+        phase spoil a shaft with two bends of 10° to 4.2°. The result is lazy: random drivelines
+        are drawn when a quantile or the passing share is asked for.
+
+        Args:
+            bends: tolerance of the bends, ± each, one number or ``(..., n)``.
+            twists: of the twists, one number or ``(..., n - 1)``.
+            phases: of the phases, one number or ``(..., n - 1)``.
+            points: of every coordinate of the points, in their unit: one number, ``(..., n + 2,
+                1)`` or ``(..., n + 2, 3)``. Bends and twists follow from the points; only phases
+                can have tolerances besides.
+            degrees: whether tolerances and limits that are angles are in degrees.
+            distribution: ``"uniform"`` within ± the tolerance, or ``"normal"`` with the tolerance
+                as three standard deviations.
+            teeth: of the spline that carries the output-side yoke of each intermediate shaft, one
+                number or ``(..., n - 1)``. The yoke can only be set by teeth, so that its phase is
+                off by up to half a tooth, uniformly, in addition to its tolerance.
+            of: one name or several: ``"equivalent_bend"``, ``"non_uniformity"``,
+                ``"max_angle_error"``, ``"torsional_excitation"``, ``"inertia_excitation_driving"``,
+                ``"inertia_excitation_coasting"``, or an output from ``cardan.OUTPUTS``, which is
+                reduced over a turn of 360 samples.
+            limit: what must not be exceeded, in the unit of the figure; with several figures a
+                mapping by name. Default: the 3° of the catalogues for the first three figures.
+            speed: drive speed in rad/s, for the excitations.
+            load: for the outputs that need one.
+            reduce: of the outputs over a turn.
+            shaft: the shaft of the figures, by default the last.
+            shafts: for the outputs per shaft, by default the last; the largest value counts.
+            joints: for the outputs per joint, by default all; the largest value counts.
+            samples: number of random drivelines.
+            seed: of the random numbers; default: a new one, which is the ``seed`` of the result.
+            workers: largest number of threads, as for ``evaluate``; results do not depend on it.
+
+        Returns:
+            worst case, guaranteed bound, quantiles, passing share and shares of the parameters.
+            Angles are in radians; names with ``_deg`` are in degrees.
+
+        Raises:
+            IndexError: a shaft that does not exist.
+            TypeError: values that are not real numbers.
+            ValueError: no tolerances, a negative one, one that permits a bend of 90°, points of a
+                driveline that was not made from points, an unknown figure, shapes that do not fit.
+
+        >>> import cardan
+        >>> shaft = cardan.Driveline.from_bends([10, 10], degrees=True)
+        >>> shaft.tolerances(phases=5.0, degrees=True).worst_deg.round(4)
+        np.float64(4.184)
+        """
+        line: Any = self
+        return tolerances.tolerances(
+            line,
+            type(self)._of,
+            bends=bends,
+            twists=twists,
+            phases=phases,
+            points=points,
+            degrees=degrees,
+            distribution=distribution,
+            teeth=teeth,
+            of=of,
+            limit=limit,
+            speed=speed,
+            load=load,
+            reduce=reduce,
+            shaft=shaft,
+            shafts=shafts,
+            joints=joints,
+            samples=samples,
+            seed=seed,
+            workers=workers,
+        )

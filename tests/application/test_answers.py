@@ -92,6 +92,11 @@ FORCES = {
     *("forces", "figures", "not_determinate", "quantity", "reason", "joint", "bearing", "shaft"),
     *("largest_N", "mean_N", "order_2_N", "order_4_N", "at_drive_angle_deg", "at_drive_angle_rad"),
 }
+TOLERANCES = {
+    *("distribution", "samples", "seed", "figures", "figure", "unit", "nominal", "quantiles"),
+    *("share", "value", "worst", "worst_kind", "guaranteed", "limit", "passing"),
+    *("shares", "group", "of", "number"),
+}
 KEYS = {
     "run": {
         *BALL_JOINT,
@@ -117,6 +122,8 @@ KEYS = {
         *SLIP,
         *STEERING,
         *("states", "state", "verdicts", "equivalent_bend_deg", "verdict", "worst_in"),
+        *TOLERANCES,
+        "tolerances",
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),
         *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),
@@ -142,6 +149,10 @@ KEYS = {
         *("answer", "version", "title", "variables", "minimised", "kept", "files"),
         *("key", "unit", "before", "after", "change", "range", "teeth", "at_end"),
         *("quantity", "over", "states", "state", "limit", "at_limit"),
+    },
+    "tolerances": {
+        *TOLERANCES,
+        *("answer", "version", "title", "permitted", "given", "factor", "needless"),
     },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),

@@ -179,6 +179,9 @@ def test_examples_of_the_help_work(
     if name == "optimise":
         with Path("shaft.toml").open("a") as file:
             file.write('[optimise]\nvary = {"bends_deg.1" = [-2, 2]}\n')
+    if name == "tolerances":
+        with Path("shaft.toml").open("a") as scene:
+            scene.write("\n[tolerances]\nphases_deg = 1\n")
     assert all(example.split()[0] == name for example in examples)
     for example in [*others, *examples]:
         result = run(*example.split())

@@ -258,7 +258,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         '"a\\nb" = 1',
         None,
         r"unknown key 'a\nb'; known are title, driveline, bearing, load, sweep, angles, limits, "
-        "slip, steering, ball_joint, study, states, optimise, output",
+        "tolerances, slip, steering, ball_joint, study, states, optimise, output",
     ),
     (
         DRIVELINE + "bend_deg = [1]",

@@ -47,10 +47,17 @@ from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
 from cardan.figures.steering import steering_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
+from cardan.figures.tolerances import (
+    needed_tolerances,
+    permitted_tolerances,
+    tolerance_figures,
+    tolerances_data,
+)
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import write_picture
 from cardan.plots.abscissa import Over
+from cardan.plots.tolerances import write_tolerances
 from cardan.report import write_report
 from cardan.scene import load_scene, starters
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -70,6 +77,7 @@ from cardan.words.states import states_text, verdicts_text
 from cardan.words.steering import steering_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
+from cardan.words.tolerances import tolerance_verdicts_text, tolerances_text
 from cardan.words.yokes import yoke_text
 
 if TYPE_CHECKING:
@@ -88,6 +96,8 @@ def _besides(scene: Scene) -> Iterator[str]:
         yield slip_text(slip)
     if steered := steering_figures(scene):
         yield steering_text(steered)
+    if toleranced := tolerance_figures(scene):
+        yield f"Tolerances\n{tolerance_verdicts_text(toleranced)}"
     if scene.ball_joint:
         yield ball_joint_text(scene.ball_joint)
 
@@ -368,6 +378,26 @@ def commands() -> click.Group:
     @as_json
     def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
         optimising.run(scene, to, picture, as_json=as_json)
+
+    @cardan.command(help=help_text.TOLERANCES, short_help="Say what tolerances do.")
+    @scene_argument
+    @output_option("Picture to write as well.")
+    @as_json
+    def tolerances(scene: Path, output: Path | None, as_json: bool) -> None:
+        loaded = Scene.load(scene)
+        found = needed_tolerances(loaded)
+        assert loaded.tolerances
+        if output is not None:
+            check_output(loaded, output)
+            write_tolerances(loaded.tolerances, output)
+        if as_json:
+            say(as_json_text(tolerances_data(loaded)))
+            return
+        if loaded.title:
+            say(f"{loaded.title}\n")
+        say(tolerances_text(found, permitted_tolerances(loaded.tolerances)))
+        if output is not None:
+            say(f"\nwrote {output}")
 
     @cardan.command(help=help_text.IDENTIFY, short_help="Find the bend in a recording.")
     @click.argument("file", type=click.Path(path_type=Path))

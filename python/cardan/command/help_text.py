@@ -128,6 +128,23 @@ Examples:
 It needs SciPy: pip install 'cardan[optimise]'.
 """
 
+TOLERANCES = """\
+Say what errors of manufacture and assembly make of a driveline.
+
+The section [tolerances] of the scene says how exact bends, twists, yokes or points are.
+
+The answer has the worst driveline, a guaranteed bound, quantiles of random drivelines, the share
+within the limit, and the share of each joint, shaft or point in the scatter. It also says how exact
+each group must be for every driveline to be within the limit, if there is one. The exit status
+does not depend on the verdict.
+
+\b
+Examples:
+  cardan tolerances shaft.toml
+  cardan tolerances shaft.toml --output tolerances.svg
+  cardan tolerances shaft.toml --json
+"""
+
 REPORT = """\
 Write a page to share, with a slider that turns the driveline.
 

@@ -26,6 +26,7 @@ from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
+from cardan.figures.tolerances import TOLERANCES_PART, tolerance_figures, tolerances_part
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -130,6 +131,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         more["steering"] = steering_data(steered)
     if scene.states:
         more["states"] = verdicts_data(scene, found)
+    if toleranced := tolerance_figures(scene):
+        more["tolerances"] = tolerances_part(toleranced)
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
@@ -258,6 +261,7 @@ CHECK_SCHEMA = answers_with(
         "slip": SLIP_SCHEMA,
         "steering": STEERING_SCHEMA,
         "states": VERDICTS_SCHEMA,
+        "tolerances": TOLERANCES_PART,
     },
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.

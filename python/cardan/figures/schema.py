@@ -9,6 +9,7 @@ from cardan.figures.identification import IDENTIFY_SCHEMA
 from cardan.figures.limits import CHECK_SCHEMA
 from cardan.figures.optimise import OPTIMISE_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
+from cardan.figures.tolerances import TOLERANCES_SCHEMA
 from cardan.figures.yokes import PHASE_SCHEMA
 
 _ANSWERS: Mapping[str, Any] = {
@@ -17,6 +18,7 @@ _ANSWERS: Mapping[str, Any] = {
     "phase": PHASE_SCHEMA,
     "identify": IDENTIFY_SCHEMA,
     "optimise": OPTIMISE_SCHEMA,
+    "tolerances": TOLERANCES_SCHEMA,
 }
 
 

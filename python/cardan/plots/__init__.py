@@ -33,6 +33,7 @@ from cardan.plots.states import plot_states
 from cardan.plots.study import plot_study
 from cardan.plots.style import STYLE, save
 from cardan.plots.thoma import plot_small_angle
+from cardan.plots.tolerances import plot_tolerance_shares, plot_tolerances, write_tolerances
 
 __all__ = [
     "STYLE",
@@ -59,8 +60,11 @@ __all__ = [
     "plot_small_angle",
     "plot_states",
     "plot_study",
+    "plot_tolerance_shares",
+    "plot_tolerances",
     "plot_torque_ratio",
     "save",
     "write_picture",
+    "write_tolerances",
     "yoke_pins",
 ]

@@ -11,6 +11,7 @@ from cardan.figures.advice import advice
 from cardan.figures.drive_speed import drive_speed
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of
+from cardan.figures.tolerances import tolerance_figures
 from cardan.finding import counted
 from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.samples import Samples
@@ -20,6 +21,7 @@ from cardan.words.advice import advice_text, arrangement_text, remedies
 from cardan.words.drive_speed import heading_text, sentences
 from cardan.words.forces import largest_text, reasons
 from cardan.words.summary import figure_text, range_ends
+from cardan.words.tolerances import verdict_texts
 from cardan.words.yokes import phases_text, tooth_lines, yoke_lines
 from cardan.workshop import SAME_YOKE
 
@@ -61,7 +63,13 @@ def answer(
         "drive_speed": _drive_speed(scene),
         "forces": _forces(samples),
         "spline": _spline(scene),
+        "toleranced": _toleranced(scene),
     }
+
+
+def _toleranced(scene: Scene) -> list[str]:
+    found = tolerance_figures(scene)
+    return verdict_texts(found) if found else []
 
 
 def _smooth(scene: Scene, found: Check) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
 from cardan.scene.steering import STEERING
+from cardan.scene.tolerances import TOLERANCES
 from cardan.scene.units import RPM
 
 
@@ -295,6 +296,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
             },
             fewest=1,
         ),
+        "tolerances": TOLERANCES,
         "slip": SLIP,
         "steering": STEERING,
         "ball_joint": BALL_JOINT,

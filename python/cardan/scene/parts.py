@@ -239,3 +239,10 @@ def _too_steep(key: str, vectors: FloatArray) -> str | None:
     else:
         place = f"between shafts {joint} and {joint + 1}"
     return f"give joint {joint} a bend of {bend:.8g} deg {place}; a bend must lie in [0, 90) deg"
+
+
+def largest_speed(load: Load | None) -> float:
+    """Return the speed of the drive in rad/s, the largest of a recording; 0 if it is not given."""
+    speeds = np.atleast_1d(0.0 if load is None else load.speed)
+    known = speeds[~np.isnan(speeds)]
+    return float(known[np.argmax(np.abs(known))]) if known.size else 0.0

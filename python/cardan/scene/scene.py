@@ -37,6 +37,7 @@ from cardan.scene.parts import (
     check_load,
     check_not_recorded,
     filled,
+    largest_speed,
     make_driveline,
     make_load,
     teeth_of,
@@ -49,7 +50,9 @@ from cardan.scene.slip import Slip, slip_of
 from cardan.scene.states import States, states_of, table_of, with_states
 from cardan.scene.steering import SteeringColumn, steering_of
 from cardan.scene.study import Study, StudyResult
+from cardan.scene.tolerances import tolerances_of
 from cardan.sweep import Sweep
+from cardan.tolerances import Tolerances
 
 _OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
@@ -90,6 +93,7 @@ class Scene:
             [driveline], whether that is one of them or not.
         steering: what the scene says of its driveline as a steering column, if it is one.
         optimisation: what may change for the better, if the scene says so.
+        tolerances: what errors of manufacture make of the driveline, if the scene gives any.
     """
 
     name: str
@@ -118,6 +122,7 @@ class Scene:
     states: States | None = None
     steering: SteeringColumn | None = None
     optimisation: Optimisation | None = None
+    tolerances: Tolerances | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -276,6 +281,11 @@ class Scene:
             if "steering" in given and angle.bends is not None:
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             column = steering_of(given["steering"]) if "steering" in given else None
+        limits, tolerances = Limits(**given.get("limits", {})), None
+        with document.within("tolerances"):
+            if "tolerances" in given:
+                speed = largest_speed(load)
+                tolerances = tolerances_of(given["tolerances"], line, limits, load, speed)
         with document.within("ball_joint"):
             ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
         layout = None if angle.bends is not None else Layout(form, driveline, loaded, mounting)
@@ -318,7 +328,7 @@ class Scene:
             title=given[""].get("title", ""),
             line=line,
             load_case=load,
-            limits=Limits(**given.get("limits", {})),
+            limits=limits,
             drive_angle_deg=angle.degrees,
             angle=angle.drive,
             quantities=quantities,
@@ -343,6 +353,7 @@ class Scene:
             states=states,
             steering=column,
             optimisation=optimisation,
+            tolerances=tolerances,
         )
 
     @property
@@ -371,11 +382,7 @@ class Scene:
     @property
     def speed(self) -> float:
         """Speed of the drive in rad/s, the largest one of a recording; 0 if it is not given."""
-        if self.load_case is None:
-            return 0.0
-        speeds = np.atleast_1d(self.load_case.speed)
-        known = speeds[~np.isnan(speeds)]
-        return float(known[np.argmax(np.abs(known))]) if known.size else 0.0
+        return largest_speed(self.load_case)
 
     @property
     def speed_recorded(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from cardan import tolerances
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
@@ -69,6 +70,12 @@ QUANTITIES = Kind("name or names", OneOrMore(_names(OUTPUTS)))
 CLOSED = Kind("name or names", OneOrMore(_names(CLOSED_FORMS)))
 REDUCED = Kind("name or names", OneOrMore(_names(REDUCTIONS)))
 TEETH = Kind("whole number(s)", OneOrEach(ListOf(Whole(1, most=1000), "whole numbers")))
+TOLERANCES = Kind("number(s)", OneOrEach(ListOf(Number(0), "numbers")))
+TOLERANCED = Kind("name or names", OneOrMore(_names([*tolerances.FIGURES, *OUTPUTS])))
+WORST_REDUCED = Kind("name", OneOf(tolerances.REDUCTIONS))
+DISTRIBUTION = Kind("name", OneOf(("uniform", "normal")))
+SAMPLES = Kind("whole number", Whole(1, most=100_000_000))
+SEED = Kind("whole number", Whole(0, most=(1 << 32) - 1))
 INDICES = Kind("whole numbers", ListOf(Whole(0), "whole numbers", distinct=True))
 TOLERANCE = Kind("number", Number(0, 1, below=True))
 VECTOR_AXES = Kind("name", OneOf(("space", "shaft")))

@@ -1,0 +1,307 @@
+"""The tolerances of a driveline as a box around its drawing: which parameters, and by how much."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.errors import ArgumentValueError, wrong_element
+from cardan.geometry import Geometry
+from cardan.tolerances.chain import Deviations, Nominal, Place
+
+GROUPS = ("bends", "twists", "phases", "points")
+"""The groups of parameters that can have tolerances."""
+
+# A normal deviation beyond so many tolerances, six standard deviations, does not occur.
+_FARTHEST = {"uniform": 1.0, "normal": 2.0}
+
+
+class Toleranced(Protocol):
+    """What tolerances need of a driveline."""
+
+    _geometry: Geometry
+
+    @property
+    def n_joints(self) -> int:
+        """Number of joints."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the batch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """One driveline and the tolerances of its parameters.
+
+    Attributes:
+        nominal: the driveline as drawn.
+        halves: tolerance of each parameter that has one, by group and place: radians, for points
+            their unit. With teeth the tolerance of a phase includes half a tooth.
+        teeth: the half tooth of each phase that is set by teeth, in rad.
+        normal: whether tolerances are three standard deviations of a normal distribution. The half
+            tooth is uniform nevertheless.
+    """
+
+    nominal: Nominal
+    halves: Mapping[Place, float]
+    teeth: Mapping[Place, float]
+    normal: bool
+
+    @cached_property
+    def places(self) -> tuple[Place, ...]:
+        """The parameters, in the order of ``sizes``."""
+        return tuple(self.halves)
+
+    @cached_property
+    def sizes(self) -> FloatArray:
+        """Their tolerances, ``(parameters,)``."""
+        return np.array(list(self.halves.values()), dtype=float)
+
+    @cached_property
+    def tooth_sizes(self) -> FloatArray:
+        """The half tooth in each of them, 0 for most."""
+        return np.array([self.teeth.get(place, 0.0) for place in self.places], dtype=float)
+
+    @cached_property
+    def sigmas(self) -> FloatArray:
+        """Their standard deviations."""
+        tooth = self.tooth_sizes
+        own = (self.sizes - tooth) / (3.0 if self.normal else np.sqrt(3.0))
+        return np.asarray(np.hypot(own, tooth / np.sqrt(3.0)))
+
+    def deviations(self, values: FloatArray) -> Deviations:
+        """Return the rows of ``(parameters, samples)`` by parameter."""
+        return dict(zip(self.places, values, strict=True))
+
+    def drawn(self, random: np.random.Generator, samples: int) -> FloatArray:
+        """Draw deviations of the parameters, ``(parameters, samples)``."""
+        shape = (len(self.places), samples)
+        tooth = self.tooth_sizes
+        own = (self.sizes - tooth)[:, np.newaxis]
+        if self.normal:
+            values = random.standard_normal(shape)
+            values *= own / 3.0
+        else:
+            values = random.random(shape)
+            values -= 0.5
+            values *= 2.0 * own
+        for row in np.flatnonzero(tooth):
+            values[row] += tooth[row] * (2.0 * random.random(samples) - 1.0)
+        return values
+
+    def scaled(self, group: str, factor: float) -> Box:
+        """Return the box with the tolerances of one group multiplied; half a tooth stays."""
+
+        def size(place: Place, half: float) -> float:
+            tooth = self.teeth.get(place, 0.0)
+            return tooth + factor * (half - tooth) if place[0] == group else half
+
+        halves = {place: size(place, half) for place, half in self.halves.items()}
+        # A parameter without a tolerance has no steps for differences.
+        halves = {place: half for place, half in halves.items() if half > 0.0}
+        return Box(self.nominal, halves, self.teeth, self.normal)
+
+    def by_group(self, values: FloatArray) -> dict[str, FloatArray]:
+        """Return one number per parameter as arrays per group; 0 without a tolerance."""
+        n = self.nominal.n_joints
+        shapes = {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}
+        found: dict[str, FloatArray] = {}
+        for (group, place), value in zip(self.places, values, strict=True):
+            found.setdefault(group, np.zeros(shapes[group]))[place] = value
+        return found
+
+    @cached_property
+    def cones(self) -> FloatArray:
+        """Largest change in direction of each shaft that the points permit, in rad, ``(n + 1,)``.
+
+        The directions of at most some angle to a shaft make a convex cone, so the corners of the
+        box around the span of two points decide.
+        """
+        points = self.nominal.points
+        if points is None:
+            return np.zeros(self.nominal.n_joints + 1)
+        sizes = self.by_group(self.sizes).get("points", np.zeros(points.shape))
+        spans, reach = np.diff(points, axis=0), sizes[1:] + sizes[:-1]
+        signs = np.array(list(product((-1.0, 1.0), repeat=3)))
+        moved = spans[:, np.newaxis] + signs * reach[:, np.newaxis]
+        across = np.linalg.norm(np.cross(spans[:, np.newaxis], moved), axis=-1)
+        along = np.einsum("ij,ikj->ik", spans, moved)
+        return np.asarray(np.max(np.arctan2(across, along), axis=-1))
+
+    @cached_property
+    def bend_changes(self) -> FloatArray:
+        """By how much each bend can change at most, in rad, ``(n,)``."""
+        return self.cones[1:] + self.cones[:-1] + self.by_group(self.sizes).get("bends", 0.0)
+
+    def check(self) -> None:
+        """Check that no driveline within the box has a bend of 90° or more.
+
+        Raises:
+            ValueError: one has, or points change the direction of a shaft by 90° or more.
+        """
+        times = _FARTHEST["normal" if self.normal else "uniform"]
+        halves = {place: times * half for place, half in self.halves.items()}
+        wide = self if times == 1.0 else Box(self.nominal, halves, {}, self.normal)
+        most = self.nominal.bends + wide.bend_changes
+        turned = np.maximum(wide.cones[1:], wide.cones[:-1])
+        wrong = np.flatnonzero(~((most < np.pi / 2) & (turned < np.pi / 2)))
+        if wrong.size:
+            joint = int(wrong[0])
+            group = "bends" if self.nominal.points is None else "points"
+            where = " at six standard deviations" if self.normal else ""
+            raise ArgumentValueError(
+                group,
+                f"permit a bend of {np.degrees(most[joint]):.6g} deg at joint {joint}{where}; "
+                "every bend must stay below 90 deg",
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Boxes:
+    """The boxes of a batch of drivelines.
+
+    Attributes:
+        shape: of the batch, which that of the tolerances may extend.
+        geometry: the drivelines, in that shape.
+        each: one box per driveline, in C order.
+    """
+
+    shape: tuple[int, ...]
+    geometry: Geometry
+    each: tuple[Box, ...]
+
+
+def boxes(
+    line: Toleranced,
+    given: Mapping[str, ArrayLike | None],
+    teeth: ArrayLike | None,
+    distribution: str,
+    degrees: bool,
+) -> Boxes:
+    """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
+    n = line.n_joints
+    own = {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}
+    if distribution not in _FARTHEST:
+        raise ArgumentValueError(
+            "distribution", f"is {distribution!r}; it must be 'uniform' or 'normal'"
+        )
+    arrays = {
+        group: _tolerance(group, value, own[group], degrees and group != "points")
+        for group, value in given.items()
+        if value is not None
+    }
+    half_tooth = None if teeth is None else _half_tooth(teeth, own["phases"])
+    if not arrays and half_tooth is None:
+        raise ArgumentValueError(
+            "tolerances", f"are missing; give at least one of {', '.join(GROUPS)} and teeth"
+        )
+    _check_points(line, arrays)
+    shapes = {group: array.shape[: -len(own[group])] for group, array in arrays.items()}
+    if half_tooth is not None:
+        shapes["teeth"] = half_tooth.shape[:-1]
+    shape = common_shape(driveline=line.shape, **shapes)
+    count = math.prod(shape)
+    spread = {
+        group: np.broadcast_to(array, (*shape, *own[group])).reshape(count, *own[group])
+        for group, array in arrays.items()
+    }
+    if half_tooth is not None:
+        half_tooth = np.broadcast_to(half_tooth, (*shape, n - 1)).reshape(count, n - 1)
+    geometry = line._geometry.batched(shape)
+    nominals = _nominals(geometry, "points" in arrays)
+    each = []
+    for i, nominal in enumerate(nominals):
+        tooth = {} if half_tooth is None else _positive("phases", half_tooth[i])
+        halves = {
+            place: half
+            for group in GROUPS
+            if group in spread
+            for place, half in _positive(group, spread[group][i]).items()
+        }
+        halves |= {place: halves.get(place, 0.0) + half for place, half in tooth.items()}
+        box = Box(nominal, halves, tooth, distribution == "normal")
+        box.check()
+        each.append(box)
+    return Boxes(shape, geometry, tuple(each))
+
+
+def _tolerance(name: str, value: ArrayLike, own: tuple[int, ...], degrees: bool) -> FloatArray:
+    array = as_float64(name, value)
+    wrong = ~((array >= 0.0) & np.isfinite(array))
+    if wrong.any():
+        raise wrong_element(name, array, wrong, "; a tolerance must be finite and not negative")
+    if degrees:
+        array = np.radians(array)
+    if array.ndim == 0:
+        return np.full(own, array)
+    if name == "points" and array.shape[-2:] == (own[0], 1):
+        array = np.repeat(array, 3, axis=-1)
+    if array.shape[-len(own) :] != own:
+        wanted = ", ".join(map(str, own))
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; it must be one number or (..., {wanted})"
+        )
+    return array
+
+
+def _half_tooth(teeth: ArrayLike, own: tuple[int, ...]) -> FloatArray:
+    """Half the pitch of each spline in rad."""
+    array = as_float64("teeth", teeth)
+    wrong = ~((array >= 1.0) & (array == np.floor(array)) & np.isfinite(array))
+    if wrong.any():
+        raise wrong_element("teeth", array, wrong, "; it must be a whole number, at least 1")
+    half = np.pi / array
+    if half.ndim == 0:
+        return np.full(own, half)
+    if half.shape[-1:] != own:
+        raise ArgumentValueError(
+            "teeth", f"has shape {half.shape}; it must be one number or (..., {own[0]})"
+        )
+    return np.asarray(half)
+
+
+def _check_points(line: Toleranced, arrays: Mapping[str, Any]) -> None:
+    if "points" not in arrays:
+        return
+    if not line._geometry.lengths.shape[-1]:
+        raise ArgumentValueError(
+            "points", "have tolerances, but the driveline was not made from points"
+        )
+    for group in ("bends", "twists"):
+        if group in arrays:
+            raise ArgumentValueError(
+                group, "do not go with points: the points determine bends and twists"
+            )
+
+
+def _nominals(geometry: Geometry, by_points: bool) -> Iterator[Nominal]:
+    n = geometry.n_joints
+    count = math.prod(geometry.shape)
+    flat = [array.reshape(count, array.shape[-1]) for array in geometry.arrays[:3]]
+    spans = (
+        (geometry.directions * geometry.lengths[..., np.newaxis]).reshape(count, n + 1, 3)
+        if by_points
+        else None
+    )
+    for i, (bends, twists, phases) in enumerate(zip(*flat, strict=True)):
+        points = None
+        if spans is not None:
+            points = np.concatenate([np.zeros((1, 3)), np.cumsum(spans[i], axis=0)])
+        yield Nominal(bends, twists, phases, points)
+
+
+def _positive(group: str, array: FloatArray) -> dict[Place, float]:
+    """The tolerances above 0 by place."""
+    return {
+        (group, tuple(map(int, place))): float(array[tuple(place)])
+        for place in np.argwhere(array > 0.0)
+    }

@@ -1,0 +1,70 @@
+"""How far the tolerances of one group may grow until a limit is reached."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from cardan.tolerances.case import Case, Quantity
+
+# Up to this factor, and until the limit is met this closely.
+_MOST, _CLOSE, _ROUNDS = 1e6, 1e-11, 100
+
+
+def permitted_factor(case: Case, quantity: Quantity, limit: float, group: str, bound: str) -> float:
+    """Return the factor of the tolerances of one group at which a bound reaches the limit.
+
+    Args:
+        case: the driveline with its tolerances.
+        quantity: the figure.
+        limit: of the figure.
+        group: of parameters.
+        bound: ``"worst"``, ``"linear"`` or ``"guaranteed"``.
+
+    Returns:
+        the factor; NaN if the other tolerances alone exceed the limit, infinite without a factor.
+    """
+
+    def excess(factor: float) -> float:
+        scaled = case.scaled(group, factor)
+        try:
+            scaled.box.check()
+        except ValueError:
+            return math.inf
+        return float(getattr(scaled, bound)(quantity)) / limit - 1.0
+
+    return _root(excess)
+
+
+def _root(excess: Callable[[float], float]) -> float:
+    """The zero above 0 of a function that grows; NaN if it is positive at 0, infinite without one.
+
+    By the Illinois form of the rule of false position, and by halves where the function is
+    infinite.
+    """
+    low, below = 0.0, excess(0.0)
+    if below > 0.0:
+        return math.nan
+    high, above = 1.0, excess(1.0)
+    while above <= 0.0:
+        low, below, high = high, above, 2.0 * high
+        if high > _MOST:
+            return math.inf
+        above = excess(high)
+    side = 0
+    for _ in range(_ROUNDS):
+        middle = 0.5 * (low + high)
+        if math.isfinite(above) and above > below:
+            middle = (low * above - high * below) / (above - below)
+        value = excess(middle)
+        if abs(value) <= _CLOSE or high - low <= _CLOSE * high:
+            return middle
+        if value > 0.0:
+            high, above = middle, value
+            below *= 0.5 if side > 0 else 1.0
+            side = 1
+        else:
+            low, below = middle, value
+            above *= 0.5 if side < 0 else 1.0
+            side = -1
+    return low

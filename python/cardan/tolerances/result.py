@@ -1,0 +1,340 @@
+"""What tolerances do to a driveline: the worst case, bounds, quantiles and shares."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cardan.arrays import FloatArray, as_float64, scalar_or_array
+from cardan.errors import ArgumentValueError
+from cardan.tolerances.case import Case, Quantity
+from cardan.tolerances.permitted import permitted_factor
+from cardan.tolerances.quantities import FIGURES, Figure
+from cardan.tolerances.sampling import sample
+
+
+class Tolerances:
+    """The effect of tolerances on figures of a driveline; see ``Driveline.tolerances``.
+
+    With one figure every result is an array in the shape of the batch (a number for a single
+    driveline). With several it is a mapping from their names to such arrays.
+
+    Attributes:
+        of: names of the figures.
+        shape: shape of the batch.
+        samples: number of random drivelines.
+        seed: of their random numbers; the same seed gives the same samples again.
+        distribution: ``"uniform"`` or ``"normal"``.
+    """
+
+    def __init__(
+        self,
+        cases: Sequence[Case],
+        shape: tuple[int, ...],
+        quantities: Mapping[str, Quantity],
+        *,
+        several: bool,
+        limits: Mapping[str, float],
+        samples: int,
+        seed: int,
+        distribution: str,
+        workers: int | None,
+    ) -> None:
+        """Take checked arguments; ``Driveline.tolerances`` makes them."""
+        self._cases, self._quantities, self._several = cases, quantities, several
+        self._limits, self._workers = limits, workers
+        self.of = tuple(quantities)
+        self.shape = shape
+        self.samples, self.seed, self.distribution = samples, seed, distribution
+
+    @property
+    def given(self) -> dict[str, FloatArray]:
+        """The tolerances by group in rad or the unit of the points, without half a tooth."""
+        return self._by_group([case.box.sizes - case.box.tooth_sizes for case in self._cases])
+
+    @property
+    def half_tooth(self) -> dict[str, FloatArray]:
+        """Half a tooth of each phase in rad, by group like ``given``; 0 where none is set."""
+        return self._by_group([case.box.tooth_sizes for case in self._cases])
+
+    @property
+    def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name
+        """The figure of the driveline as drawn."""
+        return self._each(Case.nominal)
+
+    @cached_property
+    def worst(self) -> Any:  # noqa: ANN401
+        """The largest figure of any driveline within the tolerances; ``worst_kind`` says how.
+
+        For a normal distribution the tolerances are three standard deviations, and samples beyond
+        them can exceed this figure.
+        """
+        return self._each(Case.worst)
+
+    @property
+    def worst_kind(self) -> Any:  # noqa: ANN401
+        """How ``worst`` was found, one word or one per figure.
+
+        ``"box"``: over the box of tolerances itself, from all its corners inwards; ``"linear"``:
+        too many parameters for that, as ``linear`` has it.
+        """
+        return self._named(
+            {
+                name: "box" if all(case.searched(quantity) for case in self._cases) else "linear"
+                for name, quantity in self._quantities.items()
+            }
+        )
+
+    @cached_property
+    def worst_at(self) -> Any:  # noqa: ANN401
+        """Deviations of the worst driveline as a mapping from group to array, in rad or the unit.
+
+        Raises:
+            ValueError: ``worst_kind`` is ``"linear"``.
+        """
+        if not all(case.searched(q) for case in self._cases for q in self._quantities.values()):
+            raise ValueError("the worst driveline is not known: worst_kind is 'linear'")
+        return self._grouped(Case.worst_at)
+
+    @cached_property
+    def linear(self) -> Any:  # noqa: ANN401
+        """The largest figure to first order: the farthest vertex of ``q + sum of ± dq``.
+
+        For a reduced output: its value and the sum of the magnitudes of all first-order changes.
+        """
+        return self._each(Case.linear)
+
+    @cached_property
+    def guaranteed(self) -> Any:  # noqa: ANN401
+        """A bound that no driveline within the tolerances exceeds, by the triangle inequality.
+
+        With several figures, of those of which one is known.
+
+        Raises:
+            ValueError: the only figure is a reduced output, of which no bound is known.
+        """
+        found = {
+            name: self._batch([case.guaranteed(quantity) for case in self._cases])
+            for name, quantity in self._quantities.items()
+            if isinstance(quantity, Figure)
+        }
+        if self._several or found:
+            return self._named(found)
+        raise ArgumentValueError(
+            "of",
+            f"is {self.of[0]!r}; a guaranteed bound is known for {', '.join(FIGURES)} only, which "
+            "depend on one complex number",
+        )
+
+    @cached_property
+    def sampled(self) -> Any:  # noqa: ANN401
+        """The figure of each random driveline, ``(..., samples)``.
+
+        All drivelines of a batch have the same random numbers, so that they can be compared.
+        """
+        found = {name: np.empty((len(self._cases), self.samples)) for name in self.of}
+        for i, case in enumerate(self._cases):
+            of = partial(case.values, self._quantities)
+            out = {name: values[i] for name, values in found.items()}
+            sample(case.box, self.seed, self._workers, of, out)
+        return self._named(
+            {name: values.reshape((*self.shape, self.samples)) for name, values in found.items()}
+        )
+
+    def quantile(self, share: ArrayLike) -> Any:  # noqa: ANN401
+        """Return the figure that this share of the random drivelines does not exceed.
+
+        Args:
+            share: within [0, 1], any shape.
+
+        Returns:
+            in the shape of the batch, followed by that of ``share``.
+
+        Raises:
+            TypeError: shares that are not real numbers.
+            ValueError: a share outside [0, 1].
+        """
+        p = as_float64("share", share)
+        if not np.all((p >= 0.0) & (p <= 1.0)):
+            raise ArgumentValueError("share", f"is {share!r}; it must lie in [0, 1]")
+        found = {
+            name: scalar_or_array(np.asarray(self._quantiles(values, p)))
+            for name, values in self._sampled_by_name().items()
+        }
+        return self._named(found)
+
+    @staticmethod
+    def _quantiles(values: FloatArray, share: FloatArray) -> FloatArray:
+        found = np.asarray(np.quantile(values, share.reshape(-1), axis=-1))
+        return np.moveaxis(found, 0, -1).reshape((*values.shape[:-1], *share.shape))
+
+    @cached_property
+    def shares(self) -> Any:  # noqa: ANN401
+        """Share of each parameter in the scatter of the figure, by group; together they are 1.
+
+        ``|dq/dx|² sigma²`` of each parameter over the sum; for a reduced output with its own
+        derivative. ``"bends"``: ``(..., n)``, ``"phases"`` and ``"twists"``: ``(..., n - 1)``,
+        ``"points"``: ``(..., n + 2, 3)``.
+        """
+
+        return self._grouped(Case.shares)
+
+    @property
+    def passing(self) -> Any:  # noqa: ANN401
+        """Share of the random drivelines that do not exceed the limit.
+
+        With several figures, of those that have a limit.
+
+        Raises:
+            ValueError: the only figure has no limit.
+        """
+        found = {
+            name: scalar_or_array(np.asarray(np.mean(values <= self._limits[name], axis=-1)))
+            for name, values in self._sampled_by_name().items()
+            if name in self._limits
+        }
+        if self._several:
+            return found
+        if not found:
+            raise ArgumentValueError("limit", f"is missing; {self.of[0]!r} has no limit of its own")
+        return found[self.of[0]]
+
+    @property
+    def limit(self) -> Any:  # noqa: ANN401
+        """The limit of each figure in its unit; NaN without one."""
+        return self._named({name: self._limits.get(name, math.nan) for name in self.of})
+
+    def permitted(self, group: str, *, bound: str = "worst") -> Any:  # noqa: ANN401
+        """Return by which factor the tolerances of one group may grow until the limit is reached.
+
+        All other tolerances stay as they are. Below 1 they must become tighter. A single driveline
+        and a single figure are judged.
+
+        Args:
+            group: ``"bends"``, ``"twists"``, ``"phases"`` or ``"points"``.
+            bound: what must not exceed the limit: ``"worst"``, ``"linear"`` or ``"guaranteed"``.
+
+        Returns:
+            the factor; NaN if the others alone exceed the limit, infinite if no factor reaches it.
+
+        Raises:
+            ValueError: a group without tolerances, an unknown bound, a batch, several figures, no
+                limit.
+        """
+        if self._several or self.shape:
+            raise ValueError("permitted tolerances are found for one driveline and one figure")
+        case, name = self._cases[0], self.of[0]
+        quantity = self._quantities[name]
+        if name not in self._limits:
+            raise ArgumentValueError("limit", f"is missing; {name!r} has no limit of its own")
+        if not any(place[0] == group for place in case.box.places):
+            raise ArgumentValueError("group", f"is {group!r}; it has no tolerances")
+        if bound not in ("worst", "linear", "guaranteed"):
+            raise ArgumentValueError(
+                "bound", f"is {bound!r}; it must be 'worst', 'linear' or 'guaranteed'"
+            )
+
+        return permitted_factor(case, quantity, self._limits[name], group, bound)
+
+    @property
+    def nominal_deg(self) -> Any:  # noqa: ANN401
+        """``nominal`` in degrees."""
+        return self._degrees(self.nominal)
+
+    @property
+    def worst_deg(self) -> Any:  # noqa: ANN401
+        """``worst`` in degrees."""
+        return self._degrees(self.worst)
+
+    @property
+    def linear_deg(self) -> Any:  # noqa: ANN401
+        """``linear`` in degrees."""
+        return self._degrees(self.linear)
+
+    @property
+    def guaranteed_deg(self) -> Any:  # noqa: ANN401
+        """``guaranteed`` in degrees."""
+        return self._degrees(self.guaranteed)
+
+    @property
+    def sampled_deg(self) -> Any:  # noqa: ANN401
+        """``sampled`` in degrees."""
+        return self._degrees(self.sampled)
+
+    @property
+    def limit_deg(self) -> Any:  # noqa: ANN401
+        """``limit`` in degrees."""
+        return self._degrees(self.limit)
+
+    def quantile_deg(self, share: ArrayLike) -> Any:  # noqa: ANN401
+        """Return ``quantile`` in degrees."""
+        return self._degrees(self.quantile(share))
+
+    def unit(self, name: str) -> str:
+        """Return the SI unit of a figure."""
+        return self._quantities[name].unit
+
+    def __repr__(self) -> str:
+        """Show the figures, the number of parameters and of drivelines."""
+        parameters = max((len(case.box.places) for case in self._cases), default=0)
+        batch = f" of a batch of shape {self.shape}" if self.shape else ""
+        kinds = self.worst_kind if self._several else {self.of[0]: self.worst_kind}
+        listed = ", ".join(f"{name} (worst: {kinds[name]})" for name in self.of)
+        return f"<Tolerances of {parameters} parameters{batch}: {listed}>"
+
+    def _degrees(self, values: Any) -> Any:  # noqa: ANN401
+        for name in self.of:
+            if self.unit(name) != "rad":
+                raise ArgumentValueError(
+                    "of", f"has {name!r} in {self.unit(name)}; only angles have degrees"
+                )
+        if self._several:
+            return {name: np.degrees(value)[()] for name, value in values.items()}
+        return np.degrees(values)[()]
+
+    def _sampled_by_name(self) -> Mapping[str, FloatArray]:
+        found: Mapping[str, FloatArray] = (
+            self.sampled if self._several else {self.of[0]: self.sampled}
+        )
+        return found
+
+    def _each(self, of: Callable[[Case, Quantity], float]) -> Any:  # noqa: ANN401
+        """One number per driveline and figure, in the shape of the batch."""
+        return self._named(
+            {
+                name: self._batch([of(case, quantity) for case in self._cases])
+                for name, quantity in self._quantities.items()
+            }
+        )
+
+    def _batch(self, values: Sequence[float]) -> Any:  # noqa: ANN401
+        return scalar_or_array(np.array(values, dtype=float).reshape(self.shape))
+
+    def _grouped(self, of: Callable[[Case, Quantity], FloatArray]) -> Any:  # noqa: ANN401
+        """One number per parameter as arrays by group, in the shape of the batch."""
+        return self._named(
+            {
+                name: self._by_group([of(case, quantity) for case in self._cases])
+                for name, quantity in self._quantities.items()
+            }
+        )
+
+    def _by_group(self, rows: Sequence[FloatArray]) -> dict[str, FloatArray]:
+        """Numbers per parameter of each driveline as arrays by group."""
+        parts = [case.box.by_group(row) for case, row in zip(self._cases, rows, strict=True)]
+        groups = {group: array.shape for part in parts for group, array in part.items()}
+        return {
+            group: np.array([part.get(group, np.zeros(own)) for part in parts]).reshape(
+                (*self.shape, *own)
+            )
+            for group, own in groups.items()
+        }
+
+    def _named(self, found: Mapping[str, Any]) -> Any:  # noqa: ANN401
+        """The only result, or all by name."""
+        return found if self._several else found[self.of[0]]

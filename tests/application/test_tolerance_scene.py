@@ -1,0 +1,307 @@
+"""Tolerances of a scene: values, errors, answers, sentences, pictures and the page."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import cardan
+from cardan.command import commands
+from cardan.figures.limits import check_data, check_scene
+from cardan.figures.schema import answers_schema
+from cardan.figures.tolerances import (
+    ToleranceFigures,
+    permitted_tolerances,
+    tolerance_figures,
+    tolerances_data,
+)
+from cardan.plots import plot_tolerance_shares, plot_tolerances
+from cardan.report import write_report
+from cardan.scene import Scene
+from cardan.words.tolerances import percent, permitted_texts, tolerances_text, verdict_texts
+
+ROOT = Path(__file__).parents[2]
+WORKSHOP = ROOT / "examples" / "workshop.toml"
+TEXT = WORKSHOP.read_text(encoding="utf-8")
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+POINTS = """\
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1500, -100, 20], [2400, -250, 30]]
+"""
+POINTS_M = """\
+[driveline]
+points_m = [[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.02], [2.4, -0.25, 0.03]]
+"""
+TWO = "[driveline]\nbends_deg = [10, 10]\n"
+
+
+def scene(text: str) -> Scene:
+    return Scene.parse(text)
+
+
+def figures(text: str) -> ToleranceFigures:
+    found = tolerance_figures(scene(text))
+    assert found is not None
+    return found
+
+
+def command(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(commands(), [*map(str, arguments)])
+
+
+def test_values_are_those_of_the_library() -> None:
+    found = figures(TEXT).figures[0]
+    line = cardan.Driveline.from_bends([10, 10], degrees=True)
+    own = line.tolerances(bends=0.1, phases=5.0, degrees=True, seed=0)
+    assert found.worst == pytest.approx(own.worst_deg, rel=1e-12)
+    assert found.guaranteed == pytest.approx(own.guaranteed_deg, rel=1e-12)
+    assert found.quantiles == pytest.approx(own.quantile_deg([0.5, 0.95, 0.99]), rel=1e-12)
+    assert found.passing == own.passing
+    assert found.limit == pytest.approx(3.0)
+    assert found.shares[0].label == "phase of shaft 1"
+    assert sum(share.share for share in found.shares) == pytest.approx(1.0)
+    permitted = {part.group: part.factor for part in permitted_tolerances(own)}
+    assert math.isnan(permitted["bends"])
+    assert permitted["phases"] == pytest.approx(own.permitted("phases"))
+
+
+def test_points_have_millimetres() -> None:
+    scenes = [scene(f"{text}[tolerances]\npoints_mm = 2\n") for text in (POINTS, POINTS_M)]
+    points = np.array([[0, 0, 0], [300, 0, 0], [1500, -100, 20], [2400, -250, 30]])
+    own = cardan.Driveline.from_points(points).tolerances(points=2.0)
+    for given in scenes:
+        assert given.tolerances is not None
+        assert given.tolerances.worst == pytest.approx(own.worst, rel=1e-9)
+    each = scene(f"{POINTS}[tolerances]\npoints_mm = [0, 1, 0, 0]\n").tolerances
+    assert each is not None
+    assert (each.given["points"] > 0).sum(axis=-1).tolist() == [0, 3, 0, 0]
+    assert each.given["points"][1] == pytest.approx(1e-3)
+
+
+def test_limits_are_those_of_the_scene() -> None:
+    of = '["equivalent_bend", "non_uniformity", "inertia_excitation_driving", "torque"]'
+    text = (
+        f"{TWO}[load]\nspeed_rpm = 1500\noutput_torque_Nm = 100\n[limits]\npreset = 'truck'\n"
+        f"equivalent_bend_deg = [2, 4]\n[tolerances]\nphases_deg = 1\nof = {of}\nsamples = 100\n"
+    )
+    limits = {figure.name: figure.limit for figure in figures(text).figures}
+    joint = cardan.Driveline.from_bends([2.0], degrees=True).equivalent()
+    assert limits["equivalent_bend"] == pytest.approx(2.0)
+    assert limits["non_uniformity"] == pytest.approx(float(joint.non_uniformity))
+    assert limits["inertia_excitation_driving"] == pytest.approx(1000.0)
+    assert limits["torque"] is None
+    guaranteed = {figure.name: figure.guaranteed for figure in figures(text).figures}
+    assert guaranteed["torque"] is None
+    assert None not in (guaranteed["equivalent_bend"], guaranteed["non_uniformity"])
+    own = f"{TWO}[tolerances]\nphases_deg = 1\nlimit = 1.5\nsamples = 100\n"
+    assert figures(own).figures[0].limit == pytest.approx(1.5)
+    ratio = own.replace("limit = 1.5", "of = 'non_uniformity'\nlimit = 0.01")
+    assert figures(ratio).figures[0].limit == 0.01
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (f"{TWO}[tolerances]\nsamples = 9\n", "[tolerances]"),
+        (f"{TWO}[tolerances]\nphases_deg = -1\n", "phases_deg is -1; it must not be negative"),
+        (
+            f"{TWO}[tolerances]\nphases_deg = [1, 2]\n",
+            "phases_deg has length 2; it needs 1, one per shaft",
+        ),
+        (f"{TWO}[tolerances]\nbends_deg = 81\n", "bends_deg permit a bend of 91 deg at joint 0"),
+        (
+            f"{TWO}[tolerances]\npoints_mm = 1\n",
+            "points_mm have tolerances, but the driveline was not made from points",
+        ),
+        (f"{POINTS}[tolerances]\npoints_mm = 1\nbends_deg = 1\n", "points_mm"),
+        (f"{POINTS}[tolerances]\npoints_mm = 1e3\n", "points_mm permit a bend of"),
+        (
+            f"{POINTS}[tolerances]\npoints_mm = [1, 2]\n",
+            "points_mm has length 2; it needs 4, one per point",
+        ),
+        (f"{TWO}[tolerances]\nphases_deg = 1\nof = 'bend'\n", "of is 'bend'"),
+        (
+            f"{TWO}[tolerances]\nphases_deg = 1\nof = 'torque'\n",
+            "of has 'torque', which needs a section [load]",
+        ),
+        (
+            f"{TWO}[tolerances]\nphases_deg = 1\nof = 'torsional_excitation'\n",
+            "of has 'torsional_excitation', which needs a speed in [load]",
+        ),
+        (
+            f"{TWO}[tolerances]\nphases_deg = 1\nof = ['angle', 'equivalent_bend']\nlimit = 2\n",
+            "limit applies to a single figure, and 'of' names 2",
+        ),
+    ],
+)
+def test_what_is_refused(text: str, said: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(said)) as caught:
+        scene(text)
+    # The line of the section or of the key.
+    assert re.match(r"scene, line [3-6]: \[tolerances\]", str(caught.value)), caught.value
+
+
+def test_recorded_bends_are_refused() -> None:
+    text = (ROOT / "examples" / "recorded_run.toml").read_text(encoding="utf-8")
+    if "bend_columns" not in text:
+        text = re.sub(r"\[driveline\].*?(?=\n\[)", "", text, flags=re.DOTALL)
+        text = text.replace("[angles]", "[angles]\nbend_columns_deg = ['crank_deg']", 1)
+    with pytest.raises(ValueError, match=r"recorded|bend"):
+        Scene.parse(f"{text}\n[tolerances]\nphases_deg = 1\n", folder=ROOT / "examples")
+
+
+def test_the_answer_fits_its_schema(tmp_path: Path) -> None:
+    data = tolerances_data(scene(TEXT))
+    ANSWERS.validate(data)
+    assert [part["group"] for part in data["permitted"]] == ["bends", "phases"]
+    assert data["permitted"][0]["factor"] is None
+    assert data["permitted"][0]["needless"] is False
+    result = command("tolerances", WORKSHOP, "--json")
+    assert result.exit_code == 0
+    assert json.loads(result.stdout) == data
+    checked = check_data(scene(TEXT), check_scene(scene(TEXT)))
+    ANSWERS.validate(checked)
+    assert checked["tolerances"]["figures"] == data["figures"]
+    small = TEXT.replace("[10, 10]", "[1, 1]").replace("bends_deg = 0.1 ", "bends_deg = 0.01 ")
+    needless = tolerances_data(scene(small))["permitted"][1]
+    ANSWERS.validate(tolerances_data(scene(small)))
+    assert (needless["factor"], needless["needless"]) == (None, True)
+
+
+def test_the_sentence_of_check_and_report(tmp_path: Path) -> None:
+    result = command("check", WORKSHOP)
+    assert result.exit_code == 0
+    flat = " ".join(result.output.split())
+    sentence = (
+        "Within the 3° limit; with these tolerances 50.3 % of the drivelines are, the worst has "
+        "4.238°, mostly from the phase of shaft 1."
+    )
+    assert sentence in flat
+    page = tmp_path / "page.html"
+    write_report(scene(TEXT), page)
+    text = page.read_text(encoding="utf-8")
+    # In the first section and in its own, which the navigation names.
+    assert text.count(sentence) == 2
+    assert text.count('href="#tolerances"') == 2
+    assert "What makes the equivalent bend scatter" in text
+    without = tmp_path / "without.html"
+    write_report(scene(TWO), without)
+    assert "olerances" not in without.read_text(encoding="utf-8").split("<script")[0]
+
+
+def test_sentences() -> None:
+    texts = {
+        "[tolerances]\nphases_deg = 1\n": "Within the 3° limit; with these tolerances 100.0 %",
+        "phases_deg = [20]\n[tolerances]\nphases_deg = 1\n": "Beyond the 3° limit; with these "
+        "tolerances 0.0 % of the drivelines are within it, the worst has",
+    }
+    for text, said in texts.items():
+        assert verdict_texts(figures(TWO + text))[0].startswith(said)
+    several = (
+        f"{TWO}[load]\nspeed_rpm = 900\n[tolerances]\nphases_deg = 1\nsamples = 100\n"
+        "of = ['equivalent_bend', 'inertia_excitation_driving']\n"
+    )
+    first, second = verdict_texts(figures(several))
+    assert first.startswith("Equivalent bend: within the 3° limit")
+    assert re.match(r"Inertia excitation, driving: \d+\.\d rad/s² as drawn; with", second)
+    alone = scene(f"{TWO}[tolerances]\nphases_deg = 1\n").tolerances
+    assert alone is not None
+    found = figures(f"{TWO}[tolerances]\nphases_deg = 1\n")
+    (text,) = permitted_texts(found, permitted_tolerances(alone))
+    assert text == "Every driveline is within 3° if the phases are exact to ±2.56°."
+    small = scene("[driveline]\nbends_deg = [1, 1]\n[tolerances]\nphases_deg = 1\n").tolerances
+    assert small is not None
+    (text,) = permitted_texts(found, permitted_tolerances(small))
+    assert text == "With any error of the phases every driveline is within 3°."
+    assert [percent(x) for x in (1.0, 0.99999, 0.5, 1e-5, 0.0)] == [
+        "100.0 %",
+        "more than 99.9 %",
+        "50.0 %",
+        "less than 0.1 %",
+        "0.0 %",
+    ]
+
+
+def test_the_printed_tolerance_is_within_the_limit() -> None:
+    # Rounded to the nearest, 2.568° would be 2.57°, which exceeds the limit.
+    line = cardan.Driveline.from_bends([10, 10], degrees=True)
+    assert line.tolerances(phases=2.56, degrees=True).worst_deg < 3.0
+    assert line.tolerances(phases=2.57, degrees=True).worst_deg > 3.0
+
+
+def test_text_of_teeth_and_points() -> None:
+    text = f"{POINTS}[tolerances]\npoints_mm = [0, 1, 2, 0]\nteeth = 40\nsamples = 1000\n"
+    printed = tolerances_text(figures(text), ())
+    assert "tolerance of points  ±1 mm to ±2 mm" in printed
+    assert "half a tooth         ±4.5°" in printed
+    assert "random drivelines    1000, uniform, seed 0" in printed
+    assert max(map(len, printed.splitlines())) <= 79
+
+
+def test_a_scene_without_tolerances_says_what_is_missing(tmp_path: Path) -> None:
+    path = tmp_path / "bare.toml"
+    path.write_text(TWO, encoding="utf-8")
+    result = command("tolerances", path)
+    assert result.exit_code == 2
+    assert "section [tolerances] is missing" in result.output
+
+
+def test_pictures(tmp_path: Path) -> None:
+    for ending in ("svg", "png"):
+        path = tmp_path / f"picture.{ending}"
+        result = command("tolerances", WORKSHOP, "--output", path)
+        assert result.exit_code == 0, result.output
+        assert result.output.endswith(f"wrote {path}\n")
+        assert path.stat().st_size > 5000
+    again = tmp_path / "again.svg"
+    command("tolerances", WORKSHOP, "--output", again)
+    assert again.read_bytes() == (tmp_path / "picture.svg").read_bytes()
+
+
+def test_pictures_show_samples_limit_and_shares() -> None:
+    from matplotlib import pyplot
+
+    found = scene(TEXT).tolerances
+    assert found is not None
+    axes = plot_tolerances(found)
+    (bars,) = axes.containers
+    shares = [bar.get_height() for bar in bars]
+    assert sum(shares) == pytest.approx(100.0)
+    (upto,) = [other for other in axes.figure.axes if other is not axes]
+    curve, limit, worst = upto.get_lines()
+    x, y = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
+    assert y[-1] == 100.0
+    for place in (50, 200, 350):
+        assert y[place] == pytest.approx(100 * np.mean(found.sampled_deg <= x[place]), abs=1e-9)
+    assert np.asarray(limit.get_xdata())[0] == pytest.approx(3.0)
+    assert np.asarray(worst.get_xdata())[0] == pytest.approx(found.worst_deg)
+    assert axes.get_xlabel() == "equivalent bend [deg]"
+    bars = plot_tolerance_shares(found).containers[0]
+    assert [bar.get_width() for bar in bars] == pytest.approx([97.4, 1.3, 1.3], abs=0.05)
+    pyplot.close("all")
+
+
+def test_what_pictures_refuse() -> None:
+    line = cardan.Driveline.from_bends([[0.1, 0.1], [0.2, 0.2]])
+    with pytest.raises(ValueError, match="batch of shape"):
+        plot_tolerances(line.tolerances(phases=0.1, samples=10))
+    with pytest.raises(ValueError, match="of is 'torque'; it must be one of equivalent_bend"):
+        plot_tolerance_shares(line[0].tolerances(phases=0.1, samples=10), "torque")
+
+
+def test_many_shares_are_summed() -> None:
+    line: Any = cardan.Driveline.from_bends(np.full(9, 0.1))
+    found = line.tolerances(bends=0.01, phases=0.01, samples=10)
+    axes = plot_tolerance_shares(found)
+    labels = [text.get_text() for text in axes.get_yticklabels()]
+    assert len(labels) == 9
+    assert labels[-1] == "the other 9"
+    assert sum(bar.get_width() for bar in axes.containers[0]) == pytest.approx(100.0)
