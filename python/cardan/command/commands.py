@@ -41,13 +41,13 @@ from cardan.figures.extremes import StudyTable
 from cardan.figures.identification import identification_data
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.run import run_data
-from cardan.figures.scene_forces import scene_forces
+from cardan.figures.scene_forces import scene_force_paths, scene_forces
 from cardan.figures.schema import answers_schema
 from cardan.figures.slip import slip_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
-from cardan.plots import write_picture
+from cardan.plots import plot_forces, save, write_picture
 from cardan.plots.abscissa import Over
 from cardan.report import write_report
 from cardan.scene import load_scene, starters
@@ -279,16 +279,25 @@ def commands() -> click.Group:
         type=click.Choice(get_args(Over)),
         help="Draw over this; default: the time where it was recorded, else the turns.",
     )
-    def plot(scene: Path, output: Path | None, study: str | None, over: Over | None) -> None:
-        if study is not None and over is not None:
-            raise click.UsageError("--over does not go with --study")
+    @click.option("--forces", is_flag=True, help="Draw the paths of the force vectors instead.")
+    def plot(
+        scene: Path, output: Path | None, study: str | None, over: Over | None, forces: bool
+    ) -> None:
+        if (study is not None) + (over is not None) + forces > 1:
+            raise click.UsageError("give at most one of --study, --over and --forces")
         path = output or Path(f"{scene.stem}.svg")
         loaded = load_scene(scene)
         if isinstance(loaded, BallJointScene):
+            if forces:
+                raise ValueError(f"{loaded.name}: a ball joint alone has no forces over a turn")
             ball_joint.plot(loaded, path, study)
             say(f"wrote {path}")
             return
         check_output(loaded, path)
+        if forces:
+            save(plot_forces(scene_force_paths(loaded), loaded.title), path)
+            say(f"wrote {path}")
+            return
         with progress_bar() as progress:
             result = loaded.run(progress)
         try:

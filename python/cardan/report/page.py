@@ -23,6 +23,7 @@ from cardan.report.answer import answer
 from cardan.report.ball_joint import ball_joint, page_data
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
+from cardan.report.forces import force_views
 from cardan.report.limits import limits_table
 from cardan.report.samples import Panel, Samples, evaluated
 from cardan.report.slip import slip
@@ -67,6 +68,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
+        force_paths=force_views(scene),
         ball_joint=joint,
         slip=slip(spline) if spline else None,
         catalogue=tables.catalogue(scene, yokes),
