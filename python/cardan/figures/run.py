@@ -108,7 +108,14 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
                 {f"{end}_{angle}": {"type": "number"} for angle in ANGLE}
                 for end in ("first", "last")
             ),
-            optional={"signals": {"type": "array", "items": _SIGNAL}},
+            optional={
+                "signals": {"type": "array", "items": _SIGNAL},
+                "angle_of": {
+                    "const": "driven",
+                    "description": "the scene gives angles of the last shaft; these drive angles "
+                    "follow from them",
+                },
+            },
         ),
         "rows": {
             "type": "array",

@@ -86,6 +86,8 @@ def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
     found = recorded_angles(
         len(scene.drive_angle_deg), scene.missing, ends, turns, scene.signals, radians
     )
+    if scene.driven_angle_deg is not None:
+        found["angle_of"] = "driven"
     return found if scene.recording else {**found, "source": "sweep"}
 
 

@@ -116,6 +116,9 @@ def _drive(scene: Scene) -> list[tuple[str, str]]:
     known = scene.without_missing().drive_angle_deg
     left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
     given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
+    driven = scene.without_missing().driven_angle_deg
+    if driven is not None:
+        given += [("Given as angles of the driven shaft", f"{_span(driven)} deg")]
     if scene.recording is not None:
         given += [("Recording", scene.recording.name)]
     given += [

@@ -319,6 +319,11 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     "of vectors: space, or shaft for axes that turn with the shaft on which they "
                     "act (x along it, y along its input-side pin); default: space",
                 ),
+                "angle_of": Key(
+                    kinds.ANGLE_OF,
+                    "the shaft whose angle [sweep] or [angles] gives: drive, or driven for the "
+                    "last shaft, as an encoder at the output measures it; default: drive",
+                ),
                 "tolerance": Key(
                     kinds.TOLERANCE,
                     "permitted error, relative to the largest magnitude of each quantity; 0 for "

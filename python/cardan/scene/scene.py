@@ -27,6 +27,7 @@ from cardan.scene.ball_joint import BallJointCase, ball_joint_case
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
 from cardan.scene.bearings import LENGTHS, Mounting, lengths_of
 from cardan.scene.document import Document, read_text
+from cardan.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.scene.errors import SceneError
 from cardan.scene.format import BEND_COLUMNS, DRIVE_ANGLES, FORMS, TEETH, Form, describe
 from cardan.scene.parts import (
@@ -80,6 +81,8 @@ class Scene:
         slip: the spline of a shaft that changes its length, if the scene gives one.
         time: recorded times in s, ``(samples,)``, if any.
         signals: the extents of what was recorded besides angles and bends.
+        driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
+            those in place of drive angles.
     """
 
     name: str
@@ -104,6 +107,7 @@ class Scene:
     slip: Slip | None = None
     time: FloatArray | None = None
     signals: tuple[Signal, ...] = ()
+    driven_angle_deg: FloatArray | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -252,6 +256,11 @@ class Scene:
             check_forces(quantities, line, load, joints)
             options = {key: output[key] for key in _OPTIONS if key in output}
             check_axes(quantities, output.get("axes", "space"))
+            of_driven, driven_angle_deg = {}, None
+            if output.get(ANGLE_OF) == "driven":
+                check_driven(recorded)
+                of_driven, driven_angle_deg = {ANGLE_OF: "driven"}, angle.degrees
+                angle = at_drive(angle, line)
             if angle.bends is not None and "closed_forms" in output:
                 raise ArgumentValueError("closed_forms", "do not go with recorded bends")
             wanted = given.keys() & {"study"} | output.keys() & {"reduce", "closed_forms"}
@@ -288,7 +297,7 @@ class Scene:
                     tuple(output.get("closed_forms", default)),
                     shafts,
                     tuple(range(line.n_joints)) if joints is None else joints,
-                    options,
+                    {**options, **of_driven},
                     mounting,
                 )
                 # The ends of the grid, so that a value out of range shows before a long run.
@@ -319,6 +328,7 @@ class Scene:
             slip=slip,
             time=angle.time,
             signals=angle.signals,
+            driven_angle_deg=driven_angle_deg,
         )
 
     @property
@@ -340,8 +350,15 @@ class Scene:
         degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
         load = self.load_case and at_samples(self.load_case, known)
         time = None if self.time is None else self.time[known]
+        driven = None if self.driven_angle_deg is None else self.driven_angle_deg[known]
         return replace(
-            self, line=line, drive_angle_deg=degrees, angle=radians, load_case=load, time=time
+            self,
+            line=line,
+            drive_angle_deg=degrees,
+            angle=radians,
+            load_case=load,
+            time=time,
+            driven_angle_deg=driven,
         )
 
     @property

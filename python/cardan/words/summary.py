@@ -93,6 +93,12 @@ def notes_text(
         if drive_angles["source"] == "sweep":
             text += f" Each extreme recurs every {half}."
         yield textwrap.fill(text, 79)
+    if drive_angles.get("angle_of") == "driven":
+        text = (
+            "The scene gives angles of the driven shaft; the drive angles follow from them: "
+            f"{angles_text(drive_angles, radians=radians)}."
+        )
+        yield textwrap.fill(text, 79)
     if _is_short(drive_angles):
         yield "An extreme that the sweep does not reach has no angle."
     if any(row.quantity == "acceleration_at_steady_drive" for row in found):
