@@ -192,7 +192,7 @@ def test_errors(old: str, new: str, message: str) -> None:
 
 def test_bends_have_no_lengths() -> None:
     bends = "[driveline]\nbends_deg = [3, 3]\n"
-    with pytest.raises(SceneError, match=r"shaft has no length; \[slip\] needs points_mm or"):
+    with pytest.raises(SceneError, match=r"shaft has no length that could change; \[slip\] needs"):
         Scene.parse(f"{bends}[slip]\nshaft = 1\n")
     with pytest.raises(SceneError, match=r"closed_forms 'length' needs points_mm or points_m"):
         Scene.parse(f"{bends}[output]\nclosed_forms = ['length']\n")

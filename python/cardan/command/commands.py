@@ -251,7 +251,13 @@ def commands() -> click.Group:
         rate = done.rows / (time.perf_counter() - begun) / 1e6
         say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
         angles = recorded_angles(
-            done.rows, done.missing, done.ends_deg, done.turns, done.signals, radians
+            done.rows,
+            done.missing,
+            done.ends_deg,
+            done.turns,
+            done.signals,
+            radians,
+            done.extent_deg,
         )
         say(f"drive angles {angles_text(angles, radians=radians)}")
         if done.signals:

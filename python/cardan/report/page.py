@@ -57,6 +57,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         title=scene.title or Path(scene.name).name,
         name=Path(scene.name).name,
         joints=scene.line.n_joints,
+        over="time" if samples.time is not None else "the drive angle",
         varied=bool(scene.study and scene.study.axes),
         recorded=scene.recording is not None,
         date=_today(),
@@ -123,6 +124,8 @@ def _digest(text: str) -> str:
 
 
 def _abscissa(samples: Samples) -> tuple[FloatArray, str]:
+    if samples.time is not None:
+        return samples.time, "time [s]"
     angle = samples.angle_deg
     if np.all(np.diff(angle) >= 0.0) or np.all(np.diff(angle) <= 0.0):
         return angle, "drive angle [deg]"
