@@ -46,6 +46,7 @@ def axes_of(
     given: Mapping[str, Mapping[str, Spread | list[float]]],
     driveline: Mapping[str, Any],
     load: Mapping[str, Any] | None,
+    bearings: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Axis, ...]:
     """Return the axes that the section [study] describes.
 
@@ -53,6 +54,7 @@ def axes_of(
         given: values by key and place.
         driveline: the keys of the scene's driveline.
         load: those of its load, if any.
+        bearings: the keys of each of its bearings.
 
     Raises:
         ValueError: a key that the scene does not use, a place that does not exist or is varied
@@ -74,6 +76,9 @@ def axes_of(
         )
     axes = []
     for name, places in given.items():
+        if name == "bearing":
+            axes += [_of_bearing(place, values, bearings) for place, values in places.items()]
+            continue
         section = "driveline" if name in FORMAT["driveline"].keys else "load"
         base = _base(name, driveline if section == "driveline" else load, section)
         taken: set[tuple[int, str]] = set()
@@ -96,6 +101,21 @@ def axes_of(
                 )
             )
     return tuple(axes)
+
+
+def _of_bearing(
+    place: str, values: Spread | list[float], bearings: Sequence[Mapping[str, Any]]
+) -> Axis:
+    """The axis of the position of a bearing."""
+    index, _, key = place.partition(".")
+    location, number = _location("bearing", place), int(index)
+    if number >= len(bearings):
+        raise location.error(f"does not exist; there are {len(bearings)} bearings, counted from 0")
+    if key not in bearings[number]:
+        used = next(name for name in bearings[number] if name.startswith("position"))
+        raise location.error(f"does not go with {used} of that bearing; vary that")
+    entries = slice(number, number + 1)
+    return Axis(str(location), "bearing", key, entries, None, _listed(values))
 
 
 def _location(name: str, place: str) -> Location:

@@ -280,9 +280,14 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 name: Key(_axis_of(key.kind), f"values for this key of [{section}]")
                 for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
                 for name, key in part.keys.items()
-                if name not in (TEETH, *LENGTHS)
+                if name != TEETH
+            }
+            | {
+                "bearing": Key(
+                    kinds.BEARING_AXES, "values for the position of a [[bearing]], by its number"
+                )
             },
-            together=_LOAD.together,
+            together=(*_LOAD.together, LENGTHS),
             fewest=1,
         ),
         "output": Section(
@@ -341,9 +346,10 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
 """The format of a scene file: sections, their keys, and the meaning of each."""
 
 _STUDY_HELP = """\
-Give a key of [driveline] or [load] the value {from = …, to = …, steps = …} (both ends included) \
-or a list of numbers. bends_deg varies all entries of a list alike, bends_deg.0 the first, and \
-bends_deg.0-1 the first two. points_mm.2.y varies one coordinate of a point.\
+Give a key of [driveline], [load] or a [[bearing]] the value {from = …, to = …, steps = …} (both \
+ends included) or a list of numbers. bends_deg varies all entries of a list alike, bends_deg.0 the \
+first, and bends_deg.0-1 the first two. points_mm.2.y varies one coordinate of a point. The \
+key bearing moves bearings: bearing.0.position_mm.\
 """
 
 

@@ -287,7 +287,12 @@ class Scene:
                 if angle.bends_to_reduce is not None:
                     reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
                 study = Study(
-                    axes_of(varied, driveline, loaded),
+                    axes_of(
+                        varied,
+                        {**driveline, **_lengths(given)},
+                        loaded,
+                        document.tables.get("bearing", ()),
+                    ),
                     form,
                     reduced,
                     reduced_load,
@@ -460,6 +465,12 @@ class SceneResult:
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
     describe(), " " * 8
 )
+
+
+def _lengths(given: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The lengths that a scene gives its shafts."""
+    driveline = given.get("driveline", {})
+    return {key: driveline[key] for key in LENGTHS if key in driveline}
 
 
 def _filled(values: Mapping[str, Any], angle: Angles) -> tuple[Form, dict[str, Any]]:

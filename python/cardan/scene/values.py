@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
-from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
+from cardan.scene.axis_rules import Axis, BearingAxes, ListAxes, VectorAxes
 from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.material_rules import MaterialRule
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
@@ -90,3 +90,4 @@ SEAT_ANGLE = Kind("number", Number(0.1, 90, unit="deg"))
 FRICTION = Kind("number", Number(0, 10))
 MATERIAL = Kind("material", MaterialRule())
 COMPONENT_AXES = Kind("values", VectorAxes())
+BEARING_AXES = Kind("values", BearingAxes(("position_mm", "position_m")))
