@@ -125,7 +125,7 @@ def test_command_draws_forces(tmp_path: Path) -> None:
     assert plot(tmp_path, TEXT, "--forces")[0] == 0
     assert (tmp_path / "a.svg").stat().st_size > 1000
     status, said = plot(tmp_path, TEXT, "--forces", "--over", "turns")
-    assert (status, said) == (2, "cardan: give at most one of --study, --over and --forces\n")
+    assert (status, said) == (2, "cardan: --forces does not go with --study or --over\n")
 
 
 @pytest.mark.parametrize(

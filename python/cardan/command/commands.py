@@ -289,8 +289,10 @@ def commands() -> click.Group:
     def plot(
         scene: Path, output: Path | None, study: str | None, over: Over | None, forces: bool
     ) -> None:
-        if (study is not None) + (over is not None) + forces > 1:
-            raise click.UsageError("give at most one of --study, --over and --forces")
+        if study is not None and over is not None:
+            raise click.UsageError("--over does not go with --study")
+        if forces and (study is not None or over is not None):
+            raise click.UsageError("--forces does not go with --study or --over")
         path = output or Path(f"{scene.stem}.svg")
         loaded = load_scene(scene)
         if isinstance(loaded, BallJointScene):
