@@ -107,8 +107,8 @@ def _verdict(found: SlipFigures) -> Iterator[str]:
         yield "These are figures of one position; a [study] of points finds the travel."
     elif not found.longest.at:
         yield (
-            f"The study does not change the length of shaft {found.slip.shaft}; a [study] of points "
-            "finds the travel."
+            f"The study does not change the length of shaft {found.slip.shaft}; a [study] of "
+            "points finds the travel."
         )
 
 
