@@ -75,7 +75,10 @@ class Timing:
         if end <= self._judged:
             return []
         seconds, rows = np.diff(self._times), np.diff(self._rows)
-        each = seconds / rows
+        each = seconds if self._rows[-1] - self._rows[0] == rows.size else seconds / rows
+        # Even steps have no gaps, which is soon seen.
+        if float(np.max(each)) <= _GAP * float(np.min(each)):
+            return []
         around = np.minimum(
             np.concatenate([[np.inf], each[:-1]]), np.concatenate([each[1:], [np.inf]])
         )
