@@ -150,6 +150,24 @@ def test_forces_that_make_no_picture(text: str, reason: str, tmp_path: Path) -> 
     assert not (tmp_path / "a.svg").exists()
 
 
+def test_joints_and_bearings_without_force_have_no_path(tmp_path: Path) -> None:
+    # Every shaft has its own bearings, so the joints transmit moments alone.
+    text = (
+        "[driveline]\nbends_deg = [10]\nlengths_m = [1, 1]\n[load]\ndrive_torque_Nm = 9\n"
+        + "".join(
+            f"[[bearing]]\nshaft = {shaft}\nposition_m = {x}\n"
+            for shaft in (0, 1)
+            for x in (0.2, 0.8)
+        )
+    )
+    paths = scene_force_paths(Scene.parse(text))
+    assert [path.label for path in paths] == [f"bearing {i}" for i in range(4)]
+    assert len(force_views(Scene.parse(text))) == 4
+    straight = text.replace("[10]", "[0]")
+    assert force_views(Scene.parse(straight)) == []
+    assert "forces are all 0" in plot(tmp_path, straight, "--forces")[1]
+
+
 # --- bearings in drawings --------------------------------------------------------------------
 
 

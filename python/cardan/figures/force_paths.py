@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
-from typing import Literal, Self
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -55,12 +55,10 @@ class ForcePath:
         """Index of the sample at which the force is largest."""
         return int(np.argmax(np.hypot(self.across, self.upwards)))
 
-    def without_noise(self, least: float) -> Self:
-        """Return the path with a force of 0 if it is never above ``least`` N."""
-        if float(np.max(np.hypot(self.across, self.upwards))) > least:
-            return self
-        zero = np.zeros_like(self.across)
-        return replace(self, across=zero, upwards=zero)
+    @property
+    def size(self) -> float:
+        """The largest force of its samples in N."""
+        return float(np.hypot(self.across[self.largest], self.upwards[self.largest]))
 
 
 def force_path(

@@ -86,6 +86,8 @@ def scene_forces(scene: Scene) -> SceneForces | None:
 def scene_force_paths(scene: Scene) -> list[ForcePath]:
     """Return the paths of the forces of a scene's joints and bearings that are determinate.
 
+    Those that bear no force have none.
+
     Raises:
         ValueError: there are none; the message says why.
     """
@@ -101,9 +103,11 @@ def scene_force_paths(scene: Scene) -> list[ForcePath]:
         except ArgumentValueError as error:
             problems.append(error.problem.partition("; ")[2])
         else:
-            found += [path.without_noise(noise(scene, "N")) for path in paths]
+            least = noise(scene, "N")
+            found += [path for path in paths if path.size > least]
     if not found:
-        raise ValueError(f"{scene.name}: forces are not determinate: {problems[0]}")
+        reason = f"not determinate: {problems[0]}" if problems else "all 0"
+        raise ValueError(f"{scene.name}: forces are {reason}")
     return found
 
 

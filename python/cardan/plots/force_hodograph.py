@@ -101,7 +101,7 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
     axes.axvline(0.0, zorder=1.0, **THIN)
     axes.plot(x, y, **style)
     largest = path.largest
-    size = float(np.hypot(x[largest], y[largest]))
+    size = path.size
     if size > 0.0:
         axes.annotate(
             "",

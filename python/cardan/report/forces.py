@@ -25,7 +25,9 @@ _MARKS = range(0, 180 * PER_DEGREE, 30 * PER_DEGREE)
 def force_views(scene: Scene) -> list[dict[str, Any]]:
     """Return a view of the force of each joint and bearing; none without forces over a turn."""
     found = scene_forces(scene)
-    return [_view(path) for path in scene_force_paths(scene)] if found and found.forces else []
+    if not found or not any(force.figures.largest > 0.0 for force in found.forces):
+        return []
+    return [_view(path) for path in scene_force_paths(scene)]
 
 
 def _view(path: ForcePath) -> dict[str, Any]:
@@ -34,15 +36,14 @@ def _view(path: ForcePath) -> dict[str, Any]:
     low, high = np.minimum(forces.min(axis=0), 0.0), np.maximum(forces.max(axis=0), 0.0)
     middle, spans = (low + high) / 2.0, high - low
     room = np.array([_RIGHT - _LEFT, _BOTTOM - _TOP]) - 2.0 * _ROOM
-    # A force of 0 has any scale.
-    scale = float(np.min(room / np.maximum(spans, 1e-300))) if np.any(spans) else 1.0
+    scale = float(np.min(room / np.maximum(spans, 1e-300)))
     centre = np.array([(_LEFT + _RIGHT) / 2.0, (_TOP + _BOTTOM) / 2.0])
 
     def at(points: Any) -> Any:  # noqa: ANN401 - one point or several
         return centre + scale * (points - middle) * (1.0, -1.0)
 
     places = at(forces)
-    size = float(np.hypot(*forces[path.largest]))
+    size = path.size
     largest = places[path.largest]
     span = float(np.max(np.ptp(forces, axis=0)))
     heading = (
@@ -64,7 +65,7 @@ def _view(path: ForcePath) -> dict[str, Any]:
         "y_ticks": [(_text(at((0.0, t))[1]), number(t)) for t in _within(*ends[:, 1])],
         "zero": [_text(value) for value in at(np.zeros(2))],
         "path": " ".join(f"{x:.1f},{y:.1f}" for x, y in places),
-        "arrow": _arrow(at(np.zeros(2)), largest) if size > 0.0 else "",
+        "arrow": _arrow(at(np.zeros(2)), largest),
         "marks": list(_marks(path, places)) if span > _SMALL * size else [],
     }
 
