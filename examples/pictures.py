@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 import cardan
 from cardan import plots
 from cardan.figures.optimise import optimised
+from cardan.figures.scene_forces import scene_force_paths
 
 matplotlib.use("agg")
 matplotlib.style.use(dict(plots.STYLE))
@@ -57,6 +58,10 @@ save("torque_ratio", plots.plot_torque_ratio(50))
 save("bending_moments", plots.plot_bending_moments(50))
 joint = cardan.Driveline.from_bends([50], degrees=True)
 save("hodograph", plots.plot_hodograph(joint))
+
+# The paths of the forces in a truck's driveline over the turn.
+scene = cardan.Scene.load(Path(__file__).with_name("bearings.toml"))
+save("forces", plots.plot_forces(scene_force_paths(scene), scene.title))
 
 # Thoma's moments of a flywheel, exact and for small bends.
 figure, axes = panels(3)

@@ -81,6 +81,9 @@ def in_metres(line: _Line, unit: float) -> _Line:
 def _pairs(bearings: Bearings) -> Iterable[tuple[Any, ArrayLike]]:
     if isinstance(bearings, str) or not isinstance(bearings, Iterable):
         raise ArgumentTypeError("bearings", f"is {bearings!r}; it must be a list of pairs")
+    if isinstance(bearings, np.ndarray):
+        problem = f"is an array of shape {bearings.shape}; it must be a list of pairs: a shaft, "
+        raise ArgumentTypeError("bearings", f"{problem}which is an integer, and a position")
     for i, pair in enumerate(bearings):
         if isinstance(pair, str) or not isinstance(pair, Sequence) or len(pair) != 2:
             raise ArgumentTypeError(

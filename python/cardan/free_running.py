@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
 from cardan.equivalent import EquivalentJoint
@@ -76,6 +76,7 @@ class FreeRunning:
     max_speed_ratio: Any
     variation: Any
     _line: Any = field(repr=False)
+    _scaled: FloatArray = field(repr=False)
     _root: FloatArray = field(repr=False)
 
     def speed_ratio(self, angle: ArrayLike) -> Any:  # noqa: ANN401 - a scalar or an array
@@ -137,6 +138,7 @@ class FreeRunning:
             raise wrong_element("variation", wanted, wrong, "; it must be positive")
         others = self.inertias.copy()
         others[..., 0] = 0.0
+        others, exponents = _scaled(others)
         shape = np.broadcast_shapes(self._line.shape, others.shape[:-1])
         full = common_shape(free_running=shape, variation=wanted.shape)
         turns: list[tuple[FloatArray, float, float]] = []
@@ -145,12 +147,15 @@ class FreeRunning:
         places = np.broadcast_to(np.arange(len(turns)).reshape(shape), full).ravel()
         each = zip(places, np.broadcast_to(wanted, full).ravel().tolist(), strict=True)
         least = [_least_inertia(*turns[place], figure) for place, figure in each]
-        return scalar_or_array(np.array(least).reshape(full))
+        power = np.broadcast_to(np.broadcast_to(exponents, shape), full)
+        # Beyond the largest double it is infinite.
+        with np.errstate(over="ignore"):
+            return scalar_or_array(np.ldexp(np.array(least).reshape(full), power))
 
     def _inertia(self, angle: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         angles = as_float64("angle", angle)
         common_shape(driveline=np.shape(self._root), angle=angles.shape)
-        return _reduced(self._line, self.inertias, angles)
+        return _reduced(self._line, self._scaled, angles)
 
 
 def free_running(line: Turning, inertias: ArrayLike) -> FreeRunning:
@@ -168,13 +173,23 @@ def free_running(line: Turning, inertias: ArrayLike) -> FreeRunning:
         raise ArgumentValueError("inertias", "are all 0; at least one shaft needs an inertia")
     shape = common_shape(driveline=line.shape, inertias=array.shape[:-1])
     ends = np.empty((3, math.prod(shape)))
-    for rows, turn in _turns(line, array):
+    scaled, _ = _scaled(array)
+    for rows, turn in _turns(line, scaled):
         ends[:, rows] = turn.low, turn.high, np.mean(np.sqrt(turn.inertia), axis=-1)
     low, high, root = ends.reshape(3, *shape)
     least, largest = root / np.sqrt(high), root / np.sqrt(low)
     varies = scalar_or_array(_variation(root, low, high))
     ends_of = scalar_or_array(least), scalar_or_array(largest)
-    return FreeRunning(array.copy(), *ends_of, varies, line, root)
+    return FreeRunning(array.copy(), *ends_of, varies, line, scaled, root)
+
+
+def _scaled(inertias: FloatArray) -> tuple[FloatArray, NDArray[np.int32]]:
+    """The inertias of each driveline over a power of two, so that the largest is from 0.5 to 1.
+
+    Speeds follow from ratios of inertias; powers of inertias could leave the range of doubles.
+    """
+    exponents = np.frexp(np.max(inertias, axis=-1))[1]
+    return np.ldexp(inertias, -exponents[..., np.newaxis]), exponents
 
 
 @dataclass(frozen=True, eq=False)
@@ -258,7 +273,9 @@ def _least_inertia(others: FloatArray, low: float, high: float, wanted: float) -
     if high == low or (low > 0.0 and variation(0.0) <= wanted):
         return 0.0
     # The variation is at most (high - low)/(2 (own + low)).
-    short, enough = 0.0, (high - low) / (2.0 * wanted)
+    short, enough = 0.0, 0.5 * (high - low) / wanted
+    if math.isinf(enough):
+        return enough
     for _ in range(_BISECTIONS):
         middle = (short + enough) / 2.0
         if variation(middle) <= wanted:

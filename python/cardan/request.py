@@ -65,6 +65,9 @@ class Request:
 
 def item_index(argument: str, value: SupportsIndex, count: int, place: Place = ()) -> int:
     """Return the index of a shaft or joint counted from 0; negative ones count from the end."""
+    if isinstance(value, (bool, np.bool_)):
+        problem = f"is {value}, which is no index; for a mask give np.flatnonzero(mask)"
+        raise ArgumentTypeError(argument, problem, place)
     try:
         index = operator.index(value)
     except TypeError:
@@ -127,7 +130,10 @@ def checked_tolerance(tolerance: float) -> float:
     """Return the tolerance as a number that is not negative."""
     try:
         permitted = float(tolerance)
-    except (TypeError, ValueError, OverflowError):
+    except OverflowError:
+        problem = "is an integer above the largest double; it must be a number that a double holds"
+        raise ArgumentTypeError("tolerance", problem) from None
+    except (TypeError, ValueError):
         raise ArgumentTypeError("tolerance", f"is {tolerance!r}; it must be a number") from None
     if not permitted >= 0.0:
         raise ArgumentValueError("tolerance", f"is {permitted}; it must not be negative")

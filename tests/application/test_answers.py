@@ -114,6 +114,8 @@ KEYS = {
         *("drivelines", "axes", "figures", "column", "least", "largest", "at"),
         *("key", "values", "min", "max"),
         *("signals", "signal", "unit", "first", "last", "filter_samples"),
+        *("samples_per_second", "gaps", "longest_gap_s", "longest_gap_after_s"),
+        *("angle_of", "min_deg", "min_rad", "max_deg", "max_rad"),
         *("file", "rows", "parts", "found"),
     },
     "check": {

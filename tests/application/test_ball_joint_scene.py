@@ -22,6 +22,7 @@ from cardan.plots import plot_ball_joint
 from cardan.report import write_report
 from cardan.scene import BallJointScene, load_scene
 from cardan.scene.errors import SceneError
+from cardan.words.ball_joint import ball_joint_text
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "examples" / "ball_joint.toml").read_text(encoding="utf-8")
@@ -276,3 +277,19 @@ def test_titles_are_escaped(tmp_path: Path) -> None:
     write_report(scene, tmp_path / "a.html")
     assert "<b>&" not in (tmp_path / "a.html").read_text()
     assert "&lt;b&gt;&amp;" in (tmp_path / "a.html").read_text()
+
+
+@pytest.mark.parametrize(
+    ("modulus", "words"),
+    [
+        (2500, None),
+        (100, "is compressed by 20.18 % of the thickness of its layer"),
+        (10, "exceeds the thickness of its layer, which no layer can do"),
+    ],
+)
+def test_a_layer_that_yields_too_much(modulus: float, words: str | None) -> None:
+    text = "[ball_joint]\nload_N = 20000\nradius_mm = 16\nhalf_angle_deg = 60\n"
+    text += "clearance_mm = 0.01\n[ball_joint.seat]\nlayer_mm = 1\npoisson = 0.4\n"
+    case = BallJointScene.parse(f"{text}modulus_MPa = {modulus}\n").ball_joint
+    said = " ".join(ball_joint_text(case).split())
+    assert (words in said) if words else ("layer" not in said)

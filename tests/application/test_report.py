@@ -467,7 +467,7 @@ def test_names_of_keys_and_figures() -> None:
         ),
     ):
         assert column_name(column) == name
-    assert doctest.testmod(names) == (0, 3)
+    assert doctest.testmod(names) == (0, 4)
 
 
 def test_all_curves_of_a_study_are_drawn_or_a_map(tmp_path: Path) -> None:

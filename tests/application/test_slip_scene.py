@@ -21,7 +21,7 @@ from cardan.figures.slip import SlipFigures, slip_data, slip_figures
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.errors import SceneError
-from cardan.words.slip import slip_text
+from cardan.words.slip import slip_sentences, slip_text
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "examples" / "slip.toml").read_text(encoding="utf-8")
@@ -192,7 +192,7 @@ def test_errors(old: str, new: str, message: str) -> None:
 
 def test_bends_have_no_lengths() -> None:
     bends = "[driveline]\nbends_deg = [3, 3]\n"
-    with pytest.raises(SceneError, match=r"shaft has no length; \[slip\] needs points_mm or"):
+    with pytest.raises(SceneError, match=r"shaft has no length that could change; \[slip\] needs"):
         Scene.parse(f"{bends}[slip]\nshaft = 1\n")
     with pytest.raises(SceneError, match=r"closed_forms 'length' needs points_mm or points_m"):
         Scene.parse(f"{bends}[output]\nclosed_forms = ['length']\n")
@@ -223,3 +223,18 @@ def test_answers_and_report(tmp_path: Path) -> None:
     assert "The spline of shaft 1 adds an axial force of up to 2428 N while it slides." in page
     assert "The spline is within the limits that the scene gives." in page
     assert max(map(len, slip_text(figures()).splitlines())) <= 79
+
+
+def test_a_study_that_moves_no_point_says_so() -> None:
+    text = (
+        "[driveline]\npoints_mm = [[0, 0, 0], [300, 0, 0], [1500, -110, 40], [1800, -110, 40]]\n"
+        "[slip]\nshaft = 1\ntravel_mm = 40\n"
+        "[load]\noutput_torque_Nm = 100\n[study]\noutput_torque_Nm = [100, 200]\n"
+    )
+    found = slip_figures(Scene.parse(text))
+    assert found is not None
+    said = " ".join(slip_sentences(found))
+    assert "The study does not change the length of shaft 1; a [study] of points finds" in said
+    moved = slip_figures(Scene.parse(TEXT))
+    assert moved is not None
+    assert "does not change" not in " ".join(slip_sentences(moved))

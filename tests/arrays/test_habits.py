@@ -292,3 +292,30 @@ def test_a_result_is_plotted() -> None:
     for other in (ONE.evaluate(TURN, reduce="max"), ONE.evaluate(0.5), ONE.evaluate([TURN])):
         with pytest.raises(ValueError, match="result is not over a row of drive angles"):
             other.plot()
+
+
+@pytest.mark.parametrize("mask", [[True, False], np.array([True, False]), True, np.False_])
+def test_masks_are_no_indices(mask: Any) -> None:  # noqa: ANN401
+    for name in ("shafts", "joints"):
+        with pytest.raises(TypeError, match=rf"{name}.* is (True|False), which is no index; for"):
+            ONE.evaluate(TURN, ("speed_ratio", "tilt_driven"), **{name: mask})
+    got = ONE.evaluate(TURN, "tilt_driven", joints=np.flatnonzero([True, False]).tolist())
+    assert got.tilt_driven.shape == (1, *TURN.shape)
+
+
+def test_integers_beyond_the_largest_double() -> None:
+    for angle in (10**400, [0, -(10**400)]):
+        with pytest.raises(
+            TypeError, match=r"angle has an integer of magnitude above 1\.798e\+308"
+        ):
+            ONE.evaluate(angle)
+    with pytest.raises(TypeError, match="tolerance is an integer above the largest double"):
+        ONE.evaluate(1.0, tolerance=10**400)
+
+
+def test_bearings_in_an_array_are_refused() -> None:
+    line = Driveline.from_points([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.1, 0.0]])
+    with pytest.raises(
+        TypeError, match=r"bearings is an array of shape \(2, 2\); it must be a list"
+    ):
+        line.with_bearings(np.array([[0, 0.2], [0, 0.5]]))

@@ -343,3 +343,19 @@ def test_labels_in_degrees() -> None:
         LINE.evaluate(angle)
     with pytest.raises(ValueError, match="has units 'rad'; make it deg and say so"):
         LINE.evaluate(angle.assign_attrs(units="rad"), degrees=True)
+
+
+def test_drive_angles_that_follow_from_driven_ones_are_told_apart_by_driveline() -> None:
+    result = BATCH[:, None].evaluate(ANGLE, "speed_ratio", angle_of="driven")
+    frame = result.to_pandas()
+    assert frame.index.names == ["driveline", "drive_angle"]
+    for i in range(3):
+        own = BATCH[i].evaluate(ANGLE, "speed_ratio", angle_of="driven")
+        np.testing.assert_array_equal(frame.loc[i].index, own.drive_angle)
+        np.testing.assert_array_equal(frame.loc[i].speed_ratio, own.speed_ratio)
+    labelled = result.to_xarray()
+    assert labelled.speed_ratio.dims == ("driveline", "sample")
+    assert labelled.drive_angle.dims == ("driveline", "sample")
+    # Angles that are paired with the batch stay samples.
+    paired = BATCH.evaluate(ANGLE[:3], "speed_ratio", angle_of="driven").to_xarray()
+    assert paired.speed_ratio.dims == ("sample",)

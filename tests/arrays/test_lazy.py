@@ -258,3 +258,14 @@ def test_degrees_of_later() -> None:
     assert later.compute() == want
     lazy = Driveline.from_bends(da.from_array(np.array([[0.3, 0.4]]), chunks=1))
     assert lazy.evaluate(turn, degrees=True).compute() == want
+
+
+@pytest.mark.parametrize("name", ["lengths", "free_running", "spline_force", "harmonics", "plan"])
+def test_what_only_computed_drivelines_do(name: str) -> None:
+    lazy = lazily(BENDS, 7, 1, 2)
+    with pytest.raises(AttributeError, match=rf"{name}'; compute\(\) makes drivelines, which have"):
+        getattr(lazy, name)
+    assert hasattr(lazy.compute(), name)
+    with pytest.raises(AttributeError, match=r"has no attribute 'lenghts'$"):
+        _ = lazy.lenghts
+    assert pickle.loads(pickle.dumps(lazy)).shape == lazy.shape

@@ -204,3 +204,25 @@ def test_refusals(call: Callable[[], Any], message: str) -> None:
 def test_what_is_not_a_number() -> None:
     with pytest.raises(TypeError, match="inertias has dtype"):
         THOMA.free_running(["a", "b"])
+
+
+@pytest.mark.parametrize("size", [1e-300, 1e-160, 1e200, 1e307])
+def test_only_ratios_of_inertias_matter(size: float) -> None:
+    want = THOMA.free_running([10.0, 1.0])
+    found = THOMA.free_running([10.0 * size, size])
+    for name in ("min_speed_ratio", "max_speed_ratio", "variation"):
+        assert getattr(found, name) == pytest.approx(getattr(want, name), rel=1e-11)
+    for name in ("speed_ratio", "acceleration_ratio"):
+        assert getattr(found, name)(0.3) == pytest.approx(getattr(want, name)(0.3), rel=1e-11)
+    needed = want.drive_inertia_for(0.002)
+    assert found.drive_inertia_for(0.002) / size == pytest.approx(needed, rel=1e-11)
+
+
+def test_far_apart_inertias() -> None:
+    found = THOMA.free_running([[1e300, 1e-300], [1e-300, 1e300]])
+    assert found.variation[0] == 0.0
+    assert found.variation[1] == pytest.approx(THOMA.free_running([0.0, 1.0]).variation, rel=1e-12)
+    needed = THOMA.free_running([0.0, 1.0]).drive_inertia_for(0.002)
+    scaled = found.drive_inertia_for(0.002) / [1e-300, 1e300]
+    np.testing.assert_allclose(scaled, needed, rtol=1e-11)
+    assert math.isinf(THOMA.free_running([1.0, 1.0]).drive_inertia_for(1e-320))

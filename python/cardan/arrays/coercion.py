@@ -24,6 +24,10 @@ def as_float64(name: str, value: ArrayLike) -> FloatArray:
     if type(value) is not np.ndarray:
         _refuse_more_than_numbers(name, value)
     array = np.asarray(value)
+    if array.dtype.kind == "O" and any(_is_too_large(item) for item in array.flat):
+        largest = np.finfo(np.float64).max
+        problem = f"has an integer of magnitude above {largest:.4g}, the largest double"
+        raise ArgumentTypeError(name, problem)
     if array.dtype.kind not in "fiub":
         raise ArgumentTypeError(name, f"has dtype {array.dtype}; it must hold real numbers")
     if array.size > sys.maxsize // 8:
@@ -46,6 +50,16 @@ def _refuse_more_than_numbers(name: str, value: ArrayLike) -> None:
         )
     if not isinstance(value, np.ndarray):
         raise ArgumentTypeError(name, f"is a {full}; make it an array of NumPy first")
+
+
+def _is_too_large(value: object) -> bool:
+    if not isinstance(value, int):
+        return False
+    try:
+        float(value)
+    except OverflowError:
+        return True
+    return False
 
 
 def scalar_or_array(array: FloatArray) -> Any:  # noqa: ANN401 - as NumPy's own functions

@@ -42,6 +42,7 @@ from cardan.figures.extremes import StudyTable
 from cardan.figures.identification import identification_data
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.run import run_data
+from cardan.figures.scene_forces import scene_force_paths
 from cardan.figures.schema import answers_schema
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
@@ -55,7 +56,7 @@ from cardan.figures.tolerances import (
 )
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
-from cardan.plots import write_picture
+from cardan.plots import plot_forces, save, write_picture
 from cardan.plots.abscissa import Over
 from cardan.plots.tolerances import write_tolerances
 from cardan.report import write_report
@@ -272,7 +273,13 @@ def commands() -> click.Group:
         rate = done.rows / (time.perf_counter() - begun) / 1e6
         say(f"wrote {done.path} ({done.rows} rows, {rate:.3g} million a second)")
         angles = recorded_angles(
-            done.rows, done.missing, done.ends_deg, done.turns, done.signals, radians
+            done.rows,
+            done.missing,
+            done.ends_deg,
+            done.turns,
+            done.signals,
+            radians,
+            done.extent_deg,
         )
         say(f"drive angles {angles_text(angles, radians=radians)}")
         if done.signals:
@@ -300,16 +307,27 @@ def commands() -> click.Group:
         type=click.Choice(get_args(Over)),
         help="Draw over this; default: the time where it was recorded, else the turns.",
     )
-    def plot(scene: Path, output: Path | None, study: str | None, over: Over | None) -> None:
+    @click.option("--forces", is_flag=True, help="Draw the paths of the force vectors instead.")
+    def plot(
+        scene: Path, output: Path | None, study: str | None, over: Over | None, forces: bool
+    ) -> None:
         if study is not None and over is not None:
             raise click.UsageError("--over does not go with --study")
+        if forces and (study is not None or over is not None):
+            raise click.UsageError("--forces does not go with --study or --over")
         path = output or Path(f"{scene.stem}.svg")
         loaded = load_scene(scene)
         if isinstance(loaded, BallJointScene):
+            if forces:
+                raise ValueError(f"{loaded.name}: a ball joint alone has no forces over a turn")
             ball_joint.plot(loaded, path, study)
             say(f"wrote {path}")
             return
         check_output(loaded, path)
+        if forces:
+            save(plot_forces(scene_force_paths(loaded), loaded.title), path)
+            say(f"wrote {path}")
+            return
         with progress_bar() as progress:
             result = loaded.run(progress)
         try:

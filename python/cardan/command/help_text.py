@@ -77,6 +77,8 @@ Examples:
 "--over orders" draws the amplitudes of each quantity by multiples of the drive's rotation.
 "--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
 one key, a map over two.
+With "--forces" the picture has the path of each force vector over a turn, of joints and
+bearings, seen along their shafts.
 """
 
 CHECK = """\

@@ -26,6 +26,9 @@ _ROUNDING = 1e-12
 
 _SMALL_CLEARANCE = 0.1
 
+# The law of a layer holds for strains that are small beside 1.
+_SMALL_STRAIN = 0.1
+
 
 @dataclass(frozen=True)
 class Part:
@@ -40,6 +43,17 @@ class Part:
     material: Material
     verdict: Verdict
     approach: float | None
+
+    @property
+    def strain(self) -> float | None:
+        """The approach over the thickness of its layer, if it is a layer that yields."""
+        layer = self.material.layer
+        return None if self.approach is None or layer is None else self.approach / layer
+
+    @property
+    def is_overstrained(self) -> bool:
+        """Whether its layer is compressed by more than the model of a layer allows."""
+        return self.strain is not None and self.strain > _SMALL_STRAIN
 
 
 @dataclass(frozen=True)

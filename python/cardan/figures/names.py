@@ -22,6 +22,7 @@ _ENTRIES: Mapping[str, tuple[str, str, int]] = MappingProxyType(
         "projected_bends_vertical": ("bend in side view", "joint", 0),
         "projected_bends_horizontal": ("bend in top view", "joint", 0),
         "inertias": ("inertia", "shaft", 0),
+        "lengths": ("length", "shaft", 0),
     }
 )
 
@@ -35,8 +36,14 @@ def key_name(key: str) -> str:
     'phase, shaft 1 [deg]'
     >>> key_name("points_mm.2-3.y")
     'points 2 to 3, y [mm]'
+    >>> key_name("bearing.0.position_mm")
+    'position, bearing 0 [mm]'
     """
     name, *places = key.split(".")
+    if name == "bearing":
+        number, of_bearing = places
+        quantity, ending = split(of_bearing)
+        return f"{quantity}, bearing {number}" + _bracketed(ENDINGS[ending].symbol)
     quantity, ending = split(name)
     entry, of, first = _ENTRIES.get(quantity, (quantity, "", 0))
     words = [entry if places else quantity.replace("_", " ")]

@@ -86,7 +86,17 @@ _SIGNAL = record(
         "filter_samples": {
             **_COUNT,
             "description": "samples of the parabola that derived it by differentiating",
-        }
+        },
+        "samples_per_second": {
+            "type": ["number", "null"],
+            "description": "of times, without gaps; null of a single one",
+        },
+        "gaps": {**_COUNT, "description": "of times: steps far longer than those around them"},
+        "longest_gap_s": {"type": "number"},
+        "longest_gap_after_s": {
+            "type": "number",
+            "description": "the time of the sample before the longest gap",
+        },
     },
 )
 _AT = {
@@ -115,7 +125,22 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
                 {f"{end}_{angle}": {"type": "number"} for angle in ANGLE}
                 for end in ("first", "last")
             ),
-            optional={"signals": {"type": "array", "items": _SIGNAL}},
+            optional={
+                **{
+                    f"{end}_{angle}": {
+                        "type": "number",
+                        "description": "of a recorded drive that turns back",
+                    }
+                    for angle in ANGLE
+                    for end in ("min", "max")
+                },
+                "signals": {"type": "array", "items": _SIGNAL},
+                "angle_of": {
+                    "const": "driven",
+                    "description": "the scene gives angles of the last shaft; these drive angles "
+                    "follow from them",
+                },
+            },
         ),
         "rows": {
             "type": "array",

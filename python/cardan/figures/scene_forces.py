@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.figures.answers import ANGLE, one_of, record
 from cardan.figures.extremes import finite_or_none
+from cardan.figures.force_paths import ForcePath, force_paths
 from cardan.figures.forces import FORCES, ForceFigures, force_figures
 from cardan.figures.summary import first_place, noise
-from cardan.scene.bearings import has_lengths
+from cardan.scene.bearings import LENGTHS_NEEDED, has_lengths
 from cardan.scene.scene import Scene
 
 
@@ -57,16 +59,12 @@ def scene_forces(scene: Scene) -> SceneForces | None:
     """
     line, load = scene.line, scene.load_case
     asked = line.n_bearings > 0 or any(name in FORCES for name in scene.quantities)
-    if not asked or not has_lengths(line) or line.shape or load is None:
-        return None
-    if not np.any(load.torque) and load.inertias is None:
-        return None
-    if any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration)):
+    if not asked or load is None or _unknown(scene):
         return None
     least = noise(scene, "N")
     found: list[Force] = []
     refused = {}
-    for name in FORCES if line.n_bearings else FORCES[:1]:
+    for name in _outputs(line):
         try:
             rows = force_figures(line, load, [name])
         except ArgumentValueError as error:
@@ -85,6 +83,52 @@ def scene_forces(scene: Scene) -> SceneForces | None:
             shaft = line.bearings[row.item][0] if row.per == "bearing" else None
             found.append(Force(own, shaft, first_place(scene, own.places)))
     return SceneForces(tuple(found), refused)
+
+
+def scene_force_paths(scene: Scene) -> list[ForcePath]:
+    """Return the paths of the forces of a scene's joints and bearings that are determinate.
+
+    Those that bear no force have none.
+
+    Raises:
+        ValueError: there are none; the message says why.
+    """
+    line, load = scene.line, scene.load_case
+    if reason := _unknown(scene):
+        raise ValueError(f"{scene.name}: forces have no path over a turn: {reason}")
+    assert load is not None
+    found: list[ForcePath] = []
+    problems = []
+    for name in _outputs(line):
+        try:
+            paths = force_paths(line, load, [name])
+        except ArgumentValueError as error:
+            problems.append(error.problem.partition("; ")[2])
+        else:
+            least = noise(scene, "N")
+            found += [path for path in paths if path.size > least]
+    if not found:
+        reason = f"not determinate: {problems[0]}" if problems else "all 0"
+        raise ValueError(f"{scene.name}: forces are {reason}")
+    return found
+
+
+def _outputs(line: Driveline) -> tuple[str, ...]:
+    return FORCES if line.n_bearings else FORCES[:1]
+
+
+def _unknown(scene: Scene) -> str:
+    """Why a scene has no forces over a turn; "" if it has."""
+    line, load = scene.line, scene.load_case
+    if not has_lengths(line):
+        return f"they need {LENGTHS_NEEDED}"
+    if line.shape:
+        return "its bends were recorded"
+    if load is None or (not np.any(load.torque) and load.inertias is None):
+        return "they need a torque or inertias in [load]"
+    if any(np.ndim(part) for part in (load.torque, load.speed, load.acceleration)):
+        return "its speed or its torque was recorded"
+    return ""
 
 
 def _rounded(size: float, least: float) -> float:

@@ -76,16 +76,19 @@ def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
     turn goes on.
     """
     degrees = scene.without_missing().drive_angle_deg
+    extent = None
     if scene.recording:
         way = Way()
         way.add(degrees)
-        turns = way.turns
+        turns, extent = way.turns, way.extent
     else:
         turns = float(np.sum(np.abs(np.diff(degrees)))) / 360.0
     ends = (float(degrees[0]), float(degrees[-1]))
     found = recorded_angles(
-        len(scene.drive_angle_deg), scene.missing, ends, turns, scene.signals, radians
+        len(scene.drive_angle_deg), scene.missing, ends, turns, scene.signals, radians, extent
     )
+    if scene.driven_angle_deg is not None:
+        found["angle_of"] = "driven"
     return found if scene.recording else {**found, "source": "sweep"}
 
 
@@ -96,8 +99,12 @@ def recorded_angles(
     turns: float,
     signals: Sequence[Signal],
     radians: bool,
+    extent_deg: tuple[float, float] | None = None,
 ) -> dict[str, Any]:
-    """Return recorded drive angles as plain data, from what is known of them."""
+    """Return recorded drive angles as plain data, from what is known of them.
+
+    A drive that turns back has the extent of its angles as well.
+    """
     unit, turned = ("rad", math.radians) if radians else ("deg", float)
     data = {
         "source": "recording",
@@ -108,16 +115,29 @@ def recorded_angles(
         "turns": turns,
         "samples_per_turn": (samples - missing - 1) / turns if turns else None,
     }
+    if extent_deg is not None:
+        data |= {f"{e}_{unit}": turned(x) for e, x in zip(("min", "max"), extent_deg, strict=True)}
     if signals:
         data["signals"] = [_signal(signal) for signal in signals]
     return data
 
 
 def _signal(signal: Signal) -> dict[str, Any]:
-    """A signal as plain data; only of one that a filter derived with the samples of the filter."""
+    """A signal as plain data.
+
+    Only one that a filter derived has the samples of the filter, and only times have a rate and
+    gaps.
+    """
     data = asdict(signal)
-    reach = data.pop("reach")
-    return {**data, "filter_samples": 2 * reach + 1} if reach else data
+    reach, _ = data.pop("reach"), data.pop("sampling")
+    if reach:
+        data["filter_samples"] = 2 * reach + 1
+    if signal.sampling is not None:
+        own = signal.sampling
+        data |= {"samples_per_second": own.rate, "gaps": own.gaps}
+        if own.gaps:
+            data |= {"longest_gap_s": own.longest, "longest_gap_after_s": own.longest_after}
+    return data
 
 
 def summary_data(rows: Sequence[Row], *, radians: bool = False) -> list[dict[str, Any]]:

@@ -71,11 +71,15 @@ def _blocks(
         filled = ((rows.line_num, row) for row in rows if row)
         begun = list(islice(filled, 1))
         # What else a file holds, as one of passwords, is not shown.
-        is_table = any(len(row) == len(header) and any(map(_is_number, row)) for _, row in begun)
+        is_table = any(_fits(row, header) for _, row in begun)
+        if any(_is_heading(row, header) for _, row in begun):
+            begun += islice(filled, 1)
+            if any(_fits(row, header) for _, row in begun):
+                raise ValueError(_second_heading(*begun[0], names, header))
         if header and not is_table and not set(names) <= set(header):
             raise ValueError(f"no column {_first_missing(names, header)!r}; {_NO_TABLE}")
         places = [place_of_column(name, header) for name in names]
-        while block := begun + list(islice(filled, size - len(begun))):
+        while block := begun + list(islice(filled, max(0, size - len(begun)))):
             begun = []
             found = _fast_numbers([row for _, row in block], places, len(header))
             if found is not None:
@@ -92,6 +96,37 @@ def _blocks(
                         shown = error if is_table else f"is no number; {_NO_TABLE}"
                         raise ValueError(f"line {line}, column {name!r} {shown}") from None
             yield read
+
+
+def _fits(row: Sequence[str], header: Sequence[str]) -> bool:
+    """Whether a row is one of a table of numbers."""
+    return len(row) == len(header) and any(map(_is_number, row))
+
+
+def _is_heading(row: Sequence[str], header: Sequence[str]) -> bool:
+    """Whether a row has words and no number, as a line of units."""
+    return len(row) == len(header) and not any(map(_is_number, row)) and any(map(_is_word, row))
+
+
+def _is_word(cell: str) -> bool:
+    try:
+        _number(cell)
+    except ValueError:
+        return True
+    return False
+
+
+def _second_heading(
+    line: int, row: Sequence[str], names: Sequence[str], header: Sequence[str]
+) -> str:
+    """What is wrong with a line of units below the headings."""
+    name = next((name for name in names if name in header), header[0])
+    place = header.index(name)
+    cell = row[place] if place < len(row) else ""
+    return (
+        f"line {line}, column {name!r} is {cell!r}; it must be a number: remove the second line of "
+        "headings, such as units"
+    )
 
 
 def line_of(path: str | PathLike[str], row: int) -> int:

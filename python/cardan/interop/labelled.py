@@ -139,13 +139,17 @@ class _Samples(NamedTuple):
             # As a dimension's own coordinate the angles would be computed at once.
             later = hasattr(angle, "__dask_graph__")
             alone = len(runs) == 1 and varied[runs[0]] == 1 and not later
-            of_angle = dict(zip(runs, _numbered("sample", len(runs)), strict=True))
+            # Angles that each driveline has its own of vary along the batch as well.
+            along_batch = {k for k in runs if varied[k] > 1}
+            own_angles = along_batch if len(along_batch) < len(runs) else set()
+            of_samples = [k for k in runs if k not in own_angles]
+            of_angle = dict(zip(of_samples, _numbered("sample", len(of_samples)), strict=True))
             if alone:
                 of_angle[runs[0]] = "drive_angle"
         others = [k for k in range(len(shape)) if k not in of_angle]
         names = of_angle | dict(zip(others, _numbered("driveline", len(others)), strict=True))
         dims = tuple(names[k] for k in range(len(shape)))
-        angle_dims = tuple(of_angle[k] for k in runs)
+        angle_dims = tuple(names[k] for k in runs)
         methods = {}
         if reduce:
             if isinstance(reduce, str):

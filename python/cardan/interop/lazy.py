@@ -44,7 +44,9 @@ class _Part(NamedTuple):
 class LazyDriveline:
     """Drivelines whose geometry is in dask arrays; made by the constructors of ``Driveline``.
 
-    Values are checked when they are computed, so a bend out of range is an error of its task.
+    Values are checked when they are computed, so a bend out of range is an error of its task. These
+    drivelines are evaluated, mounted in bearings and reduced to equivalent joints. For everything
+    else that a ``Driveline`` does, ``compute()`` makes the drivelines themselves.
 
     Attributes:
         n_joints: number of joints of each driveline.
@@ -67,6 +69,12 @@ class LazyDriveline:
         """Show the shape of the batch and the number of joints."""
         joints = f"{self.n_joints} joint{'s' if self.n_joints > 1 else ''}"
         return f"<LazyDriveline batch {self.shape} of {joints}>"
+
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - nothing is returned
+        """Say where what only computed drivelines have is to be had."""
+        known = not name.startswith("_") and hasattr(Driveline, name)
+        hint = f"; compute() makes drivelines, which have {name!r}" if known else ""
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}{hint}")
 
     def evaluate(
         self,

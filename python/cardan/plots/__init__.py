@@ -1,9 +1,10 @@
 """Pictures, drawn with matplotlib: of scenes, drivelines and what the sources show.
 
-Every ``plot_`` function but ``plot_scene`` and ``plot_ball_joint`` draws on the axes that it is
-given as ``ax`` and returns them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the
-settings of ``STYLE``. Those two return a whole figure: a page, A4 across, and a picture 170 mm
-wide. Curves differ in dashes as well as colour, so that they can be told apart in grey.
+Every ``plot_`` function but ``plot_scene``, ``plot_forces`` and ``plot_ball_joint`` draws on the
+axes that it is given as ``ax`` and returns them. Without ``ax`` it makes a figure of pyplot, 80 mm
+wide, in the settings of ``STYLE``. Those three return a whole figure: a page, A4 across, and
+pictures up to 170 mm wide. Curves differ in dashes as well as colour, so that they can be told
+apart in grey.
 
 >>> import cardan.plots
 >>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
@@ -23,6 +24,7 @@ from cardan.plots.catalogue import (
 from cardan.plots.curves import plot_curves
 from cardan.plots.drive_speed import plot_drive_speed
 from cardan.plots.driveline import plot_driveline, yoke_pins
+from cardan.plots.force_hodograph import plot_force_hodograph, plot_forces
 from cardan.plots.grossmann import plot_bending_moments, plot_torque_ratio
 from cardan.plots.harmonics import plot_harmonics
 from cardan.plots.hodograph import plot_hodograph
@@ -46,6 +48,8 @@ __all__ = [
     "plot_drive_speed",
     "plot_driveline",
     "plot_driven_angle",
+    "plot_force_hodograph",
+    "plot_forces",
     "plot_harmonics",
     "plot_hodograph",
     "plot_largest_angle_error",

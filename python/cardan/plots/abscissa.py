@@ -48,7 +48,8 @@ def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
     Args:
         scene: the scene.
         over: what; by default the time where it was recorded, and else the turns of the drive. Up
-            to three turns are drawn over the drive angle, unless the time is asked for.
+            to three turns are drawn over the drive angle, or over the driven angle if the scene
+            gives that, unless the time is asked for.
 
     Raises:
         ValueError: times that were not recorded, a drive of which there are no orders.
@@ -65,8 +66,9 @@ def abscissa(scene: Scene, over: Over | None = None) -> Abscissa:
     if bands is None and scene.time is not None and over == "time":
         return Abscissa("time [s]", "", partial(_over_time, time=scene.time))
     if bands is None:
-        draw = partial(_over_angle, angle_deg=degrees)
-        return Abscissa("drive angle [deg]", "", draw)
+        driven = scene.driven_angle_deg
+        draw = partial(_over_angle, angle_deg=degrees if driven is None else driven)
+        return Abscissa(f"{'drive' if driven is None else 'driven'} angle [deg]", "", draw)
     note = f"Bands: from the least to the largest sample of each {bands.each}; lines: the mean."
     return Abscissa(bands.label, note, partial(_over_bands, bands=bands))
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
+from cardan.figures.places import bearing_places, shaft_lengths
 from cardan.plots.labels import Labels
 from cardan.plots.space import DEPTH, View, tube, wedge, yoke
 from cardan.plots.style import THIN, drawing, legend_above, number
@@ -29,6 +30,9 @@ _YOKES: tuple[Mapping[str, Any], ...] = (
     {"color": "#0072B2", "solid_capstyle": "butt"},
     {"color": "#F7C59F", "solid_capstyle": "butt"},
 )
+# Over half the span of a yoke: radius and width of a bearing, height and half width of its foot.
+_RING, _WIDTH, _FOOT, _FOOT_ASIDE = 0.62, 0.5, 1.15, 0.42
+_BEARING = "#009E73"
 _BEND: Mapping[str, Any] = {"facecolor": "#D55E00", "alpha": 0.22, "linewidth": 0.0}
 _CONTINUED: Mapping[str, Any] = {"color": "0.35", "linestyle": (0, (4, 2)), "linewidth": 0.6}
 
@@ -71,12 +75,14 @@ def plot_driveline(
     The axis that the shafts follow most points to the right, y up; small arrows show x, y and z.
     At each joint the dashed line continues the input shaft, and the area between it and the
     output shaft is the bend in its plane. Labels give the bend of each joint and the phase of each
-    shaft between two joints; those that find no room are left out, small bends first.
+    shaft between two joints; those that find no room are left out, small bends first. Bearings are
+    rings around their shafts, on feet; where room is short, their numbers alone name them.
 
     Args:
         line: one driveline.
         angle: drive angle in rad.
-        points: its ends and joint centres, ``(n + 2, 3)``; by default all shafts are as long.
+        points: its ends and joint centres, ``(n + 2, 3)``; by default its shafts have its lengths,
+            or are all as long if it has none.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
@@ -100,6 +106,7 @@ class _Sketch:
         axes: where, of ``box`` points.
         line: what.
         places: its ends and joint centres, ``(n + 2, 3)``.
+        bearings: where its bearings are, ``(b, 3)``.
         view: from where it is seen.
         size: half the span of its yokes.
         scale: points per unit of length.
@@ -111,6 +118,7 @@ class _Sketch:
     axes: Axes
     line: Driveline
     places: FloatArray
+    bearings: FloatArray
     view: View
     size: float
     scale: float
@@ -138,7 +146,8 @@ class _Sketch:
         axes.set(xlim=(corner[0], ends[0]), ylim=(corner[1], ends[1]))
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_axis_off()
-        return cls(axes, line, places, view, size, scale, corner, box, [])
+        bearings = bearing_places(line, places)
+        return cls(axes, line, places, bearings, view, size, scale, corner, box, [])
 
     def draw(self, angle: float) -> None:
         """Draw it at a drive angle."""
@@ -155,6 +164,7 @@ class _Sketch:
         self.drawn.append(self._points(points))
 
     def _shafts(self) -> None:
+        """Draw shafts and bearings, far pieces first: a bearing cuts its shaft in two."""
         from matplotlib.patches import Polygon
 
         thin: dict[str, Any] = {
@@ -166,15 +176,36 @@ class _Sketch:
         base = DEPTH * self.size * self.line.directions
         ends[1:, 0] += base[1:]
         ends[:-1, 1] -= base[:-1]
-        for start, end in sorted(ends, key=self.view.depth):
-            outline, rim = tube(start, end, self.size, self.view)
-            for area, grey in ((outline, "0.82"), (rim, "0.93")):
-                shape = Polygon(self.view.flat(area), facecolor=grey, zorder=2.0, **thin)
-                self.axes.add_artist(shape)
+        areas: list[tuple[float, FloatArray, str]] = []
+        for shaft, (start, end) in enumerate(ends):
+            half = 0.5 * _WIDTH * self.size * self.line.directions[shaft]
+            centres = [
+                place
+                for (own, _), place in zip(self.line.bearings, self.bearings, strict=True)
+                if own == shaft
+            ]
+            centres.sort(key=lambda place: float(place @ self.line.directions[shaft]))
+            cuts = [start, *(edge for place in centres for edge in (place - half, place + half))]
+            for first, last in zip(cuts[::2], [*cuts[1::2], end], strict=True):
+                outline, rim = tube(first, last, self.size, self.view)
+                depth = self.view.depth(np.stack([first, last]))
+                areas += [(depth, outline, "0.82"), (depth, rim, "0.93")]
+            for place in centres:
+                outline, rim = tube(place - half, place + half, self.size, self.view, _RING)
+                depth = self.view.depth(place)
+                foot = place - _FOOT * self.size * self.view.axes[1]
+                aside = _FOOT_ASIDE * self.size * self.view.axes[0]
+                stand = np.stack([place, foot - aside, foot + aside])
+                areas += [(depth, stand, "white"), (depth, outline, _BEARING), (depth, rim, "0.93")]
+                self._take(np.linspace(2.0 * place - foot, foot, 20))
             along = np.linspace(0.0, 1.0, 80)[:, np.newaxis]
             rise = 0.34 * self.size * self.view.axes[1]
             for side in (-1.0, 0.0, 1.0):
                 self._take(start + along * (end - start) + side * rise)
+        # Sorting is stable: of one piece, what is added later lies on top.
+        for _, area, colour in sorted(areas, key=lambda piece: piece[0]):
+            shape = Polygon(self.view.flat(area), facecolor=colour, zorder=2.0, **thin)
+            self.axes.add_artist(shape)
 
     def _bends(self) -> None:
         from matplotlib.patches import Polygon
@@ -239,6 +270,11 @@ class _Sketch:
             )
             for joint in sorted(range(self.line.n_joints), key=lambda j: (-bends[j], j))
         ]
+        for bearing, place in enumerate(self.bearings):
+            at = self._points(place)
+            for text in (f"bearing {bearing}", f"{bearing}"):
+                if labels.beside(at, text, away, above=False):
+                    break
         for shaft, phase in enumerate(np.degrees(self.line.phases) if all(named) else (), 1):
             at = self._points((self.places[shaft] + self.places[shaft + 1]) / 2.0)
             turned = 180.0 - (180.0 - float(phase)) % 360.0
@@ -312,7 +348,8 @@ def _yoke_size(lengths: FloatArray) -> float:
 
 def _places(line: Driveline, points: ArrayLike | None) -> FloatArray:
     if points is None:
-        return np.concatenate([np.zeros((1, 3)), np.cumsum(line.directions, axis=0)])
+        steps = shaft_lengths(line)[:, np.newaxis] * line.directions
+        return np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
     places = as_float64("points", points)
     if places.shape != (line.n_joints + 2, 3):
         raise ArgumentValueError(

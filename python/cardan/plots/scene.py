@@ -138,9 +138,11 @@ def _title(figure: Figure, scene: Scene) -> float:
     for text in textwrap.wrap(scene.title or "Driveline", 100 if scene.title.isascii() else 60)[:3]:
         _text(figure, _MARGIN, y, text, fontsize="x-large", fontweight="bold")
         y -= _TITLE_LINE
-    angles = scene.drive_angle_deg
+    driven = scene.driven_angle_deg
+    angles = scene.drive_angle_deg if driven is None else driven
     first, last = (number(round(float(find(angles)), 2)) for find in (np.nanmin, np.nanmax))
-    said = [f"drive angle {first}° to {last}°", f"{len(angles)} samples"]
+    shaft = "drive" if driven is None else "driven"
+    said = [f"{shaft} angle {first}° to {last}°", f"{len(angles)} samples"]
     said[1] += f" of {scene.recording.name}" if scene.recording else ""
     if scene.speed:
         said += [f"drive at {'up to ' * scene.speed_recorded}{_rpm(scene.speed)} rpm"]
@@ -215,6 +217,8 @@ def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], along: Absci
     said = []
     if scene.line.shape:
         said.append("The driveline is drawn with the bends of the first sample.")
+    if scene.driven_angle_deg is not None:
+        said.append("Angles among the key figures are drive angles.")
     if along.note:
         said.append(along.note)
     if any(quantity.left_out for quantity in drawn):

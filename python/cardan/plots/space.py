@@ -74,8 +74,18 @@ def yoke(centre: FloatArray, pin: FloatArray, towards: FloatArray, size: float) 
     return line
 
 
-def tube(start: FloatArray, end: FloatArray, size: float, view: View) -> tuple[FloatArray, ...]:
-    """Return the outline of a shaft and its end that the viewer sees, each ``(points, 3)``."""
+def tube(
+    start: FloatArray, end: FloatArray, size: float, view: View, radius: float = _TUBE
+) -> tuple[FloatArray, ...]:
+    """Return the outline of a shaft and its end that the viewer sees, each ``(points, 3)``.
+
+    Args:
+        start: one end of its axis.
+        end: the other.
+        size: half the span of a yoke.
+        view: from where it is seen.
+        radius: over ``size``.
+    """
     along = (end - start) / np.linalg.norm(end - start)
     across = np.cross(along, view.axes[2])
     # A shaft that points at the viewer is a circle, whichever way it is cut.
@@ -84,7 +94,7 @@ def tube(start: FloatArray, end: FloatArray, size: float, view: View) -> tuple[F
     beyond = np.cross(across, along)
     if view.flat(beyond) @ view.flat(along) < 0.0:
         beyond = -beyond
-    radius = _TUBE * size
+    radius *= size
     half = np.linspace(0.0, math.pi, _STEPS)[:, np.newaxis]
     first = start + radius * (np.cos(half) * across - np.sin(half) * beyond)
     last = end + radius * (np.sin(half) * beyond - np.cos(half) * across)

@@ -28,7 +28,8 @@ def drawing(samples: Samples) -> dict[str, Any]:
     """Return views, joint centres and pins as plain data.
 
     A view is a matrix whose rows point to the right, down and to the viewer, with an offset and
-    a size in pixels; ``points`` are the ends and joint centres, of one sample or of all.
+    a size in pixels; ``points`` are the ends and joint centres, of one sample or of all;
+    ``bearings`` are pairs of a shaft and a share of its length.
     """
     directions, pins = samples.directions(), samples.pins()
     lengths = np.ones(directions.shape[-2])
@@ -39,9 +40,25 @@ def drawing(samples: Samples) -> dict[str, Any]:
         "views": [_view(name, axes, points) for name, axes in views(directions).items()],
         "points": np.round(points, _DIGITS).tolist(),
         "pins": np.round(pins, _DIGITS).tolist(),
+        "bearings": _bearings(samples),
         "pin": _PIN,
         "yoke": _YOKE,
     }
+
+
+def _bearings(samples: Samples) -> list[tuple[int, float]]:
+    """The shaft of every bearing, and its position as a share of the length of that shaft.
+
+    A recording has several drivelines, with the same bearings.
+    """
+    line = samples.result.scene.line
+    if not line.n_bearings:
+        return []
+    lengths = line.lengths().each.reshape(-1, line.n_joints + 1)[0]
+    return [
+        (shaft, round(float(position.flat[0] / lengths[shaft]), _DIGITS))
+        for shaft, position in line.bearings
+    ]
 
 
 def views(directions: FloatArray) -> dict[str, FloatArray]:

@@ -25,6 +25,7 @@ from cardan.report.answer import answer
 from cardan.report.ball_joint import ball_joint, page_data
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
+from cardan.report.forces import force_views
 from cardan.report.limits import limits_table
 from cardan.report.optimise import optimise
 from cardan.report.samples import Panel, Samples, evaluated
@@ -66,6 +67,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         title=scene.title or Path(scene.name).name,
         name=Path(scene.name).name,
         joints=scene.line.n_joints,
+        over="time" if samples.time is not None else "the drive angle",
         varied=bool(scene.study and scene.study.axes),
         recorded=scene.recording is not None,
         date=_today(),
@@ -78,6 +80,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
             chart(panel, x, x_label, int(first))
             for panel, first in zip(panels, firsts[:-1], strict=True)
         ],
+        force_paths=force_views(scene),
         ball_joint=joint,
         slip=slip(spline) if spline else None,
         steering=steering(steered) if steered else None,
@@ -137,6 +140,8 @@ def _digest(text: str) -> str:
 
 
 def _abscissa(samples: Samples) -> tuple[FloatArray, str]:
+    if samples.time is not None:
+        return samples.time, "time [s]"
     angle = samples.angle_deg
     if np.all(np.diff(angle) >= 0.0) or np.all(np.diff(angle) <= 0.0):
         return angle, "drive angle [deg]"

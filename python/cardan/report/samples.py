@@ -18,6 +18,7 @@ from cardan.load import Load
 from cardan.outputs import Output
 from cardan.scene.angles import Angles
 from cardan.scene.scene import Scene, SceneResult
+from cardan.scene.units import RPM
 
 NOMINAL_TORQUE = 100.0
 """Drive torque in N m that is assumed where a scene gives no torque and no inertia in motion."""
@@ -31,6 +32,9 @@ _MOTION = ("angle_error", "speed_ratio", "acceleration_ratio")
 _LOADED = ("torque", "support_moment", "bending_driving", "bending_driven")
 
 _MOST_CURVES = 6
+
+# Times that begin so many lengths of the recording after 0 are those of a clock.
+_EPOCH = 100.0
 
 # Moments below this share of the largest torque are rounding.
 _ROUNDING = 1e-12
@@ -100,6 +104,15 @@ class Samples:
     def angle_deg(self) -> FloatArray:
         """Drive angles shown, in degrees, ``(samples,)``."""
         return self.result.scene.drive_angle_deg[self.shown]
+
+    @property
+    def time(self) -> FloatArray | None:
+        """Times shown in s, ``(samples,)``, if they were recorded; those of an epoch begin at 0."""
+        time = self.result.scene.time
+        if time is None:
+            return None
+        far = abs(float(time[0])) > _EPOCH * float(time[-1] - time[0])
+        return (time - time[0] if far else time)[self.shown]
 
     @property
     def every(self) -> int:
@@ -172,7 +185,7 @@ class Samples:
             if output.needs_load or output.per == "joint" or item > 0:
                 sizes = np.linalg.norm(values, axis=-1) if output.vector else values
                 found.setdefault(output, {})[item] = sizes
-        panels = []
+        panels = list(self._drive())
         for output, curves in found.items():
             heading, unit, factor = output.label, output.unit, 1.0
             scale = self.largest_torque if output.needs_load else 1.0
@@ -197,6 +210,15 @@ class Samples:
             left_out = len(curves) - len(chosen)
             panels.append(Panel(heading, "" if unit == "1" else unit, chosen, scale, left_out))
         return panels
+
+    def _drive(self) -> Iterator[Panel]:
+        """The speed of a drive that was recorded over time."""
+        scene = self.result.scene
+        if scene.time is None or scene.load_case is None:
+            return
+        speed = np.broadcast_to(scene.load_case.speed / RPM, scene.time.shape)
+        curve = Curve("shaft 0", np.asarray(speed)[self.shown])
+        yield Panel("drive speed", "rpm", (curve,), float(np.max(np.abs(speed))) or 1.0)
 
     def pins(self) -> FloatArray:
         """Return the pins of every cross at the samples shown, as ``pins`` does."""

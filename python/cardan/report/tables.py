@@ -15,6 +15,7 @@ from cardan.figures.rounding import is_cancelled
 from cardan.figures.states import forces_of
 from cardan.figures.summary import within_turn
 from cardan.report.samples import Peak, Samples
+from cardan.scene.bearings import has_lengths
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
 from cardan.words.forces import HEADINGS, force_rows
@@ -54,8 +55,8 @@ class Table(NamedTuple):
     prose: bool = False
 
 
-def inputs(scene: Scene) -> dict[str, Table]:
-    """Return what the scene gives: joints, load and drive angles, shafts."""
+def inputs(scene: Scene) -> dict[str, Table | None]:
+    """Return what the scene gives: joints, load and drive angles, shafts, bearings if any."""
     line = scene.line
     joints = [(f"joint {j}", _span(np.degrees(line.bends[..., j]))) for j in range(line.n_joints)]
     heads = ["Shaft"]
@@ -75,6 +76,11 @@ def inputs(scene: Scene) -> dict[str, Table]:
         heads += [f"Direction, {axis}" for axis in "xyz"]
         for cells, direction in zip(shafts, line.directions, strict=True):
             cells += [f"{value + 0.0:.5f}" for value in direction]
+    if has_lengths(line):
+        lengths = line.lengths().each.reshape(-1, line.n_joints + 1)
+        heads += ["Length [mm]"]
+        for cells, length in zip(shafts, lengths.T, strict=True):
+            cells += [_span(1e3 * length)]
     load = scene.load_case
     if load is not None and load.inertias is not None:
         heads += ["Inertia [kg m²]"]
@@ -84,7 +90,18 @@ def inputs(scene: Scene) -> dict[str, Table]:
         "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
         "drive": Table("Load and drive", ("Input", "Value"), _drive(scene)),
         "shafts": Table("Shafts", heads, shafts),
+        "bearings": _bearings(line) if line.n_bearings else None,
     }
+
+
+def _bearings(line: Driveline) -> Table:
+    """Shaft and position of every bearing."""
+    heads = ("Bearing", "Shaft", "Position from its upstream end [mm]")
+    rows = [
+        (f"bearing {number}", f"{shaft}", _span(1e3 * position))
+        for number, (shaft, position) in enumerate(line.bearings)
+    ]
+    return Table("Bearings", heads, rows)
 
 
 def _drive(scene: Scene) -> list[tuple[str, str]]:
@@ -99,6 +116,9 @@ def _drive(scene: Scene) -> list[tuple[str, str]]:
     known = scene.without_missing().drive_angle_deg
     left_out = f"; {scene.missing} missing samples are left out" if scene.missing else ""
     given += [("Drive angles", f"{_span(known)} deg, {len(known)} samples{left_out}")]
+    driven = scene.without_missing().driven_angle_deg
+    if driven is not None:
+        given += [("Given as angles of the driven shaft", f"{_span(driven)} deg")]
     if scene.recording is not None:
         given += [("Recording", scene.recording.name)]
     given += [

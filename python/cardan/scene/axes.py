@@ -51,6 +51,7 @@ def grid_of(
     given: Mapping[str, Mapping[str, Spread | list[float]]],
     driveline: Mapping[str, Any],
     load: Mapping[str, Any] | None,
+    bearings: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Axis, ...]:
     """Return the axes of the grid that the section [study] describes.
 
@@ -58,6 +59,7 @@ def grid_of(
         given: values by key and place.
         driveline: the keys of the scene's driveline.
         load: those of its load, if any.
+        bearings: the keys of each of its bearings.
 
     Raises:
         ValueError: as for ``axes_of``; more rows than a study takes.
@@ -76,7 +78,7 @@ def grid_of(
             f"makes the study {count} rows; it takes at most {MOST_ROWS}: "
             "give fewer steps or vary fewer keys"
         )
-    return axes_of(given, driveline, load, "a study")
+    return axes_of(given, driveline, load, "a study", bearings)
 
 
 def axes_of(
@@ -84,6 +86,7 @@ def axes_of(
     driveline: Mapping[str, Any],
     load: Mapping[str, Any] | None,
     varying: str,
+    bearings: Sequence[Mapping[str, Any]] = (),
 ) -> tuple[Axis, ...]:
     """Return the keys that vary, each with its values.
 
@@ -92,6 +95,7 @@ def axes_of(
         driveline: the keys of the scene's driveline.
         load: those of its load, if any.
         varying: what varies them, in words.
+        bearings: the keys of each bearing, where their positions may vary.
 
     Raises:
         ValueError: a key that the scene does not use, a place that does not exist or is varied
@@ -99,6 +103,9 @@ def axes_of(
     """
     axes = []
     for name, places in given.items():
+        if name == "bearing":
+            axes += [_of_bearing(place, values, bearings) for place, values in places.items()]
+            continue
         section = "driveline" if name in FORMAT["driveline"].keys else "load"
         base = _base(name, driveline if section == "driveline" else load, section, varying)
         taken: set[tuple[int, str]] = set()
@@ -121,6 +128,21 @@ def axes_of(
                 )
             )
     return tuple(axes)
+
+
+def _of_bearing(
+    place: str, values: Spread | list[float], bearings: Sequence[Mapping[str, Any]]
+) -> Axis:
+    """The axis of the position of a bearing."""
+    index, _, key = place.partition(".")
+    location, number = _location("bearing", place), int(index)
+    if number >= len(bearings):
+        raise location.error(f"does not exist; there are {len(bearings)} bearings, counted from 0")
+    if key not in bearings[number]:
+        used = next(name for name in bearings[number] if name.startswith("position"))
+        raise location.error(f"does not go with {used} of that bearing; vary that")
+    entries = slice(number, number + 1)
+    return Axis(str(location), "bearing", key, entries, None, _listed(values))
 
 
 def _location(name: str, place: str) -> Location:

@@ -161,5 +161,45 @@ class VectorAxes(Rule):
         )
 
 
+@dataclass(frozen=True)
+class BearingAxes(Rule):
+    """What varies the positions of bearings: values by the number of the bearing and by the key."""
+
+    keys: tuple[str, ...]
+
+    def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
+        """Return the values by number and key: ``{"0": {"position_mm": …}}`` by two parts."""
+        if not isinstance(value, dict) or not value or not all(map(_is_section, value.values())):
+            raise where.error(
+                f"is {shown(value)}; name number and key, as in {where}.0.{self.keys[0]}"
+            )
+        axes = {}
+        for index, keys in value.items():
+            at = where.at(index)
+            if not re.fullmatch("[0-9]{1,9}", index):
+                raise at.error("does not exist; write 0 for the first bearing")
+            for key, entry in keys.items():
+                if key not in self.keys:
+                    raise at.error(f"has no {shown(key)}; {nearest(key, self.keys)}")
+                axes[f"{index}.{key}"] = Values().read(at.at(key), entry)
+        return axes
+
+    @property
+    def schema(self) -> Schema:
+        """An object of objects."""
+        keys = {
+            "type": "object",
+            "properties": dict.fromkeys(self.keys, Values().schema),
+            "additionalProperties": False,
+            "minProperties": 1,
+        }
+        return {
+            "type": "object",
+            "patternProperties": {"^[0-9]{1,9}$": keys},
+            "additionalProperties": False,
+            "minProperties": 1,
+        }
+
+
 def _is_section(value: object) -> bool:
     return isinstance(value, dict) and bool(value)

@@ -63,12 +63,14 @@ class Material:
         allowable_pressure: in Pa, if the scene gives one.
         compliance: approach per pressure in m³/N; 0 for a part that does not yield, ``None`` if
             the scene gives that of neither part.
+        layer: thickness in m of the layer that yields, if the scene gives one.
     """
 
     part: Literal["ball", "seat"]
     name: str
     allowable_pressure: float | None
     compliance: float | None
+    layer: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,4 +168,5 @@ def _material(
         values.get("name", ""),
         None if pressure is None else pressure * _MPA,
         (own or 0.0) if both is not None else None,
+        values["layer_mm"] * _MM if "layer_mm" in values else None,
     )

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 import cardan.scene.values as kinds
+from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.scene.sections import Key, Section
+
+if TYPE_CHECKING:
+    from cardan.scene.axes import Axis
 
 BEARING = Section(
     "a bearing; give one section for each, in any order. They are counted from 0 in that order",
@@ -43,12 +47,12 @@ class Bearing:
     Attributes:
         shaft: its shaft.
         key: the key of its position.
-        value: the position in the unit of the key.
+        value: the position in the unit of the key; in a study an array.
     """
 
     shaft: int
     key: str
-    value: float
+    value: float | FloatArray
 
     @property
     def unit(self) -> str:
@@ -56,7 +60,7 @@ class Bearing:
         return self.key.rpartition("_")[2]
 
     @property
-    def position(self) -> float:
+    def position(self) -> float | FloatArray:
         """The position in m."""
         return self.value * _UNITS[self.unit]
 
@@ -67,11 +71,26 @@ class Mounting:
 
     Attributes:
         bearings: each of them.
-        lengths: length of each shaft in m; ``None`` for those of the points.
+        lengths: length of each shaft in m, ``(n + 1,)``, in a study with dimensions before that;
+            ``None`` for those of the points.
     """
 
     bearings: tuple[Bearing, ...] = ()
-    lengths: tuple[float, ...] | None = None
+    lengths: tuple[float, ...] | FloatArray | None = None
+
+    def varied(self, axis: Axis, column: FloatArray) -> Self:
+        """Return the mounting with the values of an axis of a study, ``(rows,)``."""
+        assert axis.place is not None
+        if axis.section == "bearing":
+            number = axis.place.start
+            moved = replace(self.bearings[number], value=column[:, np.newaxis])
+            return replace(
+                self, bearings=(*self.bearings[:number], moved, *self.bearings[number + 1 :])
+            )
+        own = np.asarray(self.lengths, np.float64)
+        lengths = np.array(np.broadcast_to(own, (len(column), 1, own.shape[-1])))
+        lengths[..., axis.place] = _UNITS[axis.name.rpartition("_")[2]] * column[:, None, None]
+        return replace(self, lengths=lengths)
 
     def and_bearing(self, values: Mapping[str, Any], line: Driveline) -> Self:
         """Return the mounting with one more bearing.
@@ -110,16 +129,26 @@ class Mounting:
         try:
             return line.with_bearings(pairs, self.lengths)
         except ArgumentValueError as error:
+            if error.argument == "lengths":
+                raise
             number, *place = map(int, error.place)
             bearing = self.bearings[number]
-            at = f"is {bearing.value:.10g} {bearing.unit} on shaft {bearing.shaft}"
+            # Of a study, the first driveline that is wrong; it is asked for one by one.
+            values = np.asarray(bearing.value)
+            own_value = values[tuple(place[1:])] if values.ndim and place else values.flat[0]
+            at = f"is {own_value:.10g} {bearing.unit} on shaft {bearing.shaft}"
             if not place:
-                other = next(i for i, pair in enumerate(pairs[:number]) if pair == pairs[number])
+                other = next(
+                    i
+                    for i, (shaft, position) in enumerate(pairs[:number])
+                    if shaft == pairs[number][0] and np.any(position == pairs[number][1])
+                )
                 problem = f"{at}, the place of bearing {other}"
             else:
                 lengths = line.lengths().each if self.lengths is None else np.array(self.lengths)
                 # Behind the numbers of the bearing and of its position is that of the driveline.
-                length = np.broadcast_to(lengths, (*line.shape, lengths.shape[-1]))
+                shape = np.broadcast_shapes(line.shape, lengths.shape[:-1], values.shape)
+                length = np.broadcast_to(lengths, (*shape, lengths.shape[-1]))
                 own = float(length[(*place[1:], bearing.shaft)]) / _UNITS[bearing.unit]
                 inner = 0 < bearing.shaft < line.n_joints
                 ends = "the joints" if inner else "the end and the joint"

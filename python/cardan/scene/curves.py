@@ -5,6 +5,8 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
+import numpy as np
+
 from cardan.arrays import FloatArray
 from cardan.files.columns import write_columns
 from cardan.files.progress import Progress
@@ -18,17 +20,19 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
 
     The names carry shaft or joint, component and unit: ``angle_error_deg``, ``moment_0_x_Nm``. The
     last shaft has no number where the scene names no shafts. A drive that was recorded over time
-    has ``time_s``, ``drive_speed_rad_s`` and ``drive_acceleration_rad_s2`` as well.
+    has ``time_s``, ``drive_speed_rad_s`` and ``drive_acceleration_rad_s2`` as well. A scene that
+    gives angles of the driven shaft has them as ``driven_angle_deg``, before the drive angles.
 
     Args:
         result: an evaluated scene.
         radians: whether angles are in radians instead.
     """
     scene = result.scene
+    table = _driven(scene, radians=radians)
     if radians:
-        table = {"drive_angle_rad": scene.drive_angle}
+        table["drive_angle_rad"] = scene.drive_angle
     else:
-        table = {"drive_angle_deg": scene.drive_angle_deg}
+        table["drive_angle_deg"] = scene.drive_angle_deg
     table |= _drive(scene, with_units=True)
     for output, item, values in result.curves():
         last = output.per == "shaft" and scene.shafts is None
@@ -40,6 +44,14 @@ def columns(result: SceneResult, *, radians: bool = False) -> dict[str, FloatArr
             suffix, in_unit = converted(curve, output.unit, radians)
             table[f"{part}{suffix}"] = in_unit
     return table
+
+
+def _driven(scene: Scene, *, radians: bool) -> dict[str, FloatArray]:
+    """The angles of the driven shaft, if the scene gives those."""
+    angle = scene.driven_angle_deg
+    if angle is None:
+        return {}
+    return {"driven_angle_rad": np.radians(angle)} if radians else {"driven_angle_deg": angle}
 
 
 def _drive(scene: Scene, *, with_units: bool) -> dict[str, FloatArray]:
@@ -79,7 +91,8 @@ def write_curves(
     """Write the curves in the format that the path's suffix names and return the number of rows.
 
     CSV and Parquet hold the columns of ``columns``, CSV with every digit of the doubles. NPZ holds
-    the arrays as evaluated, in SI units under the names of the outputs, and ``drive_angle`` in rad.
+    the arrays as evaluated, in SI units under the names of the outputs, and ``drive_angle`` in rad;
+    ``driven_angle`` too if the scene gives angles of the driven shaft.
     ``progress`` is called as ``write_columns`` does.
 
     Raises:
@@ -89,6 +102,8 @@ def write_curves(
     """
     if Path(path).suffix == ".npz":
         drive = {"drive_angle": result.drive_angle, **_drive(result.scene, with_units=False)}
+        if result.scene.driven_angle_deg is not None:
+            drive["driven_angle"] = np.radians(result.scene.driven_angle_deg)
         return write_columns(path, {**drive, **result.values})
     return write_columns(path, columns(result, radians=radians), progress)
 

@@ -182,13 +182,13 @@ def _axis_of(kind: kinds.Kind) -> kinds.Kind:
     return {kinds.NUMBER: kinds.AXIS, kinds.VECTORS: kinds.COMPONENT_AXES}.get(kind, kinds.AXES)
 
 
-def _varied(meaning: str) -> dict[str, Key]:
+def _varied(meaning: str, without: tuple[str, ...] = (TEETH, *LENGTHS)) -> dict[str, Key]:
     """The keys that a study or states may vary."""
     return {
         name: Key(_axis_of(key.kind), f"{meaning} this key of [{section}]")
         for section, part in (("driveline", _DRIVELINE), ("load", _LOAD))
         for name, key in part.keys.items()
-        if name not in (TEETH, *LENGTHS)
+        if name not in without
     }
 
 
@@ -302,8 +302,13 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",
-            _varied("values for"),
-            together=_LOAD.together,
+            _varied("values for", without=(TEETH,))
+            | {
+                "bearing": Key(
+                    kinds.BEARING_AXES, "values for the position of a [[bearing]], by its number"
+                )
+            },
+            together=(*_LOAD.together, LENGTHS),
             fewest=1,
         ),
         "states": Section(
@@ -349,6 +354,11 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                     "of vectors: space, or shaft for axes that turn with the shaft on which they "
                     "act (x along it, y along its input-side pin); default: space",
                 ),
+                "angle_of": Key(
+                    kinds.ANGLE_OF,
+                    "the shaft whose angle [sweep] or [angles] gives: drive, or driven for the "
+                    "last shaft, as an encoder at the output measures it; default: drive",
+                ),
                 "tolerance": Key(
                     kinds.TOLERANCE,
                     "permitted error, relative to the largest magnitude of each quantity; 0 for "
@@ -366,9 +376,10 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
 """The format of a scene file: sections, their keys, and the meaning of each."""
 
 _STUDY_HELP = """\
-Give a key of [driveline] or [load] the value {from = …, to = …, steps = …} (both ends included) \
-or a list of numbers. bends_deg varies all entries of a list alike, bends_deg.0 the first, and \
-bends_deg.0-1 the first two. points_mm.2.y varies one coordinate of a point.\
+Give a key of [driveline], [load] or a [[bearing]] the value {from = …, to = …, steps = …} (both \
+ends included) or a list of numbers. bends_deg varies all entries of a list alike, bends_deg.0 the \
+first, and bends_deg.0-1 the first two. points_mm.2.y varies one coordinate of a point. The \
+key bearing moves bearings: bearing.0.position_mm.\
 """
 
 _PATHS_HELP = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from cardan.scene.angles import Angles
 from cardan.scene.format import ANGLE_COLUMNS, BEND_COLUMNS, FORMAT, SPEED_COLUMNS
 from cardan.scene.motion import Integral, derivatives
 from cardan.scene.signals import Signal
+from cardan.scene.timing import Timing
 from cardan.scene.units import ENDINGS, RPM, split
 
 # Beyond any machine, and small enough for what the filter makes of times and speeds.
@@ -53,6 +55,7 @@ class Recording:
         start = values.get("start_deg", keys["start_deg"].default)
         self._integral = Integral(math.radians(start))
         self._last_time = -math.inf
+        self._timing = Timing()
         self._last_angle, self._turns = math.nan, 0.0
         self._found = self._found_numbers = False
 
@@ -238,7 +241,11 @@ class Recording:
         for key, signal in _MEASURED.items():
             if key in self._columns:
                 unit = ENDINGS[split(key)[1]].symbol
-                found.append(Signal.of(signal, self._columns[key], unit, part[key]))
+                measured = Signal.of(signal, self._columns[key], unit, part[key])
+                if signal == "time":
+                    self._timing.add(part[key])
+                    measured = measured and replace(measured, sampling=self._timing.sampling())
+                found.append(measured)
             elif key == SPEED_COLUMNS[0] and self._timed and not self._speed:
                 found.append(Signal.of("speed", None, "rpm", load["speed_rad_s"] / RPM, reach))
         if self._timed:

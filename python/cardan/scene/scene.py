@@ -28,6 +28,7 @@ from cardan.scene.ball_joint import BallJointCase, ball_joint_case
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
 from cardan.scene.bearings import LENGTHS, Mounting, lengths_of
 from cardan.scene.document import Document, read_text
+from cardan.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.scene.errors import SceneError
 from cardan.scene.format import TEETH, describe
 from cardan.scene.layout import Layout
@@ -94,6 +95,8 @@ class Scene:
         steering: what the scene says of its driveline as a steering column, if it is one.
         optimisation: what may change for the better, if the scene says so.
         tolerances: what errors of manufacture make of the driveline, if the scene gives any.
+        driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
+            those in place of drive angles.
     """
 
     name: str
@@ -123,6 +126,7 @@ class Scene:
     steering: SteeringColumn | None = None
     optimisation: Optimisation | None = None
     tolerances: Tolerances | None = None
+    driven_angle_deg: FloatArray | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -262,6 +266,11 @@ class Scene:
             check_forces(quantities, line, load, joints)
             options = {key: output[key] for key in _OPTIONS if key in output}
             check_axes(quantities, output.get("axes", "space"))
+            of_driven, driven_angle_deg = {}, None
+            if output.get(ANGLE_OF) == "driven":
+                check_driven(recorded)
+                of_driven, driven_angle_deg = {ANGLE_OF: "driven"}, angle.degrees
+                angle = at_drive(angle, line)
             if angle.bends is not None and "closed_forms" in output:
                 raise ArgumentValueError("closed_forms", "do not go with recorded bends")
             wanted = given.keys() & {"study", "states"} | output.keys() & {"reduce", "closed_forms"}
@@ -308,7 +317,12 @@ class Scene:
                 if angle.bends_to_reduce is not None:
                     reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
                 study = Study(
-                    grid_of(varied, driveline, loaded),
+                    grid_of(
+                        varied,
+                        {**driveline, **_lengths(given)},
+                        loaded,
+                        document.tables.get("bearing", ()),
+                    ),
                     form,
                     reduced,
                     reduced_load,
@@ -318,7 +332,7 @@ class Scene:
                     tuple(output.get("closed_forms", default)),
                     shafts,
                     tuple(range(line.n_joints)) if joints is None else joints,
-                    options,
+                    {**options, **of_driven},
                     mounting,
                 )
                 # The ends of the grid, so that a value out of range shows before a long run.
@@ -354,6 +368,7 @@ class Scene:
             steering=column,
             optimisation=optimisation,
             tolerances=tolerances,
+            driven_angle_deg=driven_angle_deg,
         )
 
     @property
@@ -375,8 +390,15 @@ class Scene:
         degrees, radians = self.drive_angle_deg[known], self.drive_angle[known]
         load = self.load_case and at_samples(self.load_case, known)
         time = None if self.time is None else self.time[known]
+        driven = None if self.driven_angle_deg is None else self.driven_angle_deg[known]
         return replace(
-            self, line=line, drive_angle_deg=degrees, angle=radians, load_case=load, time=time
+            self,
+            line=line,
+            drive_angle_deg=degrees,
+            angle=radians,
+            load_case=load,
+            time=time,
+            driven_angle_deg=driven,
         )
 
     @property
@@ -505,3 +527,9 @@ class SceneResult:
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
     describe(), " " * 8
 )
+
+
+def _lengths(given: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """The lengths that a scene gives its shafts."""
+    driveline = given.get("driveline", {})
+    return {key: driveline[key] for key in LENGTHS if key in driveline}

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.scene.timing import Sampling
 
 Measured = Literal["time", "speed", "acceleration", "drive_torque"]
 """A signal of the drive."""
@@ -27,6 +28,7 @@ class Signal:
         min: the least.
         max: the largest.
         reach: samples on each side of the filter that derived it; 0 for a column.
+        sampling: rate and gaps of the whole recording so far; of times only.
     """
 
     signal: Measured
@@ -37,6 +39,7 @@ class Signal:
     min: float
     max: float
     reach: int = 0
+    sampling: Sampling | None = None
 
     @classmethod
     def of(
@@ -57,6 +60,7 @@ class Signal:
             last=later.last,
             min=min(self.min, later.min),
             max=max(self.max, later.max),
+            sampling=later.sampling,
         )
 
 

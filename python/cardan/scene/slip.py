@@ -73,7 +73,11 @@ def slip_of(values: Mapping[str, Any], line: Driveline, driveline: Mapping[str, 
         ValueError: a driveline that is not described by points, a shaft that does not exist.
     """
     if not {"points_mm", "points_m"} & driveline.keys():
-        raise ArgumentValueError("shaft", "has no length; [slip] needs points_mm or points_m")
+        raise ArgumentValueError(
+            "shaft",
+            "has no length that could change; [slip] needs points_mm or points_m in [driveline], "
+            "which a study moves",
+        )
     if values["shaft"] > line.n_joints:
         raise ArgumentValueError(
             "shaft", f"is {values['shaft']}; there are {line.n_joints + 1}, counted from 0"

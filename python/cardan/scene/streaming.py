@@ -30,6 +30,8 @@ class Streamed(NamedTuple):
     """How far the drive goes, forward and back, in turns."""
     signals: tuple[Signal, ...]
     """The extents of what was recorded besides angles and bends."""
+    extent_deg: tuple[float, float] | None
+    """The least and the largest drive angle of a drive that turns back."""
 
 
 def stream(
@@ -90,4 +92,4 @@ def stream(
 
     written = write_pieces(path, pieces(), progress)
     # A recording without any number is refused.
-    return Streamed(path, written, missing, (ends[0], ends[1]), way.turns, signals)
+    return Streamed(path, written, missing, (ends[0], ends[1]), way.turns, signals, way.extent)

@@ -19,7 +19,7 @@ from cardan.outputs import OUTPUTS
 from cardan.request import Reduction
 from cardan.scene.axes import Axis as Axis
 from cardan.scene.axes import per_row, put, values_at
-from cardan.scene.bearings import Mounting
+from cardan.scene.bearings import LENGTHS, Mounting
 from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load
@@ -263,17 +263,20 @@ class Study:
     def _block(self, rows: Any) -> tuple[Driveline, Load | None]:  # noqa: ANN401 - integers
         """The drivelines and loads of some rows of the grid."""
         columns = values_at(self.axes, rows)
-        driveline, load = dict(self.driveline), dict(self.load or {})
+        driveline, load, mounting = dict(self.driveline), dict(self.load or {}), self.mounting
         try:
             for axis, column in zip(self.axes, columns, strict=True):
+                if axis.section == "bearing" or axis.name in LENGTHS:
+                    mounting = mounting.varied(axis, column)
+                    continue
                 values = driveline if axis.section == "driveline" else load
                 put(values, axis, column)
             if not self.axes:
                 driveline = {key: _one_row(key, entries) for key, entries in driveline.items()}
-            elif all(axis.section == "load" for axis in self.axes):
+            elif all(axis.section != "driveline" or axis.name in LENGTHS for axis in self.axes):
                 key = self.form.keys[0]
                 driveline[key] = per_row(driveline[key], len(rows))
-            line = self.mounting.on(make_driveline(self.form, driveline))
+            line = mounting.on(make_driveline(self.form, driveline))
             return line, None if self.load is None else make_load(load)
         except ArgumentValueError as error:
             if len(rows) == 1:

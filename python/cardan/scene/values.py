@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cardan import tolerances
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
-from cardan.scene.axis_rules import Axis, ListAxes, VectorAxes
+from cardan.scene.axis_rules import Axis, BearingAxes, ListAxes, VectorAxes
 from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.material_rules import MaterialRule
 from cardan.scene.optimise_rules import Keep, Minimised, Vary
@@ -78,6 +78,7 @@ SAMPLES = Kind("whole number", Whole(1, most=100_000_000))
 SEED = Kind("whole number", Whole(0, most=(1 << 32) - 1))
 INDICES = Kind("whole numbers", ListOf(Whole(0), "whole numbers", distinct=True))
 TOLERANCE = Kind("number", Number(0, 1, below=True))
+ANGLE_OF = Kind("name", OneOf(("drive", "driven")))
 VECTOR_AXES = Kind("name", OneOf(("space", "shaft")))
 DTYPE = Kind("name", OneOf(("float64", "float32")))
 WORKERS = Kind("whole number", Whole(1, also=-1))
@@ -104,3 +105,4 @@ RANGES = Kind("ranges", Vary())
 MINIMISED = Kind("name", Minimised())
 OVER = Kind("name", OneOf(("largest", "rms")))
 KEPT = Kind("limits", Keep())
+BEARING_AXES = Kind("values", BearingAxes(("position_mm", "position_m")))

@@ -8,6 +8,9 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 
+# A way that is longer than from the first angle to the last by more than this share turns back.
+_NOISE = 0.01
+
 
 class Way:
     """The way of a drive, forward and back, from drive angles in pieces.
@@ -18,7 +21,7 @@ class Way:
 
     def __init__(self) -> None:
         """Begin before the first angle."""
-        self._last = np.empty(0)
+        self._first = self._last = np.empty(0)
         self._low, self._high = math.inf, -math.inf
         self._steps = self._without_leaps = 0.0
 
@@ -31,10 +34,25 @@ class Way:
         self._without_leaps += float(np.sum(np.minimum(steps, np.abs(steps - 360.0))))
         self._low = min(self._low, float(np.min(degrees)))
         self._high = max(self._high, float(np.max(degrees)))
+        self._first = self._first if self._first.size else degrees[:1]
         self._last = degrees[-1:]
 
     @property
     def turns(self) -> float:
         """The way in turns."""
-        within = self._high - self._low <= 360.0
-        return (self._without_leaps if within else self._steps) / 360.0
+        return (self._without_leaps if self._is_within else self._steps) / 360.0
+
+    @property
+    def extent(self) -> tuple[float, float] | None:
+        """The least and the largest angle in degrees of a drive that turns back, else ``None``.
+
+        Less than a hundredth of the way back is the noise of an encoder.
+        """
+        straight = float(np.sum(np.abs(self._last - self._first)))
+        if self._is_within or self._steps <= (1.0 + _NOISE) * straight:
+            return None
+        return self._low, self._high
+
+    @property
+    def _is_within(self) -> bool:
+        return self._high - self._low <= 360.0

@@ -95,11 +95,28 @@ def verdict_text(case: BallJointCase, found: BallJointFigures) -> Iterator[str]:
             f"{part_name(weaker)}. A ball of {radius:g} mm radius is within it; this one carries "
             f"up to {figure_text(found.allowable_load)} N."
         )
+    yield from filter(None, map(_strained, found.parts))
     if found.wide_clearance:
         yield (
             "The clearance exceeds a tenth of the radius. The model assumes a small clearance; "
             "treat the pressure as a rough estimate."
         )
+
+
+def _strained(part: Part) -> str:
+    """What to say of a layer that is compressed by too much; "" of others."""
+    strain, name = part.strain, part_name(part.material)
+    if strain is None or not part.is_overstrained:
+        return ""
+    if strain >= 1.0:
+        return (
+            f"The approach of the {name} exceeds the thickness of its layer, which no layer can "
+            "do. Check load, modulus_MPa and layer_mm."
+        )
+    return (
+        f"The {name} is compressed by {figure_text(100.0 * strain)} % of the thickness of its "
+        "layer. The model assumes less than 10 %; treat the pressure as a rough estimate."
+    )
 
 
 def part_name(material: Material) -> str:

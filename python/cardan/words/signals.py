@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -20,9 +21,9 @@ def signals_text(drive_angles: Mapping[str, Any]) -> str:
     if not signals:
         return ""
     time = next((signal for signal in signals if signal["signal"] == "time"), None)
-    duration = time["last"] - time["first"] if time else 0.0
+    rate = time["samples_per_second"] if time else None
+    step = 1.0 / rate if rate else 0.0
     samples = drive_angles["samples"]
-    step = duration / (samples - 1) if samples > 1 else 0.0
     lines = [(_label(signal), "; ".join(_parts(signal, samples, step))) for signal in signals]
     return f"Recording\n{aligned(lines, max(len(label) for label, _ in lines) + 4, '  ')}"
 
@@ -37,9 +38,13 @@ def _parts(signal: Mapping[str, Any], samples: int, step: float) -> Iterator[str
     unit = signal["unit"]
     first, last, low, high = (signal[end] for end in ("first", "last", "min", "max"))
     if signal["signal"] == "time":
-        yield f"{_number(first)} to {_number(last)} s"
+        yield f"{_time(first, last - first)} to {_time(last, last - first)} s"
         if step:
             yield f"{figure_text(1.0 / step)} samples per second"
+        if gaps := signal["gaps"]:
+            longest = f"{figure_text(signal['longest_gap_s'])} s after "
+            longest += f"{_time(signal['longest_gap_after_s'], last - first)} s"
+            yield f"{gaps} gaps, the longest {longest}" if gaps > 1 else f"a gap of {longest}"
         return
     yield f"first {figure_text(first)}, last {figure_text(last)} {unit}"
     if high - low > 1e-6 * max(abs(low), abs(high)):
@@ -49,5 +54,10 @@ def _parts(signal: Mapping[str, Any], samples: int, step: float) -> Iterator[str
         yield f"by parabolas over {count} samples, {figure_text((count - 1) * step)} s"
 
 
-def _number(time: float) -> str:
-    return f"{time:.7g}"
+def _time(time: float, duration: float) -> str:
+    """A time with the digits that tell the samples of a recording apart, also one of an epoch."""
+    if not duration > 0.0:
+        return f"{time:.7g}"
+    decimals = min(9, max(0, 4 - math.floor(math.log10(duration))))
+    text = f"{time:.{decimals}f}"
+    return text.rstrip("0").rstrip(".") if decimals else text

@@ -105,6 +105,11 @@ def _verdict(found: SlipFigures) -> Iterator[str]:
         )
     if found.drivelines == 1:
         yield "These are figures of one position; [states] or a [study] of points find the travel."
+    elif not found.longest.at:
+        yield (
+            f"The study does not change the length of shaft {found.slip.shaft}; a [study] of "
+            "points finds the travel."
+        )
 
 
 def _judged(part: Limited, rule: str) -> str:

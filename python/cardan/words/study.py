@@ -27,7 +27,11 @@ def study_text(table: StudyTable, drive_angles: Mapping[str, Any], *, radians: b
     statistics = {each.column.statistic: None for each in found if each.column.statistic != "value"}
     if statistics:
         text = f"Figures that end in {' or '.join(statistics)} are of samples"
-        text += f", drive angles {angles_text(drive_angles, radians=radians)}."
+        if drive_angles.get("angle_of") == "driven":
+            # Their drive angles are others for each driveline.
+            text += " at the driven angles of the scene."
+        else:
+            text += f", drive angles {angles_text(drive_angles, radians=radians)}."
         parts.append(textwrap.fill(text, 79))
     return "\n\n".join(part for part in parts if part)
 

@@ -71,6 +71,13 @@ def angles_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> st
     first, last = (angle_text(drive_angles[f"{end}_{unit}"], radians) for end in ("first", "last"))
     turns, per_turn = drive_angles["turns"], drive_angles["samples_per_turn"]
     text = f"{first} to {last}, {turns:.4g} turn{'s' if turns != 1.0 else ''}"
+    if f"min_{unit}" in drive_angles:
+        low, high = (angle_text(drive_angles[f"{end}_{unit}"], radians) for end in ("min", "max"))
+        text = (
+            f"first {first}, last {last}, least {low}, largest {high}, "
+            f"{turns:.4g} turns forward and back"
+        )
+        return text if per_turn is None else f"{text}, {per_turn:.4g} samples per turn"
     return text if per_turn is None else f"{text} of {per_turn:.4g} samples"
 
 
@@ -92,6 +99,12 @@ def notes_text(
         )
         if drive_angles["source"] == "sweep":
             text += f" Each extreme recurs every {half}."
+        yield textwrap.fill(text, 79)
+    if drive_angles.get("angle_of") == "driven":
+        text = (
+            "The scene gives angles of the driven shaft; the drive angles follow from them: "
+            f"{angles_text(drive_angles, radians=radians)}."
+        )
         yield textwrap.fill(text, 79)
     if _is_short(drive_angles):
         yield "An extreme that the sweep does not reach has no angle."

@@ -4,6 +4,7 @@ const data = JSON.parse(document.getElementById("data").textContent);
 const slider = document.getElementById("sample");
 const place = document.querySelector("output[for=sample]");
 const LABEL = 34; // distance of a number from its shaft
+const BAR = 22; // half the length of the bar that is a bearing
 const SVG = "http://www.w3.org/2000/svg";
 
 const shown = (value, decimals) => value.toFixed(decimals).replace("-", "\u2212");
@@ -40,7 +41,7 @@ function added(parent, name, attributes, text = "") {
 
 // Returns what draws one view at a sample. Of yokes and crosses the half away from the viewer is faint.
 function drawn(view, svg) {
-  const { points: allPoints, pins, pin, yoke } = data.drawing;
+  const { points: allPoints, pins, bearings, pin, yoke } = data.drawing;
   const flat = (p) => [0, 1].map((i) => view.offset[i] + dot(view.axes[i], p));
   const at = (p) => flat(p).map((value) => value.toFixed(1)).join(" ");
   const shafts = allPoints[0].slice(1).map(() => added(svg, "path", { class: "shaft" }));
@@ -55,6 +56,10 @@ function drawn(view, svg) {
       })),
     ),
   );
+  const bars = bearings.map((_, i) => ({
+    path: added(svg, "path", { class: "bearing" }),
+    name: added(svg, "text", {}, `B${i}`),
+  }));
   const labels = shafts.map((_, i) => added(svg, "text", {}, i));
   return (sample) => {
     const points = allPoints[Math.min(sample, allPoints.length - 1)];
@@ -71,6 +76,18 @@ function drawn(view, svg) {
       const length = Math.hypot(right - x, down - y) || 1;
       labels[i].setAttribute("x", (x + right) / 2 + (LABEL * (down - y)) / length);
       labels[i].setAttribute("y", (y + down) / 2 - (LABEL * (right - x)) / length);
+    });
+    bars.forEach(({ path, name }, i) => {
+      const [shaft, share] = bearings[i];
+      const way = plus(points[shaft + 1], points[shaft], -1);
+      const [x, y] = flat(plus(points[shaft], way, share));
+      const [right, down] = [0, 1].map((k) => dot(view.axes[k], way));
+      const length = Math.hypot(right, down) || 1;
+      const aside = [-down / length, right / length];
+      const end = (size) => [x + size * aside[0], y + size * aside[1]].map((value) => value.toFixed(1)).join(" ");
+      path.setAttribute("d", `M${end(-BAR)}L${end(BAR)}`);
+      name.setAttribute("x", x + (BAR + LABEL / 1.5) * aside[0]);
+      name.setAttribute("y", y + (BAR + LABEL / 1.5) * aside[1]);
     });
     halves.forEach((sides, joint) =>
       sides.forEach((signs, side) =>

@@ -1,0 +1,120 @@
+"""The paths of force vectors over the turn, seen along the shafts of joints and bearings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.driveline import Driveline
+from cardan.figures.forces import FORCES
+from cardan.load import Load
+from cardan.outputs import OUTPUTS
+from cardan.sweep import Sweep
+
+PER_DEGREE = 2
+"""Samples of a path per degree of drive angle."""
+
+
+@dataclass(frozen=True, eq=False)
+class ForcePath:
+    """The force of one joint or bearing over half a turn, after which it repeats.
+
+    It is seen along a shaft, looking from the drive towards the output. The force of a joint is
+    seen along the shaft that the joint supports: it has no part along that shaft.
+
+    Attributes:
+        per: what it is a force of.
+        item: number of the joint or bearing.
+        shaft: the shaft along which it is seen.
+        up: the axis that points up in the view, as near as the shaft allows: ``"y"``, or ``"z"``
+            for a shaft that runs along y.
+        angle_deg: drive angles in degrees from 0 to 180, ``(361,)``.
+        across: part of the force to the right in N, ``(361,)``.
+        upwards: part of the force upwards in N, ``(361,)``.
+    """
+
+    per: Literal["joint", "bearing"]
+    item: int
+    shaft: int
+    up: Literal["y", "z"]
+    angle_deg: FloatArray
+    across: FloatArray
+    upwards: FloatArray
+
+    @property
+    def label(self) -> str:
+        """What it is a force of, in words."""
+        return f"{self.per} {self.item}"
+
+    @property
+    def largest(self) -> int:
+        """Index of the sample at which the force is largest."""
+        return int(np.argmax(np.hypot(self.across, self.upwards)))
+
+    @property
+    def size(self) -> float:
+        """The largest force of its samples in N."""
+        return float(np.hypot(self.across[self.largest], self.upwards[self.largest]))
+
+
+def force_path(
+    line: Driveline, per: Literal["joint", "bearing"], item: int, load: Load
+) -> ForcePath:
+    """Return the path of one force of one driveline at a constant load.
+
+    Args:
+        line: one driveline.
+        per: ``"joint"`` or ``"bearing"``.
+        item: number of the joint or bearing.
+        load: a constant load.
+
+    Raises:
+        ValueError: a force that is not determinate; lengths that are missing.
+    """
+    per_turn = 360 * PER_DEGREE
+    count = per_turn // 2 + 1
+    name = f"{per}_force"
+    half_turn = Sweep.revolutions(count / per_turn, per_turn)
+    force = line.evaluate(half_turn, name, load=load)[name][item]
+    if per == "bearing":
+        shaft = line.bearings[item][0]
+    else:
+        driving, driven = (
+            float(np.max(np.abs(force @ line.directions[item + side]))) for side in (0, 1)
+        )
+        shaft = item + (driven <= driving)
+    along = line.directions[shaft]
+    up, across, upwards = _view(along)
+    angle_deg = np.arange(count) / PER_DEGREE
+    return ForcePath(per, item, shaft, up, angle_deg, force @ across, force @ upwards)
+
+
+def force_paths(line: Driveline, load: Load, outputs: Iterable[str] = FORCES) -> list[ForcePath]:
+    """Return the paths of the forces of every joint, then of every bearing.
+
+    Args:
+        line: one driveline.
+        load: a constant load.
+        outputs: which forces.
+
+    Raises:
+        ValueError: a force that is not determinate; lengths that are missing.
+    """
+    paths = []
+    for name in outputs:
+        per: Literal["joint", "bearing"] = "joint" if OUTPUTS[name].per == "joint" else "bearing"
+        count = line.n_joints if per == "joint" else line.n_bearings
+        paths += [force_path(line, per, item, load) for item in range(count)]
+    return paths
+
+
+def _view(along: FloatArray) -> tuple[Literal["y", "z"], FloatArray, FloatArray]:
+    """The axis that points up, and unit vectors to the right and upwards, across a shaft."""
+    up: Literal["y", "z"] = "z" if abs(along[1]) > 0.9 else "y"
+    across = np.cross(along, np.eye(3)["xyz".index(up)])
+    across /= np.linalg.norm(across)
+    return up, across, np.cross(across, along)

@@ -1,0 +1,260 @@
+"""Pictures of forces and of bearings: what is drawn is what the library computes."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib import pyplot
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
+from matplotlib.patches import Polygon
+
+from cardan import Driveline, Load
+from cardan.command import commands
+from cardan.figures.scene_forces import scene_force_paths
+from cardan.plots import plot_driveline, plot_force_hodograph, plot_forces
+from cardan.plots.driveline import _BEARING
+from cardan.plots.space import View
+from cardan.report import write_report
+from cardan.report.forces import force_views
+from cardan.report.tables import inputs
+from cardan.scene import Scene
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "bearings.toml"
+TEXT = EXAMPLE.read_text(encoding="utf-8")
+POINTS = np.array([[0, 0, 0], [300, 0, 0], [1500, -60, 0], [3000, -220, 0], [3250, -210, 0]]) / 1e3
+BEARINGS = [(0, 0.05), (0, 0.22), (1, 1.05), (3, 0.06), (3, 0.19)]
+LOAD = Load(output_torque=1200.0)
+LINE = Driveline.from_points(POINTS, phases=[90, 0], degrees=True).with_bearings(BEARINGS)
+HALF_TURN = np.radians(np.arange(361) / 2.0)
+FORCES = LINE.evaluate(HALF_TURN, ("joint_force", "bearing_force"), load=LOAD)
+
+
+@pytest.fixture(autouse=True)
+def _no_figure_stays() -> Iterator[None]:
+    yield
+    pyplot.close("all")
+
+
+def path_of(axes: Axes) -> np.ndarray:
+    (line,) = (line for line in axes.get_lines() if len(np.asarray(line.get_xdata())) == 361)
+    return np.asarray(line.get_xydata(), dtype=float)
+
+
+# --- hodographs ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("bearing", range(5))
+def test_the_path_of_a_bearing_is_its_force_across_the_shaft(bearing: int) -> None:
+    x, y = path_of(plot_force_hodograph(LINE, "bearing", bearing, load=LOAD)).T
+    force = FORCES.bearing_force[bearing]
+    # Looking along x with y up, z is to the right; shafts 1 and 3 lead a little down and up.
+    np.testing.assert_allclose(x, force[:, 2], atol=1e-9)
+    np.testing.assert_allclose(np.hypot(x, y), np.linalg.norm(force, axis=-1), rtol=1e-9)
+    assert np.sign(y[45]) == np.sign(force[45, 1]) != 0.0
+
+
+@pytest.mark.parametrize(("joint", "shaft"), [(0, 1), (1, 2), (2, 2)])
+def test_the_path_of_a_joint_is_seen_along_the_shaft_that_it_supports(
+    joint: int, shaft: int
+) -> None:
+    axes = plot_force_hodograph(LINE, "joint", joint, load=LOAD)
+    assert axes.get_title(loc="left").endswith(f"seen along shaft {shaft}")
+    x, y = path_of(axes).T
+    sizes = np.linalg.norm(FORCES.joint_force[joint], axis=-1)
+    np.testing.assert_allclose(np.hypot(x, y), sizes, rtol=1e-9, atol=1e-9)
+
+
+def test_angles_and_the_largest_force_are_marked() -> None:
+    axes = plot_force_hodograph(LINE, "bearing", 2, load=LOAD)
+    path = path_of(axes)
+    named = {text.get_text(): text.xy for text in axes.texts if text.get_text()}  # type: ignore[attr-defined]
+    assert list(named) == [f"{angle}°" for angle in range(0, 180, 30)]
+    for name, at in named.items():
+        np.testing.assert_array_equal(at, path[2 * int(name[:-1])])
+    (arrow,) = (text for text in axes.texts if not text.get_text())
+    np.testing.assert_array_equal(arrow.xy, path[np.argmax(np.hypot(*path.T))])  # type: ignore[attr-defined]
+    assert axes.get_title(loc="left").startswith("Bearing 2, up to 138.5 N")
+    assert axes.get_aspect() == 1.0
+
+
+def test_a_shaft_along_y_has_z_upwards() -> None:
+    turned = POINTS[:, [2, 0, 1]]
+    line = Driveline.from_points(turned, phases=[90, 0], degrees=True).with_bearings(BEARINGS)
+    axes = plot_force_hodograph(line, "bearing", 0, load=LOAD)
+    assert axes.get_ylabel() == "force upwards, towards z [N]"
+    # All is turned alike, so the view is the same.
+    np.testing.assert_allclose(
+        path_of(axes), path_of(plot_force_hodograph(LINE, load=LOAD)), atol=1e-9
+    )
+
+
+def test_hodographs_that_cannot_be() -> None:
+    with pytest.raises(ValueError, match="shows one driveline"):
+        plot_force_hodograph(Driveline.from_bends([[0.1], [0.2]]), load=LOAD)
+    with pytest.raises(ValueError, match="per is 'shaft'; it must be 'joint' or 'bearing'"):
+        plot_force_hodograph(LINE, "shaft", load=LOAD)  # type: ignore[arg-type]
+    with pytest.raises(IndexError, match="item is 5; there are 5"):
+        plot_force_hodograph(LINE, "bearing", 5, load=LOAD)
+
+
+def test_a_page_has_the_path_of_every_force() -> None:
+    scene = Scene.parse(TEXT)
+    figure = plot_forces(scene_force_paths(scene), scene.title)
+    assert len(figure.axes) == 8
+    for axes, force in zip(figure.axes, [*FORCES.joint_force, *FORCES.bearing_force], strict=True):
+        sizes = np.linalg.norm(force, axis=-1)
+        np.testing.assert_allclose(np.hypot(*path_of(axes).T), sizes, rtol=1e-9, atol=1e-9)
+
+
+def plot(tmp_path: Path, text: str, *options: str) -> tuple[int, str]:
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    arguments = ["plot", str(tmp_path / "a.toml"), "--output", str(tmp_path / "a.svg"), *options]
+    done = CliRunner().invoke(commands(), arguments)
+    return done.exit_code, done.output
+
+
+def test_command_draws_forces(tmp_path: Path) -> None:
+    assert plot(tmp_path, TEXT, "--forces")[0] == 0
+    assert (tmp_path / "a.svg").stat().st_size > 1000
+    status, said = plot(tmp_path, TEXT, "--forces", "--over", "turns")
+    assert (status, said) == (2, "cardan: --forces does not go with --study or --over\n")
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("[driveline]\nbends_deg = [5]\n", "over a turn: they need points_mm or points_m, or"),
+        (
+            "[driveline]\nbends_deg = [5]\nlengths_m = [1, 1]\n",
+            "over a turn: they need a torque or inertias in [load]",
+        ),
+        (
+            "[driveline]\nbends_deg = [5, 5, 5]\nlengths_m = [1, 1, 1, 1]\n"
+            "[load]\noutput_torque_Nm = 1\n",
+            "not determinate: ",
+        ),
+    ],
+)
+def test_forces_that_make_no_picture(text: str, reason: str, tmp_path: Path) -> None:
+    status, said = plot(tmp_path, text, "--forces")
+    assert status == 2
+    assert reason in said
+    assert not (tmp_path / "a.svg").exists()
+
+
+def test_joints_and_bearings_without_force_have_no_path(tmp_path: Path) -> None:
+    # Every shaft has its own bearings, so the joints transmit moments alone.
+    text = (
+        "[driveline]\nbends_deg = [10]\nlengths_m = [1, 1]\n[load]\ndrive_torque_Nm = 9\n"
+        + "".join(
+            f"[[bearing]]\nshaft = {shaft}\nposition_m = {x}\n"
+            for shaft in (0, 1)
+            for x in (0.2, 0.8)
+        )
+    )
+    paths = scene_force_paths(Scene.parse(text))
+    assert [path.label for path in paths] == [f"bearing {i}" for i in range(4)]
+    assert len(force_views(Scene.parse(text))) == 4
+    straight = text.replace("[10]", "[0]")
+    assert force_views(Scene.parse(straight)) == []
+    assert "forces are all 0" in plot(tmp_path, straight, "--forces")[1]
+
+
+# --- bearings in drawings --------------------------------------------------------------------
+
+
+def test_bearings_are_drawn_at_their_positions() -> None:
+    axes = plot_driveline(LINE)
+    flat = View.of(LINE.directions).axes[:2].T
+    rings = [
+        np.asarray(patch.get_xy())
+        for patch in (*axes.artists, *axes.patches)
+        if isinstance(patch, Polygon) and patch.get_facecolor() == to_rgba(_BEARING)
+    ]
+    assert len(rings) == 5
+    centres = sorted(((ring.min(axis=0) + ring.max(axis=0)) / 2.0).tolist() for ring in rings)
+    want = [(POINTS[shaft] + x * LINE.directions[shaft]) @ flat for shaft, x in BEARINGS]
+    np.testing.assert_allclose(centres, sorted(map(list, want)), atol=1e-3)
+    names = {text.get_text() for text in axes.texts}
+    assert {"bearing 0", "bearing 2", "bearing 3"} <= names
+
+
+def test_points_in_another_unit_keep_bearings_in_place() -> None:
+    axes, scaled = plot_driveline(LINE, ax=None), plot_driveline(LINE, points=1e3 * POINTS)
+    for one, other in zip(axes.artists, scaled.artists, strict=True):
+        assert isinstance(one, Polygon)
+        assert isinstance(other, Polygon)
+        np.testing.assert_allclose(1e3 * one.get_xy(), other.get_xy(), atol=1e-6)
+
+
+def test_without_points_shafts_have_their_lengths() -> None:
+    line = Driveline.from_bends([10, 10], degrees=True).with_bearings([], lengths=[1.0, 3.0, 2.0])
+    own, given = plot_driveline(line), plot_driveline(line, points=places([1.0, 3.0, 2.0], line))
+    for one, other in zip(own.get_lines(), given.get_lines(), strict=True):
+        np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())
+
+
+def places(lengths: list[float], line: Driveline) -> np.ndarray:
+    steps = np.array(lengths)[:, None] * line.directions
+    return np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+
+
+# --- the report ------------------------------------------------------------------------------
+
+
+def report(tmp_path: Path, text: str = TEXT) -> str:
+    write_report(Scene.parse(text), tmp_path / "a.html")
+    return (tmp_path / "a.html").read_text(encoding="utf-8")
+
+
+def scaled(view: dict[str, Any], axis: str) -> tuple[float, float]:
+    """Slope and offset from places in a drawing to newtons, by its first and last tick."""
+    (first, low), *_, (last, high) = view[f"{axis}_ticks"]
+    values = [float(text.replace("\N{MINUS SIGN}", "-")) for text in (low, high)]
+    slope = (values[1] - values[0]) / (float(last) - float(first))
+    return slope, values[0] - slope * float(first)
+
+
+def test_views_of_the_report_show_the_forces() -> None:
+    views = force_views(Scene.parse(TEXT))
+    assert len(views) == 8
+    for view, force in zip(views, [*FORCES.joint_force, *FORCES.bearing_force], strict=True):
+        drawn = np.array([pair.split(",") for pair in view["path"].split()], float)
+        (by_x, x0), (by_y, y0) = scaled(view, "x"), scaled(view, "y")
+        assert by_y == pytest.approx(-by_x, rel=0.01)
+        x, y = by_x * drawn[:, 0] + x0, by_y * drawn[:, 1] + y0
+        sizes = np.linalg.norm(force, axis=-1)
+        np.testing.assert_allclose(np.hypot(x, y), sizes, atol=0.01 * sizes.max())
+        head = np.array(re.split("[ L]", view["arrow"][1:])[2:4], float)
+        np.testing.assert_array_equal(head, drawn[sizes.argmax()])
+        for at_x, at_y, *_, name in view["marks"]:
+            np.testing.assert_array_equal([float(at_x), float(at_y)], drawn[2 * int(name[:-1])])
+
+
+def test_page_has_bearings_and_paths(tmp_path: Path) -> None:
+    page = report(tmp_path)
+    assert page.count('<path class="vector"') == 8
+    assert "B0 being bearing 0" in page
+    (data,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
+    lengths = np.linalg.norm(np.diff(POINTS, axis=0), axis=-1)
+    shares = [[shaft, round(x / lengths[shaft], 4)] for shaft, x in BEARINGS]
+    assert json.loads(data)["drawing"]["bearings"] == shares
+    table = inputs(Scene.parse(TEXT))["bearings"]
+    assert table is not None
+    assert table.rows[2] == ("bearing 2", "1", "1050")
+
+
+def test_a_page_without_bearings_has_none(tmp_path: Path) -> None:
+    page = report(tmp_path, "[driveline]\nbends_deg = [5, 5]\n")
+    assert '<path class="vector"' not in page
+    assert "force_paths" not in page
+    assert "being bearing" not in page
+    assert ">Bearings<" not in page
