@@ -55,7 +55,7 @@ def remembered(
         # collector finds the cycle, so the plan holds another object with the same arrays.
         plan = plans[key] = planned(line._twin(), names, *options)
         return plan
-    if not line.shape and (load is None or _is_small(load)):
+    if not line.shape and (load is None or (isinstance(load, Load) and _is_small(load))):
         if len(plans) >= _MOST:
             plans.clear()
         plans[key] = None

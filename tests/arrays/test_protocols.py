@@ -164,6 +164,9 @@ DRIVEN = LINE.evaluate(GRID, "angle", shafts=[1, 2]).angle
 SUPPORTED = Driveline.from_points([[0.0, 0.0], [0.3, 0.0], [1.5, -0.1], [1.9, -0.1]] @ np.eye(2, 3))
 SUPPORTED = SUPPORTED.with_bearings([(0, 0.05), (0, 0.25)])
 
+OPTIMUM = cardan.optimise(
+    lambda x: Driveline.from_bends([[x[0], 0.1]]), [0.3], [(0.2, 0.4)], starts=1
+)
 OBJECTS = [
     LINE,
     BATCH,
@@ -182,6 +185,17 @@ OBJECTS = [
     BATCH.transmission(1).motion(0.3),
     BATCH.harmonics([2, 4]),
     LINE.steering(0.3),
+    LINE.losses(LOAD, friction=0.01, pin_radius=0.01, arm=0.03),
+    LINE.life(cardan.Load(drive_torque=1.0, speed=1.0), rating=100.0),
+    LINE.tolerances(bends=0.01, samples=100, seed=1),
+    LINE.plan("speed_ratio").gradient(GRID, {"speed_ratio": 1.0}),
+    LINE.plan("speed_ratio").derivatives(GRID, "bends"),
+    cardan.tube(0.09, 0.003, length=1.5),
+    cardan.TorsionalSystem(
+        LINE, inertias=[0.1] * 3, stiffnesses=[1e4, np.inf, np.inf], dampings=[1.0, 0.0, 0.0]
+    ),
+    OPTIMUM,
+    OPTIMUM.active[0],
     LINE.free_running([1.0] + [0.1] * LINE.n_joints),
     SUPPORTED,
     SUPPORTED.lengths(),
@@ -224,6 +238,13 @@ def same(one: object, other: object) -> None:
         assert isinstance(other, cardan.Transmission)
         same(one.q, other.q)
         same(one.motion(GRID), other.motion(GRID))
+    elif isinstance(one, cardan.Tolerances):
+        assert isinstance(other, cardan.Tolerances)
+        same(one.worst, other.worst)
+        same(one.quantile(0.9), other.quantile(0.9))
+    elif isinstance(one, cardan.TorsionalSystem):
+        assert isinstance(other, cardan.TorsionalSystem)
+        same(one.steady(20.0), other.steady(20.0))
     elif isinstance(one, Driveline):
         for name in ("bends", "twists", "phases", "directions", "normals"):
             same(getattr(one, name), getattr(other, name))

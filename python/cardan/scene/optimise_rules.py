@@ -51,7 +51,7 @@ class Vary(Rule):
             raise refused(where, value, 'name keys and ranges, as {"points_mm.2.y" = [-40, 40]}')
         found: dict[str, tuple[float, float] | None] = {}
         for path, given in _flat(value):
-            own = where.at(path)
+            own = where.at(path if path.isprintable() else ascii(path))
             if path in found:
                 raise own.error("is given twice, with quotes and without")
             if re.fullmatch(rf"{_VECTORS}(\.{_PLACE})?", path):

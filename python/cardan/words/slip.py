@@ -105,7 +105,7 @@ def _verdict(found: SlipFigures) -> Iterator[str]:
         )
     if found.drivelines == 1:
         yield "These are figures of one position; [states] or a [study] of points find the travel."
-    elif not found.longest.at:
+    elif not (found.longest.at or found.longest.state):
         yield (
             f"The study does not change the length of shaft {found.slip.shaft}; a [study] of "
             "points finds the travel."
