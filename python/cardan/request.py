@@ -81,8 +81,11 @@ def item_index(argument: str, value: SupportsIndex, count: int, place: Place = (
 
 def is_index(value: Items) -> bool:
     """Whether one item is asked for, not a list of one."""
-    # NumPy's arrays have it as well, whatever their shape.
-    return isinstance(value, int) or (hasattr(value, "__index__") and np.ndim(value) == 0)  # type: ignore[arg-type]
+    # NumPy's arrays have `__index__` as well, whatever their shape; its booleans have it before
+    # NumPy 2.4 and are refused by name with every version.
+    return isinstance(value, (int, np.bool_)) or (
+        hasattr(value, "__index__") and np.ndim(value) == 0  # type: ignore[arg-type]
+    )
 
 
 def item_indices(argument: str, value: int | slice | Sequence[int], count: int) -> list[int]:
