@@ -22,7 +22,7 @@ import report
 from job import JOBS, Call, Case, Job, Method, recorded_angles
 from judge import Judge, Verdict
 from peers import PEERS, methods
-from row import Row
+from row import ComparisonRow
 
 SHORTEST_SAMPLE = 1e-3  # s: shorter calls are timed several at a time
 LONGEST = 3.0  # s: what calls of one method may take in all rounds of a case
@@ -33,7 +33,7 @@ def main() -> int:
     found, missing = methods(given.peers)
     for name, reason in missing.items():
         print(f"without {name}: {reason}")
-    rows: list[Row] = []
+    rows: list[ComparisonRow] = []
     loads = os.getloadavg()
     for num in given.sizes:
         for threads in sorted({1, os.cpu_count() or 1}):
@@ -67,7 +67,9 @@ def _arguments() -> argparse.Namespace:
     return given
 
 
-def _case(job: Job, num: int, threads: int, found: list[Method], rounds: int) -> list[Row]:
+def _case(
+    job: Job, num: int, threads: int, found: list[Method], rounds: int
+) -> list[ComparisonRow]:
     words = {method.word for method in found}
     planes = {word: np.empty((job.planes, num), word) for word in words}
     case = Case(job, num, threads, recorded_angles(num), planes)
@@ -93,7 +95,7 @@ def _case(job: Job, num: int, threads: int, found: list[Method], rounds: int) ->
     print(f"\n{job.title}; {num} angles, {threads} thread{'s' if threads > 1 else ''}")
     for (method, _, verdict), taken in zip(calls, times, strict=True):
         best, median = (1e9 / num * t for t in (min(taken), statistics.median(taken)))
-        rows.append(Row(job, num, threads, method, best, median, verdict))
+        rows.append(ComparisonRow(job, num, threads, method, best, median, verdict))
         error = f"error {verdict.relative:.1e}, {verdict.ulp:.3g} ulp"
         print(f"  {report.label(method):24} {best:8.2f} {median:8.2f} ns  {error}", flush=True)
     return rows

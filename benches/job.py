@@ -36,7 +36,7 @@ class One(NamedTuple):
     bending: float  # torque times tangent of the bend
 
 
-class Chain(NamedTuple):
+class FoldedChain(NamedTuple):
     """A folded chain ``w -> A w + B conj(w)``, ``q = B / A``, with ``t = tan(angle)``.
 
     ``error = atan((n0 + n1 t - n0 t²) / (d0 + d1 t + d2 t²))``, ``N = a0 + a1 t + a2 t²``,
@@ -86,9 +86,9 @@ class Job:
         return One(*map(float, self.constants))
 
     @property
-    def chain(self) -> Chain:
+    def chain(self) -> FoldedChain:
         """Constants of a chain, doubles."""
-        return Chain(*map(float, self.constants))
+        return FoldedChain(*map(float, self.constants))
 
     @cached_property
     def constants(self) -> Array:

@@ -16,7 +16,7 @@ import report
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from row import Row
+    from row import ComparisonRow
 
 JOB = "motion"
 MM = 1.0 / 25.4
@@ -44,7 +44,7 @@ class Point(NamedTuple):
     time: float
 
 
-def draw(rows: Sequence[Row], path: Path) -> None:
+def draw(rows: Sequence[ComparisonRow], path: Path) -> None:
     """Draw one job twice: in the cache on one thread, from memory on all."""
     own = [row for row in rows if row.job.name == JOB and not row.wrong]
     panels = {

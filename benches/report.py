@@ -14,7 +14,7 @@ import numpy as np
 from job import JOBS, Method
 
 if TYPE_CHECKING:
-    from row import Row
+    from row import ComparisonRow
 
 # Errors this close to each other count as the same.
 SAME = 3.0
@@ -59,7 +59,7 @@ def _commit() -> str:
     return (git("rev-parse", "--short", "HEAD") or "no commit") + (", changed" if changed else "")
 
 
-def write(path: Path, rows: Sequence[Row], about: str) -> None:
+def write(path: Path, rows: Sequence[ComparisonRow], about: str) -> None:
     """Write the tables, and before them the cases in which others are faster."""
     text = [
         "# Comparison",
@@ -86,7 +86,7 @@ def write(path: Path, rows: Sequence[Row], about: str) -> None:
     path.write_text("\n".join(text), encoding="utf-8")
 
 
-def columns(rows: Sequence[Row]) -> list[tuple[int, int]]:
+def columns(rows: Sequence[ComparisonRow]) -> list[tuple[int, int]]:
     """Sizes and numbers of threads that were measured."""
     return list(dict.fromkeys((row.num, row.threads) for row in rows))
 
@@ -107,7 +107,7 @@ def label(method: Method) -> str:
     return f"cardan, {method.name}" if method.peer == "cardan" else method.name
 
 
-def _table(rows: Sequence[Row]) -> Iterable[str]:
+def _table(rows: Sequence[ComparisonRow]) -> Iterable[str]:
     across = columns(rows)
     yield "| | error | ulp | " + " | ".join(case(*column) for column in across) + " |"
     yield "|---" * (3 + len(across)) + "|"
@@ -123,7 +123,7 @@ def _table(rows: Sequence[Row]) -> Iterable[str]:
         yield "| " + " | ".join(cells) + " |"
 
 
-def _wins(rows: Sequence[Row]) -> Iterable[str]:
+def _wins(rows: Sequence[ComparisonRow]) -> Iterable[str]:
     """Say which peers are faster than everything of this package that is as accurate."""
     yield "## Where others are faster"
     yield ""

@@ -9,7 +9,7 @@ from judge import Verdict
 
 
 @dataclass(frozen=True)
-class Row:
+class ComparisonRow:
     """What one method took for one case."""
 
     job: Job

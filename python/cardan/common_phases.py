@@ -11,17 +11,15 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
+from cardan.batch import Batch
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.teeth import least_turned, teeth_of
-
-if TYPE_CHECKING:
-    from cardan.phased import Phased
 
 _Complex = NDArray[np.complex128]
 
@@ -39,45 +37,47 @@ _ROUNDING = 1e-12
 
 
 def common_phases(
-    line: Phased,
+    line: Batch,
+    best: FloatArray,
     states: int | None,
     weights: ArrayLike | None,
     teeth: int | Sequence[int] | None,
     fixed: int | Sequence[int] | None,
 ) -> FloatArray:
-    """Return one setting for all states; arguments and errors as of ``optimal_phases``."""
+    """Return one setting for all states; arguments and errors as of ``optimal_phases``.
+
+    ``best`` has the best phases of each driveline alone, which the search starts from.
+    """
     if states is None:
         if weights is not None:
             raise ArgumentValueError(
                 "weights", "needs states, the axis of the batch that it weighs"
             )
-        lines = line[..., None] if line.shape else line.reshape(1)
-        axis = len(line.shape)
+        batch, axis = (*line.shape, 1), len(line.shape)
     else:
-        lines, axis = line, _axis(line, states)
-    count = lines.shape[axis]
+        batch, axis = line.shape, _axis(line, states)
+    count = batch[axis]
     if not count:
         raise ArgumentValueError("states", f"is {states}; that axis of the batch is empty")
     weighing = _weights(weights, count)
     held = _held(fixed, line.n_joints)
     counts = None if teeth is None else teeth_of(teeth, line.n_joints - 1)
-    rows = lines.size // count
-    bends, twists, present = (
-        np.moveaxis(array, axis, -2).reshape(rows, count, array.shape[-1])
-        for array in (lines.bends, lines.twists, lines.phases)
+    rows = line.size // count
+    bends, twists, present, own = (
+        np.moveaxis(array.reshape(*batch, array.shape[-1]), axis, -2).reshape(rows, count, -1)
+        for array in (line.bends, line.twists, line.phases, best)
     )
-    own = np.moveaxis(lines.optimal_phases(), axis, -2).reshape(present.shape)
-    shape = (*lines.shape[:axis], *lines.shape[axis + 1 :], line.n_joints - 1)
+    shape = (*batch[:axis], *batch[axis + 1 :], line.n_joints - 1)
     _check_common(present, held, counts)
     found = np.empty((len(bends), line.n_joints - 1))
     for row, (bend, twist, now, each) in enumerate(zip(bends, twists, present, own, strict=True)):
         chains = _Chains(bend, twist, weighing)
-        best = _least(chains, now[0], each, ~held)
+        setting = _least(chains, now[0], each, ~held)
         if counts is not None:
             settable = np.where(held, 1, counts).tolist()
-            turns = least_turned(chains.root, now[0], settable, best)
-            best = now[0] + 2.0 * np.pi * turns / np.asarray(settable)
-        found[row] = best
+            turns = least_turned(chains.root, now[0], settable, setting)
+            setting = now[0] + 2.0 * np.pi * turns / np.asarray(settable)
+        found[row] = setting
     return found.reshape(shape)
 
 
@@ -224,7 +224,7 @@ def _within_half_turn(angle: FloatArray) -> FloatArray:
 # --- arguments -----------------------------------------------------------------------------------
 
 
-def _axis(line: Phased, states: Any) -> int:  # noqa: ANN401 - checked here
+def _axis(line: Batch, states: Any) -> int:  # noqa: ANN401 - checked here
     try:
         axis = operator.index(states)
     except TypeError:

@@ -16,7 +16,7 @@ from cardan.arrays import FloatArray, common_shape
 from cardan.arrays.planes import Place
 from cardan.equivalent import equivalent
 from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
-from cardan.order_sums import Repeatable, Series, order_sums
+from cardan.order_sums import OrderSums, Repeatable, order_sums
 from cardan.request import Request, item_indices
 from cardan.rows import ComplexArray
 
@@ -142,7 +142,7 @@ _CLOSED = {
 
 def _closed(
     request: Request, place: Place, name: str, rows: tuple[int, ...], order: NDArray[np.int64]
-) -> Series:
+) -> OrderSums:
     """The series of a shaft's motion.
 
     With the equivalent joint's ``k`` and offset ``f`` the angle error is ``arg(1 - k exp(-2 i (a +

@@ -30,7 +30,7 @@ from cardan.result import Result
 from cardan.rows import ComplexArray, blocks, chain_before, of_rows
 from cardan.sweep import Sweep
 
-Series: TypeAlias = tuple[ComplexArray, FloatArray, FloatArray]
+OrderSums: TypeAlias = tuple[ComplexArray, FloatArray, FloatArray]
 """Complex amplitudes with the orders last, mean, and bound on the error of both."""
 
 _Sums: TypeAlias = tuple[ComplexArray, ComplexArray, FloatArray]
@@ -61,7 +61,7 @@ class Repeatable(Protocol):
 
 def order_sums(
     plan: Repeatable, name: str, rows: tuple[int, ...], order: NDArray[np.int64]
-) -> Series:
+) -> OrderSums:
     """Find the orders of one output of a plan.
 
     Args:

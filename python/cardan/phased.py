@@ -62,10 +62,9 @@ class Phased(InService):
             ValueError: an axis or a shaft that does not exist, weights or teeth that do not fit,
                 teeth or fixed shafts whose present phases differ between the states.
         """
-        if not (states is weights is teeth is fixed is None):
-            common = common_phases(self, states, weights, teeth, fixed)
-            return np.degrees(common) if degrees else common
         bends, twists, present, *_ = self._geometry.flat()
         best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
         phases = best.reshape(self.phases.shape)
+        if not (states is weights is teeth is fixed is None):
+            phases = common_phases(self, phases, states, weights, teeth, fixed)
         return np.degrees(phases) if degrees else phases

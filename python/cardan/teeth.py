@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from cardan.arrays import FloatArray
-    from cardan.driveline import Driveline
 
 # So many settings, and the teeth of so many neighbouring shafts, are compared at once.
 _SETTINGS, _SHAFTS = 1 << 16, 12
@@ -25,37 +24,18 @@ _SETTINGS, _SHAFTS = 1 << 16, 12
 _ROUNDING = 1e-15
 
 
-def tooth_turns(line: Driveline, teeth: Sequence[int], best: FloatArray) -> NDArray[np.int64]:
-    """Return by how many teeth to turn the output-side yokes for the least equivalent bend.
-
-    All positions of all shafts are compared if there are not too many: three shafts of 80 teeth, or
-    five of 18. Otherwise it is the positions nearest to the best phases, of twelve neighbouring
-    shafts at a time until nothing improves. Of settings that differ by rounding only, the one that
-    turns the yokes least is taken.
-
-    Args:
-        line: one driveline, with the yokes as they are.
-        teeth: of the spline of each shaft between two joints, at least 1.
-        best: the phases to come near to, in rad, ``(n - 1,)``.
-
-    Returns:
-        teeth by which to turn each yoke from where it is, positive clockwise, looking from the
-        drive towards the output, ``(n - 1,)``.
-    """
-
-    def roots(phases: FloatArray) -> FloatArray:
-        return np.asarray(line.with_phases(phases).equivalent().k)
-
-    return least_turned(roots, line.phases, teeth, best)
-
-
 def least_turned(
     objective: Callable[[FloatArray], FloatArray],
     present: FloatArray,
     teeth: Sequence[int],
     best: FloatArray,
 ) -> NDArray[np.int64]:
-    """Return the turns in teeth with the least objective, searched as ``tooth_turns`` does.
+    """Return by how many teeth to turn the output-side yokes for the least objective.
+
+    All positions of all shafts are compared if there are not too many: three shafts of 80 teeth, or
+    five of 18. Otherwise it is the positions nearest to the best phases, of twelve neighbouring
+    shafts at a time until nothing improves. Of settings that differ by rounding only, the one that
+    turns the yokes least is taken.
 
     Args:
         objective: of settings in rad, ``(trials, n - 1)``; linear in the error of a setting near

@@ -30,7 +30,7 @@ from cardan import plots, reference
 from cardan.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.figures.summary import Row, summary
+from cardan.figures.summary import SummaryRow, summary
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.plots import plot_scene, space, write_picture
@@ -315,12 +315,16 @@ def test_key_figures_of_a_page() -> None:
 
 def test_key_figures_that_are_too_many() -> None:
     """Of many joints the largest stays, and its joint is named; a last line counts the rest."""
-    loads = [Row("moment", "joint", j, "peak", float(j % 3), "N m", at_deg=30.0) for j in range(4)]
-    bends = [Row("bend", "joint", j, "value", float(j % 7), "deg", "driveline") for j in range(9)]
+    loads = [
+        SummaryRow("moment", "joint", j, "peak", float(j % 3), "N m", at_deg=30.0) for j in range(4)
+    ]
+    bends = [
+        SummaryRow("bend", "joint", j, "value", float(j % 7), "deg", "driveline") for j in range(9)
+    ]
     assert len(key_figures(loads, 9)) == 4
     assert key_figures(loads, 3) == [("largest moment, joint 2", "2.000 N m at 30.00°")]
     assert key_figures(bends, 9) == [("largest bend, joint 6", "6.000°")]
-    rows = [*loads, *bends, Row("twist", "shaft", 1, "value", 0.0, "deg", "driveline")]
+    rows = [*loads, *bends, SummaryRow("twist", "shaft", 1, "value", 0.0, "deg", "driveline")]
     assert key_figures(rows, 2)[-1] == ("and 2 more", "")
 
 

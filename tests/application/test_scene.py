@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Limits, Load, Sweep
-from cardan.figures.summary import Row, drive_angles, summary
+from cardan.figures.summary import SummaryRow, drive_angles, summary
 from cardan.scene import Scene, SceneError
-from cardan.scene.bearings import LENGTHS
+from cardan.scene.bearing_section import LENGTHS
 from cardan.scene.format import FORMAT, FORMS, TEETH, describe
 from cardan.words.summary import summary_lines, summary_text
 
@@ -20,7 +20,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 JOINT = "[driveline]\nbends_deg = [8.5]\n"
 
 
-def rows(scene: Scene) -> dict[str, Row]:
+def rows(scene: Scene) -> dict[str, SummaryRow]:
     """The table by quantity, shaft or joint, and statistic: ``torque_1_peak``."""
     return {f"{row.quantity}_{row.item}_{row.statistic}": row for row in summary(scene.run())}
 
@@ -1126,11 +1126,11 @@ def test_compensated_shaft_has_no_place() -> None:
         "[load]\nspeed_rpm = 1000\ninertias_kgm2 = [0, 0, 1]\n"
     )
     table = rows(scene)
-    assert table["angle_error_2_peak"] == Row("angle_error", "shaft", 2, "peak", 0.0, "deg")
+    assert table["angle_error_2_peak"] == SummaryRow("angle_error", "shaft", 2, "peak", 0.0, "deg")
     assert table["equivalent_bend_2_value"].value == 0.0
     assert table["speed_ratio_2_min"].value == table["speed_ratio_2_max"].value == 1.0
     assert table["acceleration_at_steady_drive_2_peak"].value == 0.0
-    assert table["torque_2_peak"] == Row("torque", "shaft", 2, "peak", 0.0, "N m")
+    assert table["torque_2_peak"] == SummaryRow("torque", "shaft", 2, "peak", 0.0, "N m")
     # A phase that is off by a thousandth of a degree is motion.
     almost = rows(Scene.parse("[driveline]\nbends_deg = [15, 15]\nphases_deg = [0.001]"))
     assert almost["angle_error_2_peak"].value > 1e-6
@@ -1138,8 +1138,8 @@ def test_compensated_shaft_has_no_place() -> None:
 
 def test_straight_driveline() -> None:
     table = rows(Scene.parse("[driveline]\nbends_deg = [0]\n[load]\noutput_torque_Nm = 5"))
-    assert table["angle_error_1_peak"] == Row("angle_error", "shaft", 1, "peak", 0.0, "deg")
-    assert table["torque_1_peak"] == Row("torque", "shaft", 1, "peak", 5.0, "N m")
+    assert table["angle_error_1_peak"] == SummaryRow("angle_error", "shaft", 1, "peak", 0.0, "deg")
+    assert table["torque_1_peak"] == SummaryRow("torque", "shaft", 1, "peak", 5.0, "N m")
 
 
 STEADY_JOINT = """\
@@ -1213,8 +1213,8 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
 
 
 def test_table_as_text() -> None:
-    def row(name: str, item: int, value: float, unit: str = "", **rest: Any) -> Row:  # noqa: ANN401
-        return Row(
+    def row(name: str, item: int, value: float, unit: str = "", **rest: Any) -> SummaryRow:  # noqa: ANN401
+        return SummaryRow(
             name,
             "joint" if name in ("bend", "moment") else "shaft",
             item,

@@ -21,7 +21,7 @@ from cardan.figures.advice import advice, arrangement, scene_advice
 from cardan.figures.catalogue import fork_signs
 from cardan.scene import Scene
 from cardan.scene.starters import STARTERS
-from cardan.teeth import tooth_turns
+from cardan.tooth_turns import tooth_turns
 from cardan.words.advice import remedies
 
 ROOT = Path(__file__).parents[2]

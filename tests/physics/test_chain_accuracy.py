@@ -31,7 +31,7 @@ LAST = math.nextafter(math.pi / 2, 0.0)
 
 
 @dataclass(frozen=True)
-class Chain:
+class SteepChain:
     """A chain and its exact map."""
 
     bends: tuple[float, ...]
@@ -76,26 +76,26 @@ class Chain:
         return [*map(float, random), *map(float, beside), 0.0]
 
 
-Kind = Callable[[np.random.Generator], Iterator[Chain]]
+Kind = Callable[[np.random.Generator], Iterator[SteepChain]]
 
 
-def chain(rng: np.random.Generator, bends: Doubles) -> Chain:
+def chain(rng: np.random.Generator, bends: Doubles) -> SteepChain:
     n = len(bends) - 1
     twists, phases = rng.uniform(-3.1, 3.1, (2, n)).tolist()
-    return Chain(tuple(bends.tolist()), tuple(twists), tuple(phases))
+    return SteepChain(tuple(bends.tolist()), tuple(twists), tuple(phases))
 
 
-def ordinary(rng: np.random.Generator) -> Iterator[Chain]:
+def ordinary(rng: np.random.Generator) -> Iterator[SteepChain]:
     for n in (2, 2, 2, 3, 5, 8):
         yield chain(rng, rng.uniform(0, 1.2, n))
 
 
-def near_straight(rng: np.random.Generator) -> Iterator[Chain]:
+def near_straight(rng: np.random.Generator) -> Iterator[SteepChain]:
     for n in (2, 3, 20):
         yield chain(rng, 10 ** rng.uniform(-12, -2, n))
 
 
-def one_steep(rng: np.random.Generator) -> Iterator[Chain]:
+def one_steep(rng: np.random.Generator) -> Iterator[SteepChain]:
     """One joint 1e-4 to 3 degrees from 90, at each place of chains of two and three."""
     for n, place in ((2, 0), (2, 1), (3, 0), (3, 1), (3, 2)):
         for _ in range(3):
@@ -103,10 +103,12 @@ def one_steep(rng: np.random.Generator) -> Iterator[Chain]:
             bends[place] = math.pi / 2 - 10 ** rng.uniform(math.log10(1.7e-6), math.log10(0.0524))
             yield chain(rng, bends)
     # What was once 19 ulp off.
-    yield Chain((0.138639674003652, 1.5704521238623042), (1.6680718368567717,), (4.0429819484237,))
+    yield SteepChain(
+        (0.138639674003652, 1.5704521238623042), (1.6680718368567717,), (4.0429819484237,)
+    )
 
 
-def steepest(rng: np.random.Generator) -> Iterator[Chain]:
+def steepest(rng: np.random.Generator) -> Iterator[SteepChain]:
     """Every joint steep, up to the last double."""
     for n in (2, 2, 3, 3, 4):
         yield chain(rng, np.minimum(math.pi / 2 - 10 ** rng.uniform(-16, -1, n), LAST))
@@ -114,21 +116,21 @@ def steepest(rng: np.random.Generator) -> Iterator[Chain]:
     yield chain(rng, np.array([LAST, LAST, 0.3]))
 
 
-def compensated(rng: np.random.Generator) -> Iterator[Chain]:
+def compensated(rng: np.random.Generator) -> Iterator[SteepChain]:
     """Joints that undo each other: quite, nearly, and with a straight shaft between them."""
     for bend in (0.3, 1.1, math.pi / 2 - 1e-6, LAST):
         twist = float(rng.uniform(-3, 3))
-        yield Chain((bend, bend), (twist,), (twist,))
-        yield Chain((bend, bend), (twist,), (twist + math.pi,))
-        yield Chain((bend, bend), (twist,), (math.nextafter(twist, 9.0),))
-        yield Chain((bend, math.nextafter(bend, 0.0)), (twist,), (twist + 1e-9,))
-        yield Chain((bend, 0.0, bend), (twist, 0.7), (twist, 0.7))
+        yield SteepChain((bend, bend), (twist,), (twist,))
+        yield SteepChain((bend, bend), (twist,), (twist + math.pi,))
+        yield SteepChain((bend, bend), (twist,), (math.nextafter(twist, 9.0),))
+        yield SteepChain((bend, math.nextafter(bend, 0.0)), (twist,), (twist + 1e-9,))
+        yield SteepChain((bend, 0.0, bend), (twist, 0.7), (twist, 0.7))
 
 
-def first_straight(rng: np.random.Generator) -> Iterator[Chain]:
+def first_straight(rng: np.random.Generator) -> Iterator[SteepChain]:
     for bend in (1e-3, 0.8, LAST):
         yield chain(rng, np.array([0.0, bend]))
-        yield Chain((0.0, bend), (0.25,), (1e14,))
+        yield SteepChain((0.0, bend), (0.25,), (1e14,))
 
 
 KINDS: dict[str, Kind] = {
@@ -142,7 +144,7 @@ class Samples:
     """Chains of a kind, angles for each, and the exact results."""
 
     kind: str
-    chains: list[Chain]
+    chains: list[SteepChain]
     angles: list[list[float]]
 
     def exact(self, name: str) -> list[Exact]:
@@ -320,7 +322,7 @@ def test_large_phases_and_twists_keep_their_difference() -> None:
     """The difference of angles of many turns is rounded by far more than a result may be off."""
     rng = np.random.default_rng(3)
     for phase, twist in ((1e12, 0.3), (0.7, -1.1e12), (2.0**40 + 0.1, 1.3), (1e15, 0.2)):
-        chain = Chain((0.9, 0.7, 0.5), (twist, 0.1), (phase, 0.4))
+        chain = SteepChain((0.9, 0.7, 0.5), (twist, 0.1), (phase, 0.4))
         angles = rng.uniform(-4, 4, 20).tolist()
         with mp.workdps(DIGITS):
             want = Exact.of(chain.fold.speed_ratio(Turn.by(x)) for x in angles)

@@ -14,7 +14,7 @@ from cardan.figures.answers import record
 from cardan.figures.rounding import ROUNDING, equivalent_bend_deg
 from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.scene.scene import Scene
-from cardan.teeth import tooth_turns
+from cardan.tooth_turns import tooth_turns
 from cardan.workshop import turn
 
 ARRANGEMENTS = ("straight", "single bend", "W", "Z", "planar", "spatial")

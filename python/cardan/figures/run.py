@@ -12,7 +12,7 @@ from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import STATES_SCHEMA, forces_of, states_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
-from cardan.figures.summary import Row, drive_angles, summary_data
+from cardan.figures.summary import SummaryRow, drive_angles, summary_data
 from cardan.outputs import OUTPUTS
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
@@ -23,7 +23,7 @@ from cardan.scene.states import StatesResult
 
 def run_data(
     scene: Scene,
-    rows: Sequence[Row],
+    rows: Sequence[SummaryRow],
     study: StudyTable | None,
     files: Iterable[Mapping[str, Any]],
     *,

@@ -32,7 +32,7 @@ _NOT_SEARCHED = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
 
 
 @dataclass(frozen=True)
-class Row:
+class SummaryRow:
     """One figure of the table.
 
     Attributes:
@@ -57,7 +57,7 @@ class Row:
     at_deg: float | None = None
 
 
-def summary(result: SceneResult) -> list[Row]:
+def summary(result: SceneResult) -> list[SummaryRow]:
     """Return the table of a scene: geometry, motion of the shafts asked for, torques and moments.
 
     Extremes are of a whole turn, in closed form or found between samples, whatever part of it the
@@ -140,12 +140,12 @@ def _signal(signal: Signal) -> dict[str, Any]:
     return data
 
 
-def summary_data(rows: Sequence[Row], *, radians: bool = False) -> list[dict[str, Any]]:
+def summary_data(rows: Sequence[SummaryRow], *, radians: bool = False) -> list[dict[str, Any]]:
     """Return the table as plain data for JSON; what is not finite is ``None``."""
     return [_entry(row, radians) for row in rows]
 
 
-def _entry(row: Row, radians: bool) -> dict[str, Any]:
+def _entry(row: SummaryRow, radians: bool) -> dict[str, Any]:
     angle = "rad" if radians else "deg"
     turned = math.radians if radians else float
     entry: dict[str, Any] = {
@@ -162,17 +162,19 @@ def _entry(row: Row, radians: bool) -> dict[str, Any]:
     return entry
 
 
-def _geometry(scene: Scene) -> Iterator[Row]:
+def _geometry(scene: Scene) -> Iterator[SummaryRow]:
     line = scene.line
     for joint in range(line.n_joints):
         yield from _extent("bend", "joint", joint, np.degrees(line.bends[..., joint]), "deg")
     for name, array in (("twist", line.twists), ("phase", line.phases)):
         # Recorded bends leave the yokes as they are.
         for i, angle in enumerate(array[(0,) * len(line.shape)]):
-            yield Row(name, "shaft", i + 1, "value", float(within_turn(angle)), "deg", "driveline")
+            yield SummaryRow(
+                name, "shaft", i + 1, "value", float(within_turn(angle)), "deg", "driveline"
+            )
 
 
-def _equivalent(scene: Scene) -> Iterator[Row]:
+def _equivalent(scene: Scene) -> Iterator[SummaryRow]:
     joints = [(shaft, scene.line.equivalent(shaft)) for shaft in _shafts(scene)]
     for name, unit in (("equivalent_bend", "deg"), ("non_uniformity", "")):
         for shaft, joint in joints:
@@ -184,19 +186,19 @@ def _equivalent(scene: Scene) -> Iterator[Row]:
 
 def _extent(
     name: str, per: Literal["shaft", "joint", "bearing"], item: int, values: FloatArray, unit: str
-) -> Iterator[Row]:
+) -> Iterator[SummaryRow]:
     """The value, or the ends of what was recorded."""
     if not np.ndim(values):
-        yield Row(name, per, item, "value", float(values), unit, "driveline")
+        yield SummaryRow(name, per, item, "value", float(values), unit, "driveline")
         return
     for statistic, find in _ENDS:
-        yield Row(name, per, item, statistic, float(find(values)), unit, "samples")
+        yield SummaryRow(name, per, item, statistic, float(find(values)), unit, "samples")
 
 
 _ENDS: tuple[tuple[Statistic, Any], ...] = (("min", np.nanmin), ("max", np.nanmax))
 
 
-def _recorded(result: SceneResult) -> Iterator[Row]:
+def _recorded(result: SceneResult) -> Iterator[SummaryRow]:
     degrees = result.scene.drive_angle_deg
     least = _least(result.scene)
     for output, item, values in result.curves():
@@ -204,27 +206,29 @@ def _recorded(result: SceneResult) -> Iterator[Row]:
             shown, unit = in_degrees(values, output.unit)
             for statistic, find in _ENDS:
                 value = float(find(shown))
-                yield Row(output.name, "shaft", item, statistic, value, unit, "samples")
+                yield SummaryRow(output.name, "shaft", item, statistic, value, unit, "samples")
         elif output.needs_load:
             sizes = magnitudes(output, values)
             place, everywhere = first_peak(sizes)
             value, at = float(np.nanmax(sizes)), None if everywhere else float(degrees[place])
             if value <= least[output.unit]:
                 value, at = 0.0, None
-            yield Row(output.name, output.per, item, "peak", value, output.unit, "samples", at)
+            yield SummaryRow(
+                output.name, output.per, item, "peak", value, output.unit, "samples", at
+            )
 
 
 # Statistic, speed ratio, input angle of the equivalent joint.
 _End = tuple[Statistic, float, float]
 
 
-def _motion(scene: Scene) -> Iterator[Row]:
+def _motion(scene: Scene) -> Iterator[SummaryRow]:
     per_shaft = [list(_shaft_motion(scene, shaft)) for shaft in _shafts(scene)]
     for same_quantity in zip(*per_shaft, strict=True):
         yield from same_quantity
 
 
-def _shaft_motion(scene: Scene, shaft: int) -> Iterator[Row]:
+def _shaft_motion(scene: Scene, shaft: int) -> Iterator[SummaryRow]:
     joint = scene.line.equivalent(shaft)
     slowest, fastest = float(joint.min_speed_ratio), float(joint.max_speed_ratio)
     acceleration = float(joint.max_acceleration_ratio)
@@ -236,9 +240,11 @@ def _shaft_motion(scene: Scene, shaft: int) -> Iterator[Row]:
 
     def row(
         name: str, statistic: Statistic, value: float, unit: str, driving: Sequence[float]
-    ) -> Row:
+    ) -> SummaryRow:
         places = () if still else [place - float(joint.angle_offset) for place in driving]
-        return Row(name, "shaft", shaft, statistic, value, unit, "turn", first_place(scene, places))
+        return SummaryRow(
+            name, "shaft", shaft, statistic, value, unit, "turn", first_place(scene, places)
+        )
 
     # Driving angles of the equivalent joint; the error is largest where tan**2 = cos(bend).
     lead, steep = math.atan(math.sqrt(slowest)), _steepest(joint)
@@ -274,7 +280,7 @@ def _steepest(joint: EquivalentJoint) -> float:
     return math.acos(min(1.0, 4.0 * s / (2.0 - s + math.hypot(2.0 - s, math.sqrt(8.0) * s)))) / 2.0
 
 
-def _searched(scene: Scene) -> Iterator[Row]:
+def _searched(scene: Scene) -> Iterator[SummaryRow]:
     shafts = _shafts(scene)
     items = {
         "shaft": shafts,
@@ -295,7 +301,7 @@ def _searched(scene: Scene) -> Iterator[Row]:
                 value = math.degrees(value)
             unit = {"rad": "deg", "1": ""}.get(output.unit, output.unit)
             at = first_place(scene, places)
-            yield Row(name, output.per, item, "peak", value, unit, "turn", at)
+            yield SummaryRow(name, output.per, item, "peak", value, unit, "turn", at)
 
 
 def _shafts(scene: Scene) -> tuple[int, ...]:

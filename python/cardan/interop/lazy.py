@@ -343,7 +343,7 @@ def _with_bearings(
 
 def _copied(cls: type[Driveline], bearings: tuple[int, ...], *arrays: NDArray[Any]) -> Driveline:
     # A driveline makes its arrays read-only, and these may be dask's.
-    return cls._of(Geometry(*map(np.array, arrays), bearings=bearings))
+    return cls._of(Geometry._make((*map(np.array, arrays), bearings, False)))
 
 
 def _load_parts(load: Load) -> dict[str, _Part]:

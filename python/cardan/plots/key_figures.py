@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
-from cardan.figures.summary import Row
+from cardan.figures.summary import SummaryRow
 from cardan.words.summary import summary_lines
 
 _MANY = 4
 
 
-def key_figures(rows: Sequence[Row], most: int) -> list[tuple[str, str]]:
+def key_figures(rows: Sequence[SummaryRow], most: int) -> list[tuple[str, str]]:
     """Return label and value of each figure, at most so many lines.
 
     Of a figure of more than four shafts or joints only the largest stays, and where the lines are
@@ -25,7 +25,7 @@ def key_figures(rows: Sequence[Row], most: int) -> list[tuple[str, str]]:
     return lines
 
 
-def _lines(rows: Sequence[Row], most: int) -> Iterator[tuple[str, str]]:
+def _lines(rows: Sequence[SummaryRow], most: int) -> Iterator[tuple[str, str]]:
     for _, group in groupby(rows, key=lambda row: row.quantity):
         found = list(group)
         if len({row.item for row in found}) <= most:

@@ -4,38 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 
-import cardan.scene.values as kinds
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
-from cardan.scene.sections import Key, Section
-
-if TYPE_CHECKING:
-    from cardan.scene.axes import Axis
-
-BEARING = Section(
-    "a bearing; give one section for each, in any order. They are counted from 0 in that order",
-    {
-        "shaft": Key(kinds.SHAFT, "its shaft, counted from 0"),
-        "position_mm": Key(
-            kinds.POSITION,
-            "distance from the upstream end of the shaft in the direction of power flow: from its "
-            "input-side joint, on shaft 0 from the driving end",
-        ),
-        "position_m": Key(kinds.POSITION, "or: the same in metres"),
-    },
-    together=(("position_mm", "position_m"),),
-    needed=(("shaft",), ("position_mm", "position_m")),
-    repeated=True,
-)
-"""The sections [[bearing]]."""
-
-LENGTHS = ("lengths_mm", "lengths_m")
-"""The keys of a driveline without points for the lengths of its shafts; it has at most one."""
+from cardan.scene.axes import Axis
+from cardan.scene.bearing_section import LENGTHS
 
 _UNITS = {"mm": 1e-3, "m": 1.0}
 

@@ -18,7 +18,7 @@ from cardan.limits import OWN, PRESETS
 from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.ball_joint import BALL_JOINT
-from cardan.scene.bearings import BEARING, LENGTHS
+from cardan.scene.bearing_section import BEARING, LENGTHS
 from cardan.scene.optimise_section import OPTIMISE
 from cardan.scene.paths import pattern_schemas
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS

@@ -26,7 +26,8 @@ from cardan.scene.angles import Angles
 from cardan.scene.axes import grid_of
 from cardan.scene.ball_joint import BallJointCase, ball_joint_case
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
-from cardan.scene.bearings import LENGTHS, Mounting, lengths_of
+from cardan.scene.bearing_section import LENGTHS
+from cardan.scene.bearings import Mounting, lengths_of
 from cardan.scene.document import Document, read_text
 from cardan.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.scene.errors import SceneError

@@ -19,7 +19,8 @@ from cardan.outputs import OUTPUTS
 from cardan.request import Reduction
 from cardan.scene.axes import Axis as Axis
 from cardan.scene.axes import per_row, put, values_at
-from cardan.scene.bearings import LENGTHS, Mounting
+from cardan.scene.bearing_section import LENGTHS
+from cardan.scene.bearings import Mounting
 from cardan.scene.errors import StudyPointError
 from cardan.scene.format import FORMAT, Form
 from cardan.scene.parts import make_driveline, make_load

@@ -10,7 +10,7 @@ from itertools import groupby
 from types import MappingProxyType
 from typing import Any
 
-from cardan.figures.summary import Row
+from cardan.figures.summary import SummaryRow
 from cardan.outputs import OUTPUTS
 
 FEWEST = 36
@@ -27,7 +27,7 @@ _LABELS: Mapping[str, str] = MappingProxyType(
 
 
 def summary_text(
-    rows: Sequence[Row], drive_angles: Mapping[str, Any], *, radians: bool = False
+    rows: Sequence[SummaryRow], drive_angles: Mapping[str, Any], *, radians: bool = False
 ) -> str:
     """Return the table as aligned plain text, at most 79 characters wide.
 
@@ -48,7 +48,7 @@ def summary_text(
     return f"{text}\n\n{notes}" if notes else text
 
 
-def _parts(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+def _parts(rows: Sequence[SummaryRow]) -> tuple[list[SummaryRow], list[SummaryRow]]:
     own = [row for row in rows if row.of == "driveline"]
     return own, [row for row in rows if row.of != "driveline"]
 
@@ -87,7 +87,7 @@ def _is_short(drive_angles: Mapping[str, Any]) -> bool:
 
 
 def notes_text(
-    rows: Iterable[Row], drive_angles: Mapping[str, Any], *, radians: bool = False
+    rows: Iterable[SummaryRow], drive_angles: Mapping[str, Any], *, radians: bool = False
 ) -> Iterator[str]:
     """Say what must be known to read the table, a paragraph at a time."""
     found = list(rows)
@@ -122,7 +122,7 @@ def few_samples_text(samples_per_turn: float | None) -> str | None:
     )
 
 
-def summary_lines(rows: Iterable[Row], *, radians: bool = False) -> list[tuple[str, str]]:
+def summary_lines(rows: Iterable[SummaryRow], *, radians: bool = False) -> list[tuple[str, str]]:
     """Return the table as pairs of what a line is about and its figures.
 
     Several shafts share a line, without their places; ranges of several shafts are left out.
@@ -142,11 +142,11 @@ def summary_lines(rows: Iterable[Row], *, radians: bool = False) -> list[tuple[s
     return lines
 
 
-def _about(row: Row) -> tuple[str, str]:
+def _about(row: SummaryRow) -> tuple[str, str]:
     return row.quantity, "range" if row.statistic in ("min", "max") else row.statistic
 
 
-def _line(rows: Sequence[Row], statistic: str, radians: bool) -> tuple[str, str]:
+def _line(rows: Sequence[SummaryRow], statistic: str, radians: bool) -> tuple[str, str]:
     first = rows[0]
     label = _LABELS.get(first.quantity) or (
         OUTPUTS[first.quantity].label
@@ -177,7 +177,7 @@ def _items(per: str, items: Sequence[int]) -> str:
     return f"{per}s {', '.join(map(str, items[:-1]))} and {items[-1]}"
 
 
-def _in_unit(row: Row, radians: bool) -> float:
+def _in_unit(row: SummaryRow, radians: bool) -> float:
     return math.radians(row.value) if row.unit == "deg" and radians else row.value
 
 

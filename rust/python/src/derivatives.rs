@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Differentiated, DriveAngles, Execution, Parameters, Spread, SpreadLoad, Wanted, q_derivatives,
+    Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted, q_derivatives,
 };
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
@@ -106,8 +106,8 @@ pub(crate) fn differentiate<'py>(
     let name = |(name, items): (PyBackedStr, Vec<usize>)| Ok((quantity(&name)?, items));
     let outputs = outputs.into_iter().map(name).collect::<PyResult<Vec<_>>>()?;
     let angle = match &angle {
-        SteppedAngle::Sweep(sweep) => DriveAngles::Sweep(sweep.sweep()),
-        SteppedAngle::Array(stepped) => DriveAngles::Array(spread("angle", stepped)?),
+        SteppedAngle::Sweep(sweep) => SpreadAngles::Sweep(sweep.sweep()),
+        SteppedAngle::Array(stepped) => SpreadAngles::Array(spread("angle", stepped)?),
     };
     let load = load.as_ref().map(|load| spread_load(load, joints)).transpose()?;
     let weights = match &weights {

@@ -17,7 +17,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use cardan::{Angles, Drivelines, Execution, Output, Plan, Planes, Request, Samples, Source};
 
-use crate::exact::{Chain, Turn};
+use crate::exact::{ExactChain, Turn};
 use crate::judge::{Quantity, Tier};
 use crate::samples::{Kind, Random};
 
@@ -33,7 +33,7 @@ pub(crate) const MOTION: [(Quantity, Output); 5] = [
 ];
 
 /// A driveline's bends, twists and phases.
-struct Line {
+struct ChainAngles {
     bends: Vec<f64>,
     twists: Vec<f64>,
     phases: Vec<f64>,
@@ -63,7 +63,7 @@ impl ChainShape {
         }
     }
 
-    fn line(self, random: &mut Random) -> Line {
+    fn line(self, random: &mut Random) -> ChainAngles {
         let n = match self {
             Self::NearStraight => 64,
             Self::Compensated => 2 * (1 + random.below(32)),
@@ -97,7 +97,7 @@ impl ChainShape {
                 phases[2 * pair] = twists[2 * pair] - half;
             }
         }
-        Line { bends, twists, phases }
+        ChainAngles { bends, twists, phases }
     }
 }
 
@@ -127,7 +127,7 @@ pub(crate) fn run(seed: u64, samples: u64) -> Vec<ChainErrors> {
         .collect()
 }
 
-fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
+fn evaluate(line: &ChainAngles, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     let n = line.bends.len();
     let (directions, normals) = (vec![0.0; 3 * (n + 1)], vec![0.0; 3 * n]);
     let lines = Drivelines {
@@ -162,8 +162,8 @@ fn evaluate(line: &Line, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     planes
 }
 
-fn judge(line: &Line, random: &mut Random, found: &mut ChainErrors) {
-    let chain = Chain::of(&line.bends, &line.twists, &line.phases);
+fn judge(line: &ChainAngles, random: &mut Random, found: &mut ChainErrors) {
+    let chain = ExactChain::of(&line.bends, &line.twists, &line.phases);
     let n = line.bends.len() as f64;
     let angles: Vec<f64> = (0..ANGLES).map(|_| Kind::Random.angle(random, 0.0, &[])).collect();
     let (gap, k) = (chain.gap(), chain.k);
@@ -207,7 +207,7 @@ fn judge(line: &Line, random: &mut Random, found: &mut ChainErrors) {
                 let (tier, off) = (tier as usize, if off.is_nan() { f64::INFINITY } else { off });
                 if off > found.off[tier][q] {
                     found.off[tier][q] = off;
-                    let Line { bends, twists, phases } = line;
+                    let ChainAngles { bends, twists, phases } = line;
                     found.place[tier][q] = format!(
                         "{} at bends {bends:?}, twists {twists:?}, phases {phases:?}, angle {angle:?}: \
                          {got:e} instead of {:e}",

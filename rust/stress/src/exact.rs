@@ -140,7 +140,7 @@ fn quotient_curvature(value: Wide, denominator: Wide, slope: Wide, curvature: Wi
 
 /// A chain of joints.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Chain {
+pub(crate) struct ExactChain {
     a: WideComplex,
     b: WideComplex,
     /// `|A|² − |B|²`, the product of the cosines.
@@ -151,7 +151,7 @@ pub(crate) struct Chain {
     pub(crate) total: f64,
 }
 
-impl Chain {
+impl ExactChain {
     pub(crate) fn of(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
         let mut a = WideComplex { re: Wide::ONE, im: Wide::ZERO };
         let mut b = WideComplex { re: Wide::ZERO, im: Wide::ZERO };

@@ -7,7 +7,7 @@ use cardan::{
 
 use crate::exact::{ExactJoint, Turn};
 use crate::judge::{Ledger, Quantity, Tier, Worst, rows_of};
-use crate::samples::{Kind, Random, Sample};
+use crate::samples::{JointSample, Kind, Random};
 use crate::wide::{Wide, two_sum};
 
 /// Rows of one joint each, and samples in a row.
@@ -27,7 +27,7 @@ pub(crate) struct Break {
 struct SampleBlock {
     kind: Kind,
     bends: Vec<f64>,
-    samples: Vec<Sample>,
+    samples: Vec<JointSample>,
     sweep: Option<Sweep>,
     /// Rows of the tables that each sample belongs to.
     rows: Vec<[usize; 3]>,
@@ -64,7 +64,7 @@ impl SampleBlock {
         Self { kind, bends, samples: vec![], sweep, rows: vec![], exact }
     }
 
-    fn put(&mut self, joint: &ExactJoint, at: &Turn, sample: Sample) {
+    fn put(&mut self, joint: &ExactJoint, at: &Turn, sample: JointSample) {
         use Quantity as Q;
 
         let motion = joint.motion(at);
@@ -104,7 +104,7 @@ impl SampleBlock {
         self.samples.push(sample);
     }
 
-    fn new(kind: Kind, random: &mut Random, worst: &[Sample]) -> Self {
+    fn new(kind: Kind, random: &mut Random, worst: &[JointSample]) -> Self {
         if kind == Kind::Sweep {
             return Self::sweeping(random);
         }
@@ -117,7 +117,7 @@ impl SampleBlock {
             for _ in 0..BLOCK / rows {
                 let angle = kind.angle(random, bend, worst);
                 let torque = random.power(-3.0, 3.0) * random.sign();
-                block.put(&joint, &Turn::by(&[angle]), Sample { bend, angle, torque });
+                block.put(&joint, &Turn::by(&[angle]), JointSample { bend, angle, torque });
             }
         }
         block
@@ -145,7 +145,7 @@ impl SampleBlock {
         let torque = random.power(-3.0, 3.0);
         let mut block = Self::empty(Kind::Sweep, vec![bend], Some(sweep));
         for i in 0..BLOCK {
-            block.put(&joint, &turns(i), Sample { bend, angle: sweep.at(i), torque });
+            block.put(&joint, &turns(i), JointSample { bend, angle: sweep.at(i), torque });
         }
         block
     }
@@ -288,7 +288,7 @@ impl Job {
         let (zero, one) = ([0.0], [1.0]);
         let every = [row, 1];
         let still = [0, 0];
-        let column = |f: fn(&Sample) -> f64| block.samples.iter().map(f).collect::<Vec<f64>>();
+        let column = |f: fn(&JointSample) -> f64| block.samples.iter().map(f).collect::<Vec<f64>>();
         let (angles, torques) = (column(|s| s.angle), column(|s| s.torque));
         let constant = |data| Source { data, strides: &still };
         let each = |data| Source { data, strides: &every };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use crate::samples::{Kind, Sample};
+use crate::samples::{JointSample, Kind};
 
 /// What is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -193,7 +193,7 @@ impl By {
 }
 
 /// The rows that samples belong to.
-pub(crate) fn rows_of(sample: &Sample, kind: Kind) -> [usize; 3] {
+pub(crate) fn rows_of(sample: &JointSample, kind: Kind) -> [usize; 3] {
     let row = |ranges: &[(f64, &str)], x: f64| ranges.partition_point(|&(end, _)| end <= x);
     [
         kind as usize,
@@ -206,7 +206,7 @@ pub(crate) fn rows_of(sample: &Sample, kind: Kind) -> [usize; 3] {
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Worst {
     pub(crate) off: f64,
-    pub(crate) sample: Sample,
+    pub(crate) sample: JointSample,
     pub(crate) got: f64,
     pub(crate) want: f64,
 }
@@ -283,7 +283,7 @@ impl Ledger {
     }
 
     /// The samples around which to search.
-    pub(crate) fn worst(&self) -> Vec<Sample> {
+    pub(crate) fn worst(&self) -> Vec<JointSample> {
         let errors = self.0[..2].iter().flatten();
         errors.filter(|e| e.again.off > 0.0).map(|e| e.again.sample).collect()
     }

@@ -12,7 +12,7 @@ use cardan::{
 };
 
 use crate::angle::sin_cos;
-use crate::exact::{Chain, Turn};
+use crate::exact::{ExactChain, Turn};
 use crate::judge;
 use crate::points::{Span, cross, dot};
 use crate::samples::Random;
@@ -180,7 +180,7 @@ struct Frames {
     directions: Vec<Span>,
     normals: Vec<Span>,
     /// Of the motion of each shaft.
-    chains: Vec<Chain>,
+    chains: Vec<ExactChain>,
     /// Sine and cosine of each phase.
     phases: Vec<(Wide, Wide)>,
 }
@@ -197,7 +197,11 @@ impl Frames {
             directions.push(turned(directions[j], normals[j], sin_cos(&[bend])));
         }
         let upto = |i: usize| {
-            Chain::of(&bends[..i], &twists[..i.saturating_sub(1)], &phases[..i.saturating_sub(1)])
+            ExactChain::of(
+                &bends[..i],
+                &twists[..i.saturating_sub(1)],
+                &phases[..i.saturating_sub(1)],
+            )
         };
         let chains = (0..=bends.len()).map(upto).collect();
         let phases = phases.iter().map(|&phase| sin_cos(&[phase])).collect();

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::angle::sin_cos;
 use crate::chains::{ChainErrors, MOTION};
-use crate::exact::{Chain, ExactJoint, Turn};
+use crate::exact::{ExactChain, ExactJoint, Turn};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
 use crate::loads::{self, Loads};
 use crate::points::{self, Points};
@@ -312,7 +312,7 @@ pub(crate) fn oracle(count: u64) {
                 |most: f64| (0..n).map(|_| random.between(0.0, most)).collect::<Vec<_>>();
             let (bends, twists, phases) = (angles(1.3), angles(6.0), angles(6.0));
             let (twists, phases) = (&twists[1..], &phases[1..]);
-            let (motion, _) = Chain::of(&bends, twists, phases).motion(&at);
+            let (motion, _) = ExactChain::of(&bends, twists, phases).motion(&at);
             let list = |all: &[f64]| all.iter().map(|&x| hex(x)).collect::<Vec<_>>().join(" ");
             println!("chain {} / {} / {}", list(&bends), list(twists), list(phases));
             for (name, x) in [

@@ -98,14 +98,14 @@ impl Kind {
 
 /// A sample of one joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Sample {
+pub(crate) struct JointSample {
     pub(crate) bend: f64,
     pub(crate) angle: f64,
     /// Torque in N·m; also the inertia of a flywheel.
     pub(crate) torque: f64,
 }
 
-impl Sample {
+impl JointSample {
     /// Of the bend.
     pub(crate) fn cosine(&self) -> f64 {
         self.bend.cos()
@@ -247,7 +247,7 @@ fn moved(random: &mut Random, x: f64, centre: f64) -> f64 {
 
 impl Kind {
     /// A bend for a row of samples.
-    pub(crate) fn bend(self, random: &mut Random, worst: &[Sample]) -> f64 {
+    pub(crate) fn bend(self, random: &mut Random, worst: &[JointSample]) -> f64 {
         let bend = match self {
             Self::Random => {
                 let most = random.pick(&[LAST, 0.6]);
@@ -274,7 +274,7 @@ impl Kind {
     }
 
     /// An angle for a sample with this bend.
-    pub(crate) fn angle(self, random: &mut Random, bend: f64, worst: &[Sample]) -> f64 {
+    pub(crate) fn angle(self, random: &mut Random, bend: f64, worst: &[JointSample]) -> f64 {
         let angle = match self {
             Self::Random => random_angle(random),
             Self::Spread => spread_angle(random),

@@ -7,7 +7,7 @@ use nalgebra::Complex;
 
 use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, Orbit};
-use crate::dynamics::periodic::{Series, roots_of_unity};
+use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
 use crate::dynamics::search::Wanted;
 use crate::dynamics::system::{PieceState, TorsionalSystem};
 use crate::mechanics::phasing::is_set;
@@ -90,20 +90,20 @@ pub fn steady_of_batch(
         let roots = roots_of_unity(orbit.intervals);
         let (torques, rest) = out.split_at_mut(3 * m);
         let mut places = rest.chunks_exact_mut(2);
-        let mut put = |series: &Series| {
+        let mut put = |series: &FourierSeries| {
             for (&order, place) in orders.iter().zip(&mut places) {
                 let Complex { re, im } = series.order(order);
                 place.copy_from_slice(&[re, im]);
             }
         };
         for (s, samples) in orbit.torques(&mut equation).iter().enumerate() {
-            let series = Series::through(|k| samples[k], &roots);
+            let series = FourierSeries::through(|k| samples[k], &roots);
             let [least, most] = series.extremes();
             (torques[s], torques[m + s], torques[2 * m + s]) = (series.mean, least, most);
             put(&series);
         }
         for samples in end_angles(&orbit, &equation, ends) {
-            put(&Series::through(|k| samples[k], &roots));
+            put(&FourierSeries::through(|k| samples[k], &roots));
         }
         Ok(())
     });
@@ -168,13 +168,15 @@ pub fn orbits_of_batch(
         let orbit = system.search(speed, wanted)?;
         let mut equation = MotionEquation::new(system, speed);
         let roots = roots_of_unity(orbit.intervals);
-        let through = |of: &dyn Fn(usize) -> f64| Series::through(of, &roots);
-        let positions: Vec<Series> = (0..m).map(|u| through(&|k| orbit.state(k).0[u])).collect();
-        let slopes: Vec<Series> = (0..m).map(|u| through(&|k| orbit.state(k).1[u])).collect();
+        let through = |of: &dyn Fn(usize) -> f64| FourierSeries::through(of, &roots);
+        let positions: Vec<FourierSeries> =
+            (0..m).map(|u| through(&|k| orbit.state(k).0[u])).collect();
+        let slopes: Vec<FourierSeries> =
+            (0..m).map(|u| through(&|k| orbit.state(k).1[u])).collect();
         let mut pieces: Vec<PieceState> = vec![];
         for i in 0..samples {
             let angle = PI * i as f64 / samples as f64;
-            let at = |series: &[Series]| -> Vec<f64> {
+            let at = |series: &[FourierSeries]| -> Vec<f64> {
                 series.iter().map(|series| series.at(angle)[0]).collect()
             };
             let (y, v) = (at(&positions), at(&slopes));

@@ -27,7 +27,7 @@ pub(super) struct MotionEquation<'a> {
 /// The equations at one drive angle and their derivatives, in tridiagonal rows: each unknown is
 /// coupled with the one before it and the one behind it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Row {
+pub(super) struct EquationRow {
     /// What is left of the equation: inertia torque minus all others, in N m.
     pub(super) residual: f64,
     /// Derivative by the unknown's own second derivative.
@@ -108,7 +108,7 @@ impl<'a> MotionEquation<'a> {
     }
 
     /// The equations at a drive angle, from the unknowns, their slopes and second derivatives.
-    pub(super) fn rows(&mut self, angle: f64, [y, v, a]: [&[f64]; 3], rows: &mut [Row]) {
+    pub(super) fn rows(&mut self, angle: f64, [y, v, a]: [&[f64]; 3], rows: &mut [EquationRow]) {
         self.prepare(angle, y, v);
         let TorsionalSystem { springs, load_torque, load_damping, .. } = self.system;
         let speed = self.speed;
@@ -133,7 +133,7 @@ impl<'a> MotionEquation<'a> {
             let inertial = own.inertia * a[s] + 0.5 * own.inertia_slope * slope * slope;
             let inertial_by_angle =
                 own.inertia_slope * a[s] + 0.5 * own.inertia_curvature * slope * slope;
-            *row = Row {
+            *row = EquationRow {
                 residual: square * inertial - self.torques[s] + own.ratio * behind,
                 by_acceleration: square * own.inertia,
                 by_slope: [

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use nalgebra::{DMatrix, DVector};
 
 use crate::dynamics::gauss::{COLLOCATION, Collocation, STAGES};
-use crate::dynamics::motion_equation::{MotionEquation, Row};
+use crate::dynamics::motion_equation::{EquationRow, MotionEquation};
 
 /// Why there is no orbit at a speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,7 +146,7 @@ impl Orbit {
         let mut product = DMatrix::<f64>::identity(2 * m, 2 * m);
         let mut constant = DVector::<f64>::zeros(2 * m);
         let mut maps = Vec::with_capacity(self.intervals);
-        let mut scratch = Scratch::new(m);
+        let mut scratch = OrbitScratch::new(m);
         for k in 0..self.intervals {
             let condensed = self.condense(k, equation, &mut scratch)?;
             let (map, defect) = self.transfer(k, &condensed, &mut scratch);
@@ -193,7 +193,7 @@ impl Orbit {
         &self,
         interval: usize,
         equation: &mut MotionEquation<'_>,
-        scratch: &mut Scratch,
+        scratch: &mut OrbitScratch,
     ) -> Option<Condensed> {
         let m = self.unknowns;
         let width = self.width();
@@ -238,7 +238,7 @@ impl Orbit {
         &self,
         interval: usize,
         condensed: &Condensed,
-        scratch: &mut Scratch,
+        scratch: &mut OrbitScratch,
     ) -> (DMatrix<f64>, DVector<f64>) {
         let m = self.unknowns;
         let width = self.width();
@@ -269,18 +269,18 @@ impl Orbit {
 }
 
 /// Memory that the intervals share.
-struct Scratch {
+struct OrbitScratch {
     state: Vec<f64>,
-    rows: Vec<Row>,
+    rows: Vec<EquationRow>,
     /// The largest torque of every compliant shaft.
     torques: Vec<f64>,
 }
 
-impl Scratch {
+impl OrbitScratch {
     fn new(unknowns: usize) -> Self {
         Self {
             state: vec![0.0; 2 * unknowns],
-            rows: vec![Row::default(); unknowns],
+            rows: vec![EquationRow::default(); unknowns],
             torques: vec![0.0; unknowns],
         }
     }

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 
 /// `f(α) = mean + Re Σ amplitudes[n − 1] e^{2niα}`.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Series {
+pub(super) struct FourierSeries {
     pub(super) mean: f64,
     pub(super) amplitudes: Vec<Complex<f64>>,
 }
@@ -16,7 +16,7 @@ pub(super) fn roots_of_unity(count: usize) -> Vec<Complex<f64>> {
     (0..count).map(|k| Complex::from_polar(1.0, TAU * k as f64 / count as f64)).collect()
 }
 
-impl Series {
+impl FourierSeries {
     /// The series through samples at equal distances over half a turn, a power of two in number.
     pub(super) fn through(samples: impl Fn(usize) -> f64, roots: &[Complex<f64>]) -> Self {
         let count = roots.len();
@@ -113,10 +113,10 @@ mod tests {
         3.0 + 2.0 * (2.0 * angle - 0.3).cos() + 0.5 * (4.0 * angle + 1.0).cos()
     }
 
-    fn series() -> Series {
+    fn series() -> FourierSeries {
         let count = 16;
         let roots = roots_of_unity(count);
-        Series::through(|k| wave(PI * k as f64 / count as f64), &roots)
+        FourierSeries::through(|k| wave(PI * k as f64 / count as f64), &roots)
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, Orbit, Step};
-use crate::dynamics::periodic::{Series, roots_of_unity};
+use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
 use crate::dynamics::system::TorsionalSystem;
 
 /// The fewest and the most intervals of half a turn.
@@ -199,7 +199,7 @@ fn resolved(orbit: &Orbit, equation: &mut MotionEquation<'_>, wanted: Wanted) ->
     let roots = roots_of_unity(orbit.intervals);
     let torques = orbit.torques(equation);
     equation.system.springs.iter().zip(&torques).all(|(spring, torques)| {
-        let series = Series::through(|k| torques[k], &roots);
+        let series = FourierSeries::through(|k| torques[k], &roots);
         let largest = series.amplitudes.iter().fold(series.mean.abs(), |x, y| x.max(y.norm()));
         let permitted = wanted.tolerance * largest;
         series.tail() <= permitted.max(10.0 * ROUNDING * spring.stiffness)

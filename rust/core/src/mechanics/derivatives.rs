@@ -32,7 +32,7 @@ use crate::mechanics::joint::Joint;
 pub(crate) type Map = [Complex<f64>; 2];
 
 /// A chain of joints with the map to each of its shafts.
-pub(crate) struct Chain {
+pub(crate) struct ChainMaps {
     /// One per shaft.
     maps: Vec<Map>,
     /// `e^{ip}` of each intermediate shaft.
@@ -81,7 +81,7 @@ pub(crate) struct Layout<'a> {
     pub(crate) lengths: &'a [f64],
 }
 
-impl Chain {
+impl ChainMaps {
     /// The first joints of a chain, as many as there are bends.
     pub(crate) fn new(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
         Self::folded(bends, twists, phases, |_, _| ())

@@ -8,12 +8,12 @@ use crate::number::float::Real;
 use crate::number::trig::{Angle, polynomial};
 
 /// Coefficients of a power series, lowest first: the large ones with their error terms.
-struct Series {
+struct PowerSeries {
     head: [(f64, f64); 8],
     tail: [f64; 6],
 }
 
-impl Series {
+impl PowerSeries {
     #[inline(always)]
     fn of(&self, z: DoubleDouble) -> DoubleDouble {
         let mut sum = DoubleDouble::exact(polynomial(z.high, &self.tail));
@@ -26,7 +26,7 @@ impl Series {
 }
 
 /// `sin r = r + r z P(z)` with `z = r²`.
-const SINE: Series = Series {
+const SINE: PowerSeries = PowerSeries {
     head: [
         (-0.166_666_666_666_666_66, -9.251_858_538_542_97e-18),
         (0.008_333_333_333_333_333, 1.156_482_317_317_871_4e-19),
@@ -48,7 +48,7 @@ const SINE: Series = Series {
 };
 
 /// `cos r = 1 + z P(z)`.
-const COSINE: Series = Series {
+const COSINE: PowerSeries = PowerSeries {
     head: [
         (-0.5, 0.0),
         (0.041_666_666_666_666_664, 2.312_964_634_635_742_7e-18),

@@ -3,7 +3,7 @@
 use nalgebra::Complex;
 
 use crate::input::Drivelines;
-use crate::mechanics::derivatives::{Chain, ChainGradient, Layout, Map, by_points};
+use crate::mechanics::derivatives::{ChainGradient, ChainMaps, Layout, Map, by_points};
 use crate::mechanics::phasing::is_set;
 use crate::run::execution::Execution;
 use crate::run::queue::work_off;
@@ -66,7 +66,7 @@ pub fn q_derivatives(
         let of = |array: &'_ [f64], each: usize, used: usize| {
             array[line * each..line * each + used].to_vec()
         };
-        let chain = Chain::new(
+        let chain = ChainMaps::new(
             &of(lines.bends, joints, shaft),
             &of(lines.twists, joints - 1, between),
             &of(lines.phases, joints - 1, between),

@@ -4,7 +4,7 @@ use nalgebra::Complex;
 
 use crate::input::Drivelines;
 use crate::mechanics::chain::Equivalent;
-use crate::mechanics::derivatives::{Chain, Layout, Map, by_points, vector};
+use crate::mechanics::derivatives::{ChainMaps, Layout, Map, by_points, vector};
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
 
@@ -36,7 +36,7 @@ impl ShaftConstants {
 }
 
 /// The constants of one joint in space.
-pub(super) struct JointConstants {
+pub(super) struct PoseConstants {
     /// The map to its driving yoke.
     pub(super) map: Map,
     pub(super) cosine: f64,
@@ -48,13 +48,13 @@ pub(super) struct JointConstants {
 }
 
 /// One driveline of a batch.
-pub(super) struct Line<'a> {
+pub(super) struct LineConstants<'a> {
     joints: usize,
-    chain: Chain,
+    chain: ChainMaps,
     layout: Layout<'a>,
     pub(super) shafts: Vec<ShaftConstants>,
     /// Empty if no output needs them.
-    pub(super) poses: Vec<JointConstants>,
+    pub(super) poses: Vec<PoseConstants>,
 }
 
 /// Sums over the samples: how the value changes with quantities of the driveline.
@@ -148,7 +148,7 @@ impl Wanted {
     }
 }
 
-impl<'a> Line<'a> {
+impl<'a> LineConstants<'a> {
     /// Driveline `line` of a batch. The motion of shafts is known where `moves` says so; `posed` if
     /// joints are needed in space.
     pub(super) fn new(
@@ -170,7 +170,7 @@ impl<'a> Line<'a> {
         };
         let straight = ShaftConstants::new(&Equivalent::nearest(&Equivalent::STRAIGHT));
         let mut shafts = vec![straight; joints + 1];
-        let chain = Chain::folded(bends, twists, phases, |shaft, transfer| {
+        let chain = ChainMaps::folded(bends, twists, phases, |shaft, transfer| {
             if moves(shaft) {
                 let equivalent = transfer.renormalized().equivalent();
                 shafts[shaft] = ShaftConstants::new(&Equivalent::nearest(&equivalent));
@@ -180,7 +180,7 @@ impl<'a> Line<'a> {
             let Joint { sin: sine, cos: cosine, .. } = Joint::new(bend);
             let (axis, normal) = (vector(layout.directions, j), vector(layout.normals, j));
             let (map, inward) = (chain.map_to_joint(j), normal.cross(&axis));
-            JointConstants { map, cosine, sine, tangent: sine / cosine, axis, inward, normal }
+            PoseConstants { map, cosine, sine, tangent: sine / cosine, axis, inward, normal }
         };
         let poses = if posed { bends.iter().enumerate().map(pose).collect() } else { Vec::new() };
         Self { joints, chain, layout, shafts, poses }
@@ -262,7 +262,7 @@ impl<'a> Line<'a> {
             *direction += sums.frames[i].cross(&self.axis(i));
         }
         for (j, pose) in self.poses.iter().enumerate() {
-            let JointConstants { cosine, sine, axis: u, inward, normal, .. } = *pose;
+            let PoseConstants { cosine, sine, axis: u, inward, normal, .. } = *pose;
             // The drive angle counts from the plane of joint 0 and turns with it.
             let counted = if j == 0 && sine > 0.0 { 0.0 } else { sums.turn[j] };
             // tan β dμ_u, in which a straight joint's division by sin β cancels.

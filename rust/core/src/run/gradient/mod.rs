@@ -18,9 +18,9 @@ use crate::run::execution::Execution;
 use crate::run::level::Level;
 use crate::run::queue::work_off;
 pub use line::Wanted;
-use line::{Line, Sums};
+use line::{LineConstants, Sums};
 use motion::{Buffers, CHUNK};
-use sample::{LoadAt, Pull, Sample};
+use sample::{LineAt, LoadAt, Pull};
 
 /// The samples of a block that one thread sums.
 const BLOCK: usize = 32 * CHUNK;
@@ -57,7 +57,7 @@ impl Spread<'_> {
 
 /// The drive angles of the samples.
 #[derive(Clone, Copy, Debug)]
-pub enum DriveAngles<'a> {
+pub enum SpreadAngles<'a> {
     /// In rad.
     Array(Spread<'a>),
     /// The same sweep for each driveline.
@@ -91,7 +91,7 @@ pub struct Differentiated<'a> {
     /// The outputs, each with the shafts or joints of which it is wanted.
     pub outputs: Vec<(Output, Vec<usize>)>,
     /// The drive angles.
-    pub angle: DriveAngles<'a>,
+    pub angle: SpreadAngles<'a>,
     /// The load, if the outputs need one.
     pub load: Option<SpreadLoad<'a>>,
 }
@@ -112,8 +112,8 @@ impl Differentiated<'_> {
         let (lines, samples) = (self.line_count(), self.samples);
         let reaches = |spread: &Spread<'_>| spread.reaches(lines, samples);
         let angles = match &self.angle {
-            DriveAngles::Array(spread) => reaches(spread),
-            DriveAngles::Sweep(sweep) => sweep.count() == samples,
+            SpreadAngles::Array(spread) => reaches(spread),
+            SpreadAngles::Sweep(sweep) => sweep.count() == samples,
         };
         let of_load = match &self.load {
             Some(load) => {
@@ -136,10 +136,10 @@ impl Differentiated<'_> {
         self.load.is_none() && self.outputs.iter().all(|(output, _)| is_motion(*output))
     }
 
-    fn line(&self, line: usize) -> Line<'_> {
+    fn line(&self, line: usize) -> LineConstants<'_> {
         let posed = !self.only_motion();
         let asked = |shaft: usize| self.outputs.iter().any(|(_, items)| items.contains(&shaft));
-        Line::new(&self.lines, self.joints, line, |shaft| posed || asked(shaft), posed)
+        LineConstants::new(&self.lines, self.joints, line, |shaft| posed || asked(shaft), posed)
     }
 
     fn load_at(&self, line: usize, sample: usize) -> Option<LoadAt> {
@@ -157,8 +157,8 @@ impl Differentiated<'_> {
 
     fn angle_at(&self, line: usize, sample: usize) -> f64 {
         match &self.angle {
-            DriveAngles::Array(spread) => spread.at(line, sample),
-            DriveAngles::Sweep(sweep) => sweep.at(sample),
+            SpreadAngles::Array(spread) => spread.at(line, sample),
+            SpreadAngles::Sweep(sweep) => sweep.at(sample),
         }
     }
 
@@ -179,7 +179,7 @@ impl Differentiated<'_> {
         let threads = threads(self.line_count().saturating_mul(self.samples), execution.workers);
         let level = execution.level.unwrap_or_else(Level::new);
         let blocks = self.samples.div_ceil(BLOCK).max(1);
-        let sum = |buffers: &mut Buffers, line: usize, own: &Line<'_>, block: usize| {
+        let sum = |buffers: &mut Buffers, line: usize, own: &LineConstants<'_>, block: usize| {
             let first = block * BLOCK;
             let end = self.samples.min(first + BLOCK);
             let mut sums = Sums::new(self.joints);
@@ -224,7 +224,7 @@ impl Differentiated<'_> {
     #[allow(clippy::too_many_arguments, reason = "one block of one driveline")]
     fn sum_motion(
         &self,
-        own: &Line<'_>,
+        own: &LineConstants<'_>,
         line: usize,
         samples: std::ops::Range<usize>,
         weights: &[&[f64]],
@@ -236,16 +236,16 @@ impl Differentiated<'_> {
         while first < samples.end {
             let length = CHUNK.min(samples.end - first);
             match &self.angle {
-                DriveAngles::Array(Spread { data, per_line, per_sample: 1 }) => {
+                SpreadAngles::Array(Spread { data, per_line, per_sample: 1 }) => {
                     let at = line * per_line + first;
                     buffers.load(&data[at..at + length], level);
                 }
-                DriveAngles::Array(spread) => {
+                SpreadAngles::Array(spread) => {
                     let mut angles = [0.0; CHUNK];
                     angles[..length].fill(spread.at(line, first));
                     buffers.load(&angles[..length], level);
                 }
-                DriveAngles::Sweep(sweep) => buffers.load_sweep(sweep, first, length, level),
+                SpreadAngles::Sweep(sweep) => buffers.load_sweep(sweep, first, length, level),
             }
             let at = line * self.samples + first;
             let mut add = |shaft: usize, [value, re, im]: [f64; 3]| {
@@ -285,7 +285,7 @@ impl Differentiated<'_> {
     /// Sums any outputs sample by sample.
     fn sum_samples(
         &self,
-        own: &Line<'_>,
+        own: &LineConstants<'_>,
         line: usize,
         samples: std::ops::Range<usize>,
         weights: &[&[f64]],
@@ -294,7 +294,7 @@ impl Differentiated<'_> {
         let mut pull = Pull::new(self.joints);
         for i in samples {
             let load = self.load_at(line, i);
-            let sample = Sample::new(own, load.as_ref(), self.angle_at(line, i));
+            let sample = LineAt::new(own, load.as_ref(), self.angle_at(line, i));
             let at = line * self.samples + i;
             let mut plane = 0;
             for (output, items) in &self.outputs {
@@ -333,7 +333,7 @@ impl Differentiated<'_> {
         let threads = threads(total, execution.workers);
         let state = || (Sums::new(self.joints), Pull::new(self.joints));
         work_off(pieces, threads, state, |(sums, pull), ((output, item, component), (i, out))| {
-            let mut known: Option<(usize, Line<'_>)> = None;
+            let mut known: Option<(usize, LineConstants<'_>)> = None;
             for (j, out) in out.chunks_mut(columns).enumerate() {
                 if is_set(execution.stop) {
                     return;
@@ -344,7 +344,7 @@ impl Differentiated<'_> {
                     _ => known.insert((line, self.line(line))),
                 };
                 let load = self.load_at(line, sample);
-                let state = Sample::new(own, load.as_ref(), self.angle_at(line, sample));
+                let state = LineAt::new(own, load.as_ref(), self.angle_at(line, sample));
                 let mut weight = Vector::zeros();
                 weight[component] = 1.0;
                 sums.clear();

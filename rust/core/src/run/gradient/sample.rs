@@ -14,7 +14,7 @@ use nalgebra::Complex;
 use crate::mechanics::geometry::Vector;
 use crate::number::trig;
 use crate::plan::{End, Output};
-use crate::run::gradient::line::{JointConstants, Line, ShaftConstants, Sums};
+use crate::run::gradient::line::{LineConstants, PoseConstants, ShaftConstants, Sums};
 
 /// The load of one sample.
 #[derive(Clone)]
@@ -72,8 +72,8 @@ impl ShaftAt {
 }
 
 /// The state of a driveline at one drive angle.
-pub(super) struct Sample<'a> {
-    line: &'a Line<'a>,
+pub(super) struct LineAt<'a> {
+    line: &'a LineConstants<'a>,
     load: Option<&'a LoadAt>,
     angle: f64,
     shafts: Vec<ShaftAt>,
@@ -98,13 +98,13 @@ impl Pull {
     }
 }
 
-impl<'a> Sample<'a> {
-    pub(super) fn new(line: &'a Line<'a>, load: Option<&'a LoadAt>, angle: f64) -> Self {
+impl<'a> LineAt<'a> {
+    pub(super) fn new(line: &'a LineConstants<'a>, load: Option<&'a LoadAt>, angle: f64) -> Self {
         let turned = trig::sin_cos(angle);
         let shafts: Vec<_> =
             line.shafts.iter().map(|constants| ShaftAt::new(constants, turned)).collect();
         let w = Complex::new(turned.1, turned.0);
-        let pin = |pose: &JointConstants| {
+        let pin = |pose: &PoseConstants| {
             let [a, b] = pose.map;
             let pin = a * w + b * w.conj();
             let pin = pin / pin.norm();
@@ -155,7 +155,7 @@ impl<'a> Sample<'a> {
     }
 
     /// Adds what a weighted output of a shaft or joint contributes to the value and to its
-    /// derivatives. [`Sample::settle`] completes them. Scalars have a weight in the first component.
+    /// derivatives. [`LineAt::settle`] completes them. Scalars have a weight in the first component.
     pub(super) fn pull(
         &self,
         output: Output,
@@ -217,7 +217,7 @@ impl<'a> Sample<'a> {
         pull: &mut Pull,
         sums: &mut Sums,
     ) {
-        let JointConstants { cosine: e, sine: sigma, tangent, .. } = self.line.poses[item];
+        let PoseConstants { cosine: e, sine: sigma, tangent, .. } = self.line.poses[item];
         let (s, c) = self.pins[item];
         let torsion = if self.load.is_some() { self.torsion(item) } else { 0.0 };
         // The value per torsion, if it has one, its derivative by the bend, and that by the input
@@ -252,7 +252,7 @@ impl<'a> Sample<'a> {
 
     /// `D [u + tan β s (s e_in − c m)]` on the driven shaft.
     fn pull_moment(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) -> Vector {
-        let JointConstants { cosine, tangent, axis, inward, normal, .. } = self.line.poses[item];
+        let PoseConstants { cosine, tangent, axis, inward, normal, .. } = self.line.poses[item];
         let (s, c) = self.pins[item];
         let torsion = self.torsion(item);
         let across = inward * (s * s) - normal * (s * c);
