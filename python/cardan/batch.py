@@ -1,4 +1,4 @@
-"""Drivelines as an array of their own: shape, angles, indices, joining and comparing."""
+"""Drivelines as an array: shape, angles, indices, joining and comparing."""
 
 from __future__ import annotations
 

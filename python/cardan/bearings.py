@@ -99,7 +99,7 @@ def _mounted(
     known = own.lengths if lengths is None else _lengths(lengths, n)
     if bearings and known.shape[-1] == 0:
         raise ArgumentValueError(
-            "lengths", "are missing; only drivelines from points have lengths of their own"
+            "lengths", "are missing; only drivelines from points know their lengths"
         )
     shafts = [item_index("bearings", pair[0], n + 1, (i, 0)) for i, pair in enumerate(bearings)]
     places = [as_float64(f"bearings[{i}, 1]", pair[1]) for i, pair in enumerate(bearings)]

@@ -24,8 +24,8 @@ class PlanInDegrees:
 
         Args:
             plan: evaluates.
-            driven: whether it takes angles of the last shaft, so that its results have drive angles
-                of their own.
+            driven: whether it takes angles of the last shaft, so that each driveline has other drive
+                angles.
         """
         self._plan = plan
         self._driven = driven

@@ -25,7 +25,7 @@ class Layout:
         shown: the same as asked for, an index or a list.
         places: where each output lies among the planes.
         planes: the number of planes.
-        scalar_outputs: whether every output is one plane without an axis of its own.
+        scalar_outputs: whether every output is one plane without an axis for items.
     """
 
     names: tuple[str, ...]

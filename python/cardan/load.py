@@ -56,7 +56,7 @@ class Load:
         inertias: ArrayLike | None = None,
         speed_rpm: ArrayLike | None = None,
     ) -> None:
-        """Check the values and keep them as arrays of their own."""
+        """Check the values and keep copies of their arrays."""
         if drive_torque is not None and output_torque is not None:
             raise ArgumentValueError(
                 "drive_torque", "and output_torque are both given; give one of them"
@@ -86,7 +86,7 @@ class Load:
             object.__setattr__(self, name, kept)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Unpickle, with arrays of its own: what came in a message lies anywhere in it."""
+        """Unpickle, with copied arrays: what came in a message lies anywhere in it."""
         for name, value in state.items():
             kept = np.array(value) if isinstance(value, np.ndarray) else value
             object.__setattr__(self, name, kept)

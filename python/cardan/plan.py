@@ -214,7 +214,7 @@ class Plan:
         """Return the mean and the orders of each output over a turn of the drive.
 
         Speed, acceleration, torque and inertias are constant over the turn. Arrays of them
-        broadcast against the batch, so that each drives drivelines of its own. The motion has its
+        broadcast against the batch, so that each value belongs to one driveline. The motion has its
         series in closed form (Fourier series of Thoma's 4). Everything else is summed over as many
         samples as its steepest joint and the highest order need. Half as many samples give a second
         sum, and the difference is part of the ``error``. It is far below rounding, except where an
@@ -421,7 +421,7 @@ class Plan:
         planes = []
         for name, place in self.places.items():
             _, items, vector = place
-            # Subclasses may have ideas of their own about shapes.
+            # A subclass may have other rules of shapes.
             target = components_first(np.asarray(given[name]), place) if name in given else None
             if (
                 target is None

@@ -19,7 +19,7 @@ from cardan.sweep import Sweep
 
 
 class PlanOfReductions:
-    """A plan for each of several reductions; the results are stacked along an axis of their own."""
+    """A plan for each of several reductions; the results are stacked along a new axis."""
 
     def __init__(self, reductions: Sequence[Reduction], plan: Callable[[Reduction], Plan]) -> None:
         """Make the plans.

@@ -141,7 +141,7 @@ def test_the_bend_in_channels(tmp_path: Path) -> None:
     [
         (["time", "N"], None, "no column 'N'; did you mean 'n'?; the columns are time, n, count,"),
         (["gear"], None, "column 'gear' has shape (2,) and dtype |S1; it must hold numbers in one"),
-        (["n", "bend"], None, "recorded at times of their own; the channel groups are 'n' in 0;"),
+        (["n", "bend"], None, "do not share their times; the channel groups are 'n' in 0;"),
         (["time"], 0.1, "raster_s needs a channel besides the time"),
         (["time", "n"], 1e-9, "raster_s is 1e-09; that makes more than 100000000 rows"),
     ],

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 from numpy.typing import NDArray
 
 Place: TypeAlias = tuple[int, int | None, bool]
-"""The first plane of an output, how many items it has (``None``: one without an axis of its own),
+"""The first plane of an output, how many items it has (``None``: one without an axis for it),
 and whether it is a vector."""
 
 

@@ -9,7 +9,7 @@ integral of the load, his (7), which in print has lost its ``d psi``.
 
 With a radial clearance ``e`` the gap ``e (1 - cos(theta))`` closes first: the compression is
 ``(zeta + e) cos(theta) - e``, and the contact ends where that is zero. This adds one unknown, the
-angle of the contact, but the model stays Marcus's: each point yields like a spring of its own. It
+angle of the contact, but the model stays Marcus's: each point yields like a separate spring. It
 is meant for clearances that are small beside the radius.
 """
 
@@ -167,8 +167,8 @@ def elliptic(c: FloatArray, a: FloatArray | float, b: FloatArray | float) -> Flo
     """Return the integral of ``(a cos² + b sin²)/sqrt(cos² + c² sin²)`` from 0 to pi/2.
 
     Bulirsch's ``cel`` with ``p = 1`` (DLMF 19.2.11), by Gauss's arithmetic-geometric mean: with
-    each step of ``m`` and ``n``, the factors of cos² and sin² in the root, ``a`` and ``b`` take
-    means of their own. Sums of positive terms only, so nothing cancels; ``c`` must be positive.
+    each step of ``m`` and ``n``, the factors of cos² and sin² in the root, ``a`` and ``b`` are
+    averaged too. Sums of positive terms only, so nothing cancels; ``c`` must be positive.
     """
     m, n = np.ones_like(c), c
     for _ in range(_MEANS):

@@ -27,7 +27,7 @@ from cardan.outputs import OUTPUTS, Output
 _STEPS = 180
 _NEAR = 0.9
 
-# Shafts that never turn faster than this share of the drive's speed need no steps of their own.
+# Shafts that never turn faster than this share of the drive's speed need no smaller steps.
 _STEEP = 2.0
 
 # Each round of a search leaves an eighth of the interval: from 2 degrees to 2e-9 rad. Off the peak

@@ -78,7 +78,7 @@ def _call_closed(error: Exception) -> None:
     """Close the temporary file of a half-read one and tell it that it is closed.
 
     asammdf closes it once more when it is removed, which fails for want of what was not read, and
-    Python would print that as an error of its own.
+    Python would print that as a second error.
     """
     for frame, _ in traceback.walk_tb(error.__traceback__):
         half_read: Any = frame.f_locals.get("self")
@@ -104,7 +104,7 @@ def _apart(names: Sequence[str], groups: Sequence[Sequence[int]]) -> str:
         for name, found in zip(names, groups, strict=True)
     )
     return short(
-        "the channels were recorded at times of their own; the channel groups are "
+        "the channels do not share their times; the channel groups are "
         f"{'; '.join(parts)}; raster_s of [angles] resamples measured speeds"
     )
 

@@ -264,4 +264,4 @@ SUFFIXES: Mapping[str, _Read] = {
 """Formats of a file of recorded columns, by suffix, and what reads its columns in pieces."""
 
 RASTERED = (".mf4", ".mdf")
-"""Formats in which columns have times of their own, which a raster replaces."""
+"""Formats in which each column has its times, which a raster replaces."""

@@ -253,7 +253,7 @@ def _spread(values: NDArray[Any], dims: tuple[str, ...], samples: _Samples) -> N
 def _parts(
     output: Output, array: NDArray[Any], samples: _Samples
 ) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Each shaft, joint or bearing and component of an output under a name of its own."""
+    """Each shaft, joint or bearing and component of an output under a separate name."""
     items = samples.items[output.per]
     named = {output.name: array}
     if not isinstance(items, int):

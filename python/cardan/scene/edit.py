@@ -133,7 +133,7 @@ def _check(text: str, values: Mapping[str, Any]) -> None:
         read: Any = document
         rest = path
         while rest:
-            # Keys in quotes have dots of their own.
+            # Keys in quotes may contain dots.
             key = next(key for key in read if rest == key or rest.startswith(f"{key}."))
             read, rest = read[key], rest[len(key) + 1 :]
         if isinstance(value, Sequence) and not isinstance(read, list):

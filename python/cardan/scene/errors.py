@@ -172,7 +172,7 @@ class SceneError(ArgumentValueError):
 def path_of(error: ValueError, key: str) -> str:
     """Return the dotted path, below its section, of the entry of the file that an error is about.
 
-    An error without fields is about ``key``. Entries of lists have no path of their own.
+    An error without fields is about ``key``. Entries of lists have no path.
     """
     if isinstance(error, StudyPointError):
         # What varies at this point is as likely to be wrong as the key that it makes wrong.

@@ -13,8 +13,8 @@ to the nearer of the two. ``s`` is at most the sum of the sides between. By the 
 the changes add up, in any order (derived here). The corners are turned first, while the sides are
 as drawn, then the sides change, with all others at their longest.
 
-The simple form takes all sides at their longest for the corners and leaves out ``cosh``. It has no
-proof of its own: two long sides on the same side of a third move apart by more than that becomes
+The simple form takes all sides at their longest for the corners and leaves out ``cosh``. It is
+no bound: two long sides on the same side of a third move apart by more than that becomes
 longer. It is larger in nearly all cases, and the larger of both is the bound.
 
 Points change the direction of each shaft by up to a cone ``e``. Write a joint as ``z = tan(b/2)

@@ -1,4 +1,4 @@
-//! Numerical stress: the core's results against an oracle of its own.
+//! Numerical stress: the core's results against an independent oracle.
 //!
 //! `cardan-stress --help` says how to use it. The exit status is 1 if any error is beyond its limit.
 
@@ -21,7 +21,7 @@ use crate::joints::{BLOCK, Break};
 use crate::judge::{Ledger, Quantity};
 
 const HELP: &str = "\
-Holds the results of the core against an oracle of its own, in ulp of the exact result.
+Holds the results of the core against an independent oracle, in ulp of the exact result.
 
 cardan-stress [OPTIONS]      samples of single joints, chains and points
 cardan-stress oracle COUNT   what the oracle says, for tests/check_oracle.py to judge

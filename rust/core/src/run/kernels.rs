@@ -1,6 +1,6 @@
 //! The kernels of a chunk, compiled for each instruction set.
 //!
-//! Each is a function of its own and generic only over what its loops depend on, so that callers
+//! Each is a separate function, generic only over what its loops depend on, so that callers
 //! that differ in other types share it. They are the larger part of the library.
 
 use std::ops::Range;

@@ -60,7 +60,7 @@ pub(crate) fn has_wide_registers(level: Level) -> bool {
     compiled_for!(level, (_compact, stores) => stores.has_wide_registers())
 }
 
-/// A number type with a compilation unit of its own for its kernels.
+/// A number type whose kernels form a compilation unit.
 ///
 /// The compiler works on several units at once. A unit is a module: a generic function belongs to
 /// the module that defines it, whatever types it is compiled for.
