@@ -96,8 +96,8 @@ def test_a_scene_of_channels(recording: Path, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="scene, line 1") as caught:
         Scene.parse(bends, folder=tmp_path)
     assert str(caught.value) == (
-        f"scene, line 1: [angles] {tmp_path / 'run.mf4'}: the channels were recorded at times of "
-        "their own; the channel groups are 'time' in 0, 1, 2; 'n' in 0; 'bend' in 1; raster_s of "
+        f"scene, line 1: [angles] {tmp_path / 'run.mf4'}: the channels do not share "
+        "their times; the channel groups are 'time' in 0, 1, 2; 'n' in 0; 'bend' in 1; raster_s of "
         "[angles] resamples measured speeds"
     )
     both = Scene.parse(f"{bends}raster_s = 0.01\n", folder=tmp_path)
