@@ -24,8 +24,8 @@ class PlanInDegrees:
 
         Args:
             plan: evaluates.
-            driven: whether it takes angles of the last shaft, so that each driveline has other drive
-                angles.
+            driven: whether it takes angles of the last shaft, so that the drivelines of
+                a batch have different drive angles.
         """
         self._plan = plan
         self._driven = driven

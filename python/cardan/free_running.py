@@ -17,7 +17,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, common_shape, not_negative, scalar_or_array
 from cardan.equivalent import EquivalentJoint
 from cardan.errors import ArgumentValueError, wrong_element
 
@@ -160,15 +160,12 @@ class FreeRunning:
 
 def free_running(line: Turning, inertias: ArrayLike) -> FreeRunning:
     """Let the drive run freely as ``Driveline.free_running`` does."""
-    array = as_float64("inertias", inertias)
+    array = not_negative("inertias", inertias)
     count = line.n_joints + 1
     if array.ndim == 0 or array.shape[-1] != count:
         raise ArgumentValueError(
             "inertias", f"has shape {array.shape}; {count} shafts need (..., {count})"
         )
-    wrong = ~((array >= 0.0) & (array < np.inf))
-    if wrong.any():
-        raise wrong_element("inertias", array, wrong, "; it must be finite and not negative")
     if not np.all(np.any(array > 0.0, axis=-1)):
         raise ArgumentValueError("inertias", "are all 0; at least one shaft needs an inertia")
     shape = common_shape(driveline=line.shape, inertias=array.shape[:-1])

@@ -22,8 +22,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays import FloatArray, common_shape, positive
+from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.pins import Pins, means_over_turn
 
@@ -80,13 +80,13 @@ def life(
             "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
         )
     n = line.n_joints
-    rated = _positive("rating", rating)
+    rated = positive("rating", rating)
     if rated.ndim and rated.shape[-1] not in (1, n):
         raise ArgumentValueError(
             "rating", f"has shape {rated.shape}; it is one number or one per joint, (..., {n})"
         )
     rated = np.broadcast_to(rated, (*rated.shape[:-1], n))
-    turning = np.abs(load.speed) if speed is None else _positive("speed", speed)
+    turning = np.abs(load.speed) if speed is None else positive("speed", speed)
     if not np.all(turning > 0.0):
         raise ArgumentValueError("load", "has no speed; a life in hours needs one")
     shapes: Mapping[str, tuple[int, ...]] = {
@@ -137,7 +137,7 @@ def _miner(hours: FloatArray, shares: FloatArray) -> FloatArray:
 
 
 def _checked_shares(shares: ArrayLike, rows: tuple[int, ...]) -> FloatArray:
-    array = _positive("shares", shares)
+    array = positive("shares", shares)
     if array.ndim == 0 or not rows or array.shape[-1] != rows[-1]:
         raise ArgumentValueError(
             "shares",
@@ -147,12 +147,4 @@ def _checked_shares(shares: ArrayLike, rows: tuple[int, ...]) -> FloatArray:
     whole = np.sum(array, axis=-1)
     if not np.allclose(whole, 1.0, rtol=0.0, atol=1e-6):
         raise ArgumentValueError("shares", f"add up to {np.ravel(whole)[0]:.6g}; the sum must be 1")
-    return array
-
-
-def _positive(name: str, value: ArrayLike) -> FloatArray:
-    array = as_float64(name, value)
-    wrong = ~((array > 0.0) & (array < np.inf))
-    if np.any(wrong):
-        raise wrong_element(name, array, wrong, "; it must be finite and positive")
     return array

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
-from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.arrays import FloatArray, common_shape, not_negative, positive, scalar_or_array
+from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.pins import Pins, means_over_turn, pins_at
 
@@ -147,12 +147,7 @@ def losses(
 
 def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:
     """One number for all joints, or one for each on the last axis."""
-    array = as_float64(name, value)
-    zero_is_fine = name in ("friction", "seal_torque")
-    wrong = ~((array >= 0.0) & (array < np.inf)) | (array == 0.0 if not zero_is_fine else False)
-    if np.any(wrong):
-        rule = "finite and not negative" if zero_is_fine else "finite and positive"
-        raise wrong_element(name, array, wrong, f"; it must be {rule}")
+    array = (not_negative if name in ("friction", "seal_torque") else positive)(name, value)
     if array.ndim and array.shape[-1] not in (1, n):
         raise ArgumentValueError(
             name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"

@@ -20,8 +20,14 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
-from cardan.errors import wrong_element
+from cardan.arrays import (
+    FloatArray,
+    as_float64,
+    common_shape,
+    not_negative,
+    positive,
+    scalar_or_array,
+)
 from cardan.geometry import Geometry
 from cardan.request import item_index
 
@@ -71,7 +77,7 @@ class Lengths:
             ValueError: a length that is not positive, shapes that do not broadcast.
         """
         index = item_index("shaft", shaft, self.each.shape[-1])
-        known, at = _positive("engaged", engaged), _positive("length", length)
+        known, at = positive("engaged", engaged), positive("length", length)
         common_shape(driveline=self.each.shape[:-1], engaged=known.shape, length=at.shape)
         return scalar_or_array(np.asarray(known - (self.each[..., index] - at)))
 
@@ -150,10 +156,7 @@ def spline_force(
     """Find the force as ``Driveline.spline_force`` does."""
     index = item_index("shaft", shaft, geometry.n_joints + 1)
     load = np.abs(as_float64("torque", torque))
-    mu, arm = as_float64("friction", friction), _positive("radius", radius)
-    wrong = ~((mu >= 0.0) & (mu < np.inf))
-    if wrong.any():
-        raise wrong_element("friction", mu, wrong, "; it must be finite and not negative")
+    mu, arm = not_negative("friction", friction), positive("radius", radius)
     common_shape(driveline=geometry.shape, torque=load.shape, friction=mu.shape, radius=arm.shape)
     force = np.asarray(mu * load / arm + np.zeros(geometry.shape))
     along = geometry.directions[..., index, :]
@@ -204,11 +207,3 @@ def _bearing_force(geometry: Geometry, shaft: int, upstream: FloatArray) -> tupl
             share = (other - joint) / (other - at)
             found[i] = -share[..., np.newaxis] * across
     return found, ""
-
-
-def _positive(name: str, value: ArrayLike) -> FloatArray:
-    array = as_float64(name, value)
-    wrong = ~((array > 0.0) & (array < np.inf))
-    if wrong.any():
-        raise wrong_element(name, array, wrong, "; it must be positive and finite")
-    return array

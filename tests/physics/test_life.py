@@ -102,14 +102,14 @@ def test_speed_in_place_of_the_loads() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"rating": 0.0}, "rating is 0.0; it must be finite and positive"),
+        ({"rating": 0.0}, "rating is 0.0; it must be positive and finite"),
         ({"rating": [1.0, 2.0]}, r"rating has shape \(2,\); it is one number or one per joint"),
-        ({"speed": -1.0}, "speed is -1.0; it must be finite and positive"),
+        ({"speed": -1.0}, "speed is -1.0; it must be positive and finite"),
         ({"load": cardan.Load(drive_torque=1.0)}, "load has no speed"),
         ({"load": 1.0}, "load is 1.0; it must be a cardan.Load"),
         ({"shares": [0.5, 0.5]}, r"shares has shape \(2,\); it needs one share for each step"),
         ({"shares": [0.5, 0.3, 0.3]}, "shares add up to 1.1; the sum must be 1"),
-        ({"shares": [0.5, 0.5, 0.0]}, r"shares\[2\] is 0.0; it must be finite and positive"),
+        ({"shares": [0.5, 0.5, 0.0]}, r"shares\[2\] is 0.0; it must be positive and finite"),
         ({"shares": 1.0}, r"load and batch of shape \(3,\) have these"),
     ],
 )

@@ -109,7 +109,7 @@ def test_power_needs_a_speed() -> None:
     [
         ({"friction": -0.1}, r"friction is -0.1; it must be finite and not negative"),
         ({"friction": [0.1, np.nan]}, r"friction\[1\] is nan"),
-        ({"arm": 0.0}, r"arm is 0.0; it must be finite and positive"),
+        ({"arm": 0.0}, r"arm is 0.0; it must be positive and finite"),
         ({"pin_radius": [0.1, 0.1, 0.1]}, r"pin_radius has shape \(3,\)"),
         ({"seal_torque": np.inf}, r"seal_torque is inf"),
         ({"load": cardan.Load()}, r"load has no torque over the mean of a turn"),

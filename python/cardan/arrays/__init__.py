@@ -7,6 +7,7 @@ from cardan.arrays.coercion import (
     scalar_or_array,
 )
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
+from cardan.arrays.ranges import not_negative, positive
 
 __all__ = [
     "FloatArray",
@@ -16,5 +17,7 @@ __all__ = [
     "common_shape",
     "deferring",
     "import_optional",
+    "not_negative",
+    "positive",
     "scalar_or_array",
 ]

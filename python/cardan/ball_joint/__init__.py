@@ -14,7 +14,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
 from cardan.ball_joint.contact import Contact, elliptic, fitting, loose, pressed
 from cardan.ball_joint.layers import layer_compliance
 from cardan.errors import ArgumentValueError, wrong_element
@@ -65,7 +65,7 @@ class BallJoint:
         if wrong.any():
             rule = " rad; a half-angle must lie in (0, pi/2]"
             raise wrong_element("half_angle", angle, wrong, rule)
-        self._set(_positive("radius", radius), angle, np.zeros(()), None)
+        self._set(positive("radius", radius), angle, np.zeros(()), None)
 
     def with_clearance(self, clearance: ArrayLike, *, compliance: ArrayLike) -> Self:
         """Return the joint with a seat that is wider than the ball.
@@ -93,7 +93,7 @@ class BallJoint:
             as_float64("radius", self.radius),
             as_float64("half_angle", self.half_angle),
             gap,
-            _positive("compliance", compliance),
+            positive("compliance", compliance),
         )
         return joint
 
@@ -125,8 +125,8 @@ class BallJoint:
                 clearance out of its range, a clearance without a compliance, shapes that do not
                 broadcast.
         """
-        force = _positive("load", load)
-        pressure = _positive("allowable_pressure", allowable_pressure)
+        force = positive("load", load)
+        pressure = positive("allowable_pressure", allowable_pressure)
         seat = cls(1.0, half_angle)
         shapes = {"load": force, "allowable_pressure": pressure, "half_angle": seat.half_angle}
         if compliance is None:
@@ -191,7 +191,7 @@ class BallJoint:
             TypeError: values that are not real numbers.
             ValueError: a pressure that is not positive and finite, shapes that do not broadcast.
         """
-        pressure = _positive("allowable_pressure", allowable_pressure)
+        pressure = positive("allowable_pressure", allowable_pressure)
         common_shape(joint=self.shape, allowable_pressure=pressure.shape)
         if self.compliance is None:
             contact = fitting(as_float64("half_angle", self.half_angle))
@@ -258,7 +258,7 @@ class BallJoint:
         if (compliance is None) == (self.compliance is None):
             how = "missing" if compliance is None else "given, but with_clearance has set it"
             raise ArgumentValueError("compliance", f"is {how}; the approach needs it once")
-        own = self.compliance if compliance is None else _positive("compliance", compliance)
+        own = self.compliance if compliance is None else positive("compliance", compliance)
         force = self._force(load)
         common_shape(joint=self.shape, load=force.shape, compliance=own.shape)
         return scalar_or_array(own * self._contact(force).peak(force, self.radius))
@@ -372,14 +372,6 @@ def _restored(
 
 
 # --- arguments -------------------------------------------------------------------------------
-
-
-def _positive(name: str, value: ArrayLike) -> FloatArray:
-    array = as_float64(name, value)
-    wrong = ~((array > 0.0) & (array < np.inf))
-    if wrong.any():
-        raise wrong_element(name, array, wrong, "; it must be positive and finite")
-    return array
 
 
 def _not_negative(name: str, value: ArrayLike) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape, scalar_or_array
+from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
 from cardan.errors import wrong_element
 
 
@@ -76,10 +76,10 @@ def tube(
     >>> float(shaft.stiffness.round(1)), float((shaft.shear_stress(2000.0) / 1e6).round(3))
     (82123.4, 57.937)
     """
-    diameter = _positive("outer_diameter", outer_diameter)
-    thickness = 0.5 * diameter if wall is None else _positive("wall", wall)
-    span, shear = _positive("length", length), _positive("shear_modulus", shear_modulus)
-    elastic, rho = _positive("elastic_modulus", elastic_modulus), _positive("density", density)
+    diameter = positive("outer_diameter", outer_diameter)
+    thickness = 0.5 * diameter if wall is None else positive("wall", wall)
+    span, shear = positive("length", length), positive("shear_modulus", shear_modulus)
+    elastic, rho = positive("elastic_modulus", elastic_modulus), positive("density", density)
     common_shape(
         outer_diameter=diameter.shape,
         wall=thickness.shape,
@@ -100,11 +100,3 @@ def tube(
     figures = (shear * polar / span, rho * polar * span, rho * area * span, critical)
     stiffness, inertia, mass, speed = (scalar_or_array(np.asarray(x)) for x in figures)
     return Tube(stiffness, inertia, mass, speed, np.asarray(radius / polar))
-
-
-def _positive(name: str, value: ArrayLike) -> FloatArray:
-    array = as_float64(name, value)
-    wrong = ~((array > 0.0) & (array < np.inf))
-    if wrong.any():
-        raise wrong_element(name, array, wrong, "; it must be positive and finite")
-    return array
