@@ -14,6 +14,7 @@ from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.equivalent import EquivalentJoint
 from cardan.finding import VERDICTS, Finding, counted
 from cardan.limits import CATALOGUE, Limits, limits_of
+from cardan.quantities import MOTION_QUANTITIES
 
 _INDENT = " " * 4
 
@@ -162,37 +163,34 @@ def check(
 ) -> Check:
     """Check as ``Driveline.check`` does."""
     allowed = limits_of(limits)
-    last = line.equivalent()
+    last, bend = line.equivalent(), MOTION_QUANTITIES["equivalent_bend"]
     findings = [
         Finding(
-            "equivalent_bend",
-            "equivalent bend",
+            bend.name,
+            bend.label,
             "catalogue",
             np.degrees(last.bend),
             "deg",
-            allowed.figures["equivalent_bend_deg"],
+            allowed.figures[bend.limit],
         )
     ]
     difference = allowed.figures.get("bend_difference_deg")
     if difference and line.n_joints == 2:
-        bends = np.degrees(np.abs(line.bends[..., 0] - line.bends[..., 1]))
+        apart = np.degrees(np.abs(line.bends[..., 0] - line.bends[..., 1]))
         findings.append(
-            Finding("bend_difference", "bend difference", "practice", bends, "deg", difference)
+            Finding("bend_difference", "bend difference", "practice", apart, "deg", difference)
         )
     squared = None if speed is None else as_float64("speed", speed) ** 2
     if squared is not None:
         common_shape(driveline=line.shape, speed=squared.shape)
-    excitations = [
-        ("torsional_excitation", "torsional excitation, last shaft", last.max_acceleration_ratio)
-    ]
+    ratios = {"torsional_excitation": last.max_acceleration_ratio}
     if line.n_joints > 1:
-        excitations += [
-            (f"inertia_excitation_{way}", f"inertia excitation, {way}", _inertia_excitation(driven))
-            for way, driven in (("driving", line), ("coasting", line.reversed()))
-        ]
-    for figure, name, ratio in excitations:
-        kind = figure.partition("_")[0]
-        limit = allowed.figures.get(f"{kind}_excitation_rad_s2")
+        ratios["inertia_excitation_driving"] = _inertia_excitation(line)
+        ratios["inertia_excitation_coasting"] = _inertia_excitation(line.reversed())
+    for figure, ratio in ratios.items():
+        quantity = MOTION_QUANTITIES[figure]
+        name = f"{quantity.label}{', last shaft' if quantity.of_last else ''}"
+        limit = allowed.figures.get(quantity.limit)
         if squared is not None:
             value = np.asarray(squared * ratio)
         elif limit:

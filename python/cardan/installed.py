@@ -142,13 +142,15 @@ class Installed(Mounted):
                 off by up to half a tooth, uniformly, in addition to its tolerance.
             of: one name or several: ``"equivalent_bend"``, ``"non_uniformity"``,
                 ``"max_angle_error"``, ``"torsional_excitation"``, ``"inertia_excitation_driving"``,
-                ``"inertia_excitation_coasting"``, or an output from ``cardan.OUTPUTS``, which is
-                reduced over a turn of 360 samples.
+                ``"inertia_excitation_coasting"``, ``"inertia_excitation"`` for the larger of both,
+                an output reduced over a turn of 360 samples, such as ``"support_moment_1_peak"``,
+                or an output from ``cardan.OUTPUTS`` alone, with ``reduce``, ``shafts`` and
+                ``joints``.
             limit: what must not be exceeded, in the unit of the figure; with several figures a
                 mapping by name. Default: the 3° of the catalogues for the first three figures.
             speed: drive speed in rad/s, for the excitations.
             load: for the outputs that need one.
-            reduce: of the outputs over a turn.
+            reduce: of the outputs that are named without it.
             shaft: the shaft of the figures, by default the last.
             shafts: for the outputs per shaft, by default the last; the largest value counts.
             joints: for the outputs per joint, by default all; the largest value counts.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
-from cardan.optimisation.measures import Quantity, measure_of
+from cardan.optimisation.measures import QuantityLike, measure_of
 from cardan.optimisation.problem import Problem
 
 HEIGHTS = np.linspace(-80.0, 80.0, 9)
@@ -267,7 +267,7 @@ def moment(line: Driveline) -> NDArray[np.float64]:
     ],
 )
 def test_figures_are_those_of_the_driveline(
-    quantity: Quantity, figure: Callable[[Any], Any]
+    quantity: QuantityLike, figure: Callable[[Any], Any]
 ) -> None:
     load = Load(output_torque=100.0)
     best = cardan.optimise(truck, START, BOUNDS, minimise=quantity, load=load, starts=2, **PHASES)
@@ -275,6 +275,55 @@ def test_figures_are_those_of_the_driveline(
     np.testing.assert_allclose(best.per_state_before, figure(truck(START)), rtol=1e-9)
     assert best.value == pytest.approx(np.max(best.per_state))
     assert best.value < best.before
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [
+        ("torsional_excitation", 1),
+        ("inertia_excitation_driving", 2),
+        ("inertia_excitation_coasting", 3),
+    ],
+)
+def test_excitations_are_those_of_a_check(name: str, number: int) -> None:
+    """At one speed for all states and, of the inertias, at one for each."""
+    best = cardan.optimise(
+        truck, START, BOUNDS, minimise=name, keep={name: 1e5}, speed=104.7, starts=1, **PHASES
+    )
+    assert best.unit == "rad/s²"
+    for x, figures in ((best.x, best.per_state), (START, best.per_state_before)):
+        finding = truck(np.asarray(x)).check(104.7).findings[number]
+        assert finding.figure == name
+        np.testing.assert_allclose(figures, finding.value, rtol=1e-9)
+    np.testing.assert_array_equal(best.kept[name], best.per_state)
+    speeds = np.linspace(100.0, 180.0, 9)
+
+    def each() -> cardan.Optimum:
+        return cardan.optimise(
+            truck, START, BOUNDS, minimise=name, speed=speeds, starts=1, **PHASES
+        )
+
+    if name == "torsional_excitation":
+        with pytest.raises(ArgumentValueError, match="it needs the same speed in all states"):
+            each()
+    else:
+        found = each()
+        wanted = truck(found.x).check(speeds).findings[number].value
+        np.testing.assert_allclose(found.per_state, wanted, rtol=1e-9)
+
+
+def test_a_limit_of_an_excitation_is_exact() -> None:
+    speed, bend = 104.7, 0.2
+    limit = float(Driveline.from_bends([bend]).check(speed).findings[1].value)
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([x]),
+        [0.1],
+        [(0.0, 1.0)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        keep={"torsional_excitation": limit},
+        speed=speed,
+    )
+    assert best.x[0] == pytest.approx(bend, rel=1e-5)
 
 
 @pytest.mark.parametrize("name", ["equivalent_bend", "non_uniformity", "max_angle_error"])
@@ -362,6 +411,12 @@ def one_phase(x: NDArray[np.float64]) -> Driveline:
         ({"minimise": "bend"}, "minimise is 'bend'; "),
         ({"minimise": "torque_1_peak"}, "minimise is 'torque_1_peak'; it needs a load"),
         ({"minimise": lambda line: [0.0, 1.0]}, "minimise returned shape (2,); it must return"),
+        (
+            {"minimise": "inertia_excitation", "lines_of": lambda x: Driveline.from_bends(x)},
+            "minimise is 'inertia_excitation'; one joint has no shaft between two joints",
+        ),
+        ({"speed": [1.0, 2.0]}, "speed has shape (2,); there are 1 states"),
+        ({"speed": 0.0}, "speed is 0.0; it must be finite and not 0"),
         ({"states": ["a", "b"]}, "states has 2 names; there are 1 states"),
         ({"weights": [1.0]}, "weights go with over='rms'; the largest needs none"),
         ({"over": "rms", "weights": [-1.0]}, "weights[0] is -1.0; it must be finite and not"),

@@ -604,6 +604,64 @@ def test_the_lemma_of_the_bound_of_points() -> None:
     assert sharpest > 0.5
 
 
+def test_the_inertia_excitation_is_the_larger_of_both() -> None:
+    line = Driveline.from_bends([4, 9, 12], phases=[10, 80], degrees=True)
+    of = ("inertia_excitation", *INERTIA_FIGURES)
+    sizes: dict[str, Any] = {"bends": 0.5, "phases": 3.0}
+    found = line.tolerances(**sizes, degrees=True, of=of, speed=50.0, samples=500, seed=1)
+    for result in (found.nominal, found.worst, found.linear, found.guaranteed, found.sampled):
+        both, *each = (result[name] for name in of)
+        np.testing.assert_array_equal(both, np.maximum(*each))
+    larger = max(INERTIA_FIGURES, key=lambda name: float(found.worst[name]))
+    for group, shares in found.shares["inertia_excitation"].items():
+        np.testing.assert_array_equal(shares, found.shares[larger][group])
+
+
+@pytest.mark.parametrize(
+    ("name", "bare"),
+    [
+        ("support_moment_1_peak", {"of": "support_moment", "shafts": 1}),
+        ("torque_rms", {"of": "torque", "reduce": "rms"}),
+        ("bending_driven_1_mean", {"of": "bending_driven", "joints": 1, "reduce": "mean"}),
+        ("tilt_driving_0_max", {"of": "tilt_driving", "joints": 0, "reduce": "max"}),
+    ],
+)
+def test_a_reduced_output_has_one_name(name: str, bare: dict[str, Any]) -> None:
+    load = Load(output_torque=100.0)
+    asked: dict[str, Any] = {"bends": 0.01, "phases": 0.05, "samples": 300, "seed": 1}
+    one, other = (three().tolerances(**asked, load=load, **of) for of in ({"of": name}, bare))
+    np.testing.assert_array_equal(one.sampled, other.sampled)
+    # The tilt of a joint has a whole turn as its period.
+    output = bare["of"]
+    values = three().evaluate(
+        np.linspace(0.0, math.tau, 360, endpoint=False),
+        output,
+        load=load,
+        reduce=bare.get("reduce", "peak"),
+        **{key: bare[key] for key in ("shafts", "joints") if key in bare},
+    )[output]
+    assert one.nominal == pytest.approx(float(values), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("of", "error", "message"),
+    [
+        (
+            "torque_1_min",
+            ValueError,
+            "of[0] is 'torque_1_min'; its reduction must be one of 'peak'",
+        ),
+        ("support_moment_1_rms", ValueError, "of a vector it needs the 'peak'"),
+        ("torque_9_peak", IndexError, "shaft of torque is 9; there are 4, counted from 0"),
+        ("bearing_force_0_peak", IndexError, "bearing of bearing_force is 0; there are 0"),
+        ("torque_1", ValueError, "did you mean 'torque'?, or an output with the number"),
+    ],
+)
+def test_names_of_reduced_outputs_are_checked(of: str, error: Any, message: str) -> None:  # noqa: ANN401
+    with pytest.raises(error, match=re.escape(message)):
+        three().tolerances(bends=0.01, of=of, load=Load(output_torque=100.0))
+
+
 def test_reduced_outputs_keep_bearings_and_points() -> None:
     line = Driveline.from_points(TRUCK).with_bearings([(1, 0.4)])
     load = Load(output_torque=100.0)

@@ -11,11 +11,10 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.figures.answers import answer, answer_schema, record
 from cardan.optimisation import ActiveLimit, Optimum
-from cardan.optimisation.measures import measure_of
 from cardan.scene.errors import SceneError
 from cardan.scene.optimise import Optimisation, Variable
 from cardan.scene.scene import Scene
-from cardan.scene.units import ENDINGS, split
+from cardan.scene.units import ENDINGS, in_degrees, split
 
 _POINTS = 121
 """Points of a curve over one variable."""
@@ -35,43 +34,29 @@ class Optimised:
     asked: Optimisation
     best: Optimum
 
-    def unit(self, quantity: str, si: str) -> str:
-        """Return the unit in which a quantity is shown; ``""`` for a ratio."""
-        if quantity == "inertia_excitation" and self.asked.squared_speed != 1.0:
-            return "rad/s²"
-        return {"rad": "deg", "1": ""}.get(si, si)
-
-    def shown(self, quantity: str, si: str, value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
-        """Return values of a quantity in the unit in which it is shown."""
-        if quantity == "inertia_excitation":
-            return value * self.asked.squared_speed
-        return np.degrees(value) if si == "rad" else value
-
     @property
     def goal_unit(self) -> str:
-        """The unit of the quantity that is minimised."""
-        return self.unit(self.asked.minimise, self.best.unit)
+        """The unit of the quantity that is minimised, ``""`` for a ratio."""
+        return in_degrees(np.zeros(0), self.best.unit)[1]
 
     def goal(self, value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
         """Return values of the quantity that is minimised, in its unit."""
-        return self.shown(self.asked.minimise, self.best.unit, value)
+        return in_degrees(value, self.best.unit)[0]
 
     def kept(self) -> list[tuple[str, str, FloatArray, FloatArray]]:
         """Return quantity, unit, and values in each state before and after, of each limit."""
-        line = self.asked.drivelines(np.zeros(len(self.asked.variables)))
         found = []
-        for name, after in self.best.kept.items():
-            si = measure_of("keep", name, line.n_joints, self.asked.load).unit
-            before = self.shown(name, si, self.best.kept_before[name])
-            found.append((name, self.unit(name, si), before, self.shown(name, si, after)))
+        for name, values in self.best.kept.items():
+            si = self.asked.measure("keep", name).unit
+            after, unit = in_degrees(values, si)
+            found.append((name, unit, in_degrees(self.best.kept_before[name], si)[0], after))
         return found
 
     def limit(self, active: ActiveLimit) -> tuple[float, str]:
         """Return a limit that a kept quantity reaches, in its unit."""
-        line = self.asked.drivelines(np.zeros(len(self.asked.variables)))
-        si = measure_of("keep", active.quantity, line.n_joints, self.asked.load).unit
-        name = active.quantity
-        return float(self.shown(name, si, active.limit)), self.unit(name, si)
+        si = self.asked.measure("keep", active.quantity).unit
+        value, unit = in_degrees(np.asarray(active.limit), si)
+        return float(value), unit
 
     def over(self, number: int) -> tuple[FloatArray, FloatArray]:
         """Return changes of a variable and the largest value over the states, the others at best.

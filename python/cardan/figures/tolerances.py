@@ -12,9 +12,9 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.figures.answers import answer, answer_schema, record
 from cardan.figures.extremes import finite_or_none
-from cardan.outputs import OUTPUTS
+from cardan.quantities import MOTION_QUANTITIES, label
 from cardan.scene.scene import Scene
-from cardan.tolerances import FIGURES, Tolerances
+from cardan.tolerances import Tolerances
 
 SHARES = (0.5, 0.95, 0.99)
 """Shares of the drivelines of which the largest figure is listed."""
@@ -171,15 +171,6 @@ def in_figure_units(found: Tolerances, name: str, value: Any) -> Any:  # noqa: A
     return np.degrees(one) if found.unit(name) == "rad" else one
 
 
-def label_of(name: str) -> str:
-    """Return a figure in words: ``equivalent bend``, ``largest bending, driven side``."""
-    if name in OUTPUTS:
-        return OUTPUTS[name].label
-    words = name.replace("non_uniformity", "non-uniformity").replace("max_", "largest ")
-    words = words.replace("_driving", ", driving").replace("_coasting", ", coasting")
-    return words.replace("_", " ")
-
-
 def unit_of(found: Tolerances, name: str) -> str:
     """Return the unit of a figure as it is shown: degrees for angles, nothing for a ratio."""
     return {"rad": "deg", "1": ""}.get(found.unit(name), found.unit(name))
@@ -198,11 +189,11 @@ def figure_of(found: Tolerances, name: str) -> ToleranceFigure:
         passing = float(
             found.passing[name] if isinstance(found.passing, Mapping) else found.passing
         )
-    guaranteed = value(found.guaranteed) if name in FIGURES else None
+    guaranteed = value(found.guaranteed) if name in MOTION_QUANTITIES else None
     kind = found.worst_kind
     return ToleranceFigure(
         name,
-        label_of(name),
+        label(name),
         unit_of(found, name),
         value(found.nominal),
         tuple(map(float, np.atleast_1d(in_figure_units(found, name, found.quantile(SHARES))))),

@@ -15,7 +15,7 @@ from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentTypeError, ArgumentValueError, Place, wrong_element
 from cardan.load import Load
-from cardan.optimisation.measures import Measure, Quantity, largest_limit, measure_of
+from cardan.optimisation.measures import Measure, QuantityLike, measure_of
 from cardan.optimisation.problem import Problem, many_of, states_of
 from cardan.optimisation.search import MARGIN, TOLERANCE, Candidate, candidates, search
 
@@ -96,13 +96,14 @@ def optimise(
     start: ArrayLike,
     bounds: ArrayLike | None = None,
     *,
-    minimise: Quantity = "equivalent_bend",
+    minimise: QuantityLike = "equivalent_bend",
     over: Literal["largest", "rms"] = "largest",
     states: Sequence[str] | None = None,
     weights: ArrayLike | None = None,
     keep: Mapping[str, float] | None = None,
     jac: Callable[[FloatArray], NDArray[np.complex128]] | None = None,
     load: Load | None = None,
+    speed: ArrayLike | None = None,
     phases: Sequence[int] = (),
     teeth: int | Sequence[int] | None = None,
     degrees: bool = False,
@@ -113,15 +114,16 @@ def optimise(
 ) -> Optimum:
     """Find the variables that make a quantity of a driveline least over its states.
 
-    The quantities are ``equivalent_bend``, ``non_uniformity`` and ``max_angle_error`` of the last
-    shaft (as of ``Driveline.equivalent``); ``inertia_excitation``, the larger of driving and
-    coasting, over the square of the drive speed (as of ``Driveline.check``); an output over half a
-    turn of the drive with the number of its shaft, joint or bearing and its reduction, such as
-    ``support_moment_1_peak`` or ``bearing_force_0_rms``, of which the magnitude counts; or a
-    function that returns one value for each state of a driveline.
+    The quantities are those of ``Driveline.tolerances``: ``equivalent_bend``, ``non_uniformity``,
+    ``max_angle_error`` and ``torsional_excitation`` of the last shaft;
+    ``inertia_excitation_driving``, ``inertia_excitation_coasting``, and ``inertia_excitation``,
+    the larger of both; and an output over a turn of the drive with the number of its shaft, joint
+    or bearing and its reduction, such as ``support_moment_1_peak`` or ``bearing_force_0_rms``, of
+    which the magnitude counts. A function that returns one value for each state of a driveline is
+    possible as well.
 
     Each local search is SciPy's sequential quadratic programming. The largest of the states is
-    minimised by one more variable that bounds them all. The first three quantities grow with
+    minimised by one more variable that bounds them all. The first four quantities grow with
     ``|q|`` of the transmission; the search uses ``|q|**2``, which is smooth where the equivalent
     bend is not (``Driveline.transmission``). Their root mean square is that of ``|q|``, and
     ``value`` the figure that belongs to it.
@@ -140,6 +142,8 @@ def optimise(
             ``(states, m)``. By default, and for quantities that do not follow from this ``q``, they
             come from differences.
         load: for outputs that need one.
+        speed: of the drive in rad/s for the excitations, one for all states or ``(states,)``. By
+            default they are over the square of the speed, so that they have no unit.
         phases: numbers of the variables that are phases. They repeat after half a turn, which the
             starts cover; without bounds the result is the value nearest to the start.
         teeth: of the splines of these phases: one number for all or one for each. They then differ
@@ -192,8 +196,9 @@ def optimise(
     _whole("starts", starts)
     line = many_of(lines_of(first[np.newaxis]), 1) if vectorised else states_of(lines_of(first))
     n_states = line.shape[-1]
-    goal = measure_of("minimise", minimise, line.n_joints, load)
-    kept, lengths = _kept(keep or {}, line.n_joints, load)
+    speeds = _speeds(speed, n_states)
+    goal = measure_of("minimise", minimise, line.n_joints, load, speeds)
+    kept, lengths = _kept(keep or {}, line.n_joints, load, speeds)
     names = [str(i) for i in range(n_states)] if states is None else list(states)
     if len(names) != n_states:
         raise ArgumentValueError("states", f"has {len(names)} names; there are {n_states} states")
@@ -364,22 +369,33 @@ def _index(argument: str, value: SupportsIndex, place: tuple[int, ...]) -> int:
 
 
 def _kept(
-    keep: Mapping[str, float], n_joints: int, load: Load | None
+    keep: Mapping[str, float], n_joints: int, load: Load | None, speed: FloatArray | None
 ) -> tuple[tuple[Measure, ...], FloatArray]:
     measures, lengths = [], []
     for name, limit in keep.items():
         argument = f"keep[{name!r}]"
-        measure = measure_of(argument, name, n_joints, load)
+        measure = measure_of(argument, name, n_joints, load, speed)
         value = float(as_float64(argument, limit))
-        if not 0.0 < value < largest_limit(name):
-            most = largest_limit(name)
-            below = f" below {most:.6g}" if math.isfinite(most) else ""
+        if not 0.0 < value < measure.largest:
+            below = f" below {measure.largest:.6g}" if math.isfinite(measure.largest) else ""
             raise ArgumentValueError(
                 "keep", f"is {limit!r}; a limit must be a positive number{below}", (name,)
             )
         measures.append(measure)
         lengths.append(measure.length(value))
     return tuple(measures), np.array(lengths)
+
+
+def _speeds(speed: ArrayLike | None, n_states: int) -> FloatArray | None:
+    if speed is None:
+        return None
+    array = as_float64("speed", speed)
+    if array.shape not in ((), (n_states,)):
+        raise ArgumentValueError("speed", f"has shape {array.shape}; there are {n_states} states")
+    wrong = ~((array != 0.0) & np.isfinite(array))
+    if np.any(wrong):
+        raise wrong_element("speed", array, wrong, "; it must be finite and not 0")
+    return array
 
 
 def _weights(weights: ArrayLike | None, over: str, n_states: int) -> FloatArray:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from cardan.figures.optimise import Optimised, optimised, unit_of
+from cardan.quantities import label
 from cardan.report.charts import chart
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
@@ -14,7 +15,6 @@ from cardan.scene.scene import Scene
 from cardan.words.optimise import (
     change_lines,
     limit_lines,
-    quantity_text,
     result_text,
     table_of,
 )
@@ -57,7 +57,7 @@ def _chart(found: Optimised, number: int) -> dict[str, Any]:
     unit = unit_of(variable)
     best = variable.base + float(found.best.x[number])
     curve = Curve(f"best at {best:.6g}{unit and f' {unit}'}", values[known])
-    panel = Panel(quantity_text(found.asked.minimise), found.goal_unit, (curve,), 1.0)
+    panel = Panel(label(found.asked.minimise), found.goal_unit, (curve,), 1.0)
     return chart(
         panel, variable.base + changes[known], f"{variable.axis.key}{unit and f' [{unit}]'}"
     )

@@ -16,13 +16,15 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.optimisation import NotKeptError, Optimum, optimise
-from cardan.optimisation.measures import measure_of, over_states
+from cardan.optimisation.measures import Measure, measure_of, over_states
+from cardan.quantities import MOTION_QUANTITIES
 from cardan.scene.axes import Axis, axes_of
 from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT
 from cardan.scene.layout import Layout
 from cardan.scene.optimise_rules import kept_quantity
 from cardan.scene.optimise_section import OPTIMISE
+from cardan.scene.parts import largest_speed
 from cardan.scene.paths import nested
 from cardan.scene.states import States
 
@@ -38,8 +40,6 @@ _DERIVATIVES: Mapping[str, tuple[Literal["bends", "twists", "phases", "points"],
     # Drivelines of scenes have lengths in metres.
     "points_mm": ("points", 1e-3),
 }
-
-_EXCITATION = "inertia_excitation"
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +98,23 @@ class Optimisation:
         return self.states.names if self.states else ("",)
 
     @property
-    def squared_speed(self) -> float:
-        """The factor of an inertia excitation; 1 without a speed."""
-        speed = 0.0 if self.load is None else float(np.max(np.abs(self.load.speed)))
-        return speed**2 or 1.0
+    def speed(self) -> FloatArray | None:
+        """The speed of the drive in rad/s, one for all states or ``(states,)``, if it is known."""
+        if self.load is None:
+            return None
+        # Of a recorded speed the largest counts.
+        by_state = self.load.speed.shape == (len(self.names), 1)
+        speed = self.load.speed[:, 0] if by_state else np.asarray(largest_speed(self.load))
+        return np.abs(speed) if np.all(speed) else None
+
+    def measure(self, argument: str, quantity: str) -> Measure:
+        """Return the measure of a quantity that is minimised or kept.
+
+        Raises:
+            ValueError: as of ``measure_of``.
+        """
+        n_joints = self.drivelines(np.zeros(len(self.variables))).n_joints
+        return measure_of(argument, quantity, n_joints, self.load, self.speed)
 
     @functools.cached_property
     def _unchanged(self) -> dict[str, FloatArray]:
@@ -130,13 +143,13 @@ class Optimisation:
     def values_at(self, points: FloatArray) -> FloatArray:
         """Return the quantity to minimise over all states, at changes ``(p, m)``, in SI units."""
         found = []
+        measure = self.measure("minimise", self.minimise)
         for x in points:
             try:
                 line = self.drivelines(x)
             except ArgumentValueError:
                 found.append(math.nan)
                 continue
-            measure = measure_of("minimise", self.minimise, line.n_joints, self.load)
             vectors = measure.vectors(line)
             weights = self.weights if self.over == "rms" else None
             found.append(float(measure.figure(over_states(vectors, weights))))
@@ -176,7 +189,7 @@ class Optimisation:
         teeth = [self.variables[i].teeth for i in phases]
         keep: dict[str, float] = {}
         for key, limit in self.keep.items():
-            keep[kept_quantity(key)] = self._in_si(key, limit)
+            keep[kept_quantity(key)] = math.radians(limit) if key.endswith("_deg") else limit
         jac = self._dq if all(v.axis.name in _DERIVATIVES for v in self.variables) else None
         try:
             return optimise(
@@ -190,6 +203,7 @@ class Optimisation:
                 keep=keep,
                 jac=jac,
                 load=self.load,
+                speed=self.speed,
                 phases=phases,
                 teeth=teeth if any(teeth) else None,
                 degrees=True,
@@ -200,19 +214,12 @@ class Optimisation:
         except NotKeptError as error:
             reached = {kept_quantity(key): key for key in self.keep}
             key = reached[error.quantity]
-            limit, found = self.keep[key], self._shown(key, error.reached)
+            limit, found = self.keep[key], error.reached
+            found = math.degrees(found) if key.endswith("_deg") else found
             raise Location("keep", (key,)).error(
                 f"is {limit:g}; no changes within the ranges keep it: at best it reaches "
                 f"{found:.4g}, {found - limit:.3g} above"
             ) from None
-
-    def _in_si(self, key: str, value: float) -> float:
-        if key == f"{_EXCITATION}_rad_s2":
-            return value / self.squared_speed
-        return math.radians(value) if key.endswith("_deg") else value
-
-    def _shown(self, key: str, value: float) -> float:
-        return value * self.keep[key] / self._in_si(key, self.keep[key])
 
     def _dq(self, changes: FloatArray) -> NDArray[np.complex128]:
         """The derivatives of ``q`` of the last shaft by the variables, ``(states, m)``."""
@@ -351,17 +358,14 @@ def _check_quantities(found: Optimisation) -> None:
     named += [("keep", (key,), kept_quantity(key)) for key in found.keep]
     for argument, place, quantity in named:
         try:
-            measure_of(argument, quantity, line.n_joints, found.load).vectors(line)
+            found.measure(argument, quantity).vectors(line)
         except (IndexError, ArgumentValueError) as error:
             problem = error.problem if isinstance(error, ArgumentValueError) else str(error)
             problem = problem if problem.startswith("is ") else f"is {quantity!r}; {problem}"
             raise Location(argument, place).error(problem) from None
-        if place and quantity == _EXCITATION and found.squared_speed == 1.0:
+        motion = MOTION_QUANTITIES.get(quantity)
+        if place and motion and motion.needs_speed and found.speed is None:
             raise Location(argument, place).error("needs the speed of the drive in [load]")
-    if found.load is not None and np.ptp(np.abs(found.load.speed)) > 0.0:
-        for argument, place, quantity in named:
-            if quantity == _EXCITATION:
-                raise Location(argument, place).error("needs one speed; [states] varies it")
 
 
 def _load_of_states(states: States, load: Load | None) -> Load | None:

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from cardan.optimisation.measures import MOTION_QUANTITIES, pattern, split
 from cardan.outputs import OUTPUTS, nearest
+from cardan.quantities import MOTION_QUANTITIES, pattern
 from cardan.scene.errors import Location
-from cardan.scene.rules import ListOf, Number, Rule, Schema, Text, refused, shown
+from cardan.scene.rules import ListOf, Number, Rule, Schema, refused
 from cardan.scene.units import ending_of
 
 FREE = "free"
@@ -22,15 +22,23 @@ FREE = "free"
 
 _RANGE = ListOf(Number(), "two numbers, least and largest change", count=2)
 
+
+def _ending(unit: str) -> str:
+    """The ending of a key for a quantity with this SI unit; angles are in degrees."""
+    return ending_of({"rad": "deg", "1": ""}.get(unit, unit))
+
+
+_BEND = Number(0, 90, above=True, below=True, unit="deg")
+
 KEPT: Mapping[str, Number] = MappingProxyType(
     {
-        "equivalent_bend_deg": Number(0, 90, above=True, below=True, unit="deg"),
-        "non_uniformity": Number(0, above=True),
-        "max_angle_error_deg": Number(0, 90, above=True, below=True, unit="deg"),
-        "inertia_excitation_rad_s2": Number(0, above=True),
+        f"{quantity.name}{_ending(quantity.unit)}": _BEND
+        if quantity.unit == "rad"
+        else Number(0, above=True)
+        for quantity in MOTION_QUANTITIES.values()
     }
 )
-"""Limits of the motion, by key with its unit; limits of outputs are beside them."""
+"""Limits of the motion, by key with its unit."""
 
 _PLACE = "[0-9]{1,9}(-[0-9]{1,9})?"
 _PHASES = "phases_deg"
@@ -128,19 +136,14 @@ def _flat(value: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]
 
 def kept_quantity(key: str) -> str:
     """Return the quantity of a key of ``keep``, without its unit; ``""`` if there is none."""
-    if key in KEPT:
-        return key.removesuffix("_rad_s2").removesuffix("_deg")
+    for quantity in MOTION_QUANTITIES.values():
+        if key == f"{quantity.name}{_ending(quantity.unit)}":
+            return quantity.name
     for output in OUTPUTS.values():
         ending = _ending(output.unit)
         if re.fullmatch(pattern(output) + ending, key):
             return key.removesuffix(ending)
     return ""
-
-
-def _ending(unit: str) -> str:
-    if unit == "rad":
-        return "_deg"
-    return "" if unit == "1" else ending_of(unit)
 
 
 @dataclass(frozen=True)
@@ -174,28 +177,4 @@ class Keep(Rule):
             "properties": {key: rule.schema for key, rule in KEPT.items()},
             "patternProperties": {f"^({outputs})$": positive},
             "additionalProperties": False,
-        }
-
-
-@dataclass(frozen=True)
-class Minimised(Rule):
-    """The name of a quantity to minimise."""
-
-    def read(self, where: Location, value: object) -> str:
-        """Return the name."""
-        name = Text().read(where, value)
-        if name not in MOTION_QUANTITIES and not split(name)[0]:
-            raise where.error(
-                f"is {shown(name)}; {nearest(name, MOTION_QUANTITIES)}, or an output with its "
-                "number and reduction, as support_moment_1_peak"
-            )
-        return name
-
-    @property
-    def schema(self) -> Schema:
-        """A name of a list or of a form."""
-        # Python's end of a text may have a line end behind it; that of JSON Schema may not.
-        outputs = f"^({'|'.join(map(pattern, OUTPUTS.values()))})$(?!\\n)"
-        return {
-            "anyOf": [{"enum": list(MOTION_QUANTITIES)}, {"type": "string", "pattern": outputs}]
         }

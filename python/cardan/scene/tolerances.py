@@ -12,9 +12,10 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.limits import Limits
 from cardan.load import Load
-from cardan.outputs import OUTPUTS
+from cardan.outputs import OUTPUTS, Output
+from cardan.quantities import MOTION_QUANTITIES, modulus_of_bend, reduced_quantity
 from cardan.scene.sections import Key, Section
-from cardan.tolerances import FIGURES, REDUCTIONS, Tolerances
+from cardan.tolerances import REDUCTIONS, Tolerances
 
 TOLERANCES = Section(
     "how exactly the driveline is made and assembled: each figure is ± that much",
@@ -43,10 +44,14 @@ TOLERANCES = Section(
         ),
         "of": Key(
             kinds.TOLERANCED,
-            f"figures, from {', '.join(FIGURES)}, or outputs over a turn; default: equivalent_bend",
+            f"figures, from {', '.join(MOTION_QUANTITIES)}, or outputs over a turn, as "
+            "support_moment_1_peak; default: equivalent_bend",
         ),
         "reduce": Key(
-            kinds.WORST_REDUCED, f"of the outputs: {', '.join(REDUCTIONS)}", default="peak"
+            kinds.WORST_REDUCED,
+            "of outputs that are named without it, of the last shaft or of all joints: "
+            f"{', '.join(REDUCTIONS)}",
+            default="peak",
         ),
         "limit": Key(
             kinds.POSITIVE,
@@ -83,11 +88,12 @@ def tolerances_of(
     _check_lengths(values, line.n_joints)
     of = values.get("of", ["equivalent_bend"])
     for name in of:
-        if name in OUTPUTS and OUTPUTS[name].needs_load and load is None:
+        output = _output_of(name)
+        if output and output.needs_load and load is None:
             raise ArgumentValueError("of", f"has {name!r}, which needs a section [load]")
-        if name in FIGURES and FIGURES[name].needs_speed and not speed:
+        if not output and MOTION_QUANTITIES[name].needs_speed and not speed:
             raise ArgumentValueError("of", f"has {name!r}, which needs a speed in [load]")
-        if name in OUTPUTS and load is not None and np.ndim(load.speed + load.torque):
+        if output and load is not None and np.ndim(load.speed + load.torque):
             raise ArgumentValueError("of", f"has {name!r}, which does not go with a recorded load")
     given: dict[str, Any] = {
         argument: np.radians(values[key]) for key, argument in _ANGLES.items() if key in values
@@ -132,26 +138,30 @@ def _check_lengths(values: Mapping[str, Any], joints: int) -> None:
             )
 
 
+def _output_of(name: str) -> Output | None:
+    """The output of a figure; ``None`` of one of the motion."""
+    reduced = reduced_quantity(name)
+    return reduced.output if reduced else OUTPUTS.get(name)
+
+
 def _limits(values: Mapping[str, Any], of: list[str], limits: Limits) -> Any:  # noqa: ANN401
     """The limit of each figure in SI units: the scene's own, or those of its section [limits]."""
-    known = {
-        "equivalent_bend": np.radians(limits.figures["equivalent_bend_deg"].limit),
-        **{
-            name: limits.figures[key].limit
-            for name in of
-            for key in (f"{name.removesuffix('_driving').removesuffix('_coasting')}_rad_s2",)
-            if key in limits.figures
-        },
-    }
-    # Both follow from the bend of a joint.
-    joint = Driveline.from_bends([known["equivalent_bend"]]).equivalent()
-    known |= {"non_uniformity": joint.non_uniformity, "max_angle_error": joint.max_angle_error}
-    found = {name: float(known[name]) for name in of if name in known}
+    found: dict[str, float] = {}
+    for name in of:
+        quantity = MOTION_QUANTITIES.get(name)
+        if quantity is None or quantity.limit not in limits.figures:
+            continue
+        limit = limits.figures[quantity.limit].limit
+        if not quantity.needs_speed:
+            # All of them follow from the bend of a joint.
+            limit = float(quantity.ratio(modulus_of_bend(np.radians(limit))))
+        found[name] = limit
     if "limit" in values:
         if len(of) > 1:
             raise ArgumentValueError(
                 "limit", f"applies to a single figure, and 'of' names {len(of)}; give [limits]"
             )
-        unit = FIGURES[of[0]].unit if of[0] in FIGURES else OUTPUTS[of[0]].unit
+        output = _output_of(of[0])
+        unit = output.unit if output else MOTION_QUANTITIES[of[0]].unit
         found[of[0]] = np.radians(values["limit"]) if unit == "rad" else values["limit"]
     return found if len(of) > 1 else found.get(of[0])

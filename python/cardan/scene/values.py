@@ -11,7 +11,8 @@ from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Axis, BearingAxes, ListAxes, VectorAxes
 from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.material_rules import MaterialRule
-from cardan.scene.optimise_rules import Keep, Minimised, Vary
+from cardan.scene.optimise_rules import Keep, Vary
+from cardan.scene.quantity_rules import QuantityName
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.rules import (
     FileName,
@@ -71,7 +72,9 @@ CLOSED = Kind("name or names", OneOrMore(_names(CLOSED_FORMS)))
 REDUCED = Kind("name or names", OneOrMore(_names(REDUCTIONS)))
 TEETH = Kind("whole number(s)", OneOrEach(ListOf(Whole(1, most=1000), "whole numbers")))
 TOLERANCES = Kind("number(s)", OneOrEach(ListOf(Number(0), "numbers")))
-TOLERANCED = Kind("name or names", OneOrMore(_names([*tolerances.FIGURES, *OUTPUTS])))
+TOLERANCED = Kind(
+    "name or names", OneOrMore(ListOf(QuantityName(outputs=True), "names", distinct=True))
+)
 WORST_REDUCED = Kind("name", OneOf(tolerances.REDUCTIONS))
 DISTRIBUTION = Kind("name", OneOf(("uniform", "normal")))
 SAMPLES = Kind("whole number", Whole(1, most=100_000_000))
@@ -102,7 +105,7 @@ FRICTION = Kind("number", Number(0, 10))
 MATERIAL = Kind("material", MaterialRule())
 COMPONENT_AXES = Kind("values", VectorAxes())
 RANGES = Kind("ranges", Vary())
-MINIMISED = Kind("name", Minimised())
+MINIMISED = Kind("name", QuantityName())
 OVER = Kind("name", OneOf(("largest", "rms")))
 KEPT = Kind("limits", Keep())
 BEARING_AXES = Kind("values", BearingAxes(("position_mm", "position_m")))

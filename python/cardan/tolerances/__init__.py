@@ -1,8 +1,6 @@
 """Tolerances: what the errors of a workshop make of a driveline."""
 
-from cardan.tolerances.quantities import FIGURES
-from cardan.tolerances.reduced import REDUCTIONS
-from cardan.tolerances.request import tolerances
+from cardan.tolerances.request import REDUCTIONS, tolerances
 from cardan.tolerances.result import Tolerances
 
-__all__ = ["FIGURES", "REDUCTIONS", "Tolerances", "tolerances"]
+__all__ = ["REDUCTIONS", "Tolerances", "tolerances"]

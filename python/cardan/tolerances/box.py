@@ -34,6 +34,10 @@ class Toleranced(Protocol):
         """Number of joints."""
 
     @property
+    def n_bearings(self) -> int:
+        """Number of bearings."""
+
+    @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the batch."""
 

@@ -11,14 +11,16 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.geometry import Geometry
+from cardan.load import Load
+from cardan.quantities import Amplitude, MotionQuantity, ReducedQuantity
+from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
-from cardan.tolerances.chain import ComplexArray
+from cardan.tolerances.chain import ComplexArray, Deviations
+from cardan.tolerances.deviating import in_blocks
 from cardan.tolerances.guaranteed import largest_modulus
-from cardan.tolerances.quantities import Figure, amplitude
-from cardan.tolerances.reduced import ReducedOutput
 from cardan.tolerances.worst import MOST_CORNERS, largest_in_box, zonotope_radius
 
-Quantity: TypeAlias = Figure | ReducedOutput
+Quantity: TypeAlias = MotionQuantity | ReducedQuantity
 
 # Differences by this part of a tolerance: 9 digits remain, and a tolerance is a small change.
 _STEP = 1e-4
@@ -37,6 +39,8 @@ class Case:
         line_of: makes a driveline of a geometry.
         shaft: the shaft of the figures.
         speed: of the drive in rad/s.
+        load: for the outputs that need one.
+        workers: largest number of threads for outputs.
     """
 
     box: Box
@@ -44,6 +48,8 @@ class Case:
     line_of: Callable[[Geometry], Any]
     shaft: int
     speed: float
+    load: Load | None
+    workers: int | None
 
     def scaled(self, group: str, factor: float) -> Case:
         """Return the case with the tolerances of one group multiplied."""
@@ -62,17 +68,26 @@ class Case:
         moduli: dict[str, FloatArray] = {}
         found = {}
         for name, quantity in quantities.items():
-            if isinstance(quantity, ReducedOutput):
-                found[name] = quantity.values(
-                    self.line_of, self.geometry, self.box.nominal, by_place, samples
-                )
+            if isinstance(quantity, ReducedQuantity):
+                found[name] = self._outputs(quantity, by_place, samples)
                 continue
-            kind = quantity.amplitude
-            if kind not in moduli:
-                q = amplitude(kind, self.box.nominal, by_place, self.shaft)
-                moduli[kind] = np.broadcast_to(np.abs(q), samples)
-            found[name] = quantity.of_modulus(moduli[kind], self.speed)
+            for kind in quantity.amplitudes:
+                if kind not in moduli:
+                    q = amplitude(kind, self.box.nominal, by_place, self.shaft)
+                    moduli[kind] = np.broadcast_to(np.abs(q), samples)
+            largest = np.max([moduli[kind] for kind in quantity.amplitudes], axis=0)
+            found[name] = np.asarray(quantity.at(largest, self.speed))
         return found
+
+    def _outputs(
+        self, quantity: ReducedQuantity, deviations: Deviations, samples: int
+    ) -> FloatArray:
+        """A reduced output of each sample."""
+
+        def of(made: Geometry) -> FloatArray:
+            return quantity.of(self.line_of(made), self.load, self.workers)
+
+        return in_blocks(of, self.geometry, self.box.nominal, deviations, samples)
 
     def nominal(self, quantity: Quantity) -> float:
         """Return the figure of the driveline as drawn."""
@@ -80,7 +95,7 @@ class Case:
 
     def searched(self, quantity: Quantity) -> bool:
         """Whether the worst case is searched over the box, not found to first order."""
-        most = _MOST_REDUCED if isinstance(quantity, ReducedOutput) else MOST_CORNERS
+        most = _MOST_REDUCED if isinstance(quantity, ReducedQuantity) else MOST_CORNERS
         return len(self.box.places) <= most
 
     def worst(self, quantity: Quantity) -> float:
@@ -90,7 +105,7 @@ class Case:
         linear = self.linear(quantity)
         return (
             linear
-            if isinstance(quantity, ReducedOutput)
+            if isinstance(quantity, ReducedQuantity)
             else min(linear, self.guaranteed(quantity))
         )
 
@@ -100,41 +115,61 @@ class Case:
 
     def linear(self, quantity: Quantity) -> float:
         """Return the worst figure to first order."""
-        changes = self.slopes(quantity) * self.box.sizes
-        if isinstance(quantity, ReducedOutput):
+        if isinstance(quantity, ReducedQuantity):
+            changes = self._slopes_of_output(quantity) * self.box.sizes
             return self.nominal(quantity) + float(np.sum(np.abs(changes)))
-        centre = complex(amplitude(quantity.amplitude, self.box.nominal, {}, self.shaft))
-        modulus = zonotope_radius(centre, changes)
-        if quantity.amplitude == "last":
-            # Large tolerances leave the linear range; a joint has |q| < 1.
-            modulus = min(modulus, float(np.nextafter(1.0, 0.0)))
-        return self._figure(quantity, modulus)
+        return self._figure(quantity, max(map(self._linear_modulus, quantity.amplitudes)))
 
-    def guaranteed(self, quantity: Figure) -> float:
+    def guaranteed(self, quantity: MotionQuantity) -> float:
         """Return a bound of the figure over the box."""
-        return self._figure(quantity, largest_modulus(quantity.amplitude, self.box, self.shaft))
+        moduli = (largest_modulus(kind, self.box, self.shaft) for kind in quantity.amplitudes)
+        return self._figure(quantity, max(moduli))
 
     def shares(self, quantity: Quantity) -> FloatArray:
-        """Return the share of each parameter in the scatter, ``(parameters,)``."""
-        parts = np.square(np.abs(self.slopes(quantity)) * self.box.sigmas)
+        """Return the share of each parameter in the scatter, ``(parameters,)``.
+
+        Of several amplitudes, in the scatter of the one that is largest in the worst case.
+        """
+        if isinstance(quantity, ReducedQuantity):
+            slopes = np.abs(self._slopes_of_output(quantity))
+        else:
+            slopes = np.abs(self._slopes(max(quantity.amplitudes, key=self._linear_modulus)))
+        parts = np.square(slopes * self.box.sigmas)
         total = np.sum(parts)
         return np.asarray(parts / total if total > 0.0 else parts)
 
-    def slopes(self, quantity: Quantity) -> ComplexArray:
-        """Return the derivatives by each parameter, of the amplitude or of the reduced output."""
-        steps = np.diag(np.full(len(self.box.places), _STEP))
-        units = np.concatenate([steps, -steps], axis=1)
-        if isinstance(quantity, ReducedOutput):
-            values = self._of_units(quantity)(units).astype(complex)
-        else:
-            by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])
-            found = amplitude(quantity.amplitude, self.box.nominal, by_place, self.shaft)
-            values = np.broadcast_to(found, units.shape[1])
-        plus, minus = np.split(values, 2)
-        return np.asarray((plus - minus) / (2.0 * _STEP * self.box.sizes))
+    def _slopes(self, kind: Amplitude) -> ComplexArray:
+        """The derivatives of an amplitude by each parameter."""
+        units = self._steps
+        by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])
+        found = amplitude(kind, self.box.nominal, by_place, self.shaft)
+        slopes: ComplexArray = self._differences(np.broadcast_to(found, units.shape[1]))
+        return slopes
 
-    def _figure(self, quantity: Figure, modulus: float) -> float:
-        return float(quantity.of_modulus(np.asarray(modulus), self.speed))
+    def _slopes_of_output(self, quantity: ReducedQuantity) -> FloatArray:
+        """The derivatives of a reduced output by each parameter."""
+        slopes: FloatArray = self._differences(self._of_units(quantity)(self._steps))
+        return slopes
+
+    @property
+    def _steps(self) -> FloatArray:
+        """Deviations in units of the tolerances: one parameter forward each, then one back."""
+        steps = np.diag(np.full(len(self.box.places), _STEP))
+        return np.concatenate([steps, -steps], axis=1)
+
+    def _differences(self, values: Any) -> Any:  # noqa: ANN401 - real or complex
+        plus, minus = np.split(values, 2)
+        return (plus - minus) / (2.0 * _STEP * self.box.sizes)
+
+    def _linear_modulus(self, kind: Amplitude) -> float:
+        """The largest magnitude of an amplitude to first order."""
+        centre = complex(amplitude(kind, self.box.nominal, {}, self.shaft))
+        modulus = zonotope_radius(centre, self._slopes(kind) * self.box.sizes)
+        # Large tolerances leave the linear range; a joint has |q| < 1.
+        return min(modulus, float(np.nextafter(1.0, 0.0))) if kind == "last" else modulus
+
+    def _figure(self, quantity: MotionQuantity, modulus: float) -> float:
+        return float(quantity.at(modulus, self.speed))
 
     def _of_units(self, quantity: Quantity) -> Callable[[FloatArray], FloatArray]:
         """The figure as a function of deviations in units of the tolerances."""
@@ -143,8 +178,8 @@ class Case:
 
     def _search(self, quantity: Quantity) -> tuple[float, FloatArray]:
         """The worst driveline: its figure, and the deviations in units of the tolerances."""
-        # Figures of one amplitude have their maximum in one place.
-        key = quantity if isinstance(quantity, ReducedOutput) else quantity.amplitude
+        # Figures of the same amplitudes have their maximum in one place.
+        key = quantity if isinstance(quantity, ReducedQuantity) else quantity.amplitudes
         if key not in self._searches:
             _, at = largest_in_box(self._of_units(quantity), len(self.box.places))
             self._searches[key] = at

@@ -33,9 +33,10 @@ from __future__ import annotations
 import numpy as np
 
 from cardan.arrays import FloatArray
+from cardan.quantities import Amplitude
+from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
 from cardan.tolerances.chain import Nominal
-from cardan.tolerances.quantities import Amplitude, amplitude
 
 
 def largest_modulus(kind: Amplitude, box: Box, shaft: int) -> float:

@@ -13,14 +13,26 @@ from numpy.typing import ArrayLike
 from cardan.arrays import as_float64
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.geometry import Geometry
+from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, nearest
-from cardan.request import Items, item_index
+from cardan.quantities import (
+    MOTION_QUANTITIES,
+    MotionQuantity,
+    ReducedQuantity,
+    modulus_of_bend,
+    nearest_quantity,
+    reduced_quantity,
+)
+from cardan.request import Items, Reduction, item_index
 from cardan.tolerances.box import Toleranced, boxes
 from cardan.tolerances.case import Case, Quantity
-from cardan.tolerances.quantities import FIGURES, Figure
-from cardan.tolerances.reduced import ReducedOutput
 from cardan.tolerances.result import Tolerances
+
+REDUCTIONS: tuple[Reduction, ...] = ("peak", "rms", "max", "mean")
+"""The reductions of which the largest value is the worst."""
+
+_LISTED = ", ".join(map(repr, REDUCTIONS))
 
 
 def tolerances(
@@ -38,7 +50,7 @@ def tolerances(
     limit: Any,  # noqa: ANN401 - a number or a mapping
     speed: float | None,
     load: Load | None,
-    reduce: str,
+    reduce: Reduction,
     shaft: SupportsIndex,
     shafts: Items,
     joints: Items,
@@ -53,20 +65,17 @@ def tolerances(
         raise ArgumentValueError("shaft", "is 0; the drive shaft has no errors of its own")
     given = {"bends": bends, "twists": twists, "phases": phases, "points": points}
     each = boxes(line, given, teeth, distribution, degrees)
-    quantities: dict[str, Quantity] = {}
-    for name in names:
-        if name in FIGURES:
-            quantities[name] = FIGURES[name]
-            if FIGURES[name].needs_speed and speed is None:
-                raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
-        else:
-            reduced = ReducedOutput(name, reduce, load, shafts, joints, workers)
-            reduced.check()
-            quantities[name] = reduced
+    quantities = {
+        name: _quantity(name, i, line, reduce, {"shaft": shafts, "joint": joints})
+        for i, name in enumerate(names)
+    }
+    for name, quantity in quantities.items():
+        if isinstance(quantity, MotionQuantity) and quantity.needs_speed and speed is None:
+            raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
     known_speed = 0.0 if speed is None else _speed(speed)
     geometries = each.geometry.reshaped((len(each.each),))
     cases = [
-        Case(box, geometries.taken(i), line_of, index, known_speed)
+        Case(box, geometries.taken(i), line_of, index, known_speed, load, workers)
         for i, box in enumerate(each.each)
     ]
     return Tolerances(
@@ -89,13 +98,37 @@ def _names(of: str | Iterable[str]) -> tuple[tuple[str, ...], bool]:
     for i, name in enumerate(names):
         if not isinstance(name, str):
             raise ArgumentTypeError("of", f"is {name!r}; a figure is asked for by its name", (i,))
-        if name not in FIGURES and name not in OUTPUTS:
-            raise ArgumentValueError(
-                "of", f"is {name!r}; {nearest(name, [*FIGURES, *OUTPUTS])}", (i,)
-            )
         if names.index(name) < i:
             raise ArgumentValueError("of", f"is {name!r} again; name each figure once", (i,))
     return names, not isinstance(of, str)
+
+
+def _quantity(
+    name: str, place: int, line: Toleranced, reduce: Reduction, items: Mapping[str, Items]
+) -> Quantity:
+    """The quantity of a name; of an output alone, with the reduction and the items given."""
+    if name in MOTION_QUANTITIES:
+        return MOTION_QUANTITIES[name]
+    found = reduced_quantity(name)
+    if found is None and name in OUTPUTS:
+        output = OUTPUTS[name]
+        if reduce not in REDUCTIONS:
+            raise ArgumentValueError("reduce", f"is {reduce!r}; it must be one of {_LISTED}")
+        found = ReducedQuantity(output, items.get(output.per), reduce)
+        if output.vector and reduce != "peak":
+            raise ArgumentValueError("reduce", f"is {reduce!r}; the vector {name!r} needs 'peak'")
+    elif found is None:
+        known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS])
+        raise ArgumentValueError("of", f"is {name!r}; {known}", (place,))
+    elif found.reduction not in REDUCTIONS:
+        raise ArgumentValueError(
+            "of", f"is {name!r}; its reduction must be one of {_LISTED}", (place,)
+        )
+    elif found.output.vector and found.reduction != "peak":
+        raise ArgumentValueError("of", f"is {name!r}; of a vector it needs the 'peak'", (place,))
+    else:
+        found.check_item(line)
+    return found
 
 
 def _limits(
@@ -105,10 +138,11 @@ def _limits(
     degrees: bool,
 ) -> dict[str, float]:
     """The limits by figure, in the units of the figures."""
+    largest = modulus_of_bend(MAX_EQUIVALENT_BEND)
     found = {
-        name: figure.default_limit
-        for name, figure in quantities.items()
-        if isinstance(figure, Figure) and figure.default_limit is not None
+        name: float(quantity.ratio(largest))
+        for name, quantity in quantities.items()
+        if isinstance(quantity, MotionQuantity) and quantity.limit == "equivalent_bend_deg"
     }
     if limit is None:
         return found

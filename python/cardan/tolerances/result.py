@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, scalar_or_array
 from cardan.errors import ArgumentValueError
+from cardan.quantities import MOTION_QUANTITIES, MotionQuantity
 from cardan.tolerances.case import Case, Quantity
 from cardan.tolerances.permitted import permitted_factor
-from cardan.tolerances.quantities import FIGURES, Figure
 from cardan.tolerances.sampling import sample
 
 
@@ -121,14 +121,14 @@ class Tolerances:
         found = {
             name: self._batch([case.guaranteed(quantity) for case in self._cases])
             for name, quantity in self._quantities.items()
-            if isinstance(quantity, Figure)
+            if isinstance(quantity, MotionQuantity)
         }
         if self._several or found:
             return self._named(found)
         raise ArgumentValueError(
             "of",
-            f"is {self.of[0]!r}; a guaranteed bound is known for {', '.join(FIGURES)} only, which "
-            "depend on one complex number",
+            f"is {self.of[0]!r}; a guaranteed bound is known for {', '.join(MOTION_QUANTITIES)} "
+            "only, which depend on complex numbers",
         )
 
     @cached_property

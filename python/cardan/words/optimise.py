@@ -6,6 +6,7 @@ import textwrap
 from typing import Any
 
 from cardan.figures.optimise import Optimised, unit_of, variable_data
+from cardan.quantities import label
 from cardan.scene.optimise import Variable
 from cardan.words.summary import figure_text
 from cardan.workshop import VIEW
@@ -28,18 +29,13 @@ def optimise_text(found: Optimised) -> str:
     return "\n\n".join("\n".join(map(_wrapped, part)) for part in parts if part)
 
 
-def quantity_text(name: str) -> str:
-    """Return the name of a quantity as words."""
-    return name.replace("_", " ")
-
-
 def result_text(found: Optimised) -> str:
     """Say the quantity that was minimised, before and after."""
     before, after = (
         _with_unit(float(found.goal(value)), found.goal_unit)
         for value in (found.best.before, found.best.value)
     )
-    name = quantity_text(found.asked.minimise)
+    name = label(found.asked.minimise)
     count = len(found.asked.names)
     over = {"largest": "the largest", "rms": "root mean square"}[found.asked.over]
     of = f", {over} of {count} states" if count > 1 else ""
@@ -131,7 +127,7 @@ def limit_lines(found: Optimised) -> list[str]:
             limit, unit = found.limit(active)
             where = _listed([found.asked.names[state] for state in active.states])
             place = f" in {where}" if where else ""
-            name = quantity_text(active.quantity)
+            name = label(active.quantity)
             lines.append(
                 f"{name[:1].upper()}{name[1:]} is at its limit of {_with_unit(limit, unit)}{place}."
             )
@@ -149,8 +145,8 @@ def table_of(found: Optimised) -> tuple[list[str], list[list[str]]]:
     ]
     headings = ["state" if found.asked.states else ""]
     for name, unit, *_ in columns:
-        label = f"{quantity_text(name)}{f' [{unit}]' if unit else ''}"
-        headings += [f"{label}, before", "after"]
+        heading = f"{label(name)}{f' [{unit}]' if unit else ''}"
+        headings += [f"{heading}, before", "after"]
     rows = []
     for i, state in enumerate(found.asked.names):
         row = [state]

@@ -1,0 +1,39 @@
+"""The rule for names of quantities: those of the motion, and reduced outputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cardan.outputs import OUTPUTS
+from cardan.quantities import MOTION_QUANTITIES, nearest_quantity, pattern, reduced_quantity
+from cardan.scene.errors import Location
+from cardan.scene.rules import Rule, Schema, Text, shown
+
+
+@dataclass(frozen=True)
+class QuantityName(Rule):
+    """The name of a quantity.
+
+    Attributes:
+        outputs: whether outputs are possible without item and reduction.
+    """
+
+    outputs: bool = False
+
+    @property
+    def _names(self) -> list[str]:
+        return [*MOTION_QUANTITIES, *(OUTPUTS if self.outputs else ())]
+
+    def read(self, where: Location, value: object) -> str:
+        """Return the name."""
+        name = Text().read(where, value)
+        if name not in self._names and reduced_quantity(name) is None:
+            raise where.error(f"is {shown(name)}; {nearest_quantity(name, self._names)}")
+        return name
+
+    @property
+    def schema(self) -> Schema:
+        """A name of a list or of a form."""
+        # Python's end of a text may have a line end behind it; that of JSON Schema may not.
+        outputs = f"^({'|'.join(map(pattern, OUTPUTS.values()))})$(?!\\n)"
+        return {"anyOf": [{"enum": self._names}, {"type": "string", "pattern": outputs}]}

@@ -1,0 +1,64 @@
+"""Drivelines that deviate from their drawing, in blocks, for outputs over a turn."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from cardan import geometry
+from cardan.arrays import FloatArray
+from cardan.geometry import Geometry
+from cardan.tolerances.chain import Deviations, Nominal
+
+# Drivelines at a time: each has its geometry with directions and normals.
+_BLOCK = 2048
+
+
+def in_blocks(
+    of: Callable[[Geometry], FloatArray],
+    own: Geometry,
+    nominal: Nominal,
+    deviations: Deviations,
+    samples: int,
+) -> FloatArray:
+    """Return one number for each sample.
+
+    Args:
+        of: the numbers of a batch of drivelines.
+        own: the geometry of the driveline as drawn; its bearings and lengths stay.
+        nominal: its parameters.
+        deviations: by how much they deviate, ``(samples,)`` each.
+        samples: how many samples there are.
+    """
+    found = np.empty(samples)
+    for first in range(0, samples, _BLOCK):
+        some = slice(first, min(first + _BLOCK, samples))
+        part = {place: values[some] for place, values in deviations.items()}
+        found[some] = of(_geometry(own, nominal, part, some.stop - first))
+    return found
+
+
+def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: int) -> Geometry:
+    """The drivelines of the samples, with the bearings of the one as drawn."""
+
+    def deviated(group: str, array: FloatArray) -> FloatArray:
+        values = np.repeat(array[np.newaxis], samples, axis=0)
+        for (name, place), deviation in deviations.items():
+            if name == group:
+                np.moveaxis(values, 0, -1)[place] += deviation
+        return values
+
+    phases = deviated("phases", nominal.phases)
+    if nominal.points is not None:
+        made = geometry.from_points(deviated("points", nominal.points), phases, False)
+        lengths = made.lengths
+    else:
+        bends, twists = deviated("bends", nominal.bends), deviated("twists", nominal.twists)
+        # Beyond straight a joint bends to the other side: its plane has turned by half a turn.
+        flipped = bends < 0.0
+        twists += np.pi * (flipped[:, 1:].astype(float) - flipped[:, :-1])
+        made = geometry.from_bends(np.abs(bends), twists, phases, False)
+        lengths = np.repeat(own.lengths[np.newaxis], samples, axis=0)
+    positions = np.repeat(own.positions[np.newaxis], samples, axis=0)
+    return made._replace(lengths=lengths, positions=positions, bearings=own.bearings)
