@@ -13,7 +13,9 @@ from cardan import Driveline, Limits, Load, Sweep
 from cardan.figures.summary import SummaryRow, drive_angles, summary
 from cardan.scene import Scene, SceneError
 from cardan.scene.bearing_section import LENGTHS
-from cardan.scene.format import FORMAT, FORMS, TEETH, describe
+from cardan.scene.format import FORMAT
+from cardan.scene.forms import FORMS, TEETH
+from cardan.scene.help_text import describe
 from cardan.words.summary import summary_lines, summary_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from cardan.scene import Scene
 from cardan.scene import values as kinds
 from cardan.scene.errors import Location
-from cardan.scene.format import FORMAT, FORMS
+from cardan.scene.format import FORMAT
+from cardan.scene.forms import FORMS
 from scene_values import DEFINITIONS, VALUES, as_toml, fitting, nearly
 
 # JSON has one kind of number and none that is not finite; TOML tells 1 from 1.0.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cardan.files.pictures import SUFFIXES
-from cardan.scene.format import describe
+from cardan.scene.help_text import describe
 from cardan.scene.starters import STARTERS
 
 HELP = """\

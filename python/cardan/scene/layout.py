@@ -14,7 +14,7 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.scene.axes import Axis, axes_of, put
 from cardan.scene.bearings import Mounting
-from cardan.scene.format import Form
+from cardan.scene.forms import Form
 from cardan.scene.parts import make_driveline
 
 

@@ -14,7 +14,8 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.geometry import sloping
 from cardan.load import Load
-from cardan.scene.format import FORMAT, FORMS, TEETH, Form
+from cardan.scene.format import FORMAT
+from cardan.scene.forms import FORMS, TEETH, Form
 
 _TORQUES = ("drive_torque_Nm", "output_torque_Nm")
 _MOTION = ("speed_rpm", "speed_rad_s", "acceleration_rad_s2")

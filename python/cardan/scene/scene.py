@@ -12,10 +12,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.driven_angle import check_axes
 from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.limits import Limits
@@ -23,42 +21,27 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.result import Result
 from cardan.scene.angles import Angles
-from cardan.scene.axes import grid_of
-from cardan.scene.ball_joint import BallJointCase, ball_joint_case
+from cardan.scene.ball_joint import BallJointCase
 from cardan.scene.ball_joint_scene import BallJointScene, is_alone
-from cardan.scene.bearing_section import LENGTHS
-from cardan.scene.bearings import Mounting, lengths_of
 from cardan.scene.document import Document, read_text
-from cardan.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.scene.errors import SceneError
-from cardan.scene.format import TEETH, describe
+from cardan.scene.help_text import describe
 from cardan.scene.layout import Layout
-from cardan.scene.optimise import Optimisation, optimisation_of
+from cardan.scene.optimise import Optimisation
 from cardan.scene.parts import (
     at_samples,
-    check_load,
-    check_not_recorded,
-    filled,
     largest_speed,
-    make_driveline,
-    make_load,
-    teeth_of,
 )
+from cardan.scene.reading import attributes_of
 from cardan.scene.recorded import Recording
-from cardan.scene.reductions import LENGTH
-from cardan.scene.requested import check_forces, check_sections, items, requested, to_reduce
+from cardan.scene.schema import scene_schema
 from cardan.scene.signals import Signal
-from cardan.scene.slip import Slip, slip_of
-from cardan.scene.states import States, states_of, table_of, with_states
-from cardan.scene.steering import SteeringColumn, steering_of
+from cardan.scene.slip import Slip
+from cardan.scene.states import States, table_of
+from cardan.scene.steering import SteeringColumn
 from cardan.scene.study import Study, StudyResult
-from cardan.scene.tolerances import tolerances_of
 from cardan.sweep import Sweep
 from cardan.tolerances import Tolerances
-
-_OPTIONS = ("axes", "tolerance", "dtype", "workers")
-
-_CLOSED_FORMS = ("equivalent_bend", "non_uniformity", "max_angle_error")
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,155 +205,11 @@ class Scene:
     @staticmethod
     def schema() -> dict[str, Any]:
         """Return the JSON Schema of a scene file, for editors and other tools."""
-        return scene_format.schema()
+        return scene_schema()
 
     @classmethod
     def _of(cls, document: Document, folder: Path, angle: Angles | None = None) -> Self:
-        given = document.sections
-        output, recorded = given.get("output", {}), given.get("angles", {})
-        driveline, loaded = given.get("driveline", {}), given.get("load")
-        with document.within(""):
-            check_sections(document, alone=is_alone(document))
-        with document.within("angles"):
-            if recorded and angle is None:
-                angle = Recording(recorded, folder).whole()
-        with document.within("sweep"):
-            angle = angle or Angles.swept(given.get("sweep", {}))
-        with document.within("driveline"):
-            own = (TEETH, *LENGTHS)
-            described = {key: value for key, value in driveline.items() if key not in own}
-            form, driveline = filled(described, angle.bends)
-            line = make_driveline(form, driveline)
-            teeth = teeth_of(given.get("driveline", {}), line.n_joints)
-            mounting = Mounting(lengths=lengths_of(given.get("driveline", {}), line))
-        for i, bearing in enumerate(document.tables.get("bearing", ())):
-            with document.within(f"bearing.{i}"):
-                mounting = mounting.and_bearing(bearing, line)
-        line = mounting.on(line)
-        for section in ("load", "study", "states"):
-            with document.within(section):
-                check_not_recorded(given.get(section, {}), angle.load)
-        with document.within("load"):
-            load, reduced_load = None, loaded
-            if angle.load:
-                loaded, reduced_load = (
-                    {**(loaded or {}), **recorded_load}
-                    for recorded_load in (angle.load, angle.load_to_reduce)
-                )
-            if loaded is not None:
-                check_load(loaded, line.n_joints)
-                load = make_load(loaded, {**given.get("study", {}), **given.get("states", {})})
-        with document.within("output"):
-            quantities = requested(output, loaded)
-            shafts = items(output, "shafts", line.n_joints + 1)
-            joints = items(output, "joints", line.n_joints)
-            check_forces(quantities, line, load, joints)
-            options = {key: output[key] for key in _OPTIONS if key in output}
-            check_axes(quantities, output.get("axes", "space"))
-            of_driven, driven_angle_deg = {}, None
-            if output.get(ANGLE_OF) == "driven":
-                check_driven(recorded)
-                of_driven, driven_angle_deg = {ANGLE_OF: "driven"}, angle.degrees
-                angle = at_drive(angle, line)
-            if angle.bends is not None and "closed_forms" in output:
-                raise ArgumentValueError("closed_forms", "do not go with recorded bends")
-            wanted = given.keys() & {"study", "states"} | output.keys() & {"reduce", "closed_forms"}
-            if LENGTH in output.get("closed_forms", ()) and "points" not in form.keys[0]:
-                raise ArgumentValueError("closed_forms", "'length' needs points_mm or points_m")
-            if "table" in output and output["table"] == output.get("curves"):
-                raise ArgumentValueError(
-                    "table", f"is {output['table']!r}; that is the file of the curves"
-                )
-            if "table" in output and not wanted:
-                raise ArgumentValueError(
-                    "table", "needs a section [study] or [states], reduce or closed_forms"
-                )
-        with document.within("slip"):
-            slip = slip_of(given["slip"], line, driveline) if "slip" in given else None
-        with document.within("steering"):
-            if "steering" in given and angle.bends is not None:
-                raise ValueError("it does not go with recorded bends, which differ by sample")
-            column = steering_of(given["steering"]) if "steering" in given else None
-        limits, tolerances = Limits(**given.get("limits", {})), None
-        with document.within("tolerances"):
-            if "tolerances" in given:
-                speed = largest_speed(load)
-                tolerances = tolerances_of(given["tolerances"], line, limits, load, speed)
-        with document.within("ball_joint"):
-            ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
-        layout = None if angle.bends is not None else Layout(form, driveline, loaded, mounting)
-        states = None
-        with document.within("states"):
-            if "states" in given:
-                if layout is None:
-                    raise ValueError("it does not go with recorded bends, which differ by sample")
-                states = states_of(given["states"], layout)
-        with document.within("optimise"):
-            optimisation = optimisation_of(given.get("optimise"), layout, states, load, teeth)
-        study = None
-        with document.within("study"):
-            varied = given.get("study", {})
-            if varied and angle.bends is not None:
-                raise ArgumentValueError(next(iter(varied)), "does not go with recorded bends")
-            if wanted:
-                default = () if angle.bends is not None else _CLOSED_FORMS
-                reduced, caused = driveline, with_states(loaded, given.get("states", {}))
-                if angle.bends_to_reduce is not None:
-                    reduced = {**driveline, form.keys[0]: angle.bends_to_reduce}
-                study = Study(
-                    grid_of(
-                        varied,
-                        {**driveline, **_lengths(given)},
-                        loaded,
-                        document.tables.get("bearing", ()),
-                    ),
-                    form,
-                    reduced,
-                    reduced_load,
-                    angle.to_reduce,
-                    to_reduce(output, quantities, caused),
-                    tuple(output.get("reduce", ("peak",))),
-                    tuple(output.get("closed_forms", default)),
-                    shafts,
-                    tuple(range(line.n_joints)) if joints is None else joints,
-                    {**options, **of_driven},
-                    mounting,
-                )
-                # The ends of the grid, so that a value out of range shows before a long run.
-                study.check_ends()
-        return cls(
-            name=document.name,
-            title=given[""].get("title", ""),
-            line=line,
-            load_case=load,
-            limits=limits,
-            drive_angle_deg=angle.degrees,
-            angle=angle.drive,
-            quantities=quantities,
-            shafts=shafts,
-            joints=joints,
-            teeth=teeth,
-            options=options,
-            study=study,
-            recording=folder / recorded["file"] if recorded else None,
-            curves_file=output.get("curves"),
-            table_file=output.get("table"),
-            picture_file=output.get("picture"),
-            points=next(
-                (np.array(value, float) for key, value in driveline.items() if "points" in key),
-                None,
-            ),
-            ball_joint=ball_joint,
-            slip=slip,
-            time=angle.time,
-            signals=angle.signals,
-            layout=layout,
-            states=states,
-            steering=column,
-            optimisation=optimisation,
-            tolerances=tolerances,
-            driven_angle_deg=driven_angle_deg,
-        )
+        return cls(**attributes_of(document, folder, angle))
 
     @property
     def drive_angle(self) -> FloatArray:
@@ -528,9 +367,3 @@ class SceneResult:
 Scene.__doc__ = f"{Scene.__doc__}\n    The format of a scene file::\n\n" + textwrap.indent(
     describe(), " " * 8
 )
-
-
-def _lengths(given: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
-    """The lengths that a scene gives its shafts."""
-    driveline = given.get("driveline", {})
-    return {key: driveline[key] for key in LENGTHS if key in driveline}

@@ -22,7 +22,8 @@ from cardan.scene.axes import per_row, put, values_at
 from cardan.scene.bearing_section import LENGTHS
 from cardan.scene.bearings import Mounting
 from cardan.scene.errors import StudyPointError
-from cardan.scene.format import FORMAT, Form
+from cardan.scene.format import FORMAT
+from cardan.scene.forms import Form
 from cardan.scene.parts import make_driveline, make_load
 from cardan.scene.reductions import CLOSED_FORMS, LENGTH, reduced
 from cardan.scene.units import converted, split
