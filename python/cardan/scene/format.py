@@ -19,6 +19,8 @@ from cardan.outputs import OUTPUTS
 from cardan.scene.axis_rules import Values
 from cardan.scene.ball_joint import BALL_JOINT
 from cardan.scene.bearing_section import BEARING, LENGTHS
+from cardan.scene.joints import JOINTS
+from cardan.scene.life_section import LIFE
 from cardan.scene.optimise_section import OPTIMISE
 from cardan.scene.paths import pattern_schemas
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
@@ -26,6 +28,7 @@ from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
 from cardan.scene.steering import STEERING
 from cardan.scene.tolerances import TOLERANCES
+from cardan.scene.tubes_section import TUBES
 from cardan.scene.units import RPM
 
 
@@ -299,6 +302,9 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
         "tolerances": TOLERANCES,
         "slip": SLIP,
         "steering": STEERING,
+        "joints": JOINTS,
+        "life": LIFE,
+        "tubes": TUBES,
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Self
@@ -47,6 +47,7 @@ from cardan.scene.parts import (
 from cardan.scene.recorded import Recording
 from cardan.scene.reductions import LENGTH
 from cardan.scene.requested import check_forces, check_sections, items, requested, to_reduce
+from cardan.scene.service import Service, service_of
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip, slip_of
 from cardan.scene.states import States, states_of, table_of, with_states
@@ -98,6 +99,7 @@ class Scene:
         tolerances: what errors of manufacture make of the driveline, if the scene gives any.
         driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
             those in place of drive angles.
+        service: its joints, duty cycle and tubes.
     """
 
     name: str
@@ -128,6 +130,7 @@ class Scene:
     optimisation: Optimisation | None = None
     tolerances: Tolerances | None = None
     driven_angle_deg: FloatArray | None = None
+    service: Service = field(default_factory=Service)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -305,6 +308,7 @@ class Scene:
                 if layout is None:
                     raise ValueError("it does not go with recorded bends, which differ by sample")
                 states = states_of(given["states"], layout)
+        service = service_of(document, folder, line, load, layout, states)
         with document.within("optimise"):
             optimisation = optimisation_of(given.get("optimise"), layout, states, load, teeth)
         study = None
@@ -370,6 +374,7 @@ class Scene:
             optimisation=optimisation,
             tolerances=tolerances,
             driven_angle_deg=driven_angle_deg,
+            service=service,
         )
 
     @property
