@@ -97,6 +97,18 @@ TOLERANCES = {
     *("share", "value", "worst", "worst_kind", "guaranteed", "limit", "passing"),
     *("shares", "group", "of", "number"),
 }
+TUBES = {
+    *("tubes", "shaft", "stiffness_Nm_per_rad", "inertia_kgm2", "mass_kg", "torque_Nm"),
+    *("shear_stress_MPa", "permitted_stress_MPa", "critical_speed_rpm", "largest_speed_rpm"),
+    *("margin", "least_margin", "passes"),
+}
+LIFE = {
+    *("L10_h", "decisive_joint", "target_h", "passes", "chosen_size", "heat_W", "efficiency"),
+    *("steps", "step", "share", "speed_rpm", "torque_Nm", "bends_deg"),
+    *("joints", "joint", "size", "bearing", "catalogue_L10_h", "damage", "false_brinelling"),
+    *("bend_deg", "speed_bend_rpm_deg", "value", "limit", "largest_heat_W", "largest_heat_in"),
+    *("sizes", "rating_Nm", "fits"),
+}
 KEYS = {
     "run": {
         *BALL_JOINT,
@@ -125,7 +137,9 @@ KEYS = {
         *STEERING,
         *("states", "state", "verdicts", "equivalent_bend_deg", "verdict", "worst_in"),
         *TOLERANCES,
-        "tolerances",
+        *LIFE,
+        *TUBES,
+        *("tolerances", "life"),
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),
         *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),
@@ -156,6 +170,7 @@ KEYS = {
         *TOLERANCES,
         *("answer", "version", "title", "permitted", "given", "factor", "needless"),
     },
+    "life": {*LIFE, *TUBES, *("answer", "version", "title")},
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),
         *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),

@@ -16,7 +16,7 @@ import numpy as np
 
 import cardan.command.help_text as help_text
 from cardan import __version__
-from cardan.command import ball_joint
+from cardan.command import ball_joint, in_service
 from cardan.command import optimise as optimising
 from cardan.command.files import (
     check_folder,
@@ -99,6 +99,7 @@ def _besides(scene: Scene) -> Iterator[str]:
         yield steering_text(steered)
     if toleranced := tolerance_figures(scene):
         yield f"Tolerances\n{tolerance_verdicts_text(toleranced)}"
+    yield from in_service.verdicts(scene)
     if scene.ball_joint:
         yield ball_joint_text(scene.ball_joint)
 
@@ -360,7 +361,7 @@ def commands() -> click.Group:
         with progress_bar() as progress:
             found = check_scene(loaded, progress)
         advised = scene_advice(loaded)
-        sentences = remedies(advised) if advised else []
+        sentences = [*(remedies(advised) if advised else []), *in_service.remedies(loaded)]
         say(
             as_json_text(check_data(loaded, found, sentences))
             if as_json
@@ -416,6 +417,13 @@ def commands() -> click.Group:
         say(tolerances_text(found, permitted_tolerances(loaded.tolerances)))
         if output is not None:
             say(f"\nwrote {output}")
+
+    @cardan.command(help=help_text.LIFE, short_help="Say how long the joints last.")
+    @scene_argument
+    @output_option("Picture to write as well.")
+    @as_json
+    def life(scene: Path, output: Path | None, as_json: bool) -> None:
+        in_service.run(scene, output, as_json=as_json)
 
     @cardan.command(help=help_text.IDENTIFY, short_help="Find the bend in a recording.")
     @click.argument("file", type=click.Path(path_type=Path))

@@ -21,12 +21,15 @@ from cardan.figures.ball_joint import (
 )
 from cardan.figures.drive_speed import DRIVE_SPEED_SCHEMA, drive_speed_data
 from cardan.figures.extremes import finite_or_none
+from cardan.figures.life import life_figures
+from cardan.figures.life_answer import LIFE_PART, life_part
 from cardan.figures.rounding import alike
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.figures.tolerances import TOLERANCES_PART, tolerance_figures, tolerances_part
+from cardan.figures.tubes import TUBES_SCHEMA, tube_figures, tubes_data
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -133,6 +136,10 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         more["states"] = verdicts_data(scene, found)
     if toleranced := tolerance_figures(scene):
         more["tolerances"] = tolerances_part(toleranced)
+    if life := life_figures(scene):
+        more["life"] = life_part(life)
+    if tubes := tube_figures(scene):
+        more["tubes"] = tubes_data(tubes)
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
@@ -160,6 +167,10 @@ def passes(scene: Scene | BallJointScene) -> bool:
     steered = steering_figures(scene) if isinstance(scene, Scene) else None
     if steered is not None and not steered.passes:
         return False
+    if isinstance(scene, Scene):
+        life = life_figures(scene)
+        if not (life is None or life.passes) or not all(t.passes for t in tube_figures(scene)):
+            return False
     case = scene.ball_joint
     return (slip is None or slip.passes) and (case is None or ball_joint_figures(case).passes)
 
@@ -262,6 +273,8 @@ CHECK_SCHEMA = answers_with(
         "steering": STEERING_SCHEMA,
         "states": VERDICTS_SCHEMA,
         "tolerances": TOLERANCES_PART,
+        "life": LIFE_PART,
+        "tubes": TUBES_SCHEMA,
     },
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.

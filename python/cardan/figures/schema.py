@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from cardan.figures.identification import IDENTIFY_SCHEMA
+from cardan.figures.life_answer import LIFE_SCHEMA
 from cardan.figures.limits import CHECK_SCHEMA
 from cardan.figures.optimise import OPTIMISE_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
@@ -19,6 +20,7 @@ _ANSWERS: Mapping[str, Any] = {
     "identify": IDENTIFY_SCHEMA,
     "optimise": OPTIMISE_SCHEMA,
     "tolerances": TOLERANCES_SCHEMA,
+    "life": LIFE_SCHEMA,
 }
 
 

@@ -28,6 +28,7 @@ from cardan.plots.force_hodograph import plot_force_hodograph, plot_forces
 from cardan.plots.grossmann import plot_bending_moments, plot_torque_ratio
 from cardan.plots.harmonics import plot_harmonics
 from cardan.plots.hodograph import plot_hodograph
+from cardan.plots.life import plot_heat, plot_pin_load, plot_sizes, write_life
 from cardan.plots.optimise import plot_optimise, plot_optimised_states, plot_over_variable
 from cardan.plots.result import plot_result
 from cardan.plots.scene import plot_scene, write_picture
@@ -51,16 +52,19 @@ __all__ = [
     "plot_force_hodograph",
     "plot_forces",
     "plot_harmonics",
+    "plot_heat",
     "plot_hodograph",
     "plot_largest_angle_error",
     "plot_non_uniformity",
     "plot_optimise",
     "plot_optimised_states",
     "plot_over_variable",
+    "plot_pin_load",
     "plot_result",
     "plot_scene",
     "plot_seat_pressure",
     "plot_seat_section",
+    "plot_sizes",
     "plot_small_angle",
     "plot_states",
     "plot_study",
@@ -68,6 +72,7 @@ __all__ = [
     "plot_tolerances",
     "plot_torque_ratio",
     "save",
+    "write_life",
     "write_picture",
     "write_tolerances",
     "yoke_pins",

@@ -14,10 +14,12 @@ import numpy as np
 
 from cardan import __version__
 from cardan.arrays import FloatArray
+from cardan.figures.life import life_figures
 from cardan.figures.limits import check_scene
 from cardan.figures.slip import slip_figures
 from cardan.figures.steering import steering_figures
 from cardan.figures.tolerances import tolerance_figures
+from cardan.figures.tubes import tube_figures
 from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
 from cardan.report import tables
@@ -26,6 +28,7 @@ from cardan.report.ball_joint import ball_joint, page_data
 from cardan.report.charts import chart, decimals
 from cardan.report.drawing import drawing
 from cardan.report.forces import force_views
+from cardan.report.life import life
 from cardan.report.limits import limits_table
 from cardan.report.optimise import optimise
 from cardan.report.samples import Panel, Samples, evaluated
@@ -88,6 +91,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         tolerances=tolerances(toleranced, scene.tolerances)
         if toleranced and scene.tolerances
         else None,
+        life=life(life_figures(scene), tube_figures(scene)),
         catalogue=tables.catalogue(scene, yokes),
         data=_data(samples, panels),
     )

@@ -13,12 +13,15 @@ from cardan.scene.ball_joint import BALL_JOINT
 from cardan.scene.bearing_section import BEARING, LENGTHS
 from cardan.scene.driveline_section import DRIVELINE, LOAD
 from cardan.scene.forms import TEETH
+from cardan.scene.joints import JOINTS
+from cardan.scene.life_section import LIFE
 from cardan.scene.optimise_section import OPTIMISE
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
 from cardan.scene.steering import STEERING
 from cardan.scene.tolerances import TOLERANCES
+from cardan.scene.tubes_section import TUBES
 
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
 """The keys for recorded bends; a scene uses at most one of them."""
@@ -154,6 +157,9 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
         "tolerances": TOLERANCES,
         "slip": SLIP,
         "steering": STEERING,
+        "joints": JOINTS,
+        "life": LIFE,
+        "tubes": TUBES,
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",

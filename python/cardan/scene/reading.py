@@ -38,6 +38,7 @@ from cardan.scene.parts import (
 from cardan.scene.recorded import Recording
 from cardan.scene.reductions import LENGTH
 from cardan.scene.requested import check_forces, check_sections, items, requested, to_reduce
+from cardan.scene.service import service_of
 from cardan.scene.slip import slip_of
 from cardan.scene.states import states_of, with_states
 from cardan.scene.steering import steering_of
@@ -146,6 +147,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
             if layout is None:
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             states = states_of(given["states"], layout)
+    service = service_of(document, folder, line, loaded.load, layout, states)
     with document.within("optimise"):
         optimisation = optimisation_of(
             given.get("optimise"), layout, states, loaded.load, described.teeth
@@ -183,6 +185,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "optimisation": optimisation,
         "tolerances": tolerances,
         "driven_angle_deg": asked.driven_angle_deg,
+        "service": service,
     }
 
 

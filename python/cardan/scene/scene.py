@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
 from typing import Any, Self
@@ -35,6 +35,7 @@ from cardan.scene.parts import (
 from cardan.scene.reading import attributes_of
 from cardan.scene.recorded import Recording
 from cardan.scene.schema import scene_schema
+from cardan.scene.service import Service
 from cardan.scene.signals import Signal
 from cardan.scene.slip import Slip
 from cardan.scene.states import States, table_of
@@ -81,6 +82,7 @@ class Scene:
         tolerances: what errors of manufacture make of the driveline, if the scene gives any.
         driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
             those in place of drive angles.
+        service: its joints, duty cycle and tubes.
     """
 
     name: str
@@ -111,6 +113,7 @@ class Scene:
     optimisation: Optimisation | None = None
     tolerances: Tolerances | None = None
     driven_angle_deg: FloatArray | None = None
+    service: Service = field(default_factory=Service)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:

@@ -1,0 +1,151 @@
+"""Stress and critical bending speed of a scene's tubes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cardan.figures.answers import record
+from cardan.figures.turn_extremes import peak
+from cardan.scene.duty import DutyCycle
+from cardan.scene.scene import Scene
+from cardan.scene.units import RPM
+
+
+@dataclass(frozen=True)
+class TubeFigures:
+    """One tube; ``None`` for what needs a load that the scene does not give.
+
+    Attributes:
+        shaft: its shaft.
+        stiffness: in N m/rad.
+        inertia: in kg m².
+        mass: in kg.
+        torque: largest torque over the turn and the duty cycle in N m.
+        stress: the shear stress that it causes, in Pa.
+        permitted_stress: ``None`` if the scene permits any.
+        critical_rpm: critical bending speed.
+        speed_rpm: largest speed.
+        least_margin: of the critical over the largest speed, ``None`` if any will do.
+    """
+
+    shaft: int
+    stiffness: float
+    inertia: float
+    mass: float
+    torque: float | None
+    stress: float | None
+    permitted_stress: float | None
+    critical_rpm: float
+    speed_rpm: float | None
+    least_margin: float | None
+
+    @property
+    def margin(self) -> float | None:
+        """Critical speed over the largest speed."""
+        return None if self.speed_rpm is None else self.critical_rpm / self.speed_rpm
+
+    @property
+    def stress_passes(self) -> bool:
+        """Whether the stress is permitted, or not judged."""
+        if self.stress is None or self.permitted_stress is None:
+            return True
+        return self.stress <= self.permitted_stress
+
+    @property
+    def margin_passes(self) -> bool:
+        """Whether the margin of the critical speed suffices, or is not judged."""
+        if self.margin is None or self.least_margin is None:
+            return True
+        return self.margin >= self.least_margin
+
+    @property
+    def passes(self) -> bool:
+        """Whether nothing exceeds what the scene permits."""
+        return self.stress_passes and self.margin_passes
+
+
+def tube_figures(scene: Scene) -> tuple[TubeFigures, ...]:
+    """Return the tubes of a scene; none if it has none."""
+    tubes, duty = scene.service.tubes, scene.service.duty
+    if tubes is None:
+        return ()
+    found, count = tubes.tube, len(tubes.shafts)
+    torques = None if duty is None else [_largest_torque(duty, shaft) for shaft in tubes.shafts]
+    stresses = None if torques is None else found.shear_stress(torques)
+    speed = None if duty is None else float(np.max(duty.speed_rpm))
+    return tuple(
+        TubeFigures(
+            tubes.shafts[i],
+            float(found.stiffness[i]),
+            float(found.inertia[i]),
+            float(found.mass[i]),
+            None if torques is None else torques[i],
+            None if stresses is None else float(stresses[i]),
+            tubes.permitted_stress,
+            float(found.critical_speed[i] / RPM),
+            speed,
+            tubes.least_margin,
+        )
+        for i in range(count)
+    )
+
+
+def _largest_torque(duty: DutyCycle, shaft: int) -> float:
+    """The largest magnitude of a shaft's torque over a turn, of all steps."""
+    return max(
+        peak(duty.line[step], "torque", shaft, duty.load_of(step)).value
+        for step in range(duty.count)
+    )
+
+
+def tubes_data(found: tuple[TubeFigures, ...]) -> list[dict[str, Any]]:
+    """Return tubes as plain data for JSON, as ``TUBES_SCHEMA`` describes them."""
+    return [
+        {
+            "shaft": tube.shaft,
+            "stiffness_Nm_per_rad": tube.stiffness,
+            "inertia_kgm2": tube.inertia,
+            "mass_kg": tube.mass,
+            "torque_Nm": tube.torque,
+            "shear_stress_MPa": None if tube.stress is None else 1e-6 * tube.stress,
+            "permitted_stress_MPa": None
+            if tube.permitted_stress is None
+            else 1e-6 * tube.permitted_stress,
+            "critical_speed_rpm": tube.critical_rpm,
+            "largest_speed_rpm": tube.speed_rpm,
+            "margin": tube.margin,
+            "least_margin": tube.least_margin,
+            "passes": tube.passes,
+        }
+        for tube in found
+    ]
+
+
+_NUMBER: Mapping[str, Any] = {"type": "number"}
+_MAYBE: Mapping[str, Any] = {"type": ["number", "null"]}
+
+TUBES_SCHEMA: Mapping[str, Any] = {
+    "type": "array",
+    "description": "the tubes of shafts, with the largest torque over the turn and the duty cycle",
+    "items": record(
+        {
+            "shaft": {"type": "integer", "minimum": 0},
+            "stiffness_Nm_per_rad": _NUMBER,
+            "inertia_kgm2": _NUMBER,
+            "mass_kg": _NUMBER,
+            "torque_Nm": _MAYBE,
+            "shear_stress_MPa": _MAYBE,
+            "permitted_stress_MPa": _MAYBE,
+            "critical_speed_rpm": _NUMBER,
+            "largest_speed_rpm": _MAYBE,
+            "margin": {"description": "critical speed over the largest speed", **_MAYBE},
+            "least_margin": _MAYBE,
+            "passes": {"type": "boolean"},
+        }
+    ),
+}
+"""JSON Schema of what ``tubes_data`` returns."""

@@ -1,0 +1,75 @@
+"""A scene's driveline in service: its joints, its duty cycle and its tubes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from cardan.driveline import Driveline
+from cardan.load import Load
+from cardan.scene.document import Document
+from cardan.scene.duty import DutyCycle, duty_cycle
+from cardan.scene.joints import Joints, joints_of
+from cardan.scene.layout import Layout
+from cardan.scene.states import States
+from cardan.scene.tubes import Tubes, tubes_of
+
+
+@dataclass(frozen=True, eq=False)
+class Service:
+    """What a scene says of its driveline in service; ``None`` for what it does not say.
+
+    Attributes:
+        joints: sizes and bearings.
+        duty: the duty cycle: that of [life], or the load as its only step.
+        tubes: the round sections of shafts.
+    """
+
+    joints: Joints | None = None
+    duty: DutyCycle | None = None
+    tubes: Tubes | None = None
+
+
+def service_of(
+    document: Document,
+    folder: Path,
+    line: Driveline,
+    load: Load | None,
+    layout: Layout | None,
+    states: States | None,
+) -> Service:
+    """Return what a scene says of its driveline in service.
+
+    Args:
+        document: the scene file.
+        folder: from which paths in it begin.
+        line: its driveline.
+        load: its load, if any.
+        layout: how it describes its driveline; ``None`` if its bends were recorded.
+        states: its states, if any.
+
+    Raises:
+        OSError: the table of sizes cannot be read.
+        ValueError: what ``joints_of``, ``duty_cycle`` and ``tubes_of`` refuse.
+    """
+    given = document.sections
+    joints = duty = tubes = None
+    with document.within("joints", "sizes"):
+        if "joints" in given:
+            joints = joints_of(given["joints"], line.n_joints, folder)
+    with document.within("life"):
+        if "life" in given:
+            duty = duty_cycle(given["life"], line, load, layout, states)
+    with document.within("tubes"):
+        if "tubes" in given:
+            tubes = tubes_of(given["tubes"], line)
+    if duty is None and (joints or tubes) and layout and load is not None and _is_one_step(load):
+        duty = duty_cycle({}, line, load, layout, states)
+    return Service(joints, duty, tubes)
+
+
+def _is_one_step(load: Load) -> bool:
+    """Whether a load alone is a duty cycle: one that turns and has a torque."""
+    return not np.ndim(load.speed + load.torque) and bool(load.speed != 0.0 and load.torque != 0.0)

@@ -1,0 +1,95 @@
+"""Pictures of load, heat and life of joints: the numbers drawn are the numbers computed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+from matplotlib.patches import Rectangle
+
+import cardan
+from cardan.figures.life import needed_life
+from cardan.plots import plot_heat, plot_pin_load, plot_sizes, write_life
+from cardan.scene import Scene
+
+CONVEYOR = Path(__file__).parents[2] / "examples" / "conveyor.toml"
+LINE = cardan.Driveline.from_bends([12, 18], phases=[90], degrees=True)
+LOAD = cardan.Load(output_torque=400.0, speed_rpm=1500.0)
+BEARINGS: dict[str, Any] = {"friction": [0.01, 0.02], "pin_radius": 0.008, "arm": 0.032}
+
+
+@pytest.fixture(autouse=True)
+def _closed() -> Iterator[None]:
+    yield
+    pyplot.close("all")
+
+
+def test_pins_bear_the_moment_of_their_joint() -> None:
+    axes = plot_pin_load(LINE, LOAD)
+    curves = axes.get_lines()
+    assert [curve.get_label() for curve in curves] == ["joint 0", "joint 1"]
+    for joint, curve in enumerate(curves):
+        angle, drawn = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
+        assert (angle[0], angle[-1]) == (0.0, pytest.approx(360.0))
+        own = LINE.evaluate(np.radians(angle), "moment", joints=joint, load=LOAD).moment
+        assert drawn == pytest.approx(np.linalg.norm(own, axis=-1), rel=1e-12)
+
+
+def test_heat_grows_with_the_speed() -> None:
+    axes = plot_heat(LINE, LOAD, **BEARINGS)
+    for joint, curve in enumerate(axes.get_lines()):
+        rpm, drawn = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
+        assert drawn[0] == rpm[0] == 0.0
+        assert rpm[-1] == pytest.approx(1500.0)
+        fraction = LINE.losses(cardan.Load(output_torque=400.0), **BEARINGS).fraction[joint]
+        assert drawn == pytest.approx(fraction * 400.0 * rpm * math.pi / 30.0, rel=1e-12)
+
+
+def test_bars_are_lives() -> None:
+    found = needed_life(Scene.load(CONVEYOR))
+    axes = plot_sizes(found)
+    bars = [bar for bar in axes.patches if isinstance(bar, Rectangle)]
+    assert [bar.get_width() for bar in bars] == [one.hours for one in found.sizes]
+    names = [tick.get_text() for tick in axes.get_yticklabels()]
+    assert names == [one.size.name for one in found.sizes]
+    assert [bool(bar.get_hatch()) for bar in bars] == [not one.fits for one in found.sizes]
+    (line,) = axes.get_lines()
+    assert list(np.asarray(line.get_xdata())) == [8000.0, 8000.0]
+    texts = [text.get_text() for text in axes.texts]
+    assert texts == [f"{one.hours:.0f} h" for one in found.sizes]
+
+
+def test_a_picture_has_what_the_scene_gives(tmp_path: Path) -> None:
+    full = tmp_path / "full.svg"
+    write_life(needed_life(Scene.load(CONVEYOR)), full)
+    text = full.read_text(encoding="utf-8")
+    write_life(needed_life(Scene.load(CONVEYOR)), tmp_path / "again.svg")
+    assert (tmp_path / "again.svg").read_bytes() == full.read_bytes()
+    plain = Scene.parse(
+        "[driveline]\nbends_deg = [12, 18]\n[load]\nspeed_rpm = 9\noutput_torque_Nm = 7\n"
+        "[joints]\nrating_Nm = 1200\n"
+    )
+    less = tmp_path / "less.svg"
+    write_life(needed_life(plain), less)
+    assert len(less.read_bytes()) < len(text)
+
+
+def test_what_cannot_be_drawn_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"batch of shape \(2,\); draw one"):
+        plot_pin_load(cardan.Driveline.from_bends([[0.1], [0.2]]), LOAD)
+    with pytest.raises(ValueError, match="load has no speed; heat is drawn up to it"):
+        plot_heat(LINE, cardan.Load(output_torque=1.0), **BEARINGS)
+    scene = Scene.parse(
+        "[driveline]\nbends_deg = 9\n[load]\nspeed_rpm = 9\noutput_torque_Nm = 7\n"
+        "[joints]\nrating_Nm = 1200\n"
+    )
+    with pytest.raises(ValueError, match="no table of sizes whose life is known"):
+        plot_sizes(needed_life(scene))
+    with pytest.raises(ValueError, match="must end in"):
+        write_life(needed_life(scene), tmp_path / "life.txt")
+    assert list(tmp_path.iterdir()) == []
