@@ -97,6 +97,10 @@ TOLERANCES = {
     *("share", "value", "worst", "worst_kind", "guaranteed", "limit", "passing"),
     *("shares", "group", "of", "number"),
 }
+BEND_RULES = {
+    *("bend_rules", "shaft", "equivalent_bend_deg", "factor", "damping_ratio", "exceeded"),
+    *("speed_rpm", "inside", "critical_speeds", "order"),
+}
 KEYS = {
     "run": {
         *BALL_JOINT,
@@ -126,6 +130,8 @@ KEYS = {
         *("states", "state", "verdicts", "equivalent_bend_deg", "verdict", "worst_in"),
         *TOLERANCES,
         "tolerances",
+        *BEND_RULES,
+        "torsion",
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),
         *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),
@@ -155,6 +161,13 @@ KEYS = {
     "tolerances": {
         *TOLERANCES,
         *("answer", "version", "title", "permitted", "given", "factor", "needless"),
+    },
+    "torsion": {
+        *BEND_RULES,
+        *("answer", "version", "title", "verdict", "files", "speed_range", "from_rpm", "to_rpm"),
+        *("natural_frequencies", "natural_frequency", "frequency_Hz", "shares", "share"),
+        *("amplitude_Nm", "torques", "least_Nm", "largest_Nm", "mean_Nm", "reversals"),
+        *("unstable", "multiplier", "missing", "reason", "response", "shafts", "orders"),
     },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),

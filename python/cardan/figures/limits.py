@@ -27,6 +27,8 @@ from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.figures.tolerances import TOLERANCES_PART, tolerance_figures, tolerances_part
+from cardan.figures.torsion_answer import TORSION_CHECK_SCHEMA, torsion_check_data
+from cardan.figures.torsion_modes import torsion_basics
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -133,6 +135,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         more["states"] = verdicts_data(scene, found)
     if toleranced := tolerance_figures(scene):
         more["tolerances"] = tolerances_part(toleranced)
+    if compliant := torsion_basics(scene):
+        more["torsion"] = torsion_check_data(compliant)
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
@@ -262,6 +266,7 @@ CHECK_SCHEMA = answers_with(
         "steering": STEERING_SCHEMA,
         "states": VERDICTS_SCHEMA,
         "tolerances": TOLERANCES_PART,
+        "torsion": TORSION_CHECK_SCHEMA,
     },
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.

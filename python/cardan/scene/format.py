@@ -19,6 +19,7 @@ from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
 from cardan.scene.steering import STEERING
 from cardan.scene.tolerances import TOLERANCES
+from cardan.scene.torsion import TORSION
 
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
 """The keys for recorded bends; a scene uses at most one of them."""
@@ -154,6 +155,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
         "tolerances": TOLERANCES,
         "slip": SLIP,
         "steering": STEERING,
+        "torsion": TORSION,
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",

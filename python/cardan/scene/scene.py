@@ -40,6 +40,7 @@ from cardan.scene.slip import Slip
 from cardan.scene.states import States, table_of
 from cardan.scene.steering import SteeringColumn
 from cardan.scene.study import Study, StudyResult
+from cardan.scene.torsion import TorsionCase
 from cardan.sweep import Sweep
 from cardan.tolerances import Tolerances
 
@@ -81,6 +82,7 @@ class Scene:
         tolerances: what errors of manufacture make of the driveline, if the scene gives any.
         driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
             those in place of drive angles.
+        torsion: its shafts as torsion springs, if the scene says so.
     """
 
     name: str
@@ -111,6 +113,7 @@ class Scene:
     optimisation: Optimisation | None = None
     tolerances: Tolerances | None = None
     driven_angle_deg: FloatArray | None = None
+    torsion: TorsionCase | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
