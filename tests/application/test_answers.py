@@ -109,6 +109,10 @@ LIFE = {
     *("bend_deg", "speed_bend_rpm_deg", "value", "limit", "largest_heat_W", "largest_heat_in"),
     *("sizes", "rating_Nm", "fits"),
 }
+BEND_RULES = {
+    *("bend_rules", "shaft", "equivalent_bend_deg", "factor", "damping_ratio", "exceeded"),
+    *("speed_rpm", "inside", "critical_speeds", "order"),
+}
 KEYS = {
     "run": {
         *BALL_JOINT,
@@ -140,6 +144,9 @@ KEYS = {
         *LIFE,
         *TUBES,
         *("tolerances", "life"),
+        "tolerances",
+        *BEND_RULES,
+        "torsion",
         *("answer", "version", "title", "verdict", "drivelines", "passes", "preset", "advice"),
         *("not_judged", "within", "tolerable", "beyond", "unknown"),
         *("catalogue", "equivalent_bend", "non_uniformity", "non_uniformity_limit"),
@@ -171,6 +178,13 @@ KEYS = {
         *("answer", "version", "title", "permitted", "given", "factor", "needless"),
     },
     "life": {*LIFE, *TUBES, *("answer", "version", "title")},
+    "torsion": {
+        *BEND_RULES,
+        *("answer", "version", "title", "verdict", "files", "speed_range", "from_rpm", "to_rpm"),
+        *("natural_frequencies", "natural_frequency", "frequency_Hz", "shares", "share"),
+        *("amplitude_Nm", "torques", "least_Nm", "largest_Nm", "mean_Nm", "reversals"),
+        *("unstable", "multiplier", "missing", "reason", "response", "shafts", "orders"),
+    },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),
         *("equivalent_bend_deg", "present", "best", "on_teeth", "limit_deg", "above_limits"),

@@ -155,6 +155,14 @@ bends_deg = [8.5]
 curves = "curves.parquet"
 """
 
+TORSION = """
+[torsion]
+inertias_kgm2 = [0, 0, [0, 0.1]]
+stiffnesses_Nm_per_rad = ["rigid", 20000, "rigid"]
+damping_ratio = 0.02
+speed_rpm = [500, 3000]
+"""
+
 
 @pytest.mark.parametrize("name", NAMES)
 def test_examples_of_the_help_work(
@@ -182,6 +190,9 @@ def test_examples_of_the_help_work(
     if name == "tolerances":
         with Path("shaft.toml").open("a") as scene:
             scene.write("\n[tolerances]\nphases_deg = 1\n")
+    if name == "torsion":
+        with Path("shaft.toml").open("a") as scene:
+            scene.write(TORSION)
     assert all(example.split()[0] == name for example in examples)
     for example in [*others, *examples]:
         result = run(*example.split())

@@ -39,6 +39,8 @@ FALLING = r"; it must have a maximum that is not below the limit$"
 NO_CHANGE = r"; it is the range of the change, which must contain 0$"
 NO_RANGE = r"; the first must be below the second$"
 TWICE = r" is given twice, with quotes and without$"
+NO_RISE = r"; it must be above 'from', \S+$"
+THICK = r"; it must be at most \S+, half the outer diameter$"
 
 
 def _only_the_reader(value: object, message: str) -> bool:
@@ -46,7 +48,11 @@ def _only_the_reader(value: object, message: str) -> bool:
         return any(_only_the_reader(entry, message) for entry in value.values())
     if isinstance(value, str):
         return not value.isprintable() and bool(re.search(NOT_PRINTABLE, message))
-    return bool(re.search("|".join((ONE_STEP, FALLING, NO_CHANGE, NO_RANGE, TWICE)), message))
+    return bool(
+        re.search(
+            "|".join((ONE_STEP, FALLING, NO_CHANGE, NO_RANGE, TWICE, NO_RISE, THICK)), message
+        )
+    )
 
 
 KINDS = {name: kind for name, kind in vars(kinds).items() if isinstance(kind, kinds.Kind)}
@@ -107,6 +113,12 @@ ACROSS_KEYS = (
     r"\[slip\] shaft (has no length; \[slip\] needs points|is \d+; there are \d+, counted)",
     r"closed_forms 'length' needs points_mm or points_m$",
     r"\[ball_joint\] (radius_mm is missing|clearance_mm needs the compliance)",
+    # Shafts as springs.
+    NO_RISE,
+    THICK,
+    r"\[torsion\] \w+ has length \d+; it needs \d+, one per shaft$",
+    r"\[torsion\] inertias_kgm2\[.*\] is 0\.0, and so is every inertia ",
+    r"\[torsion\] stiffnesses_Nm_per_rad are all infinite; at least one shaft must be compliant$",
     # What a file holds.
     r"\[angles\] ",
 )

@@ -18,6 +18,7 @@ import cardan.command.help_text as help_text
 from cardan import __version__
 from cardan.command import ball_joint, in_service
 from cardan.command import optimise as optimising
+from cardan.command import torsion as vibration
 from cardan.command.files import (
     check_folder,
     check_for_cluster,
@@ -54,11 +55,13 @@ from cardan.figures.tolerances import (
     tolerance_figures,
     tolerances_data,
 )
+from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import plot_forces, save, write_picture
 from cardan.plots.abscissa import Over
 from cardan.plots.tolerances import write_tolerances
+from cardan.plots.torsion import PICTURES
 from cardan.report import write_report
 from cardan.scene import load_scene, starters
 from cardan.scene.ball_joint_scene import BallJointScene
@@ -79,6 +82,7 @@ from cardan.words.steering import steering_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
 from cardan.words.tolerances import tolerance_verdicts_text, tolerances_text
+from cardan.words.torsion import torsion_check_text
 from cardan.words.yokes import yoke_text
 
 if TYPE_CHECKING:
@@ -100,6 +104,8 @@ def _besides(scene: Scene) -> Iterator[str]:
     if toleranced := tolerance_figures(scene):
         yield f"Tolerances\n{tolerance_verdicts_text(toleranced)}"
     yield from in_service.verdicts(scene)
+    if (compliant := torsion_basics(scene)) and (advised := torsion_check_text(compliant)):
+        yield advised
     if scene.ball_joint:
         yield ball_joint_text(scene.ball_joint)
 
@@ -424,6 +430,19 @@ def commands() -> click.Group:
     @as_json
     def life(scene: Path, output: Path | None, as_json: bool) -> None:
         in_service.run(scene, output, as_json=as_json)
+
+    @cardan.command(help=help_text.TORSION, short_help="Find resonances of the shafts.")
+    @scene_argument
+    @output_option("Picture to write as well.")
+    @click.option(
+        "--plot",
+        "picture",
+        type=click.Choice(PICTURES),
+        help="What to draw; default: response. Without --output it has the scene's name with .svg.",
+    )
+    @as_json
+    def torsion(scene: Path, output: Path | None, picture: str | None, as_json: bool) -> None:
+        vibration.run(scene, output, picture, as_json=as_json)
 
     @cardan.command(help=help_text.IDENTIFY, short_help="Find the bend in a recording.")
     @click.argument("file", type=click.Path(path_type=Path))

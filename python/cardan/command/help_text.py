@@ -162,6 +162,30 @@ Examples:
   cardan life conveyor.toml --json
 """
 
+TORSION = """\
+Find the resonances of compliant shafts, the torques in them and unstable speeds.
+
+The section [torsion] of the scene gives inertias, stiffnesses or tubes, dampings and the range of
+drive speeds. Shafts of infinite stiffness are "rigid".
+
+The answer has the natural frequencies, each with the shafts that are twisted and their shares in
+the energy of twist, the critical speeds of the orders, the largest torque of each compliant shaft
+and its speed, and the speeds of unstable motion. The exit status does not depend on the verdict.
+
+\b
+The picture shows one of
+  response   torques over the drive speed, with the critical speeds
+  campbell   natural frequencies and orders over the drive speed
+  stability  where the motion is unstable, over speed and bend
+
+\b
+Examples:
+  cardan torsion shaft.toml
+  cardan torsion shaft.toml --output response.svg
+  cardan torsion shaft.toml --plot campbell --output campbell.svg
+  cardan torsion shaft.toml --json
+"""
+
 REPORT = """\
 Write a page to share, with a slider that turns the driveline.
 

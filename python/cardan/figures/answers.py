@@ -11,7 +11,7 @@ VERSION = 1
 ANGLE = ("deg", "rad")
 """Endings of keys that hold angles: degrees, or with ``--radians`` radians."""
 
-_Kind = Literal["run", "check", "phase", "identify", "optimise", "tolerances", "life"]
+_Kind = Literal["run", "check", "phase", "identify", "optimise", "tolerances", "life", "torsion"]
 _Schemas = Mapping[str, Any]
 
 

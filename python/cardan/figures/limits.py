@@ -29,6 +29,8 @@ from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
 from cardan.figures.tolerances import TOLERANCES_PART, tolerance_figures, tolerances_part
+from cardan.figures.torsion_answer import TORSION_CHECK_SCHEMA, torsion_check_data
+from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.tubes import TUBES_SCHEMA, tube_figures, tubes_data
 from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
@@ -140,6 +142,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         more["life"] = life_part(life)
     if tubes := tube_figures(scene):
         more["tubes"] = tubes_data(tubes)
+    if compliant := torsion_basics(scene):
+        more["torsion"] = torsion_check_data(compliant)
     if scene.ball_joint:
         more["ball_joint"] = ball_joint_data(scene.ball_joint)
     practice = {
@@ -275,6 +279,7 @@ CHECK_SCHEMA = answers_with(
         "tolerances": TOLERANCES_PART,
         "life": LIFE_PART,
         "tubes": TUBES_SCHEMA,
+        "torsion": TORSION_CHECK_SCHEMA,
     },
 )
 """JSON Schema (draft 2020-12) of what ``check_data`` returns.

@@ -11,6 +11,7 @@ from cardan.figures.limits import CHECK_SCHEMA
 from cardan.figures.optimise import OPTIMISE_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
 from cardan.figures.tolerances import TOLERANCES_SCHEMA
+from cardan.figures.torsion_answer import TORSION_SCHEMA
 from cardan.figures.yokes import PHASE_SCHEMA
 
 _ANSWERS: Mapping[str, Any] = {
@@ -21,6 +22,7 @@ _ANSWERS: Mapping[str, Any] = {
     "optimise": OPTIMISE_SCHEMA,
     "tolerances": TOLERANCES_SCHEMA,
     "life": LIFE_SCHEMA,
+    "torsion": TORSION_SCHEMA,
 }
 
 

@@ -21,6 +21,7 @@ from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
 from cardan.scene.steering import STEERING
 from cardan.scene.tolerances import TOLERANCES
+from cardan.scene.torsion import TORSION
 from cardan.scene.tubes_section import TUBES
 
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")
@@ -160,6 +161,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
         "joints": JOINTS,
         "life": LIFE,
         "tubes": TUBES,
+        "torsion": TORSION,
         "ball_joint": BALL_JOINT,
         "study": Section(
             "keys to vary; several keys make a grid, with one driveline per row of the table",

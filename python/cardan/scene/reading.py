@@ -44,6 +44,7 @@ from cardan.scene.states import states_of, with_states
 from cardan.scene.steering import steering_of
 from cardan.scene.study import Study
 from cardan.scene.tolerances import tolerances_of
+from cardan.scene.torsion import torsion_of
 
 _OPTIONS = ("axes", "tolerance", "dtype", "workers")
 
@@ -136,6 +137,10 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         if "tolerances" in given:
             speed = largest_speed(loaded.load)
             tolerances = tolerances_of(given["tolerances"], line, limits, loaded.load, speed)
+    torsion = None
+    with document.within("torsion"):
+        if "torsion" in given:
+            torsion = torsion_of(given["torsion"], line, loaded.load)
     with document.within("ball_joint"):
         ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
     layout = None
@@ -186,6 +191,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "tolerances": tolerances,
         "driven_angle_deg": asked.driven_angle_deg,
         "service": service,
+        "torsion": torsion,
     }
 
 

@@ -41,6 +41,7 @@ from cardan.scene.slip import Slip
 from cardan.scene.states import States, table_of
 from cardan.scene.steering import SteeringColumn
 from cardan.scene.study import Study, StudyResult
+from cardan.scene.torsion import TorsionCase
 from cardan.sweep import Sweep
 from cardan.tolerances import Tolerances
 
@@ -83,6 +84,7 @@ class Scene:
         driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
             those in place of drive angles.
         service: its joints, duty cycle and tubes.
+        torsion: its shafts as torsion springs, if the scene says so.
     """
 
     name: str
@@ -114,6 +116,7 @@ class Scene:
     tolerances: Tolerances | None = None
     driven_angle_deg: FloatArray | None = None
     service: Service = field(default_factory=Service)
+    torsion: TorsionCase | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:

@@ -34,6 +34,8 @@ ENDINGS: Mapping[str, Unit] = MappingProxyType(
         "rad_s2": Unit("rad/s²", "rad/s²"),
         "Nm": Unit("N m", "N m"),
         "kgm2": Unit("kg m²", "kg m²"),
+        "Nm_per_rad": Unit("N m/rad", "N m/rad"),
+        "Nms_per_rad": Unit("N m s/rad", "N m s/rad"),
         "N": Unit("N", "newtons"),
         "MPa": Unit("MPa", "megapascals"),
         "um_per_MPa": Unit("µm/MPa", "micrometres per megapascal"),

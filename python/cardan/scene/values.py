@@ -25,6 +25,7 @@ from cardan.scene.rules import (
     Text,
     Whole,
 )
+from cardan.scene.torsion_rules import EndInertias, SpeedValues, StiffnessOrTube
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,4 +124,12 @@ STEP_BENDS = Kind(
 SIZES_FILE = Kind("file", FileName((".csv",), folders=True))
 SIZE_NAMES = Kind("text(s)", OneOrEach(ListOf(Text(), "texts")))
 STATE_NAMES = Kind("texts", ListOf(Text(), "texts"))
+END_INERTIAS = Kind("inertias", ListOf(EndInertias(), "inertias"))
+STIFFNESSES = Kind("stiffnesses", ListOf(StiffnessOrTube(), "stiffnesses"))
+DAMPING_RATIOS = Kind("number(s)", OneOrEach(ListOf(Number(0, what="a ratio"), "numbers")))
+DAMPINGS = Kind("numbers", ListOf(Number(0, what="a damping"), "numbers"))
+SPEEDS = Kind("speeds", SpeedValues())
+ORDERS = Kind(
+    "whole number(s)", OneOrMore(ListOf(Whole(1, most=256), "orders", distinct=True), int)
+)
 BEARING_AXES = Kind("values", BearingAxes(("position_mm", "position_m")))

@@ -1,0 +1,153 @@
+"""Rules for the values of [torsion]: inertias of shaft ends, stiffnesses or tubes, speeds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.outputs import nearest
+from cardan.scene.errors import Location
+from cardan.scene.rules import ListOf, Number, Rule, Schema, Whole, refused, shown
+from cardan.scene.units import units_of
+from cardan.torsion import Tube, tube
+
+RIGID = "rigid"
+"""What a scene writes for the stiffness of a rigid shaft."""
+
+_INERTIA = Number(0, what="an inertia")
+_PAIR = ListOf(_INERTIA, "two numbers", count=2)
+_STIFFNESS = Number(0, above=True, what="a stiffness")
+
+_LENGTH = Number(1e-3, 1e6)
+_MODULUS = Number(1e-3, 1e9)
+
+# The keys of a tube: the argument of cardan.tube, and the factor to its unit.
+_TUBE: Mapping[str, tuple[str, float, Rule]] = {
+    "outer_diameter_mm": ("outer_diameter", 1e-3, _LENGTH),
+    "wall_mm": ("wall", 1e-3, _LENGTH),
+    "length_mm": ("length", 1e-3, _LENGTH),
+    "shear_modulus_MPa": ("shear_modulus", 1e6, _MODULUS),
+    "density_kg_per_m3": ("density", 1.0, Number(1e-3, 1e6)),
+}
+_NEEDED = ("outer_diameter_mm", "length_mm")
+
+_MOST_SPEEDS = 100_000
+_SPEED = Number(0, above=True, what="a speed")
+
+
+@dataclass(frozen=True)
+class EndInertias(Rule):
+    """The inertia of a shaft: one number, half at each end, or one number for each end."""
+
+    def read(self, where: Location, value: object) -> tuple[float, float]:
+        """Return the inertias of input end and output end."""
+        if isinstance(value, list):
+            ends: list[float] = _PAIR.read(where, value)
+            return ends[0], ends[1]
+        half = 0.5 * _INERTIA.read(where, value)
+        return half, half
+
+    @property
+    def schema(self) -> Schema:
+        """A number or a pair."""
+        return {"oneOf": [_INERTIA.schema, _PAIR.schema]}
+
+
+@dataclass(frozen=True)
+class StiffnessOrTube(Rule):
+    """The stiffness of a shaft: a number, ``"rigid"`` or the section of a tube."""
+
+    def read(self, where: Location, value: object) -> float | Tube:
+        """Return the stiffness, infinite for a rigid shaft, or the tube."""
+        if value == RIGID:
+            return math.inf
+        if isinstance(value, dict):
+            return _tube(where, value)
+        if isinstance(value, str) or value == math.inf:
+            raise refused(where, value, f'be a positive number, "{RIGID}" or a tube')
+        return _STIFFNESS.read(where, value)
+
+    @property
+    def schema(self) -> Schema:
+        """A number, the word or an object."""
+        section = {
+            "type": "object",
+            "properties": {key: rule.schema for key, (_, _, rule) in _TUBE.items()},
+            "required": list(_NEEDED),
+            "additionalProperties": False,
+        }
+        return {"oneOf": [_STIFFNESS.schema, {"enum": [RIGID]}, section]}
+
+
+def _tube(where: Location, value: Mapping[str, Any]) -> Tube:
+    for key in value:
+        if key not in _TUBE:
+            hint = units_of(key, _TUBE) or nearest(key, tuple(_TUBE))
+            raise where.error(f"has an unknown key {shown(key)}; {hint}")
+    for key in _NEEDED:
+        if key not in value:
+            raise where.error(f"has no {key!r}; a tube needs {' and '.join(_NEEDED)}")
+    read = {}
+    for key, entry in value.items():
+        argument, factor, rule = _TUBE[key]
+        read[argument] = factor * rule.read(where.at(key), entry)
+    if read.get("wall", 0.0) > 0.5 * read["outer_diameter"]:
+        most = 500.0 * read["outer_diameter"]
+        raise where.at("wall_mm").error(
+            f"is {shown(value['wall_mm'])}; it must be at most {most:g}, half the outer diameter"
+        )
+    return tube(read.pop("outer_diameter"), read.pop("wall", None), **read)
+
+
+_SPREAD: Mapping[str, Rule] = {
+    "from": _SPEED,
+    "to": _SPEED,
+    "steps": Whole(2, most=_MOST_SPEEDS),
+}
+
+
+@dataclass(frozen=True)
+class SpeedValues(Rule):
+    """The drive speeds at which a driveline runs: evenly spread or listed."""
+
+    def read(self, where: Location, value: object) -> FloatArray:
+        """Return the speeds, rising, ``(speeds,)``."""
+        if isinstance(value, list):
+            speeds: list[float] = ListOf(_SPEED, "speeds", distinct=True).read(where, value)
+            if len(speeds) < 2:
+                raise where.error(f"is {shown(value)}; name at least two speeds")
+            return np.array(sorted(speeds))
+        wanted = "{from = …, to = …, steps = …}"
+        if not isinstance(value, dict):
+            raise refused(where, value, f"be {wanted} or a list of speeds")
+        for key in value:
+            if key not in _SPREAD:
+                raise where.error(f"has an unknown key {shown(key)}; {nearest(key, _SPREAD)}")
+        for key in _SPREAD:
+            if key not in value:
+                raise where.error(f"has no {key!r}; it must be {wanted}")
+        start, stop, steps = (rule.read(where.at(key), value[key]) for key, rule in _SPREAD.items())
+        if start >= stop:
+            raise where.at("to").error(f"is {stop:g}; it must be above 'from', {start:g}")
+        return np.asarray(np.linspace(start, stop, steps), dtype=np.float64)
+
+    @property
+    def schema(self) -> Schema:
+        """An array of speeds or an object."""
+        listed = {"type": "array", "items": _SPEED.schema, "minItems": 2, "uniqueItems": True}
+        return {
+            "oneOf": [
+                listed,
+                {
+                    "type": "object",
+                    "properties": {key: rule.schema for key, rule in _SPREAD.items()},
+                    "required": list(_SPREAD),
+                    "additionalProperties": False,
+                },
+            ]
+        }

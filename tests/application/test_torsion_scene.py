@@ -1,0 +1,358 @@
+"""Torsional vibration of a scene: values, errors, answers, sentences, pictures."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from numpy.typing import NDArray
+
+import cardan
+from cardan.command import commands
+from cardan.figures.limits import check_data, check_scene
+from cardan.figures.schema import answers_schema
+from cardan.figures.torsion import TorsionFigures, torsion_figures
+from cardan.figures.torsion_answer import torsion_data
+from cardan.figures.torsion_modes import torsion_basics
+from cardan.scene import Scene
+from cardan.scene.torsion import TorsionCase
+from cardan.words.torsion import torsion_advice, torsion_sentences, torsion_text
+
+ROOT = Path(__file__).parents[2]
+TRUCK, RIG = (ROOT / "examples" / f"{name}_torsion.toml" for name in ("truck", "rig"))
+ANSWERS = jsonschema.Draft202012Validator(answers_schema())
+RPM = np.pi / 30.0
+# A compliant driving shaft before a joint of 20 degrees and a flywheel.
+JOINT = """\
+[driveline]
+bends_deg = [20]
+[torsion]
+inertias_kgm2 = [0, [0, 0.05]]
+stiffnesses_Nm_per_rad = [8000, "rigid"]
+speed_rpm = {from = 3000, to = 4500, steps = 40}
+"""
+# Two compliant shafts without a bend: a chain of two masses, linear.
+CHAIN = """\
+[driveline]
+bends_deg = [0, 0]
+[torsion]
+inertias_kgm2 = [[0, 0.02], [0.01, 0.03], [0, 0.05]]
+stiffnesses_Nm_per_rad = [5000, 3000, "rigid"]
+dampings_Nms_per_rad = [2.0, 0.5, 0]
+speed_rpm = [100, 6000]
+"""
+
+
+def case(text: str) -> TorsionCase:
+    found = Scene.parse(text).torsion
+    assert found is not None
+    return found
+
+
+def figures(text: str) -> TorsionFigures:
+    found = torsion_figures(Scene.parse(text))
+    assert found is not None
+    return found
+
+
+def command(*arguments: str | Path) -> Result:
+    return CliRunner().invoke(commands(), [*map(str, arguments)])
+
+
+def chain_matrices() -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Inertias, stiffnesses and dampings of CHAIN; its unknowns are the output ends of shafts."""
+    inertia = np.diag([0.02 + 0.01, 0.03 + 0.05])
+    stiffness = np.array([[8000.0, -3000.0], [-3000.0, 3000.0]])
+    damping = np.array([[2.5, -0.5], [-0.5, 0.5]])
+    return inertia, stiffness, damping
+
+
+def test_keys_are_the_arguments_of_the_library() -> None:
+    given = case(TRUCK.read_text(encoding="utf-8"))
+    tubes = [cardan.tube(0.09, 0.003, length=length) for length in (1.3, 1.5)]
+    halves = [0.5 * (own + tube.inertia) for own, tube in zip((0.004, 0.006), tubes, strict=True)]
+    inertias = [[0.0, 0.0], *([half, half] for half in halves), [0.0, 0.14]]
+    assert given.inertias == pytest.approx(np.array(inertias))
+    stiffnesses = [np.inf, *(tube.stiffness for tube in tubes), np.inf]
+    assert given.stiffnesses.tolist() == pytest.approx(stiffnesses)
+    own = cardan.TorsionalSystem(
+        given.system.line,
+        inertias=inertias,
+        stiffnesses=stiffnesses,
+        damping_ratios=0.015,
+        load_torque=400.0,
+    )
+    assert given.system.dampings == pytest.approx(own.dampings)
+    speeds = np.array([600.0, 2500.0]) * RPM
+    assert given.system.steady(speeds).torque_max == pytest.approx(own.steady(speeds).torque_max)
+    assert given.speed[[0, 1, -1]] == pytest.approx(np.array([500, 510, 3000]) * RPM)
+    assert given.orders == (2, 4)
+
+
+def test_the_load_is_that_of_the_scene() -> None:
+    load = "[load]\ndrive_torque_Nm = 70\n"
+    assert case(load + JOINT).load_torque == 70.0
+    assert case(f"{load}{JOINT}load_torque_Nm = 30\n").load_torque == 30.0
+    assert case(JOINT).load_torque == 0.0
+    damped = case(f"{JOINT}load_damping_Nms_per_rad = 0.5\n")
+    mean = damped.system.steady(300.0).torque_mean
+    assert mean > 0.5 * 300.0
+    # A changed system keeps the loads.
+    assert damped.changed().steady(300.0).torque_mean == pytest.approx(mean, rel=1e-12)
+
+
+def test_modes_are_those_of_a_chain_of_two_masses() -> None:
+    inertia, stiffness, damping = chain_matrices()
+    values, vectors = np.linalg.eig(np.linalg.inv(inertia) @ stiffness)
+    order = np.argsort(values)
+    modes = figures(CHAIN).modes
+    assert [mode.frequency for mode in modes] == pytest.approx(np.sqrt(values[order]), rel=1e-9)
+    for mode, shape in zip(modes, vectors.T[order], strict=True):
+        twists = np.array([shape[0], shape[1] - shape[0]])
+        energy = np.array([5000.0, 3000.0]) * twists**2
+        assert mode.shares == pytest.approx(energy / energy.sum(), abs=1e-7)
+        assert mode.shaft == int(np.argmax(energy))
+        ratio = shape @ damping @ shape / (2.0 * mode.frequency * (shape @ inertia @ shape))
+        assert mode.damping_ratio == pytest.approx(ratio, rel=1e-6)
+
+
+def test_the_unstable_speeds_are_those_of_the_theory() -> None:
+    # The edges are independent of this search: Whittaker-Hill's equation.
+    (region,) = figures(JOINT).unstable
+    assert region.start / 400.0 == pytest.approx(0.96762, abs=1e-5)
+    assert region.stop / 400.0 == pytest.approx(1.02995, abs=1e-5)
+    assert region.multiplier > 1.1
+    # A coarse list of speeds misses nothing: regions are looked for where they can lie.
+    coarse = JOINT.replace("{from = 3000, to = 4500, steps = 40}", "[3000, 4500]")
+    (again,) = figures(coarse).unstable
+    assert (again.start, again.stop) == pytest.approx((region.start, region.stop), rel=1e-6)
+    # A range that begins within the region has its first speed as an edge.
+    (part,) = figures(JOINT.replace("from = 3000", "from = 3800")).unstable
+    assert part.start == 3800 * RPM
+
+
+def test_largest_torques_and_reversals_are_those_of_dense_speeds() -> None:
+    text = TRUCK.read_text(encoding="utf-8")
+    coarse = figures(text.replace("steps = 251", "steps = 6"))
+    given = case(text)
+    speed = np.linspace(500.0, 3000.0, 8001) * RPM
+    dense = given.system.steady(speed)
+    for place, largest in enumerate(coarse.largest):
+        sizes = np.maximum(dense.torque_max[place], -dense.torque_min[place])
+        best = int(np.argmax(sizes))
+        assert largest.size == pytest.approx(sizes[best], rel=1e-5)
+        assert largest.speed == pytest.approx(speed[best], rel=1e-3)
+        assert largest.mean == pytest.approx(dense.torque_mean[place, best], rel=1e-2)
+        (part,) = figures(text).largest[place].reversals
+        reversed_at = speed[dense.torque_min[place] < 0.0]
+        assert part.start == pytest.approx(reversed_at[0], rel=1e-3)
+        assert part.stop == pytest.approx(reversed_at[-1], rel=1e-9)
+
+
+def test_critical_speeds_have_their_amplitude() -> None:
+    found = figures(RIG.read_text(encoding="utf-8"))
+    natural = found.modes[0].frequency
+    assert [part.order for part in found.critical_speeds] == [2, 4, 6]
+    for part in found.critical_speeds:
+        assert part.speed == pytest.approx(natural / part.order)
+        steady = found.torsion.system.steady(part.speed, part.order)
+        assert part.amplitude == pytest.approx(abs(steady.torque_orders[0, 0]))
+        assert part.inside
+
+
+@pytest.mark.parametrize(("factor", "exceeded"), [(0.99, True), (1.01, False)])
+def test_the_rule_of_the_bend(factor: float, exceeded: bool) -> None:
+    ratio = factor * np.tan(np.radians(10.0)) ** 2
+    scene = Scene.parse(f"{JOINT}damping_ratio = {ratio}\n")
+    found = torsion_basics(scene)
+    assert found is not None
+    (rule,) = found.rules
+    assert rule.bend == pytest.approx(np.radians(20.0))
+    assert rule.damping_ratio == pytest.approx(ratio)
+    assert (rule.exceeded, rule.inside) == (exceeded, True)
+    assert bool(torsion_advice(found)) == exceeded
+
+
+def test_the_rule_takes_the_joints_up_to_the_next_compliant_shaft() -> None:
+    text = """\
+    [driveline]
+    bends_deg = [10, 12, 7]
+    phases_deg = [20, 0]
+    [torsion]
+    inertias_kgm2 = [0, 0.01, 0.02, [0, 0.1]]
+    stiffnesses_Nm_per_rad = [4000, "rigid", 9000, "rigid"]
+    speed_rpm = [200, 4000]
+    """
+    found = torsion_basics(Scene.parse(text))
+    assert found is not None
+    first = cardan.Driveline.from_bends([10, 12], phases=20, degrees=True).equivalent().bend
+    assert [rule.shaft for rule in found.rules] == [0, 2]
+    assert [rule.bend for rule in found.rules] == pytest.approx([first, np.radians(7.0)])
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[0, [0, 0.05]]", "[0]", "inertias_kgm2 has length 1; it needs 2, one per shaft"),
+        ("[0, 0.05]", "[0, -1]", "inertias_kgm2[1][1] is -1; an inertia must not be negative"),
+        ("[0, 0.05]", "[0]", "inertias_kgm2[1] is [0]; it must be a list of two numbers"),
+        ("0.05", "0", "inertias_kgm2[0, 1] is 0.0, and so is every inertia"),
+        ("8000", "-1", "stiffnesses_Nm_per_rad[0] is -1; a stiffness must be positive"),
+        ("8000", "0", "stiffnesses_Nm_per_rad[0] is 0; a stiffness must be positive"),
+        ("8000", "inf", 'is inf; it must be a positive number, "rigid" or a tube'),
+        ("8000", "'stiff'", "is 'stiff'; it must be a positive number, \"rigid\" or a tube"),
+        ("8000", "'rigid'", "stiffnesses_Nm_per_rad are all infinite"),
+        ("8000", "{length_mm = 1}", "has no 'outer_diameter_mm'; a tube needs"),
+        (
+            "8000",
+            "{outer_diameter_mm = 9, wall_mm = 5, length_mm = 1}",
+            "wall_mm is 5; it must be at most 4.5, half the outer diameter",
+        ),
+        (
+            "8000",
+            "{outer_diameter_m = 9, length_mm = 1}",
+            "unknown key 'outer_diameter_m'; the unit stands in the name",
+        ),
+        ("from = 3000", "from = 0", "speed_rpm.from is 0; a speed must be positive"),
+        ("from = 3000", "from = 5000", "speed_rpm.to is 4500; it must be above 'from', 5000"),
+        ("{from = 3000, to = 4500, steps = 40}", "[100]", "name at least two speeds"),
+        ("{from = 3000, to = 4500, steps = 40}", "100", "speed_rpm is 100; it must be {from = …"),
+        ("speed_rpm", "orders = [0]\nspeed_rpm", "orders[0] is 0; it must be a whole number from"),
+        ("speed_rpm", "damping_ratio = [1]\nspeed_rpm", "damping_ratio has length 1; it needs 2"),
+        (
+            "speed_rpm",
+            "damping_ratio = 0\ndampings_Nms_per_rad = [1, 1]\nspeed_rpm",
+            "damping_ratio and dampings_Nms_per_rad are both given",
+        ),
+        ("speed_rpm", "speeds = 3 #", "unknown key 'speeds'"),
+        ("speed_rpm", "#", "speed_rpm is missing"),
+    ],
+)
+def test_what_is_refused(old: str, new: str, said: str) -> None:
+    assert JOINT.count(old) == 1
+    with pytest.raises(ValueError, match=re.escape(said)) as caught:
+        Scene.parse(JOINT.replace(old, new))
+    # The line of the section or of the key.
+    assert re.match(r"scene, line [3-7]: \[torsion\]", str(caught.value)), caught.value
+
+
+def test_recorded_bends_and_a_recorded_torque_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("t,n,M,b\n0,100,5,1\n1,100,6,2\n2,100,7,3\n")
+    torsion = JOINT.partition("[torsion]")[2]
+    recorded = "[angles]\nfile = 'a.csv'\ntime_column_s = 't'\nspeed_column_rpm = 'n'\n"
+    torque = f"[driveline]\nbends_deg = [20]\n{recorded}torque_column_Nm = 'M'\n[torsion]{torsion}"
+    with pytest.raises(ValueError, match=r"load_torque_Nm is missing; the recorded torque"):
+        Scene.parse(torque, folder=tmp_path)
+    assert Scene.parse(f"{torque}load_torque_Nm = 3\n", folder=tmp_path).torsion is not None
+    bends = f"{recorded}bend_columns_deg = ['b']\n[torsion]{torsion}"
+    with pytest.raises(ValueError, match=r"\[torsion\] it does not go with recorded bends"):
+        Scene.parse(bends, folder=tmp_path)
+
+
+def test_a_resonance_without_damping_is_said() -> None:
+    # A joint before the only spring: the equations are linear, and nothing limits the torque.
+    text = """\
+    [driveline]
+    bends_deg = [10]
+    [torsion]
+    inertias_kgm2 = [0, [0, 0.05]]
+    stiffnesses_Nm_per_rad = ["rigid", 8000]
+    load_torque_Nm = 100
+    speed_rpm = [1000, 4500]
+    """
+    found = figures(text)
+    assert found.critical_speeds[0].speed == pytest.approx(200.0)
+    assert np.isnan(found.critical_speeds[0].amplitude)
+    assert np.isinf(found.largest[0].size)
+    (part, reason) = found.missing[0]
+    assert part.start <= 200.0 <= part.stop
+    assert reason == "no periodic orbit was found"
+    assert "Without damping no torque is limited at 1910 rpm" in torsion_text(found)
+    ANSWERS.validate(torsion_data("", found))
+    damped = figures(text + "damping_ratio = 0.01\n")
+    assert not damped.missing
+    assert np.isfinite(damped.largest[0].size)
+
+
+def test_verdicts() -> None:
+    rig = RIG.read_text(encoding="utf-8")
+    assert figures(rig).verdict == "unstable"
+    damped = rig.replace("damping_ratio = 0.02", "damping_ratio = 0.2")
+    assert figures(damped).verdict == "reversing"
+    loaded = damped.replace("load_torque_Nm = 10\n", "load_torque_Nm = 900\n")
+    assert figures(loaded).verdict == "resonant"
+    high = loaded.replace("from = 500, to = 4000", "from = 2000, to = 2500")
+    assert figures(high).verdict == "clear"
+    (sentence, *_) = torsion_sentences(figures(high))
+    assert sentence.startswith(
+        "No critical speed of order 2 or 4 or 6 lies in the range; the nearest one is that of "
+        "order 2 at 1515 rpm"
+    )
+
+
+def test_the_command(tmp_path: Path) -> None:
+    picture = tmp_path / "response.svg"
+    result = command("torsion", TRUCK, "--output", picture)
+    assert result.exit_code == 0, result.output
+    assert result.output.endswith(f"wrote {picture}\n")
+    assert max(map(len, result.output.splitlines()[:-1])) <= 79
+    assert "2527 rpm   order 2 meets 84.23 Hz" in result.output
+    data = json.loads(command("torsion", TRUCK, "--json").stdout)
+    ANSWERS.validate(data)
+    found = torsion_figures(Scene.load(TRUCK))
+    assert found is not None
+    assert data == torsion_data("Truck with a two-piece propeller shaft", found)
+    assert data["critical_speeds"][0]["speed_rpm"] == pytest.approx(2527.0, rel=1e-3)
+    assert max(data["response"]["shafts"][0]["largest_Nm"]) <= data["torques"][0]["largest_Nm"]
+
+
+def test_the_command_writes_a_whole_picture_or_none(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    bare = tmp_path / "bare.toml"
+    bare.write_text("[driveline]\nbends_deg = [20]\n", encoding="utf-8")
+    result = command("torsion", bare, "--output", "a.svg")
+    assert result.exit_code == 2
+    assert "section [torsion] is missing" in result.output
+    assert command("torsion", RIG, "--output", "a.pdx").exit_code == 2
+    assert command("torsion", RIG, "--plot", "map").exit_code == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["bare.toml"]
+    result = command("torsion", RIG, "--plot", "campbell")
+    assert result.output.endswith("wrote rig_torsion.svg\n")
+    assert b"</svg>" in (tmp_path / "rig_torsion.svg").read_bytes()
+
+
+def test_check_advises() -> None:
+    result = command("check", RIG)
+    flat = " ".join(result.output.split())
+    assert (
+        "critical speeds lie within 500 to 4000 rpm: order 2 at 1515 rpm (shaft 0), order 4 at "
+        "757.6 rpm (shaft 0) and order 6 at 505.1 rpm (shaft 0); 'cardan torsion' computes the "
+        "torques there (D. Thoma, 1920: joints bring new critical speeds)"
+    ) in flat
+    assert (
+        "the equivalent bend of 25° behind shaft 0 permits unstable motion near 3030 rpm, because "
+        "tan²(bend/2) = 0.04915 exceeds the damping ratio of 0.02 (first region of the "
+        "Whittaker-Hill equation, one compliant shaft)"
+    ) in flat
+    scene = Scene.load(RIG)
+    data = check_data(scene, check_scene(scene))
+    ANSWERS.validate(data)
+    assert data["torsion"]["bend_rules"][0]["exceeded"] is True
+    assert [part["inside"] for part in data["torsion"]["critical_speeds"]] == [True, True, True]
+    # Advice is no limit: a driveline within the limits passes with it.
+    quiet = Scene.parse(JOINT.replace("[20]", "[2]"))
+    assert check_data(quiet, check_scene(quiet))["passes"] is True
+
+
+def test_check_is_silent_where_nothing_is_wrong() -> None:
+    quiet = JOINT.replace("[20]", "[2]") + "damping_ratio = 0.01\n"
+    found = torsion_basics(Scene.parse(quiet))
+    assert found is not None
+    assert torsion_advice(found) == []
