@@ -45,9 +45,12 @@ def plot_double_joint(
         pivots += [(away % abs(wear), place + abs(wear)), (near % abs(wear), place - abs(wear))]
     with drawing(ax) as axes:
         for i, (label, pivot) in enumerate(pivots):
-            line = Driveline.from_double_joint(total, length, pivot, degrees=True)
+            # Where both bends are equal the curve has a corner, which samples would miss.
+            corner = 2.0 * np.degrees(np.arccos(min(1.0, 0.5 * length / pivot)))
+            drawn = np.sort(np.append(total, min(corner, largest_deg)))
+            line = Driveline.from_double_joint(drawn, length, pivot, degrees=True)
             bend = np.degrees(line.equivalent().bend)
-            axes.plot(total, bend, label=label, **line_style(i))
+            axes.plot(drawn, bend, label=label, **line_style(i))
         axes.set_xlim(0.0, largest_deg)
         axes.set_ylim(0.0, None)
         axes.set_xlabel("total bend [deg]")
