@@ -13,7 +13,7 @@ import pytest
 
 import cardan
 
-OFFSETS = {"driving_pin": 0.7, "cross": -0.4, "driven_pin": 0.3, "shafts": 0.9}
+OFFSETS: dict[str, Any] = {"driving_pin": 0.7, "cross": -0.4, "driven_pin": 0.3, "shafts": 0.9}
 Vector = np.ndarray[Any, np.dtype[np.float64]]
 
 
