@@ -38,6 +38,7 @@ from cardan.optimisation import ActiveLimit, Optimum, optimise
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
+from cardan.slides import Slides
 from cardan.slip import Lengths, SplineForce
 from cardan.steering import Steering
 from cardan.sweep import Sweep
@@ -78,6 +79,7 @@ __all__ = [
     "Plan",
     "Result",
     "Scene",
+    "Slides",
     "SplineForce",
     "Steering",
     "Sweep",

@@ -13,12 +13,12 @@ from cardan import approximations, geometry
 from cardan.arrays import FloatArray, as_float64, deferring
 from cardan.check import Check, check
 from cardan.degrees import PlanInDegrees
+from cardan.double_joint import Centred
 from cardan.driven_angle import planned
 from cardan.equivalent import EquivalentJoint, Transmission, equivalent
 from cardan.harmonics import Harmonics
 from cardan.limits import Limits
 from cardan.load import Load
-from cardan.phased import Phased
 from cardan.plan import Plan
 from cardan.reduced import PlanOfReductions
 from cardan.remembered import remembered
@@ -28,13 +28,14 @@ from cardan.steering import Steering, steering
 from cardan.sweep import Sweep
 
 
-class Driveline(Phased):
+class Driveline(Centred):
     """Shafts joined by universal joints, or a batch of such drivelines of equal length.
 
-    Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes`` or
-    ``from_projected_bends``; leading dimensions are the batch. Of dask arrays these make a
-    ``cardan.interop.lazy.LazyDriveline``, to be evaluated in pieces and anywhere. Drivelines are
-    immutable: their arrays are read-only, and ``with_phases`` makes a new one.
+    Make one with ``from_bends``, ``from_points``, ``from_directions``, ``from_slopes``,
+    ``from_projected_bends`` or ``from_double_joint``; leading dimensions are the batch. Of dask
+    arrays all but the last make a ``cardan.interop.lazy.LazyDriveline``, to be evaluated in pieces
+    and anywhere. Drivelines are immutable: their arrays are read-only, and ``with_phases`` makes a
+    new one.
 
     Geometry: ``u_i`` is the unit vector along shaft ``i`` in the direction of power flow, the bend
     of joint ``j`` the angle between ``u_j`` and ``u_{j+1}``, its bend-plane normal ``m_j = unit(u_j

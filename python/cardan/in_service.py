@@ -1,14 +1,17 @@
-"""Drivelines in service: what friction takes, and how long the joints last."""
+"""Drivelines in service: friction, life, and the slides that offsets cause."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from numpy.typing import ArrayLike
 
-from cardan import life, losses
+from cardan import life, losses, slides
 from cardan.installed import Installed
 from cardan.life import Life
 from cardan.load import Load
 from cardan.losses import Losses
+from cardan.slides import Slides
 
 
 class InService(Installed):
@@ -97,3 +100,45 @@ class InService(Installed):
         (array([1625.98]), array([1603.01]))
         """
         return life.life(self, load, rating, speed, shares)
+
+    def slides(
+        self,
+        *,
+        driving_pin: ArrayLike = 0.0,
+        cross: ArrayLike = 0.0,
+        driven_pin: ArrayLike = 0.0,
+        shafts: ArrayLike = 0.0,
+        blocked: str | Iterable[str] = (),
+    ) -> Slides:
+        """Return how far pins and shafts slide where the axes of a joint do not meet.
+
+        Offsets change no angle if the cross can slide along both pins and the driven shaft along
+        its axis. A driving pin that misses its shaft by ``g`` moves the driven shaft along its axis
+        with order 1 of the amplitude ``2 g tan(bend/2)``, shafts that miss each other by ``d`` with
+        order 2 of ``2 d tan(bend/2)**2/sin(bend)`` (derived here).
+
+        Each offset is one number, or one per joint ``(..., n)``, in any unit of length.
+
+        Args:
+            driving_pin: from the axis of the driving shaft to that of its pin, along ``u x p``.
+            cross: from the driving pin to the driven pin, along ``p x q``.
+            driven_pin: from the driven pin to the axis of its shaft, along ``q x v``.
+            shafts: from the axis of the driving shaft to that of the driven one, along the
+                bend-plane normal.
+            blocked: names of slides that are not free: ``"driving_pin"``, ``"driven_pin"``,
+                ``"shaft"``.
+
+        Returns:
+            the slides at any angle, their travel over a turn and their amplitudes by order.
+
+        Raises:
+            TypeError: values that are not real numbers.
+            ValueError: an offset that is not finite, not one value per joint, a blocked slide that
+                the offsets would move, shapes that do not broadcast.
+
+        >>> import cardan
+        >>> joint = cardan.Driveline.from_bends([10], degrees=True)
+        >>> joint.slides(driving_pin=0.5).amplitudes([1, 2]).round(4)
+        array([[0.0875, 0.    ]])
+        """
+        return slides.slides(self, driving_pin, cross, driven_pin, shafts, blocked)

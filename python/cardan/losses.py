@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, common_shape, not_negative, positive, scalar_or_array
+from cardan.cross import cross_axes, dot
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.pins import Pins, means_over_turn, pins_at
@@ -74,6 +75,62 @@ class Losses:
                 for joint in range(self._line.n_joints)
             ]
         )
+
+    def efficiency_at(self, angle: ArrayLike) -> Any:  # noqa: ANN401 - a number or an array
+        """Return the efficiency at a drive angle: 1 less ``torque(angle)`` over the drive torque.
+
+        It is below that over a turn where the pins turn fastest, and without meaning where
+        inertias reverse the torque of the drive.
+
+        Args:
+            angle: as for ``torque``.
+
+        Raises:
+            TypeError: as for ``torque``.
+            ValueError: as for ``torque``.
+        """
+        drive = self._line.evaluate(angle, "torque", shafts=0, load=self._load).torque
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.sum(self.torque(angle), axis=0) / np.abs(drive)
+        return scalar_or_array(np.asarray(1.0 - share))
+
+    def moment(self, angle: ArrayLike) -> FloatArray:
+        """Return the moment that friction adds to the moment of each joint, in N m.
+
+        The friction in the yokes is a moment ``f_1`` about the driving pin ``p`` and ``f_2`` about
+        the driven pin ``q``, against the swing of the cross. The moment of the joint grows by ``f_1
+        p + f_2 q + c (p x q)``, with ``c`` such that the torque stays the same in the shaft towards
+        the end at which the load gives it (derived here). What it has across a shaft is friction's
+        share in the bending of that shaft, what it has along the other shaft its share in the
+        torque. The friction of other joints is left out.
+
+        Args:
+            angle: as for ``torque``.
+
+        Returns:
+            as it acts on the driven shaft of each joint, at rest in space, ``(n, ..., 3)``.
+
+        Raises:
+            TypeError: as for ``torque``.
+            ValueError: as for ``torque``.
+        """
+        return np.stack([self._added(joint, angle) for joint in range(self._line.n_joints)])
+
+    def _added(self, joint: int, angle: ArrayLike) -> FloatArray:
+        axes = cross_axes(self._line, joint, angle)
+        pins = pins_at(self._line, self._load, joint, angle)
+        share, constant = self._friction.of(joint)
+        size = np.asarray(share * pins.moment + constant)
+        # Against the rates of the cross in the driving and of the driven yoke on the cross: the
+        # difference of both shafts' rotations has only parts along the pins.
+        about_p = -size * np.sign(dot(axes.driven, axes.driving_pin))
+        about_q = size * np.sign(dot(axes.driving, axes.driven_pin))
+        rubbing = (
+            about_p[..., np.newaxis] * axes.driving_pin + about_q[..., np.newaxis] * axes.driven_pin
+        )
+        kept = axes.driving if self._load.end == "drive" else axes.driven
+        along = dot(rubbing, kept) / dot(axes.across, kept)
+        return np.asarray(rubbing - along[..., np.newaxis] * axes.across)
 
 
 @dataclass(frozen=True, eq=False)

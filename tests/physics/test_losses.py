@@ -129,3 +129,52 @@ def test_losses_can_be_pickled() -> None:
     again = pickle.loads(pickle.dumps(found))
     assert np.array_equal(again.power, found.power)
     assert np.array_equal(again.torque(0.4), found.torque(0.4))
+
+
+@pytest.mark.parametrize("end", ["drive_torque", "output_torque"])
+@pytest.mark.parametrize("torque", [150.0, -150.0])
+def test_friction_makes_a_moment_that_fits_pins_shafts_and_power(end: str, torque: float) -> None:
+    """The moment of a joint with friction solves three equations in pins laid out by hand."""
+    beta, angles = math.radians(28.0), np.linspace(0.05, 6.2, 23)
+    line = cardan.Driveline.from_bends([beta])
+    load = cardan.Load(**{end: torque})
+    found = line.losses(load, **BEARINGS, seal_torque=0.4)
+    added = found.moment(angles)[0]
+    ideal = line.evaluate(angles, "moment", load=load).moment[0]
+    torques = line.evaluate(angles, "torque", shafts=[0, 1], load=load).torque
+    u, v = np.array([1.0, 0, 0]), np.array([math.cos(beta), math.sin(beta), 0])
+    for i, a in enumerate(angles):
+        b = math.atan2(math.sin(a), math.cos(beta) * math.cos(a))
+        p = np.array([0.0, math.cos(a) * 1.0, math.sin(a)])
+        q = math.cos(b) * np.array([0.0, 0, 1]) + math.sin(b) * np.array(
+            [math.sin(beta), -math.cos(beta), 0]
+        )
+        assert ideal[i] @ p == pytest.approx(0.0, abs=1e-12)
+        assert ideal[i] @ q == pytest.approx(0.0, abs=1e-12)
+        size = SHARE * np.linalg.norm(ideal[i]) + 0.4
+        # The driven shaft turns by r: the difference of rotations is the swing about both pins.
+        r = math.cos(beta) / (math.sin(a) ** 2 + (math.cos(beta) * math.cos(a)) ** 2)
+        swings = r * v - u
+        kept, torque_kept = (u, torques[0, i]) if end == "drive_torque" else (v, torques[1, i])
+        whole = np.linalg.solve(
+            np.stack([p, q, kept]),
+            [-size * np.sign(swings @ p), -size * np.sign(swings @ q), torque_kept],
+        )
+        assert added[i] == pytest.approx(whole - ideal[i], abs=1e-11)
+        # What goes in and does not come out is the heat.
+        assert whole @ u - r * (whole @ v) == pytest.approx(found.torque(a)[0], rel=1e-10)
+
+
+def test_efficiency_at_an_angle_is_power_out_over_power_in() -> None:
+    line = cardan.Driveline.from_bends([[15, 40], [20, 3]], phases=[30], degrees=True)
+    load = cardan.Load(output_torque=80.0)
+    found = line.losses(load, **BEARINGS)
+    angles = np.linspace(0.0, 2.0 * math.pi, 7200, endpoint=False)[:, None]
+    drive = line.evaluate(angles, "torque", shafts=0, load=load).torque
+    eta = found.efficiency_at(angles)
+    assert eta.shape == drive.shape == (7200, 2)
+    # Weighted by the power that goes in, its mean is the efficiency over the turn.
+    whole = np.sum(eta * drive, axis=0) / np.sum(drive, axis=0)
+    assert whole == pytest.approx(found.efficiency, rel=1e-7)
+    assert isinstance(line[0].losses(load, **BEARINGS).efficiency_at(0.1), float)
+    assert found.moment(angles).shape == (2, 7200, 2, 3)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 import cardan
@@ -55,3 +56,55 @@ def test_tubes_broadcast() -> None:
 def test_wrong_tubes_are_refused(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(cardan.ArgumentValueError, match=message):
         cardan.tube(**arguments)  # type: ignore[arg-type]
+
+
+def beam_frequency(outer: float, wall: float, length: float, elements: int) -> float:
+    """First bending frequency in rad/s of a pinned tube from beam elements with cubic shapes."""
+    inner = outer - 2.0 * wall
+    stiffness = 2.06e11 * math.pi / 64.0 * (outer**4 - inner**4)
+    mass = 7850.0 * math.pi / 4.0 * (outer**2 - inner**2)
+    h = length / elements
+    k = np.array([[12, 6 * h, -12, 6 * h], [6 * h, 4 * h**2, -6 * h, 2 * h**2]])
+    k = stiffness / h**3 * np.array([*k, -k[0], [6 * h, 2 * h**2, -6 * h, 4 * h**2]])
+    m = (
+        mass
+        * h
+        / 420.0
+        * np.array(
+            [
+                [156, 22 * h, 54, -13 * h],
+                [22 * h, 4 * h**2, 13 * h, -3 * h**2],
+                [54, 13 * h, 156, -22 * h],
+                [-13 * h, -3 * h**2, -22 * h, 4 * h**2],
+            ]
+        )
+    )
+    size = 2 * elements + 2
+    whole_k, whole_m = np.zeros((size, size)), np.zeros((size, size))
+    for i in range(elements):
+        part = slice(2 * i, 2 * i + 4)
+        whole_k[part, part] += k
+        whole_m[part, part] += m
+    # The ends cannot move but can turn.
+    free = [i for i in range(size) if i not in (0, size - 2)]
+    squares = np.linalg.eigvals(
+        np.linalg.solve(whole_m[np.ix_(free, free)], whole_k[np.ix_(free, free)])
+    )
+    return float(np.sqrt(np.min(squares.real)))
+
+
+@pytest.mark.parametrize(("outer", "wall", "length"), [(0.09, 0.003, 1.5), (0.05, 0.02, 0.9)])
+def test_the_critical_speed_is_that_of_beam_elements(
+    outer: float, wall: float, length: float
+) -> None:
+    shaft = cardan.tube(outer, wall, length=length)
+    assert shaft.critical_speed == pytest.approx(beam_frequency(outer, wall, length, 24), rel=1e-6)
+
+
+def test_stress_is_that_of_rings() -> None:
+    """The torque that rings with a shear proportional to their radius carry together."""
+    rings, outer, wall = 20_000, 0.06, 0.01
+    step = wall / rings
+    radii = 0.5 * outer - wall + (np.arange(rings) + 0.5) * step
+    torque = np.sum(radii * (radii / (0.5 * outer)) * 2.0 * math.pi * radii * step)
+    assert cardan.tube(outer, wall, length=1.0).shear_stress(torque) == pytest.approx(1.0, rel=1e-8)

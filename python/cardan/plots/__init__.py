@@ -22,6 +22,7 @@ from cardan.plots.catalogue import (
     plot_non_uniformity,
 )
 from cardan.plots.curves import plot_curves
+from cardan.plots.double_joint import plot_double_joint
 from cardan.plots.drive_speed import plot_drive_speed
 from cardan.plots.driveline import plot_driveline, yoke_pins
 from cardan.plots.force_hodograph import plot_force_hodograph, plot_forces
@@ -46,6 +47,7 @@ __all__ = [
     "plot_bend_vectors",
     "plot_bending_moments",
     "plot_curves",
+    "plot_double_joint",
     "plot_drive_speed",
     "plot_driveline",
     "plot_driven_angle",

@@ -1,0 +1,157 @@
+"""Slides of shafts whose axes do not meet, against lines in space, closed forms and quadrature."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import re
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+import cardan
+
+OFFSETS: dict[str, Any] = {"driving_pin": 0.7, "cross": -0.4, "driven_pin": 0.3, "shafts": 0.9}
+Vector = np.ndarray[Any, np.dtype[np.float64]]
+
+
+def turned(about: Vector, vector: Vector, angle: float) -> Vector:
+    """A vector that is perpendicular to a unit vector, turned about it."""
+    found: Vector = math.cos(angle) * vector + math.sin(angle) * np.cross(about, vector)
+    return found
+
+
+def feet(point: Vector, along: Vector, other: Vector, beside: Vector) -> tuple[float, float, float]:
+    """Where two skew lines are nearest: parameters on both, and the signed distance."""
+    across = np.cross(along, beside)
+    across /= np.linalg.norm(across)
+    # Distances from the point of each line in the plane of the two directions.
+    plane = np.stack([along, -beside], axis=-1)
+    (first, second), *_ = np.linalg.lstsq(plane, other - point, rcond=None)
+    return float(first), float(second), float((other - point) @ across)
+
+
+@pytest.mark.parametrize("bend", [0.0, 8.0, 30.0, 60.0])
+@pytest.mark.parametrize("angle", [0.0, 0.4, 1.9, 4.4])
+def test_the_pins_are_where_lines_in_space_say(bend: float, angle: float) -> None:
+    """Lay out both shafts at rest, turn each pin about its shaft, and measure between the pins."""
+    line = cardan.Driveline.from_bends([bend], degrees=True)
+    slides = line.slides(**OFFSETS)
+    beta = math.radians(bend)
+    u, v, m = np.array([1.0, 0, 0]), np.array([math.cos(beta), math.sin(beta), 0]), np.eye(3)[2]
+    after = math.atan2(math.sin(angle), math.cos(beta) * math.cos(angle))
+    p = turned(u, np.cross(m, u), angle)
+    q = turned(v, m, after)
+    # The axis of the driven shaft lies at the offset along m from that of the driving one.
+    s_2, s_3, s_4 = (
+        float(of(angle)[0]) for of in (slides.driving_pin, slides.driven_pin, slides.shaft)
+    )
+    on_driving_pin = OFFSETS["driving_pin"] * np.cross(u, p)
+    on_shaft = OFFSETS["shafts"] * m - s_4 * v
+    on_driven_pin = on_shaft - OFFSETS["driven_pin"] * np.cross(q, v)
+    first, second, apart = feet(on_driving_pin, p, on_driven_pin, q)
+    assert apart == pytest.approx(OFFSETS["cross"], rel=1e-12)
+    assert first == pytest.approx(s_2, abs=1e-12)
+    assert -second == pytest.approx(s_3, abs=1e-12)
+
+
+@pytest.mark.parametrize("bend", [5.0, 20.0, 45.0, 75.0])
+def test_amplitudes_have_closed_forms(bend: float) -> None:
+    line = cardan.Driveline.from_bends([bend], degrees=True)
+    beta = math.radians(bend)
+    k = math.tan(beta / 2.0) ** 2
+    yoke = line.slides(driving_pin=0.5).amplitudes([1, 2, 4])[0]
+    assert yoke == pytest.approx([math.tan(beta / 2.0), 0.0, 0.0], rel=1e-11, abs=1e-13)
+    apart = line.slides(shafts=0.5).amplitudes([1, 2, 4, 6])[0]
+    expected = [0.0, *(k**n / math.sin(beta) for n in (1, 2, 3))]
+    assert apart == pytest.approx(expected, rel=1e-11, abs=1e-13)
+
+
+def test_amplitudes_are_integrals() -> None:
+    """The driven yoke's and the cross's offsets make elliptic integrals of order 1, 2 and 3."""
+    bend = mpmath.radians(35)
+    line = cardan.Driveline.from_bends([35], degrees=True)
+
+    def rho(a: mpmath.mpf) -> mpmath.mpf:
+        return mpmath.sqrt(mpmath.sin(a) ** 2 + (mpmath.cos(bend) * mpmath.cos(a)) ** 2)
+
+    def order(number: int, slide: Any) -> float:  # noqa: ANN401
+        parts = [mpmath.pi * i / 4 for i in range(9)]
+        whole = mpmath.quad(lambda a: slide(a) * mpmath.expj(-number * a), parts)
+        return float(abs(whole) / mpmath.pi)
+
+    driven = line.slides(driven_pin=1.0).amplitudes([1, 2, 3])[0]
+    cross = line.slides(cross=1.0).amplitudes([1, 2, 4])[0]
+    of_driven = [order(n, lambda a: mpmath.sin(bend) * mpmath.cos(a) / rho(a)) for n in (1, 2, 3)]
+    assert driven == pytest.approx(of_driven, rel=1e-11, abs=1e-13)
+    assert cross == pytest.approx([order(n, lambda a: 1 / rho(a)) for n in (1, 2, 4)], abs=1e-13)
+
+
+def test_offsets_add_and_chains_have_their_input_angles() -> None:
+    line = cardan.Driveline.from_bends([10, 35, 20], [20, -40], [50, 10], degrees=True)
+    angles = np.linspace(0.0, 6.0, 7)
+    whole = line.slides(**OFFSETS)
+    parts = [line.slides(**{name: value}) for name, value in OFFSETS.items()]
+    for name in ("driving_pin", "driven_pin", "shaft"):
+        together = sum(getattr(part, name)(angles) for part in parts)
+        assert getattr(whole, name)(angles) == pytest.approx(together, abs=1e-13)
+    # Joint 2 alone, at the angle of its pin from the plane of its shafts.
+    tilt = line.evaluate(angles, "tilt_driving", joints=2).tilt_driving
+    alone = cardan.Driveline.from_bends([20], degrees=True)
+    own = np.arcsin(np.tan(tilt) / math.tan(math.radians(20)))
+    tilted = alone.slides(driving_pin=0.7).shaft(np.array([own, math.pi - own]))[0]
+    found = line.slides(driving_pin=[0.0, 0.0, 0.7]).shaft(angles)
+    assert found[:2] == pytest.approx(0.0, abs=1e-15)
+    assert np.min(np.abs(np.abs(tilted) - np.abs(found[2])), axis=0) == pytest.approx(
+        0.0, abs=1e-12
+    )
+
+
+def test_shapes_travel_and_pickles() -> None:
+    line = cardan.Driveline.from_bends([[10, 20], [30, 5], [0, 0]], degrees=True)
+    slides = line.slides(driving_pin=[[0.5, 0.1]], shafts=0.2)
+    assert slides.shaft(np.zeros((4, 3))).shape == (2, 4, 3)
+    assert slides.amplitudes((1, 2)).shape == (2, 3, 2)
+    assert slides.amplitudes(1).shape == (2, 3)
+    assert slides.travel().shape == (2, 3)
+    one = line[1].slides(driving_pin=[0.5, 0.1], shafts=0.2)
+    assert slides.travel()[:, 1] == pytest.approx(one.travel())
+    again = pickle.loads(pickle.dumps(slides))
+    assert np.array_equal(again.shaft(0.3), slides.shaft(0.3))
+    simple = cardan.Driveline.from_bends([30], degrees=True).slides(driving_pin=1.0)
+    turn = simple.shaft(np.linspace(0, 2 * math.pi, 100_001))
+    assert simple.travel() == pytest.approx(np.ptp(turn, axis=-1), rel=1e-4)
+    # A straight joint slides nowhere along its shaft: the pins alone take up the offset.
+    assert slides.amplitudes([1, 2])[:, 2] == pytest.approx(0.0, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("named", "message"),
+    [
+        ({"driving_pin": math.nan}, "driving_pin is nan; it must be finite"),
+        ({"cross": [1.0, 2.0]}, "cross has shape (2,); it is one number or one per joint"),
+        ({"blocked": "shafts"}, "blocked is 'shafts'; did you mean 'shaft'?"),
+        (
+            {"driving_pin": 0.5, "blocked": ("driven_pin", "shaft")},
+            "blocked has 'driven_pin', but the offsets of joint 0 make it slide by",
+        ),
+    ],
+)
+def test_what_is_refused(named: dict[str, Any], message: str) -> None:
+    line = cardan.Driveline.from_bends([10], degrees=True)
+    with pytest.raises(ValueError, match=re.escape(message)):
+        line.slides(**named)
+
+
+def test_a_blocked_slide_that_does_not_move_is_no_fault() -> None:
+    line = cardan.Driveline.from_bends([10, 0], degrees=True)
+    free = line.slides(driving_pin=[0.0, 0.5], blocked="shaft")
+    assert free.travel() == pytest.approx([0.0, 0.0], abs=1e-14)
+    with pytest.raises(ValueError, match=r"of is 'axle'"):
+        free.travel("axle")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"orders\[1\] is 0; an order is an integer from 1"):
+        free.amplitudes([1, 0])
+    with pytest.raises(TypeError, match="orders has dtype float64; orders are integers"):
+        free.amplitudes([1.0])
