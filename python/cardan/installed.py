@@ -111,8 +111,9 @@ class Installed(Mounted):
         teeth: ArrayLike | None = None,
         of: str | Iterable[str] = "equivalent_bend",
         limit: ArrayLike | Mapping[str, ArrayLike] | None = None,
-        speed: float | None = None,
+        speed: ArrayLike | None = None,
         load: Load | None = None,
+        states: SupportsIndex | None = None,
         reduce: Literal["peak", "rms", "max", "mean"] = "peak",
         shaft: SupportsIndex = -1,
         shafts: Items = None,
@@ -148,8 +149,11 @@ class Installed(Mounted):
                 ``joints``.
             limit: what must not be exceeded, in the unit of the figure; with several figures a
                 mapping by name. Default: the 3° of the catalogues for the first three figures.
-            speed: drive speed in rad/s, for the excitations.
-            load: for the outputs that need one.
+            speed: drive speed in rad/s, for the excitations; broadcasts to the batch.
+            load: for the outputs that need one; its values broadcast to the batch.
+            states: the axis of the batch along which one driveline takes several positions, such
+                as ride heights, with the same deviations in all of them. Each figure is then the
+                largest of the states, and the results have the shape without this axis.
             reduce: of the outputs that are named without it.
             shaft: the shaft of the figures, by default the last.
             shafts: for the outputs per shaft, by default the last; the largest value counts.
@@ -163,10 +167,11 @@ class Installed(Mounted):
             Angles are in radians; names with ``_deg`` are in degrees.
 
         Raises:
-            IndexError: a shaft that does not exist.
+            IndexError: a shaft, joint or bearing, or an axis of states, that does not exist.
             TypeError: values that are not real numbers.
             ValueError: no tolerances, a negative one, one that permits a bend of 90°, points of a
-                driveline that was not made from points, an unknown figure, shapes that do not fit.
+                driveline that was not made from points, an unknown figure, shapes that do not fit,
+                states with different tolerances.
 
         >>> import cardan
         >>> shaft = cardan.Driveline.from_bends([10, 10], degrees=True)
@@ -188,6 +193,7 @@ class Installed(Mounted):
             limit=limit,
             speed=speed,
             load=load,
+            states=states,
             reduce=reduce,
             shaft=shaft,
             shafts=shafts,

@@ -85,6 +85,21 @@ class Load:
             kept = value.copy() if isinstance(value, np.ndarray) else value
             object.__setattr__(self, name, kept)
 
+    def at_any_angle(self) -> Load:
+        """Return the load of a batch of drivelines with an axis for the drive angles behind it."""
+
+        def column(values: FloatArray, core: int = 0) -> FloatArray:
+            return np.expand_dims(values, -1 - core) if values.ndim > core else values
+
+        torque: dict[str, Any] = {f"{self.end}_torque": column(self.torque)}
+        inertias = None if self.inertias is None else column(self.inertias, 1)
+        return Load(
+            speed=column(self.speed),
+            acceleration=column(self.acceleration),
+            inertias=inertias,
+            **torque,
+        )
+
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Unpickle, with copied arrays: what came in a message lies anywhere in it."""
         for name, value in state.items():

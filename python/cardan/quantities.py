@@ -200,7 +200,7 @@ class ReducedQuantity:
 
         Args:
             line: the drivelines.
-            load: for an output that needs one.
+            load: for an output that needs one; its values broadcast to the batch.
             workers: largest number of threads, as for ``Driveline.evaluate``.
 
         Raises:
@@ -215,7 +215,7 @@ class ReducedQuantity:
                 Sweep.revolutions(turns, _SAMPLES_PER_TURN),
                 name,
                 reduce=self.reduction,
-                load=load,
+                load=None if load is None else load.at_any_angle(),
                 workers=workers,
                 **items,
             )[name]

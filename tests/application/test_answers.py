@@ -95,7 +95,7 @@ FORCES = {
 TOLERANCES = {
     *("distribution", "samples", "seed", "figures", "figure", "unit", "nominal", "quantiles"),
     *("share", "value", "worst", "worst_kind", "guaranteed", "limit", "passing"),
-    *("shares", "group", "of", "number"),
+    *("shares", "group", "of", "number", "worst_in", "states", "state"),
 }
 TUBES = {
     *("tubes", "shaft", "stiffness_Nm_per_rad", "inertia_kgm2", "mass_kg", "torque_Nm"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -301,3 +302,53 @@ def test_a_cluster_takes_studies_only(tmp_path: Path) -> None:
     status, said = run("run", text, tmp_path, "--local", "1")
     assert status == 2
     assert "states are evaluated in one process; only a study is distributed" in said
+
+
+def test_the_report_has_the_loads_of_the_worst_state(tmp_path: Path) -> None:
+    page = tmp_path / "page.html"
+    write_report(Scene.parse(TRUCK), page)
+    text = " ".join(re.sub(r"<[^>]+>", " ", page.read_text(encoding="utf-8")).split())
+    given = Scene.parse(TRUCK)
+    peaks = {}
+    for i, name in enumerate(NAMES):
+        one = given.in_state(i)
+        turn = np.linspace(0.0, np.pi, 20_001)
+        moment = one.line.evaluate(turn, "support_moment", shafts=1, load=one.load_case)
+        peaks[name] = float(np.linalg.norm(moment.support_moment, axis=-1).max())
+    worst = max(peaks, key=lambda name: peaks[name])
+    assert worst != "ride height"
+    assert f"shaft 1, {peaks[worst]:.1f} N m, at " in text
+    assert f"of drive angle, in {worst}." in text
+    bends = np.degrees(given.drivelines().bends[:, 1])
+    assert f"joint 1 {bends.min():.3f} to {bends.max():.3f} " in text
+    error = np.degrees(given.drivelines().equivalent().max_angle_error.max())
+    assert f"leads and lags the drive by up to {error:.4g}°, twice per turn, in {worst}." in text
+    # The catalogue's rule is applied to the state that it stands next to.
+    exact = given.drivelines().equivalent().bend_deg.max()
+    (tmp_path / "one").mkdir()
+    alone = answer("phase", single(-160), tmp_path / "one")["catalogue"]["present"]
+    rule = np.radians(alone["equivalent_bend_deg"])
+    assert f"as in the scene {exact:.4f} {np.degrees(rule):.4f} " in text
+    forces = forces_of(given)
+    assert forces
+    for force in forces.forces:
+        row = force.figures
+        assert (
+            f"{row.per.capitalize()} {row.item}, in {force.state}, up to {row.largest:.4g} N"
+            in text
+        )
+
+
+def test_a_constant_drive_speed_is_judged_in_the_worst_state(tmp_path: Path) -> None:
+    inertias = "inertias_kgm2 = [0.5, 0.1, 0.2, 0.3]\n"
+    text = TRUCK.replace("[load]\n", f"[load]\n{inertias}")
+    data = answer("check", text, tmp_path)["drive_speed"]
+    each = [
+        answer("check", single(height).replace("[load]\n", f"[load]\n{inertias}"), tmp_path)
+        for height in HEIGHTS
+    ]
+    needed = [one["drive_speed"]["needed_inertia_kgm2"] for one in each]
+    worst = int(np.argmax(needed))
+    assert data.pop("state") == NAMES[worst]
+    assert data == each[worst]["drive_speed"]
+    assert f", judged in {NAMES[worst]}\n" in run("check", text, tmp_path)[1]

@@ -17,12 +17,8 @@ import cardan
 from cardan.command import commands
 from cardan.figures.limits import check_data, check_scene
 from cardan.figures.schema import answers_schema
-from cardan.figures.tolerances import (
-    ToleranceFigures,
-    permitted_tolerances,
-    tolerance_figures,
-    tolerances_data,
-)
+from cardan.figures.tolerance_answers import tolerances_data
+from cardan.figures.tolerances import ToleranceFigures, permitted_tolerances, tolerance_figures
 from cardan.plots import plot_tolerance_shares, plot_tolerances
 from cardan.report import write_report
 from cardan.scene import Scene

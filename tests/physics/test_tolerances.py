@@ -604,6 +604,135 @@ def test_the_lemma_of_the_bound_of_points() -> None:
     assert sharpest > 0.5
 
 
+def heights() -> Driveline:
+    """The truck at three ride heights."""
+    points = np.repeat(TRUCK[np.newaxis], 3, axis=0)
+    points[:, 3:, 1] += [[-0.03], [0.0], [0.05]]
+    return Driveline.from_points(points, [0.4, -0.1])
+
+
+def test_a_figure_over_states_is_the_largest_of_the_same_drivelines() -> None:
+    line = heights()
+    sizes: dict[str, Any] = {"points": 1e-3, "phases": 0.03, "samples": 2000, "seed": 5}
+    found = line.tolerances(**sizes, states=0)
+    each = [line[i].tolerances(**sizes) for i in range(3)]
+    assert (found.shape, found.n_states) == ((), 3)
+    np.testing.assert_array_equal(found.sampled, np.max([one.sampled for one in each], axis=0))
+    for name in ("nominal", "worst", "linear", "guaranteed"):
+        assert getattr(found, name) == max(getattr(one, name) for one in each)
+    worst = int(np.argmax([one.worst for one in each]))
+    assert found.worst_state == worst
+    np.testing.assert_array_equal(found.shares["points"], each[worst].shares["points"])
+    for i, one in enumerate(each):
+        alone = found.in_state(i)
+        assert alone.n_states is None
+        np.testing.assert_array_equal(alone.sampled, one.sampled)
+        assert alone.worst == one.worst
+
+
+def test_a_driveline_passes_if_it_does_in_every_state() -> None:
+    """Judged by deviations drawn elsewhere and added to the points of every state."""
+    points = np.repeat(TRUCK[np.newaxis], 3, axis=0)
+    points[:, 3:, 1] += [[-0.03], [-0.025], [0.05]]
+    line, count = Driveline.from_points(points, [0.4, -0.1]), 40_000
+    drawn = line.equivalent().bend
+    limit = float(drawn.max() + 1e-4)
+    found = line.tolerances(points=2e-3, states=0, limit=limit, samples=count, seed=2)
+    random = np.random.default_rng(17)
+    moved = points + random.uniform(-2e-3, 2e-3, (count, 1, 5, 3))
+    bends = Driveline.from_points(moved, [0.4, -0.1]).equivalent().bend
+    passing = np.mean(np.all(bends <= limit, axis=-1))
+    scatter = 5.0 * math.sqrt(2.0 * passing * (1.0 - passing) / count)
+    assert found.passing == pytest.approx(passing, abs=scatter)
+    # It is not the share in the worst state, nor the product of the shares.
+    shares = np.mean(bends <= limit, axis=0)
+    assert passing < shares.min() - scatter
+    assert passing > np.prod(shares) + scatter
+
+
+def test_the_worst_over_states_and_how_exact_the_yokes_must_be() -> None:
+    line = heights()
+    found = line.tolerances(phases=[0.03, 0.01], states=0, limit=0.08)
+    levels = np.linspace(-1.0, 1.0, 81)
+    first, second = np.meshgrid(0.03 * levels, 0.01 * levels, indexing="ij")
+    phases = np.array([0.4, -0.1]) + np.stack([first, second], axis=-1)[:, :, np.newaxis]
+    bends = line.with_phases(phases).equivalent().bend
+    assert found.worst >= bends.max()
+    assert found.worst == pytest.approx(bends.max(), rel=1e-6)
+    assert found.worst_state == np.unravel_index(bends.argmax(), bends.shape)[2]
+    at = line.with_phases([0.4, -0.1] + found.worst_at["phases"]).equivalent().bend
+    assert at.max() == pytest.approx(found.worst, rel=1e-9)
+    factor = found.permitted("phases")
+    scaled = line.tolerances(phases=factor * np.array([0.03, 0.01]), states=0)
+    assert scaled.worst == pytest.approx(0.08, rel=1e-8)
+
+
+def test_states_on_another_axis_with_speeds_and_loads() -> None:
+    line = Driveline.from_bends(np.radians([[[10, 9], [12, 5], [3, 4]], [[8, 8], [2, 9], [5, 6]]]))
+    speeds, torques = np.array([50.0, 80.0, 120.0]), np.array([100.0, 150.0, 900.0])
+    of = ("inertia_excitation_driving", "support_moment_1_peak")
+    asked: dict[str, Any] = {"bends": 0.01, "of": of, "samples": 100, "seed": 1}
+    load = Load(output_torque=torques, speed=speeds, inertias=np.full((3, 3), 0.1))
+    found = line.tolerances(**asked, speed=speeds, load=load, states=-1)
+    assert found.shape == (2,)
+    for row in range(2):
+        each = [
+            line[row, i].tolerances(
+                **asked,
+                speed=float(speeds[i]),
+                load=Load(output_torque=torques[i], speed=speeds[i], inertias=[0.1] * 3),
+            )
+            for i in range(3)
+        ]
+        for name in of:
+            assert found.worst[name][row] == pytest.approx(max(one.worst[name] for one in each))
+            assert found.worst_state[name][row] == np.argmax([one.worst[name] for one in each])
+            sampled = np.max([one.sampled[name] for one in each], axis=0)
+            np.testing.assert_allclose(found.sampled[name][row], sampled, rtol=1e-12)
+    crossed = line.tolerances(**asked, speed=speeds, load=load, states=0)
+    assert crossed.shape == (3,)
+    copy = pickle.loads(pickle.dumps(found))
+    assert copy.worst_state["support_moment_1_peak"].tolist() == found.worst_state[of[1]].tolist()
+    assert repr(found).startswith(
+        "<Tolerances of 2 parameters of a batch of shape (2,) in 3 states"
+    )
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "message"),
+    [
+        (
+            lambda: three().tolerances(bends=0.01, states=0),
+            ValueError,
+            "states is given, but the driveline has no batch axis",
+        ),
+        (
+            lambda: heights().tolerances(phases=0.01, states=1),
+            IndexError,
+            "states is 1; there are 1, counted from 0",
+        ),
+        (
+            lambda: heights().tolerances(phases=[[0.01], [0.02], [0.01]] * np.ones(2), states=0),
+            ValueError,
+            "states have different tolerances; they are positions of one driveline",
+        ),
+        (
+            lambda: heights().tolerances(phases=0.01, of="torsional_excitation", speed=[1.0, 2.0]),
+            ValueError,
+            "do not broadcast",
+        ),
+        (
+            lambda: heights().tolerances(phases=0.01, states=0).in_state(3),
+            IndexError,
+            "state is 3; there are 3, counted from 0",
+        ),
+    ],
+)
+def test_states_are_checked(make: Any, error: Any, message: str) -> None:  # noqa: ANN401
+    with pytest.raises(error, match=re.escape(message)):
+        make()
+
+
 def test_the_inertia_excitation_is_the_larger_of_both() -> None:
     line = Driveline.from_bends([4, 9, 12], phases=[10, 80], degrees=True)
     of = ("inertia_excitation", *INERTIA_FIGURES)
@@ -714,7 +843,7 @@ def test_reduced_outputs_keep_bearings_and_points() -> None:
             {"bends": 0.1, "of": ["torque", "angle_error"], "limit": 3.0},
             "limit is 3.0; with several figures it must be a mapping by their names",
         ),
-        ({"bends": 0.1, "speed": np.inf}, "speed is inf; it must be one finite number in rad/s"),
+        ({"bends": 0.1, "speed": np.inf}, "speed is inf; it must be finite, in rad/s"),
         ({"bends": 0.1, "samples": 0}, "samples is 0; it must be positive"),
         ({"bends": 0.1, "samples": 10.0}, "samples is 10.0; it must be an integer"),
         ({"bends": 0.1, "seed": -1}, "seed is -1; it must not be negative"),

@@ -49,12 +49,8 @@ from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
 from cardan.figures.steering import steering_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
-from cardan.figures.tolerances import (
-    needed_tolerances,
-    permitted_tolerances,
-    tolerance_figures,
-    tolerances_data,
-)
+from cardan.figures.tolerance_answers import tolerances_data
+from cardan.figures.tolerances import needed_tolerances, permitted_tolerances, tolerance_figures
 from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file

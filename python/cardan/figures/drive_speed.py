@@ -11,7 +11,7 @@ figure; ten times the driven inertia is just within the rule.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -42,6 +42,8 @@ class DriveSpeed:
         shaft_variation: its own variation at constant drive speed.
         inertia: of shaft 0 in kg m².
         needed: least inertia of shaft 0 that makes the assumption fair, in kg m².
+        state: over states, the name of the one that needs the largest inertia, to which the
+            figures belong.
     """
 
     verdict: Verdict
@@ -50,6 +52,7 @@ class DriveSpeed:
     shaft_variation: float
     inertia: float
     needed: float
+    state: str = ""
 
     @property
     def share(self) -> float:
@@ -58,11 +61,15 @@ class DriveSpeed:
 
 
 def drive_speed(scene: Scene) -> DriveSpeed | None:
-    """Return how constant the speed of a scene's drive is.
+    """Return how constant the speed of a scene's drive is, in the worst of its states.
 
     ``None`` where nothing depends on it: no speed, no inertia behind a joint, no variation, and
     for recorded bends or speeds; a measured drive shows how it gives way.
     """
+    if scene.states:
+        each = {name: drive_speed(scene.in_state(i)) for i, name in enumerate(scene.states.names)}
+        known = [replace(found, state=name) for name, found in each.items() if found]
+        return max(known, key=lambda found: found.needed, default=None)
     load, line = scene.load_case, scene.line
     if load is None or load.inertias is None or line.shape or not scene.speed:
         return None
@@ -103,6 +110,7 @@ def drive_speed_data(scene: Scene) -> dict[str, Any] | None:
         "inertia_kgm2": found.inertia,
         "needed_inertia_kgm2": finite_or_none(found.needed),
         "source": SOURCE,
+        **({"state": found.state} if found.state else {}),
     }
 
 
@@ -121,7 +129,8 @@ DRIVE_SPEED_SCHEMA: Mapping[str, Any] = {
                 "inertia_kgm2": {"type": "number"},
                 "needed_inertia_kgm2": _FIGURE,
                 "source": {"type": "string"},
-            }
+            },
+            {"state": {"type": "string", "description": "the state that needs most inertia"}},
         ),
     ],
 }

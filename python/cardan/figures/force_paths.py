@@ -35,6 +35,7 @@ class ForcePath:
         angle_deg: drive angles in degrees from 0 to 180, ``(361,)``.
         across: part of the force to the right in N, ``(361,)``.
         upwards: part of the force upwards in N, ``(361,)``.
+        state: over states, the name of the one in which the force is largest.
     """
 
     per: Literal["joint", "bearing"]
@@ -44,11 +45,12 @@ class ForcePath:
     angle_deg: FloatArray
     across: FloatArray
     upwards: FloatArray
+    state: str = ""
 
     @property
     def label(self) -> str:
         """What it is a force of, in words."""
-        return f"{self.per} {self.item}"
+        return f"{self.per} {self.item}{self.state and f', in {self.state}'}"
 
     @property
     def largest(self) -> int:

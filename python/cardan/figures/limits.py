@@ -28,7 +28,8 @@ from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
-from cardan.figures.tolerances import TOLERANCES_PART, tolerance_figures, tolerances_part
+from cardan.figures.tolerance_answers import TOLERANCES_PART, tolerances_part
+from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion_answer import TORSION_CHECK_SCHEMA, torsion_check_data
 from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.tubes import TUBES_SCHEMA, tube_figures, tubes_data

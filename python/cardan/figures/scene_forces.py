@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -88,11 +88,14 @@ def scene_forces(scene: Scene) -> SceneForces | None:
 def scene_force_paths(scene: Scene) -> list[ForcePath]:
     """Return the paths of the forces of a scene's joints and bearings that are determinate.
 
-    Those that bear no force have none.
+    Those that bear no force have none. Over states, each is that of the state in which the force is
+    largest.
 
     Raises:
         ValueError: there are none; the message says why.
     """
+    if scene.states:
+        return _largest_paths(scene, scene.states.names)
     line, load = scene.line, scene.load_case
     if reason := _unknown(scene):
         raise ValueError(f"{scene.name}: forces have no path over a turn: {reason}")
@@ -111,6 +114,24 @@ def scene_force_paths(scene: Scene) -> list[ForcePath]:
         reason = f"not determinate: {problems[0]}" if problems else "all 0"
         raise ValueError(f"{scene.name}: forces are {reason}")
     return found
+
+
+def _largest_paths(scene: Scene, names: Sequence[str]) -> list[ForcePath]:
+    found: dict[tuple[str, int], ForcePath] = {}
+    reason: ValueError | None = None
+    for i, name in enumerate(names):
+        try:
+            paths = scene_force_paths(scene.in_state(i))
+        except ValueError as error:
+            reason = error
+            continue
+        for path in paths:
+            key = (path.per, path.item)
+            if key not in found or path.size > found[key].size:
+                found[key] = replace(path, state=name)
+    if not found and reason:
+        raise reason
+    return list(found.values())
 
 
 def _outputs(line: Driveline) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from cardan.figures.life_answer import LIFE_SCHEMA
 from cardan.figures.limits import CHECK_SCHEMA
 from cardan.figures.optimise import OPTIMISE_SCHEMA
 from cardan.figures.run import RUN_SCHEMA
-from cardan.figures.tolerances import TOLERANCES_SCHEMA
+from cardan.figures.tolerance_answers import TOLERANCES_SCHEMA
 from cardan.figures.torsion_answer import TORSION_SCHEMA
 from cardan.figures.yokes import PHASE_SCHEMA
 

@@ -1,19 +1,18 @@
-"""What tolerances make of a scene's driveline, for tables, pictures, report and programs."""
+"""What tolerances make of a scene's driveline, for tables, pictures and report."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.figures.answers import answer, answer_schema, record
-from cardan.figures.extremes import finite_or_none
 from cardan.quantities import MOTION_QUANTITIES, label
 from cardan.scene.scene import Scene
+from cardan.scene.units import in_degrees
 from cardan.tolerances import Tolerances
 
 SHARES = (0.5, 0.95, 0.99)
@@ -71,6 +70,17 @@ class Permitted:
 
 
 @dataclass(frozen=True)
+class ToleranceState:
+    """One figure of a toleranced driveline in one state; attributes as of ``ToleranceFigure``."""
+
+    name: str
+    nominal: float
+    worst: float
+    guaranteed: float | None
+    passing: float | None
+
+
+@dataclass(frozen=True)
 class ToleranceFigure:
     """One figure of a toleranced driveline; angles in degrees.
 
@@ -86,6 +96,9 @@ class ToleranceFigure:
         limit: ``None`` without one.
         passing: share of the drivelines within the limit, ``None`` without one.
         shares: of each joint, shaft or point, the largest first.
+        worst_in: name of the state of the worst driveline; "" without states.
+        nominal_in: name of the state in which the driveline as drawn has its value.
+        states: the figure in each state.
     """
 
     name: str
@@ -99,6 +112,9 @@ class ToleranceFigure:
     limit: float | None
     passing: float | None
     shares: tuple[Share, ...]
+    worst_in: str = ""
+    nominal_in: str = ""
+    states: tuple[ToleranceState, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -129,7 +145,8 @@ def tolerance_figures(scene: Scene) -> ToleranceFigures | None:
         return None
     given = {group: ends for group, sizes in found.given.items() if (ends := _ends(group, sizes))}
     half_tooth = _ends("phases", found.half_tooth.get("phases", np.zeros(0)))
-    figures = tuple(figure_of(found, name) for name in found.of)
+    names = scene.states.names if scene.states else ()
+    figures = tuple(figure_of(found, name, names) for name in found.of)
     return ToleranceFigures(
         given, half_tooth, found.distribution, found.samples, found.seed, figures
     )
@@ -167,30 +184,28 @@ def permitted_tolerances(found: Tolerances) -> tuple[Permitted, ...]:
 
 def in_figure_units(found: Tolerances, name: str, value: Any) -> Any:  # noqa: ANN401
     """Return a result of one figure, with angles in degrees."""
-    one = value[name] if isinstance(value, Mapping) else value
-    return np.degrees(one) if found.unit(name) == "rad" else one
+    return in_degrees(_one(value, name), found.unit(name))[0]
 
 
 def unit_of(found: Tolerances, name: str) -> str:
     """Return the unit of a figure as it is shown: degrees for angles, nothing for a ratio."""
-    return {"rad": "deg", "1": ""}.get(found.unit(name), found.unit(name))
+    return in_degrees(np.zeros(0), found.unit(name))[1]
 
 
-def figure_of(found: Tolerances, name: str) -> ToleranceFigure:
-    """Return one figure of the tolerances of a single driveline."""
+def figure_of(found: Tolerances, name: str, states: Sequence[str] = ()) -> ToleranceFigure:
+    """Return one figure of the tolerances of a single driveline.
+
+    Args:
+        found: the tolerances.
+        name: of the figure.
+        states: names of the states, if there are any.
+    """
 
     def value(of: Any) -> float:  # noqa: ANN401
         return float(in_figure_units(found, name, of))
 
     limit = value(found.limit)
-    judged = not math.isnan(limit)
-    passing = None
-    if judged:
-        passing = float(
-            found.passing[name] if isinstance(found.passing, Mapping) else found.passing
-        )
-    guaranteed = value(found.guaranteed) if name in MOTION_QUANTITIES else None
-    kind = found.worst_kind
+    each = tuple(_in_state(found, name, i, state) for i, state in enumerate(states))
     return ToleranceFigure(
         name,
         label(name),
@@ -198,12 +213,40 @@ def figure_of(found: Tolerances, name: str) -> ToleranceFigure:
         value(found.nominal),
         tuple(map(float, np.atleast_1d(in_figure_units(found, name, found.quantile(SHARES))))),
         value(found.worst),
-        kind[name] if isinstance(kind, Mapping) else kind,
-        guaranteed,
-        limit if judged else None,
-        passing,
+        str(_one(found.worst_kind, name)),
+        value(found.guaranteed) if name in MOTION_QUANTITIES else None,
+        None if math.isnan(limit) else limit,
+        _passing(found, name),
         tuple(sorted(_shares(found, name), key=lambda share: -share.share)),
+        states[int(_one(found.worst_state, name))] if states else "",
+        max(each, key=lambda state: state.nominal).name if each else "",
+        each,
     )
+
+
+def _in_state(found: Tolerances, name: str, state: int, called: str) -> ToleranceState:
+    alone = found.in_state(state)
+
+    def value(of: Any) -> float:  # noqa: ANN401
+        return float(in_figure_units(alone, name, of))
+
+    return ToleranceState(
+        called,
+        value(alone.nominal),
+        value(alone.worst),
+        value(alone.guaranteed) if name in MOTION_QUANTITIES else None,
+        _passing(alone, name),
+    )
+
+
+def _passing(found: Tolerances, name: str) -> float | None:
+    """The share of the drivelines within the limit; ``None`` without one."""
+    return None if math.isnan(float(_one(found.limit, name))) else float(_one(found.passing, name))
+
+
+def _one(value: Any, name: str) -> Any:  # noqa: ANN401
+    """The result of one figure."""
+    return value[name] if isinstance(value, Mapping) else value
 
 
 def _shares(found: Tolerances, name: str) -> Iterator[Share]:
@@ -213,115 +256,3 @@ def _shares(found: Tolerances, name: str) -> Iterator[Share]:
         parts = values.sum(axis=-1) if group == "points" else values
         for number, share in enumerate(parts.tolist(), first):
             yield Share(group, _GROUPS[group], number, share)
-
-
-def tolerances_data(scene: Scene) -> dict[str, Any]:
-    """Return the tolerances of a scene as plain data for JSON.
-
-    Raises:
-        ValueError: it has none.
-    """
-    found = needed_tolerances(scene)
-    assert scene.tolerances
-    permitted = [
-        {
-            "group": part.group,
-            "unit": part.unit,
-            "given": part.given[1],
-            "factor": finite_or_none(part.factor),
-            "needless": math.isinf(part.factor),
-        }
-        for part in permitted_tolerances(scene.tolerances)
-    ]
-    return answer("tolerances", scene.title, **tolerances_part(found), permitted=permitted)
-
-
-def tolerances_part(found: ToleranceFigures) -> dict[str, Any]:
-    """Return the figures as plain data for JSON, as ``TOLERANCES_PART`` describes them."""
-    return {
-        "distribution": found.distribution,
-        "samples": found.samples,
-        "seed": found.seed,
-        "figures": [_entry(figure) for figure in found.figures],
-    }
-
-
-def _entry(figure: ToleranceFigure) -> dict[str, Any]:
-    return {
-        "figure": figure.name,
-        "unit": figure.unit,
-        "nominal": figure.nominal,
-        "quantiles": [
-            {"share": share, "value": value}
-            for share, value in zip(SHARES, figure.quantiles, strict=True)
-        ],
-        "worst": figure.worst,
-        "worst_kind": figure.worst_kind,
-        "guaranteed": figure.guaranteed,
-        "limit": figure.limit,
-        "passing": figure.passing,
-        "shares": [
-            {"group": part.group, "of": part.of, "number": part.number, "share": part.share}
-            for part in figure.shares
-        ],
-    }
-
-
-_NUMBER = {"type": "number"}
-_MAYBE = {"type": ["number", "null"]}
-_TEXT = {"type": "string"}
-_COUNT = {"type": "integer", "minimum": 0}
-_LIST: Mapping[str, Any] = {"type": "array"}
-
-_PART: Mapping[str, Any] = {
-    "distribution": {"enum": ["uniform", "normal"]},
-    "samples": _COUNT,
-    "seed": _COUNT,
-    "figures": {
-        **_LIST,
-        "items": record(
-            {
-                "figure": _TEXT,
-                "unit": {"type": "string", "description": "degrees for angles"},
-                "nominal": _NUMBER,
-                "quantiles": {**_LIST, "items": record({"share": _NUMBER, "value": _NUMBER})},
-                "worst": _NUMBER,
-                "worst_kind": {"enum": ["box", "linear"]},
-                "guaranteed": _MAYBE,
-                "limit": _MAYBE,
-                "passing": _MAYBE,
-                "shares": {
-                    **_LIST,
-                    "items": record(
-                        {"group": _TEXT, "of": _TEXT, "number": _COUNT, "share": _NUMBER}
-                    ),
-                },
-            }
-        ),
-    },
-}
-
-TOLERANCES_PART = record(_PART)
-"""JSON Schema of what ``tolerances_part`` returns."""
-
-_PERMITTED: Mapping[str, Any] = {
-    "permitted": {
-        **_LIST,
-        "description": "by which factor the tolerances of one group may change until the worst "
-        "driveline reaches the limit; null if no factor suffices, or none is needed (needless)",
-        "items": record(
-            {
-                "group": _TEXT,
-                "unit": _TEXT,
-                "given": _NUMBER,
-                "factor": _MAYBE,
-                "needless": {"type": "boolean"},
-            }
-        ),
-    },
-}
-
-TOLERANCES_SCHEMA = answer_schema(
-    "tolerances", "what cardan tolerances prints with --json", {**_PART, **_PERMITTED}
-)
-"""JSON Schema of what ``tolerances_data`` returns."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from cardan.arrays import FloatArray
 from cardan.check import Check
+from cardan.driveline import Driveline
 from cardan.figures.advice import (
     ADVICE_KEYS,
     STATES_ADVICE_SCHEMA,
@@ -90,11 +90,12 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
     # On splines, what can be set.
     set_best = line.with_phases(settings.get("on_teeth", best))
     check = set_best.check(scene.speed or None, scene.limits)
-    return _answer(scene, found, teeth, settings, check)
+    set_ = {key: scene.line.with_phases(phases) for key, phases in settings.items()}
+    return _answer(scene, found, teeth, set_, check)
 
 
 def _over_states(scene: Scene) -> dict[str, Any]:
-    """The setting that serves all states; the root rule is that of [driveline]."""
+    """The setting that serves all states; the root rule is that of the worst state of each."""
     assert scene.states
     if scene.states.set_phases:
         raise ValueError(
@@ -108,25 +109,32 @@ def _over_states(scene: Scene) -> dict[str, Any]:
         for key, shafts in (("best", found["shafts"]), ("on_teeth", teeth))
         if shafts
     }
-    set_best = scene.drivelines().with_phases(settings.get("on_teeth", settings["best"]))
+    lines = scene.drivelines()
+    set_best = lines.with_phases(settings.get("on_teeth", settings["best"]))
     settings = {"present": scene.line.phases, **settings}
-    return _answer(scene, found, teeth, settings, check_states(scene, set_best))
+    check = check_states(scene, set_best)
+    worst = {key: _worst(lines.with_phases(phases)) for key, phases in settings.items()}
+    return _answer(scene, found, teeth, worst, check)
+
+
+def _worst(lines: Driveline) -> Driveline:
+    """The driveline of a batch with the largest equivalent bend."""
+    return lines[int(np.argmax(lines.equivalent().k))]
 
 
 def _answer(
     scene: Scene,
     found: dict[str, Any],
     teeth: list[dict[str, Any]],
-    settings: Mapping[str, FloatArray],
+    lines: Mapping[str, Driveline],
     check: Check,
 ) -> dict[str, Any]:
-    line = scene.line
     return answer(
         "phase",
         scene.title,
         view=VIEW,
         **found,
         teeth=teeth,
-        catalogue={key: root_rule(line.with_phases(phases)) for key, phases in settings.items()},
+        catalogue={key: root_rule(line) for key, line in lines.items()},
         above_limits=[str(finding) for finding in check.findings if not np.all(finding.passes)],
     )

@@ -84,8 +84,8 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         if figure.limit is not None:
             upto.axvline(figure.limit, label=f"limit {figure.limit:.4g}{mark}", **_LIMIT)
         upto.axvline(figure.worst, label=f"worst {figure.worst:.4g}{mark}", **_WORST)
-        heading = f"{figure.label} [{figure.unit}]" if figure.unit else figure.label
-        axes.set_xlabel(heading)
+        of = f", largest of {found.n_states} states" if found.n_states else ""
+        axes.set_xlabel(f"{figure.label}{of}{figure.unit and f' [{figure.unit}]'}")
         value_ticks(axes.xaxis)
         value_ticks(axes.yaxis)
         legend_above(upto)

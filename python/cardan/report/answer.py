@@ -87,19 +87,25 @@ def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
         "verdict": words,
         "groups": groups(found),
         "unvaried": unvaried,
-        "motion": "" if line.shape else _motion(scene),
+        "motion": "" if line.shape else _motion(scene, found),
     }
 
 
-def _motion(scene: Scene) -> str:
-    joint = motion(scene.line)
+def _motion(scene: Scene, found: Check) -> str:
+    """How the last shaft turns, over states in the one with the largest equivalent bend."""
+    joint, place = motion(scene.line), ""
+    if scene.states:
+        bend = next(one for one in found.findings if one.figure == "equivalent_bend")
+        joint = motion(scene.states.driveline(scene.states.names.index(bend.worst_in)))
+        place = f", in {bend.worst_in}"
     if joint.bend == 0.0:
         return "The last shaft turns at the speed of the drive, without any variation."
     error = figure_text(float(np.degrees(joint.max_angle_error)))
     slowest, fastest = range_ends(float(joint.min_speed_ratio), float(joint.max_speed_ratio))
     return (
         f"At constant drive speed, the last shaft leads and lags the drive by up to {error}°, "
-        f"twice per turn. Its speed varies from {slowest} to {fastest} times that of the drive."
+        f"twice per turn{place}. Its speed varies from {slowest} to {fastest} times that of the "
+        "drive."
     )
 
 
@@ -117,7 +123,9 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
             # Every joint repeats its motion after half a turn.
             at = sorted(angle % 360.0 for angle in (at[0], at[0] + 180.0))
         place = f"at {' and '.join(f'{angle:.1f}°' for angle in at)} of drive angle"
-    place += ", with the points of [driveline]" if samples.result.scene.states else ""
+    scene = samples.result.scene
+    if scene.states:
+        place += f", in {largest.state}" if largest.state else ", with the points of [driveline]"
     listed = sorted(by_size[:_MOST], key=lambda peak: peak.item)
     return {
         "assumed": samples.assumed,

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from cardan.figures.force_paths import PER_DEGREE, ForcePath
-from cardan.figures.scene_forces import scene_force_paths, scene_forces
+from cardan.figures.scene_forces import scene_force_paths
+from cardan.figures.states import forces_of
 from cardan.report.charts import number, ticks
 from cardan.scene.scene import Scene
 from cardan.words.summary import figure_text
@@ -24,7 +25,7 @@ _MARKS = range(0, 180 * PER_DEGREE, 30 * PER_DEGREE)
 
 def force_views(scene: Scene) -> list[dict[str, Any]]:
     """Return a view of the force of each joint and bearing; none without forces over a turn."""
-    found = scene_forces(scene)
+    found = forces_of(scene)
     if not found or not any(force.figures.largest > 0.0 for force in found.forces):
         return []
     return [_view(path) for path in scene_force_paths(scene)]

@@ -12,7 +12,7 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.figures.forces import shortest_arm
-from cardan.figures.rounding import first_peak
+from cardan.figures.rounding import alike, first_peak
 from cardan.figures.turn_extremes import magnitudes, peak, values_of
 from cardan.load import Load
 from cardan.outputs import Output
@@ -77,6 +77,7 @@ class Peak:
         size: magnitude, in the unit of the output.
         at_deg: first such drive angle in degrees; ``None`` where all are alike.
         vector: the components there, ``(3,)``; ``None`` of a scalar.
+        state: over states, the name of the one in which it is largest.
     """
 
     output: Output
@@ -84,6 +85,7 @@ class Peak:
     size: float
     at_deg: float | None
     vector: FloatArray | None
+    state: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +139,8 @@ class Samples:
     def peaks(self) -> list[Peak]:
         """The largest magnitudes of the loads and other quantities of every shaft and joint.
 
-        They are those of a whole turn, found between the samples; of a recording those of all
-        samples. Of the motion there are closed forms.
+        They are those of a whole turn and of all states, found between the samples; of a recording
+        those of all samples. Of the motion there are closed forms.
         """
         return list(self._peaks())
 
@@ -150,27 +152,44 @@ class Samples:
             noise = _ROUNDING * (self.largest_torque if output.needs_load else 1.0)
             if output.unit == "N":
                 noise /= shortest_arm(self.result.scene.line)
-            size, angle, there = self._peak(output, item, values)
+            size, angle, there, state = self._peak(output, item, values)
             vector = np.where(np.abs(there) > noise, there, 0.0) if output.vector else None
             if size <= noise:
-                size, angle = 0.0, None
-            yield Peak(output, item, size, angle, vector)
+                size, angle, state = 0.0, None, ""
+            yield Peak(output, item, size, angle, vector, state)
 
     def _peak(
         self, output: Output, item: int, values: FloatArray
-    ) -> tuple[float, float | None, FloatArray]:
-        """Size, drive angle in degrees if it has one, and value there."""
+    ) -> tuple[float, float | None, FloatArray, str]:
+        """Size, drive angle in degrees if it has one, value there, and the state."""
         scene = self.result.scene
         if scene.recording is not None:
             sizes = magnitudes(output, values)
             place, everywhere = first_peak(sizes)
             at = None if everywhere else float(scene.drive_angle_deg[place])
-            return float(sizes[place]), at, values[place]
-        load = scene.load_case if output.needs_load else None
-        found = peak(scene.line, output.name, item, load)
+            return float(sizes[place]), at, values[place], ""
+        each = []
+        for state, line, driving in self._states:
+            load = driving if output.needs_load else None
+            each.append((peak(line, output.name, item, load), line, load, state))
+        found, line, load, state = max(each, key=lambda one: one[0].value)
+        if alike(min(one[0].value for one in each), found.value):
+            state = ""
         first = found.places[0] if found.places else 0.0
-        there = values_of(scene.line, output.name, item, first, load)
-        return found.value, math.degrees(first) if found.places else None, there
+        there = values_of(line, output.name, item, first, load)
+        return found.value, math.degrees(first) if found.places else None, there, state
+
+    @cached_property
+    def _states(self) -> list[tuple[str, Driveline, Load | None]]:
+        """Name, driveline and load of each state; of a scene without states those of the scene."""
+        scene = self.result.scene
+        if not scene.states:
+            return [("", scene.line, scene.load_case)]
+        loads = [scene.states.load(i) for i in range(scene.states.count)]
+        return [
+            (name, scene.states.driveline(i), scene.load_case if self.nominal else loads[i])
+            for i, name in enumerate(scene.states.names)
+        ]
 
     def support_peaks(self) -> list[Peak]:
         """Return the peak of every shaft's support moment."""
@@ -249,12 +268,19 @@ def evaluated(scene: Scene) -> Samples:
         options={},
     )
     result = scene.run()
-    nominal = not np.any(result.values["torque"])
+    nominal = not np.any(result.values["torque"]) and not _loaded_in_states(scene)
     if nominal:
         load = Load(drive_torque=NOMINAL_TORQUE, speed=scene.speed)
         result = replace(scene, load_case=load).run()
     every = math.ceil(len(scene.drive_angle_deg) / _MOST)
     return Samples(result, nominal, slice(None, None, every))
+
+
+def _loaded_in_states(scene: Scene) -> bool:
+    """Whether a state has a torque, which [load] need not have."""
+    states = scene.states
+    loads = [states.load(i) for i in range(states.count)] if states else []
+    return any(load is not None and bool(np.any(load.torque)) for load in loads)
 
 
 def pins(line: Driveline, angle: FloatArray) -> FloatArray:

@@ -56,36 +56,42 @@ class Table(NamedTuple):
 
 
 def inputs(scene: Scene) -> dict[str, Table | None]:
-    """Return what the scene gives: joints, load and drive angles, shafts, bearings if any."""
-    line = scene.line
+    """Return what the scene gives: joints, load and drive angles, shafts, bearings if any.
+
+    Over states, ranges are those of all of them.
+    """
+    line = scene.drivelines() if scene.states else scene.line
     joints = [(f"joint {j}", _span(np.degrees(line.bends[..., j]))) for j in range(line.n_joints)]
     heads = ["Shaft"]
     shafts = [[f"shaft {i}"] for i in range(line.n_joints + 1)]
     if line.n_joints > 1:
         twists = line.twists.reshape(-1, line.n_joints - 1)
-        # Recorded bends leave the yokes as they are.
-        phases = line.phases.reshape(-1, line.n_joints - 1)[0]
+        phases = line.phases.reshape(-1, line.n_joints - 1)
         heads += ["Twist of bend planes [deg]", "Phase of yokes [deg]", f"Output-side yoke, {VIEW}"]
         for i, cells in enumerate(shafts):
             if 0 < i < line.n_joints:
                 twist = _span(within_turn(twists[:, i - 1]))
-                cells += [twist, _figure(within_turn(phases[i - 1])), _setting(phases[i - 1])]
+                own = phases[:, i - 1]
+                one = bool(np.ptp(own) == 0.0)
+                cells += [twist, _span(within_turn(own)), _setting(own[0]) if one else ""]
             else:
                 cells += ["", "", ""]
-    if not line.shape:
+    if scene.states or not line.shape:
         heads += [f"Direction, {axis}" for axis in "xyz"]
-        for cells, direction in zip(shafts, line.directions, strict=True):
-            cells += [f"{value + 0.0:.5f}" for value in direction]
+        directions = line.directions.reshape(-1, line.n_joints + 1, 3)
+        for i, cells in enumerate(shafts):
+            cells += [_coordinate(directions[:, i, axis]) for axis in range(3)]
     if has_lengths(line):
         lengths = line.lengths().each.reshape(-1, line.n_joints + 1)
         heads += ["Length [mm]"]
         for cells, length in zip(shafts, lengths.T, strict=True):
             cells += [_span(1e3 * length)]
-    load = scene.load_case
+    load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
     if load is not None and load.inertias is not None:
         heads += ["Inertia [kg m²]"]
-        for cells, inertia in zip(shafts, load.inertias, strict=True):
-            cells += [_figure(inertia)]
+        inertias = load.inertias.reshape(-1, line.n_joints + 1)
+        for cells, inertia in zip(shafts, inertias.T, strict=True):
+            cells += [_span(inertia)]
     return {
         "joints": Table("Joints", ("Joint", "Bend [deg]"), joints),
         "drive": Table("Load and drive", ("Input", "Value"), _drive(scene)),
@@ -105,7 +111,8 @@ def _bearings(line: Driveline) -> Table:
 
 
 def _drive(scene: Scene) -> list[tuple[str, str]]:
-    load, given = scene.load_case, []
+    load = scene.states.loads(scene.load_case) if scene.states else scene.load_case
+    given = []
     if load is not None:
         given += [(f"Torque at the {load.end}", f"{_span(_known(load.torque))} N m")]
         speed = _known(load.speed)
@@ -139,15 +146,18 @@ def results(samples: Samples) -> list[Table]:
         tables.append(Table(caption, ("", *HEADINGS), force_rows(forces)))
     if not scene.line.shape:
         orders = (2, 4, 6)
-        series = scene.line.harmonics(orders)
+        series = (scene.drivelines() if scene.states else scene.line).harmonics(orders)
+        errors, ratios = (
+            np.max(amplitudes.reshape(-1, len(orders)), axis=0)
+            for amplitudes in (series.angle_error, series.speed_ratio)
+        )
         amplitudes = [
             (f"order {order}", f"{np.degrees(error):.3g}", f"{ratio:.3g}")
-            for order, error, ratio in zip(
-                orders, series.angle_error, series.speed_ratio, strict=True
-            )
+            for order, error, ratio in zip(orders, errors, ratios, strict=True)
         ]
         heads = ["Order of the drive's rotation", "Angle error [deg]", "Speed ratio"]
-        caption = f"Harmonics of shaft {scene.line.n_joints}: amplitudes"
+        largest = f", largest of {scene.states.count} states" if scene.states else ""
+        caption = f"Harmonics of shaft {scene.line.n_joints}: amplitudes{largest}"
         tables.append(Table(caption, heads, amplitudes))
     return tables
 
@@ -161,26 +171,32 @@ def motion(line: Driveline, shaft: int = -1) -> EquivalentJoint:
 
 
 def _motion(scene: Scene) -> Table:
-    line, speed = scene.line, scene.speed
+    line, speed = scene.line, np.asarray(scene.speed)
+    if scene.states:
+        line, load = scene.drivelines(), scene.states.loads(scene.load_case)
+        if load is not None and not scene.speed_recorded:
+            speed = load.speed
     columns: _Columns = {}
     for shaft in range(1, line.n_joints + 1):
         joint = motion(line, shaft)
-        slowest, fastest = np.min(joint.min_speed_ratio), np.max(joint.max_speed_ratio)
+        slowest, fastest = joint.min_speed_ratio, joint.max_speed_ratio
         cells = [
             ("Equivalent bend [deg]", _span(np.degrees(joint.bend))),
             ("Largest angle error [deg]", _span(np.degrees(joint.max_angle_error))),
             ("Non-uniformity U", _span(joint.non_uniformity)),
             ("Speed ratio", _ends(slowest, fastest)),
         ]
-        if speed:
-            rpm = sorted((slowest * speed / RPM, fastest * speed / RPM))
-            cells += [("Speed [rpm]", _ends(*rpm))]
+        if np.any(speed):
+            cells += [("Speed [rpm]", _ends(slowest * speed / RPM, fastest * speed / RPM))]
         cells += [("Largest acceleration ratio", _span(joint.max_acceleration_ratio))]
-        if speed:
+        if np.any(speed):
             acceleration = joint.max_acceleration_ratio * speed * speed
             cells += [("Largest acceleration [rad/s²]", _span(acceleration))]
         columns[f"shaft {shaft}"] = cells
-    over = "the bends of all samples" if line.shape else "a whole turn at constant drive speed"
+    over = (
+        "the bends of all samples" if scene.line.shape else "a whole turn at constant drive speed"
+    )
+    over += f" and {scene.states.count} states" if scene.states else ""
     return _table(f"Motion of the shafts over {over}", columns)
 
 
@@ -188,19 +204,24 @@ def _largest(samples: Samples, per: str) -> Table:
     """What the samples of each shaft or joint reach; the motion of shafts has its own table."""
     scene = samples.result.scene
     columns: _Columns = {}
+    states = scene.states is not None and scene.recording is None
     for peak in samples.peaks:
         if peak.output.per == per:
-            columns.setdefault(f"{per} {peak.item}", []).extend(_cells(peak))
+            columns.setdefault(f"{per} {peak.item}", []).extend(_cells(peak, states=states))
     count = len(scene.drive_angle_deg)
     over = f"of {count} recorded samples" if scene.recording else "over a whole turn"
+    if scene.states and not scene.recording:
+        over += f" and {scene.states.count} states"
     return _table(f"Loads of the {per}s, largest {over}{samples.assumed}", columns)
 
 
-def _cells(peak: Peak) -> list[tuple[str, str]]:
+def _cells(peak: Peak, *, states: bool) -> list[tuple[str, str]]:
     size, unit = in_degrees(np.array(peak.size), peak.output.unit)
     name = f"Largest {peak.output.label}"
     cells = [(f"{name} [{unit}]" if unit else name, _figure(size))]
     cells += [("at drive angle [deg]", "any" if peak.at_deg is None else f"{peak.at_deg:.1f}")]
+    if states:
+        cells += [("in", peak.state or "all states")]
     if peak.vector is not None:
         for axis, value in zip("xyz", peak.vector, strict=True):
             cells += [(f"{axis} component there [{unit}]", _figure(value))]
@@ -286,6 +307,12 @@ def _span(values: FloatArray | float) -> str:
     return f"{_figure(low)} to {_figure(high)}"
 
 
-def _ends(low: float, high: float) -> str:
-    """Both ends of a range, with enough decimals to tell them apart."""
+def _coordinate(values: FloatArray) -> str:
+    low, high = (f"{end + 0.0:.5f}" for end in (np.min(values), np.max(values)))
+    return low if low == high else f"{low} to {high}"
+
+
+def _ends(first: FloatArray, second: FloatArray) -> str:
+    """The least and the largest of two, with enough decimals to tell them apart."""
+    low, high = float(np.min([first, second])), float(np.max([first, second]))
     return " to ".join(range_ends(low, high)) if high > low else _figure(high)

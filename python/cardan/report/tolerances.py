@@ -18,15 +18,19 @@ from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
 from cardan.tolerances import Tolerances
 from cardan.words.tolerances import (
+    STATE_HEADS,
     figure_lines,
     given_lines,
     limit_text,
     percent,
     permitted_texts,
+    state_row,
     verdict_text,
 )
 
 _POINTS, _MOST_BARS = 200, 10
+
+_HEADS = tuple(head.capitalize() for head in STATE_HEADS)
 
 
 def tolerances(found: ToleranceFigures, of: Tolerances) -> dict[str, Any]:
@@ -49,6 +53,7 @@ def tolerances(found: ToleranceFigures, of: Tolerances) -> dict[str, Any]:
                 "table": Table(
                     figure.label.capitalize(), ("Drivelines", "Value"), figure_lines(figure)
                 ),
+                "states": _states(figure),
                 "chart": _scatter(figure, of),
                 "shares": _bars(figure),
                 "label": figure.label,
@@ -56,6 +61,14 @@ def tolerances(found: ToleranceFigures, of: Tolerances) -> dict[str, Any]:
             for figure in found.figures
         ],
     }
+
+
+def _states(figure: ToleranceFigure) -> Table | None:
+    """A row for each state; ``None`` without states."""
+    if not figure.states:
+        return None
+    rows = [(state.name, *state_row(figure, state)) for state in figure.states]
+    return Table(f"{figure.label.capitalize()} in each state", ("State", *_HEADS), rows)
 
 
 def _class(figure: ToleranceFigure) -> str:

@@ -20,7 +20,7 @@ from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
 from cardan.scene.steering import STEERING
-from cardan.scene.tolerances import TOLERANCES
+from cardan.scene.tolerances_section import TOLERANCES
 from cardan.scene.torsion import TORSION
 from cardan.scene.tubes_section import TUBES
 

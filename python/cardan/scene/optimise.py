@@ -103,8 +103,8 @@ class Optimisation:
         if self.load is None:
             return None
         # Of a recorded speed the largest counts.
-        by_state = self.load.speed.shape == (len(self.names), 1)
-        speed = self.load.speed[:, 0] if by_state else np.asarray(largest_speed(self.load))
+        by_state = self.load.speed.shape == (len(self.names),) and self.states is not None
+        speed = self.load.speed if by_state else np.asarray(largest_speed(self.load))
         return np.abs(speed) if np.all(speed) else None
 
     def measure(self, argument: str, quantity: str) -> Measure:
@@ -269,7 +269,7 @@ def optimisation_of(
     variables = tuple(_variable(axis, ranges[axis.key], layout, teeth) for axis in axes)
     values = {key: entry.default for key, entry in OPTIMISE.keys.items()} | dict(given)
     if states:
-        load = _load_of_states(states, load)
+        load = states.loads(load)
         for axis in axes:
             _check_states(axis, states.axes)
     found = Optimisation(
@@ -366,20 +366,3 @@ def _check_quantities(found: Optimisation) -> None:
         motion = MOTION_QUANTITIES.get(quantity)
         if place and motion and motion.needs_speed and found.speed is None:
             raise Location(argument, place).error("needs the speed of the drive in [load]")
-
-
-def _load_of_states(states: States, load: Load | None) -> Load | None:
-    """The load of all states, its arrays ``(states, 1)``, if states vary it."""
-    if load is None or all(axis.section == "driveline" for axis in states.axes):
-        return load
-    every = [states.load(i) for i in range(states.count)]
-    loads = [one for one in every if one is not None]
-
-    def column(name: str) -> FloatArray:
-        return np.stack([np.asarray(getattr(one, name)) for one in loads])[:, np.newaxis]
-
-    inertias = None if load.inertias is None else column("inertias")
-    torque: dict[str, Any] = {f"{loads[0].end}_torque": column("torque")}
-    return Load(
-        speed=column("speed"), acceleration=column("acceleration"), inertias=inertias, **torque
-    )

@@ -30,7 +30,6 @@ from cardan.scene.parts import (
     check_load,
     check_not_recorded,
     filled,
-    largest_speed,
     make_driveline,
     make_load,
     teeth_of,
@@ -132,11 +131,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         if "steering" in given and angle.bends is not None:
             raise ValueError("it does not go with recorded bends, which differ by sample")
         column = steering_of(given["steering"]) if "steering" in given else None
-    limits, tolerances = Limits(**given.get("limits", {})), None
-    with document.within("tolerances"):
-        if "tolerances" in given:
-            speed = largest_speed(loaded.load)
-            tolerances = tolerances_of(given["tolerances"], line, limits, loaded.load, speed)
+    limits = Limits(**given.get("limits", {}))
     torsion = None
     with document.within("torsion"):
         if "torsion" in given:
@@ -153,6 +148,10 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             states = states_of(given["states"], layout)
     service = service_of(document, folder, line, loaded.load, layout, states)
+    tolerances = None
+    with document.within("tolerances"):
+        if "tolerances" in given:
+            tolerances = tolerances_of(given["tolerances"], line, limits, loaded.load, states)
     with document.within("optimise"):
         optimisation = optimisation_of(
             given.get("optimise"), layout, states, loaded.load, described.teeth

@@ -80,7 +80,8 @@ class Scene:
             [driveline], whether that is one of them or not.
         steering: what the scene says of its driveline as a steering column, if it is one.
         optimisation: what may change for the better, if the scene says so.
-        tolerances: what errors of manufacture make of the driveline, if the scene gives any.
+        tolerances: what errors of manufacture make of the driveline in all of its states, if the
+            scene gives any.
         driven_angle_deg: angles of the last shaft in degrees, ``(samples,)``, if the scene gives
             those in place of drive angles.
         service: its joints, duty cycle and tubes.
@@ -289,6 +290,7 @@ class Scene:
             study=self.study and self.states.study(self.study, state),
             layout=None,
             states=None,
+            tolerances=self.tolerances and self.tolerances.in_state(state),
         )
 
     def run(self, progress: Progress | None = None) -> SceneResult:

@@ -91,6 +91,25 @@ class States:
         """Return the load in one state, if there is one."""
         return None if self.layout.load is None else make_load(self._loads(self.layout.load, state))
 
+    def loads(self, load: Load | None) -> Load | None:
+        """Return the load of all states, with arrays ``(count,)`` if states vary it.
+
+        Args:
+            load: that of the scene.
+        """
+        if load is None or all(axis.section == "driveline" for axis in self.axes):
+            return load
+        each = [one for i in range(self.count) if (one := self.load(i))]
+
+        def column(name: str) -> FloatArray:
+            return np.stack([np.asarray(getattr(one, name)) for one in each])
+
+        torque: dict[str, Any] = {f"{each[0].end}_torque": column("torque")}
+        inertias = None if load.inertias is None else column("inertias")
+        return Load(
+            speed=column("speed"), acceleration=column("acceleration"), inertias=inertias, **torque
+        )
+
     def study(self, of_one: Study, state: int) -> Study:
         """Return what a study without keys that vary computes of one state."""
         values = self.layout.values(self.axes, self.count)

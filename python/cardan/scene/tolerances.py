@@ -1,4 +1,4 @@
-"""The section of a scene that says how exactly a driveline is made and assembled."""
+"""What a scene's tolerances make of its driveline, in all of its states."""
 
 from __future__ import annotations
 
@@ -7,69 +7,25 @@ from typing import Any
 
 import numpy as np
 
-import cardan.scene.values as kinds
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
 from cardan.quantities import MOTION_QUANTITIES, modulus_of_bend, reduced_quantity
-from cardan.scene.sections import Key, Section
-from cardan.tolerances import REDUCTIONS, Tolerances
-
-TOLERANCES = Section(
-    "how exactly the driveline is made and assembled: each figure is ± that much",
-    {
-        "bends_deg": Key(kinds.TOLERANCES, "of the bends: one number, or one per joint"),
-        "twists_deg": Key(
-            kinds.TOLERANCES, "of the twists: one number, or one per intermediate shaft"
-        ),
-        "phases_deg": Key(
-            kinds.TOLERANCES, "of the yokes: one number, or one per intermediate shaft"
-        ),
-        "points_mm": Key(
-            kinds.TOLERANCES,
-            "of every coordinate of the points: one number, or one per point; in place of "
-            "bends_deg and twists_deg",
-        ),
-        "teeth": Key(
-            kinds.TEETH,
-            "teeth of the spline of each intermediate shaft, on which a yoke can only be set to "
-            "within half a tooth: one number, or one per shaft",
-        ),
-        "distribution": Key(
-            kinds.DISTRIBUTION,
-            "uniform, or normal with the tolerance as three standard deviations",
-            default="uniform",
-        ),
-        "of": Key(
-            kinds.TOLERANCED,
-            f"figures, from {', '.join(MOTION_QUANTITIES)}, or outputs over a turn, as "
-            "support_moment_1_peak; default: equivalent_bend",
-        ),
-        "reduce": Key(
-            kinds.WORST_REDUCED,
-            "of outputs that are named without it, of the last shaft or of all joints: "
-            f"{', '.join(REDUCTIONS)}",
-            default="peak",
-        ),
-        "limit": Key(
-            kinds.POSITIVE,
-            "of the only figure: degrees for an angle, else SI units; default: that of [limits]",
-        ),
-        "samples": Key(kinds.SAMPLES, "random drivelines", default=100_000),
-        "seed": Key(kinds.SEED, "of their random numbers", default=0),
-    },
-    needed=(("bends_deg", "twists_deg", "phases_deg", "points_mm", "teeth"),),
-    together=(("bends_deg", "points_mm"), ("twists_deg", "points_mm")),
-)
-"""The section [tolerances]."""
+from cardan.scene.parts import largest_speed
+from cardan.scene.states import States
+from cardan.tolerances import Tolerances
 
 _ANGLES = {"bends_deg": "bends", "twists_deg": "twists", "phases_deg": "phases"}
 
 
 def tolerances_of(
-    values: Mapping[str, Any], line: Driveline, limits: Limits, load: Load | None, speed: float
+    values: Mapping[str, Any],
+    line: Driveline,
+    limits: Limits,
+    load: Load | None,
+    states: States | None,
 ) -> Tolerances:
     """Return the tolerances that the keys of the section describe.
 
@@ -78,7 +34,7 @@ def tolerances_of(
         line: the driveline of the scene, with lengths in metres.
         limits: of the scene.
         load: of the scene, if it has one.
-        speed: of the drive in rad/s, 0 if it is not known.
+        states: of the scene, if it has any; the driveline of [driveline] may be none of them.
 
     Raises:
         ValueError: recorded bends, as ``Driveline.tolerances`` with the key as the argument.
@@ -86,14 +42,19 @@ def tolerances_of(
     if line.shape:
         raise ValueError("it does not go with recorded bends, which differ by sample")
     _check_lengths(values, line.n_joints)
+    # Of a recorded speed the largest counts.
+    speed: Any = largest_speed(load)
+    if states:
+        line, load = states.drivelines(), states.loads(load)
+        speed = speed if load is None or load.speed.shape != line.shape else load.speed
     of = values.get("of", ["equivalent_bend"])
     for name in of:
         output = _output_of(name)
         if output and output.needs_load and load is None:
             raise ArgumentValueError("of", f"has {name!r}, which needs a section [load]")
-        if not output and MOTION_QUANTITIES[name].needs_speed and not speed:
+        if not output and MOTION_QUANTITIES[name].needs_speed and not np.all(speed):
             raise ArgumentValueError("of", f"has {name!r}, which needs a speed in [load]")
-        if output and load is not None and np.ndim(load.speed + load.torque):
+        if output and load is not None and (load.speed + load.torque).shape not in ((), line.shape):
             raise ArgumentValueError("of", f"has {name!r}, which does not go with a recorded load")
     given: dict[str, Any] = {
         argument: np.radians(values[key]) for key, argument in _ANGLES.items() if key in values
@@ -112,6 +73,7 @@ def tolerances_of(
             limit=_limits(values, of, limits),
             speed=speed,
             load=load,
+            states=None if states is None else 0,
             samples=values.get("samples", 100_000),
             seed=values.get("seed", 0),
         )

@@ -5,17 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from cardan.tolerances.case import Case, Quantity
+from cardan.tolerances.case import Quantity
+from cardan.tolerances.design import Design
 
 # Up to this factor, and until the limit is met this closely.
 _MOST, _CLOSE, _ROUNDS = 1e6, 1e-11, 100
 
 
-def permitted_factor(case: Case, quantity: Quantity, limit: float, group: str, bound: str) -> float:
+def permitted_factor(
+    design: Design, quantity: Quantity, limit: float, group: str, bound: str
+) -> float:
     """Return the factor of the tolerances of one group at which a bound reaches the limit.
 
     Args:
-        case: the driveline with its tolerances.
+        design: the driveline with its tolerances.
         quantity: the figure.
         limit: of the figure.
         group: of parameters.
@@ -26,9 +29,9 @@ def permitted_factor(case: Case, quantity: Quantity, limit: float, group: str, b
     """
 
     def excess(factor: float) -> float:
-        scaled = case.scaled(group, factor)
+        scaled = design.scaled(group, factor)
         try:
-            scaled.box.check()
+            scaled.check()
         except ValueError:
             return math.inf
         return float(getattr(scaled, bound)(quantity)) / limit - 1.0

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import as_float64
-from cardan.errors import ArgumentTypeError, ArgumentValueError
+from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 from cardan.geometry import Geometry
 from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.load import Load
@@ -27,6 +27,7 @@ from cardan.quantities import (
 from cardan.request import Items, Reduction, item_index
 from cardan.tolerances.box import Toleranced, boxes
 from cardan.tolerances.case import Case, Quantity
+from cardan.tolerances.design import Design
 from cardan.tolerances.result import Tolerances
 
 REDUCTIONS: tuple[Reduction, ...] = ("peak", "rms", "max", "mean")
@@ -48,8 +49,9 @@ def tolerances(
     teeth: ArrayLike | None,
     of: str | Iterable[str],
     limit: Any,  # noqa: ANN401 - a number or a mapping
-    speed: float | None,
+    speed: ArrayLike | None,
     load: Load | None,
+    states: SupportsIndex | None,
     reduce: Reduction,
     shaft: SupportsIndex,
     shafts: Items,
@@ -72,15 +74,19 @@ def tolerances(
     for name, quantity in quantities.items():
         if isinstance(quantity, MotionQuantity) and quantity.needs_speed and speed is None:
             raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
-    known_speed = 0.0 if speed is None else _speed(speed)
+    speeds = np.zeros(each.shape) if speed is None else _speeds(speed, each.shape)
+    loads = _loads(load, each.shape)
     geometries = each.geometry.reshaped((len(each.each),))
     cases = [
-        Case(box, geometries.taken(i), line_of, index, known_speed, load, workers)
-        for i, box in enumerate(each.each)
+        Case(box, geometries.taken(i), line_of, index, own_speed, own_load, workers)
+        for i, (box, own_speed, own_load) in enumerate(
+            zip(each.each, speeds.ravel().tolist(), loads, strict=True)
+        )
     ]
+    shape, designs, n_states = _designs(cases, each.shape, line, states)
     return Tolerances(
-        cases,
-        each.shape,
+        designs,
+        shape,
         quantities,
         several=several,
         limits=_limits(limit, quantities, several, degrees),
@@ -88,7 +94,31 @@ def tolerances(
         seed=_seed(seed),
         distribution=distribution,
         workers=workers,
+        n_states=n_states,
     )
+
+
+def _designs(
+    cases: Sequence[Case], shape: tuple[int, ...], line: Toleranced, states: SupportsIndex | None
+) -> tuple[tuple[int, ...], list[Design], int | None]:
+    """The shape of the batch without the states, its drivelines, and the number of states."""
+    if states is None:
+        return shape, [Design((case,)) for case in cases], None
+    if not line.shape:
+        raise ArgumentValueError("states", "is given, but the driveline has no batch axis")
+    # Tolerances may put more axes in front.
+    axis = item_index("states", states, len(line.shape)) - len(line.shape)
+    order = np.moveaxis(np.arange(len(cases)).reshape(shape), axis, -1)
+    designs = []
+    for numbers in order.reshape(-1, shape[axis]):
+        design = Design(tuple(cases[i] for i in numbers))
+        sizes = [(case.box.halves, case.box.teeth) for case in design.cases]
+        if any(one != sizes[0] for one in sizes):
+            raise ArgumentValueError(
+                "states", "have different tolerances; they are positions of one driveline"
+            )
+        designs.append(design)
+    return order.shape[:-1], designs, shape[axis]
 
 
 def _names(of: str | Iterable[str]) -> tuple[tuple[str, ...], bool]:
@@ -165,11 +195,42 @@ def _limits(
     return found
 
 
-def _speed(speed: float) -> float:
+def _speeds(speed: ArrayLike, shape: tuple[int, ...]) -> FloatArray:
+    """The speed of each driveline of the batch."""
     value = as_float64("speed", speed)
-    if value.ndim or not np.isfinite(value):
-        raise ArgumentValueError("speed", f"is {speed!r}; it must be one finite number in rad/s")
-    return float(value)
+    wrong = ~np.isfinite(value)
+    if wrong.any():
+        raise wrong_element("speed", value, wrong, "; it must be finite, in rad/s")
+    if common_shape(driveline=shape, speed=value.shape) != shape:
+        raise ArgumentValueError("speed", f"has shape {value.shape}; the drivelines have {shape}")
+    return np.broadcast_to(value, shape)
+
+
+def _loads(load: Load | None, shape: tuple[int, ...]) -> list[Load | None]:
+    """The load of each driveline of the batch."""
+    count = math.prod(shape)
+    if load is None:
+        return [None] * count
+    shapes = {"torque": load.torque.shape, "speed": load.speed.shape}
+    shapes["acceleration"] = load.acceleration.shape
+    if load.inertias is not None:
+        shapes["inertias"] = load.inertias.shape[:-1]
+    if not any(shapes.values()):
+        return [load] * count
+    if common_shape(driveline=shape, **shapes) != shape:
+        raise ArgumentValueError("load", f"has values for more drivelines than {shape}")
+
+    def each(values: FloatArray, *core: int) -> FloatArray:
+        return np.broadcast_to(values, (*shape, *core)).reshape(count, *core)
+
+    columns = {
+        f"{load.end}_torque": each(load.torque),
+        "speed": each(load.speed),
+        "acceleration": each(load.acceleration),
+    }
+    if load.inertias is not None:
+        columns["inertias"] = each(load.inertias, load.inertias.shape[-1])
+    return [Load(**{name: column[i] for name, column in columns.items()}) for i in range(count)]
 
 
 def _samples(samples: SupportsIndex) -> int:

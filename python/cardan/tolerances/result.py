@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
-from typing import Any
+from typing import Any, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,20 +13,33 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64, scalar_or_array
 from cardan.errors import ArgumentValueError
 from cardan.quantities import MOTION_QUANTITIES, MotionQuantity
-from cardan.tolerances.case import Case, Quantity
+from cardan.request import item_index
+from cardan.tolerances.case import Quantity
+from cardan.tolerances.design import Design
 from cardan.tolerances.permitted import permitted_factor
 from cardan.tolerances.sampling import sample
+
+
+def _in_degrees(name: str) -> Any:  # noqa: ANN401 - a property
+    """Return the property that is another one in degrees."""
+
+    def of(self: Tolerances) -> Any:  # noqa: ANN401
+        return self._degrees(getattr(self, name))
+
+    return property(of, doc=f"``{name}`` in degrees.")
 
 
 class Tolerances:
     """The effect of tolerances on figures of a driveline; see ``Driveline.tolerances``.
 
     With one figure every result is an array in the shape of the batch (a number for a single
-    driveline). With several it is a mapping from their names to such arrays.
+    driveline). With several it is a mapping from their names to such arrays. With states, every
+    figure is the largest of all states.
 
     Attributes:
         of: names of the figures.
-        shape: shape of the batch.
+        shape: shape of the batch, without the axis of the states.
+        n_states: number of states; ``None`` without them.
         samples: number of random drivelines.
         seed: of their random numbers; the same seed gives the same samples again.
         distribution: ``"uniform"`` or ``"normal"``.
@@ -34,7 +47,7 @@ class Tolerances:
 
     def __init__(
         self,
-        cases: Sequence[Case],
+        designs: Sequence[Design],
         shape: tuple[int, ...],
         quantities: Mapping[str, Quantity],
         *,
@@ -44,28 +57,68 @@ class Tolerances:
         seed: int,
         distribution: str,
         workers: int | None,
+        n_states: int | None = None,
     ) -> None:
         """Take checked arguments; ``Driveline.tolerances`` makes them."""
-        self._cases, self._quantities, self._several = cases, quantities, several
+        self.n_states = n_states
+        self._in_states: dict[int, Tolerances] = {}
+        self._designs, self._quantities, self._several = designs, quantities, several
         self._limits, self._workers = limits, workers
         self.of = tuple(quantities)
         self.shape = shape
         self.samples, self.seed, self.distribution = samples, seed, distribution
 
+    def in_state(self, state: SupportsIndex) -> Tolerances:
+        """Return the same in one of the states alone, with the same random numbers.
+
+        Raises:
+            IndexError: a state that does not exist.
+            TypeError: an index that is not an integer.
+        """
+        index = item_index("state", state, self.n_states or 0)
+        if index not in self._in_states:
+            self._in_states[index] = self._alone(index)
+        return self._in_states[index]
+
+    def _alone(self, index: int) -> Tolerances:
+        return Tolerances(
+            [design.in_state(index) for design in self._designs],
+            self.shape,
+            self._quantities,
+            several=self._several,
+            limits=self._limits,
+            samples=self.samples,
+            seed=self.seed,
+            distribution=self.distribution,
+            workers=self._workers,
+        )
+
+    @cached_property
+    def worst_state(self) -> Any:  # noqa: ANN401
+        """Number of the state with the worst figure, counted from 0."""
+        found = {
+            name: [design.worst_state(quantity) for design in self._designs]
+            for name, quantity in self._quantities.items()
+        }
+        return self._named(
+            {name: np.reshape(states, self.shape)[()] for name, states in found.items()}
+        )
+
     @property
     def given(self) -> dict[str, FloatArray]:
         """The tolerances by group in rad or the unit of the points, without half a tooth."""
-        return self._by_group([case.box.sizes - case.box.tooth_sizes for case in self._cases])
+        boxes = [design.box for design in self._designs]
+        return self._by_group([box.sizes - box.tooth_sizes for box in boxes])
 
     @property
     def half_tooth(self) -> dict[str, FloatArray]:
         """Half a tooth of each phase in rad, by group like ``given``; 0 where none is set."""
-        return self._by_group([case.box.tooth_sizes for case in self._cases])
+        return self._by_group([design.box.tooth_sizes for design in self._designs])
 
     @property
     def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name
         """The figure of the driveline as drawn."""
-        return self._each(Case.nominal)
+        return self._each(Design.nominal)
 
     @cached_property
     def worst(self) -> Any:  # noqa: ANN401
@@ -74,7 +127,7 @@ class Tolerances:
         For a normal distribution the tolerances are three standard deviations, and samples beyond
         them can exceed this figure.
         """
-        return self._each(Case.worst)
+        return self._each(Design.worst)
 
     @property
     def worst_kind(self) -> Any:  # noqa: ANN401
@@ -85,7 +138,7 @@ class Tolerances:
         """
         return self._named(
             {
-                name: "box" if all(case.searched(quantity) for case in self._cases) else "linear"
+                name: "box" if self._searched(quantity) else "linear"
                 for name, quantity in self._quantities.items()
             }
         )
@@ -97,9 +150,9 @@ class Tolerances:
         Raises:
             ValueError: ``worst_kind`` is ``"linear"``.
         """
-        if not all(case.searched(q) for case in self._cases for q in self._quantities.values()):
+        if not all(map(self._searched, self._quantities.values())):
             raise ValueError("the worst driveline is not known: worst_kind is 'linear'")
-        return self._grouped(Case.worst_at)
+        return self._grouped(Design.worst_at)
 
     @cached_property
     def linear(self) -> Any:  # noqa: ANN401
@@ -107,7 +160,7 @@ class Tolerances:
 
         For a reduced output: its value and the sum of the magnitudes of all first-order changes.
         """
-        return self._each(Case.linear)
+        return self._each(Design.linear)
 
     @cached_property
     def guaranteed(self) -> Any:  # noqa: ANN401
@@ -119,7 +172,7 @@ class Tolerances:
             ValueError: the only figure is a reduced output, of which no bound is known.
         """
         found = {
-            name: self._batch([case.guaranteed(quantity) for case in self._cases])
+            name: self._batch([design.guaranteed(quantity) for design in self._designs])
             for name, quantity in self._quantities.items()
             if isinstance(quantity, MotionQuantity)
         }
@@ -137,11 +190,11 @@ class Tolerances:
 
         All drivelines of a batch have the same random numbers, so that they can be compared.
         """
-        found = {name: np.empty((len(self._cases), self.samples)) for name in self.of}
-        for i, case in enumerate(self._cases):
-            of = partial(case.values, self._quantities)
+        found = {name: np.empty((len(self._designs), self.samples)) for name in self.of}
+        for i, design in enumerate(self._designs):
+            of = partial(design.values, self._quantities)
             out = {name: values[i] for name, values in found.items()}
-            sample(case.box, self.seed, self._workers, of, out)
+            sample(design.box, self.seed, self._workers, of, out)
         return self._named(
             {name: values.reshape((*self.shape, self.samples)) for name, values in found.items()}
         )
@@ -178,11 +231,12 @@ class Tolerances:
         """Share of each parameter in the scatter of the figure, by group; together they are 1.
 
         ``|dq/dx|² sigma²`` of each parameter over the sum; for a reduced output with its own
-        derivative. ``"bends"``: ``(..., n)``, ``"phases"`` and ``"twists"``: ``(..., n - 1)``,
-        ``"points"``: ``(..., n + 2, 3)``.
+        derivative. With states, in the scatter of the state with the worst figure. ``"bends"``:
+        ``(..., n)``, ``"phases"`` and ``"twists"``: ``(..., n - 1)``, ``"points"``: ``(..., n + 2,
+        3)``.
         """
 
-        return self._grouped(Case.shares)
+        return self._grouped(Design.shares)
 
     @property
     def passing(self) -> Any:  # noqa: ANN401
@@ -228,48 +282,36 @@ class Tolerances:
         """
         if self._several or self.shape:
             raise ValueError("permitted tolerances are found for one driveline and one figure")
-        case, name = self._cases[0], self.of[0]
+        design, name = self._designs[0], self.of[0]
         quantity = self._quantities[name]
         if name not in self._limits:
             raise ArgumentValueError("limit", f"is missing; {name!r} has no limit of its own")
-        if not any(place[0] == group for place in case.box.places):
+        if not any(place[0] == group for place in design.box.places):
             raise ArgumentValueError("group", f"is {group!r}; it has no tolerances")
         if bound not in ("worst", "linear", "guaranteed"):
             raise ArgumentValueError(
                 "bound", f"is {bound!r}; it must be 'worst', 'linear' or 'guaranteed'"
             )
 
-        return permitted_factor(case, quantity, self._limits[name], group, bound)
+        return permitted_factor(design, quantity, self._limits[name], group, bound)
 
-    @property
-    def nominal_deg(self) -> Any:  # noqa: ANN401
-        """``nominal`` in degrees."""
-        return self._degrees(self.nominal)
+    nominal_deg = _in_degrees("nominal")
+    """``nominal`` in degrees."""
 
-    @property
-    def worst_deg(self) -> Any:  # noqa: ANN401
-        """``worst`` in degrees."""
-        return self._degrees(self.worst)
+    worst_deg = _in_degrees("worst")
+    """``worst`` in degrees."""
 
-    @property
-    def linear_deg(self) -> Any:  # noqa: ANN401
-        """``linear`` in degrees."""
-        return self._degrees(self.linear)
+    linear_deg = _in_degrees("linear")
+    """``linear`` in degrees."""
 
-    @property
-    def guaranteed_deg(self) -> Any:  # noqa: ANN401
-        """``guaranteed`` in degrees."""
-        return self._degrees(self.guaranteed)
+    guaranteed_deg = _in_degrees("guaranteed")
+    """``guaranteed`` in degrees."""
 
-    @property
-    def sampled_deg(self) -> Any:  # noqa: ANN401
-        """``sampled`` in degrees."""
-        return self._degrees(self.sampled)
+    sampled_deg = _in_degrees("sampled")
+    """``sampled`` in degrees."""
 
-    @property
-    def limit_deg(self) -> Any:  # noqa: ANN401
-        """``limit`` in degrees."""
-        return self._degrees(self.limit)
+    limit_deg = _in_degrees("limit")
+    """``limit`` in degrees."""
 
     def quantile_deg(self, share: ArrayLike) -> Any:  # noqa: ANN401
         """Return ``quantile`` in degrees."""
@@ -281,8 +323,9 @@ class Tolerances:
 
     def __repr__(self) -> str:
         """Show the figures, the number of parameters and of drivelines."""
-        parameters = max((len(case.box.places) for case in self._cases), default=0)
+        parameters = max((len(design.box.places) for design in self._designs), default=0)
         batch = f" of a batch of shape {self.shape}" if self.shape else ""
+        batch += f" in {self.n_states} states" if self.n_states else ""
         kinds = self.worst_kind if self._several else {self.of[0]: self.worst_kind}
         listed = ", ".join(f"{name} (worst: {kinds[name]})" for name in self.of)
         return f"<Tolerances of {parameters} parameters{batch}: {listed}>"
@@ -297,17 +340,20 @@ class Tolerances:
             return {name: np.degrees(value)[()] for name, value in values.items()}
         return np.degrees(values)[()]
 
+    def _searched(self, quantity: Quantity) -> bool:
+        return all(design.searched(quantity) for design in self._designs)
+
     def _sampled_by_name(self) -> Mapping[str, FloatArray]:
         found: Mapping[str, FloatArray] = (
             self.sampled if self._several else {self.of[0]: self.sampled}
         )
         return found
 
-    def _each(self, of: Callable[[Case, Quantity], float]) -> Any:  # noqa: ANN401
+    def _each(self, of: Callable[[Design, Quantity], float]) -> Any:  # noqa: ANN401
         """One number per driveline and figure, in the shape of the batch."""
         return self._named(
             {
-                name: self._batch([of(case, quantity) for case in self._cases])
+                name: self._batch([of(design, quantity) for design in self._designs])
                 for name, quantity in self._quantities.items()
             }
         )
@@ -315,18 +361,18 @@ class Tolerances:
     def _batch(self, values: Sequence[float]) -> Any:  # noqa: ANN401
         return scalar_or_array(np.array(values, dtype=float).reshape(self.shape))
 
-    def _grouped(self, of: Callable[[Case, Quantity], FloatArray]) -> Any:  # noqa: ANN401
+    def _grouped(self, of: Callable[[Design, Quantity], FloatArray]) -> Any:  # noqa: ANN401
         """One number per parameter as arrays by group, in the shape of the batch."""
         return self._named(
             {
-                name: self._by_group([of(case, quantity) for case in self._cases])
+                name: self._by_group([of(design, quantity) for design in self._designs])
                 for name, quantity in self._quantities.items()
             }
         )
 
     def _by_group(self, rows: Sequence[FloatArray]) -> dict[str, FloatArray]:
         """Numbers per parameter of each driveline as arrays by group."""
-        parts = [case.box.by_group(row) for case, row in zip(self._cases, rows, strict=True)]
+        parts = [design.box.by_group(row) for design, row in zip(self._designs, rows, strict=True)]
         groups = {group: array.shape for part in parts for group, array in part.items()}
         return {
             group: np.array([part.get(group, np.zeros(own)) for part in parts]).reshape(

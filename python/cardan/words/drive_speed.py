@@ -26,7 +26,8 @@ def drive_speed_text(found: DriveSpeed) -> str:
 
 def heading_text(found: DriveSpeed) -> str:
     """Return the verdict."""
-    return f"Constant drive speed: {_HEADINGS[found.verdict]}"
+    state = f", judged in {found.state}" if found.state else ""
+    return f"Constant drive speed: {_HEADINGS[found.verdict]}{state}"
 
 
 def sentences(found: DriveSpeed) -> Iterator[str]:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from cardan.figures.tolerances import Permitted, ToleranceFigure, ToleranceFigures
+from cardan.figures.tolerances import (
+    Permitted,
+    ToleranceFigure,
+    ToleranceFigures,
+    ToleranceState,
+)
 from cardan.words.summary import aligned, figure_text
 
 # Shares below this are not worth a line; at least so many are listed.
@@ -19,7 +24,10 @@ def tolerances_text(found: ToleranceFigures, permitted: Sequence[Permitted]) -> 
     for figure in found.figures:
         lines = aligned(figure_lines(figure), indent="  ")
         shares = aligned(share_lines(figure), indent="    ")
-        parts.append(f"{figure.label}\n{lines}\n  shares in the scatter\n{shares}")
+        parts.append(
+            f"{figure.label}{_of_states(figure)}\n{lines}\n  shares in the scatter\n{shares}"
+        )
+        parts += ["\n".join(_table(figure))] if figure.states else []
     parts.append(_filled([*verdict_texts(found), *permitted_texts(found, permitted)]))
     return "\n\n".join(parts)
 
@@ -49,7 +57,7 @@ def figure_lines(figure: ToleranceFigure) -> list[tuple[str, str]]:
     """Return the values of one figure as pairs."""
     half, most, nearly = (with_unit(value, figure.unit) for value in figure.quantiles)
     lines = [
-        ("as drawn", with_unit(_rounded(figure), figure.unit)),
+        ("as drawn", with_unit(_rounded(figure.nominal, figure.worst), figure.unit)),
         ("half of them up to", half),
         ("95 % up to", most),
         ("99 % up to", nearly),
@@ -79,6 +87,38 @@ def share_lines(figure: ToleranceFigure) -> list[tuple[str, str]]:
     return [(share.label, percent(share.share)) for share in listed]
 
 
+def _of_states(figure: ToleranceFigure) -> str:
+    return f", largest of {len(figure.states)} states" if figure.states else ""
+
+
+STATE_HEADS = ("as drawn", "worst", "bound", "within the limit")
+"""What ``state_row`` says of a state."""
+
+
+def state_row(figure: ToleranceFigure, state: ToleranceState) -> list[str]:
+    """Return the values of a figure in one state as texts; "" for what is not known."""
+    values = (_rounded(state.nominal, state.worst), state.worst, state.guaranteed)
+    texts = ["" if value is None else with_unit(value, figure.unit) for value in values]
+    return [*texts, "" if state.passing is None else percent(state.passing)]
+
+
+def _table(figure: ToleranceFigure) -> Iterator[str]:
+    """The figure in each state, a line each."""
+    rows = [["state", *STATE_HEADS]]
+    rows += [[state.name, *state_row(figure, state)] for state in figure.states]
+    known = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
+    widths = [max(len(row[i]) for row in rows) for i in known]
+    for row in rows:
+        first, *others = (row[i] for i in known)
+        cells = (cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True))
+        yield "  ".join([f"  {first:{widths[0]}}", *cells]).rstrip()
+
+
+def _in(state: str) -> str:
+    """A state for a sentence, with a space in front; "" of no state."""
+    return f" in {state}" if state else ""
+
+
 def verdict_texts(found: ToleranceFigures) -> list[str]:
     """Return the verdict on each figure in one sentence."""
     several = len(found.figures) > 1
@@ -93,22 +133,24 @@ def permitted_texts(found: ToleranceFigures, permitted: Sequence[Permitted]) -> 
 def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
     """Return the verdict on one figure in one sentence."""
     name = f"{figure.label.capitalize()}: " if named else ""
-    worst = f"the worst has {with_unit(figure.worst, figure.unit)}"
+    worst = f"the worst has {with_unit(figure.worst, figure.unit)}{_in(figure.worst_in)}"
     if figure.shares and figure.shares[0].share > 0.0:
         first = figure.shares[0]
         most = "mostly" if first.share > 0.5 else "the largest share"
         worst += f", {most} from {'' if first.of == 'point' else 'the '}{first.label}"
+    nominal = _rounded(figure.nominal, figure.worst)
     if figure.limit is None or figure.passing is None:
-        text = f"{with_unit(_rounded(figure), figure.unit)} as drawn; with these tolerances {worst}"
-        return f"{name}{text}."
-    within = figure.nominal <= figure.limit * (1.0 + 1e-9)
-    text = (
-        f"within the {limit_text(figure)} limit; with these tolerances "
-        f"{percent(figure.passing)} of the drivelines are"
-        if within
-        else f"beyond the {limit_text(figure)} limit; with these tolerances "
-        f"{percent(figure.passing)} of the drivelines are within it"
-    )
+        drawn = f"{with_unit(nominal, figure.unit)} as drawn{_in(figure.nominal_in)}"
+        return f"{name}{drawn}; with these tolerances {worst}."
+    limit, share = f"the {limit_text(figure)} limit", percent(figure.passing)
+    every = " in every state" if figure.states else ""
+    if figure.nominal <= figure.limit * (1.0 + 1e-9):
+        text = f"within {limit}{every}; with these tolerances {share} of the drivelines are"
+    else:
+        text = (
+            f"beyond {limit}{_in(figure.nominal_in)}; with these tolerances {share} of the "
+            f"drivelines are within it{every}"
+        )
     text = f"{text}, {worst}."
     return f"{name}{text}" if named else text[0].upper() + text[1:]
 
@@ -156,9 +198,9 @@ def percent(share: float) -> str:
     return f"{text} %"
 
 
-def _rounded(figure: ToleranceFigure) -> float:
+def _rounded(nominal: float, worst: float) -> float:
     """The value as drawn, without what rounding leaves of joints that compensate each other."""
-    return 0.0 if figure.nominal < 1e-6 * figure.worst else figure.nominal
+    return 0.0 if nominal < 1e-6 * worst else nominal
 
 
 def _ends(ends: tuple[float, float], unit: str) -> str:

@@ -1,0 +1,90 @@
+"""A toleranced driveline in all of its states: the same deviations, the worst of the states."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cardan.arrays import FloatArray
+from cardan.quantities import MotionQuantity
+from cardan.tolerances.box import Box
+from cardan.tolerances.case import Case, Quantity
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """A driveline with its tolerances, in one state or several.
+
+    Its figures are those of the state in which they are largest. The tolerances are the same in all
+    states, and so are the deviations of one driveline from its drawing.
+
+    Attributes:
+        cases: the driveline in each state.
+    """
+
+    cases: tuple[Case, ...]
+
+    @property
+    def box(self) -> Box:
+        """The tolerances; the parameters as drawn are those of the first state."""
+        return self.cases[0].box
+
+    def in_state(self, state: int) -> Design:
+        """Return the driveline in one state alone."""
+        return Design((self.cases[state],))
+
+    def scaled(self, group: str, factor: float) -> Design:
+        """Return the design with the tolerances of one group multiplied."""
+        return replace(self, cases=tuple(case.scaled(group, factor) for case in self.cases))
+
+    def check(self) -> None:
+        """Check each state as ``Box.check`` does."""
+        for case in self.cases:
+            case.box.check()
+
+    def values(
+        self, quantities: Mapping[str, Quantity], deviations: FloatArray
+    ) -> dict[str, FloatArray]:
+        """Return the largest figure of all states by name, as ``Case.values``."""
+        first, *others = (case.values(quantities, deviations) for case in self.cases)
+        for found in others:
+            for name, values in found.items():
+                first[name] = np.maximum(first[name], values)
+        return first
+
+    def searched(self, quantity: Quantity) -> bool:
+        """Whether the worst case is searched over the box, not found to first order."""
+        return all(case.searched(quantity) for case in self.cases)
+
+    def nominal(self, quantity: Quantity) -> float:
+        """Return the figure of the driveline as drawn."""
+        return self._largest(lambda case: case.nominal(quantity))
+
+    def worst(self, quantity: Quantity) -> float:
+        """Return the worst figure of any driveline within the tolerances."""
+        return self._largest(lambda case: case.worst(quantity))
+
+    def linear(self, quantity: Quantity) -> float:
+        """Return the worst figure to first order."""
+        return self._largest(lambda case: case.linear(quantity))
+
+    def guaranteed(self, quantity: MotionQuantity) -> float:
+        """Return a bound of the figure over the box."""
+        return self._largest(lambda case: case.guaranteed(quantity))
+
+    def worst_state(self, quantity: Quantity) -> int:
+        """Return the number of the state with the worst figure."""
+        return int(np.argmax([case.worst(quantity) for case in self.cases]))
+
+    def worst_at(self, quantity: Quantity) -> FloatArray:
+        """Return the deviations of the worst driveline, ``(parameters,)``."""
+        return self.cases[self.worst_state(quantity)].worst_at(quantity)
+
+    def shares(self, quantity: Quantity) -> FloatArray:
+        """Return the share of each parameter in the scatter in that state, ``(parameters,)``."""
+        return self.cases[self.worst_state(quantity)].shares(quantity)
+
+    def _largest(self, of: Callable[[Case], float]) -> float:
+        return max(map(of, self.cases))
