@@ -137,10 +137,6 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         if "tolerances" in given:
             speed = largest_speed(loaded.load)
             tolerances = tolerances_of(given["tolerances"], line, limits, loaded.load, speed)
-    torsion = None
-    with document.within("torsion"):
-        if "torsion" in given:
-            torsion = torsion_of(given["torsion"], line, loaded.load)
     with document.within("ball_joint"):
         ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
     layout = None
@@ -153,6 +149,10 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             states = states_of(given["states"], layout)
     service = service_of(document, folder, line, loaded.load, layout, states)
+    torsion = None
+    with document.within("torsion"):
+        if "torsion" in given:
+            torsion = torsion_of(given["torsion"], line, loaded.load, service.tubes)
     with document.within("optimise"):
         optimisation = optimisation_of(
             given.get("optimise"), layout, states, loaded.load, described.teeth
