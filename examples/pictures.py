@@ -18,6 +18,7 @@ import cardan
 from cardan import plots
 from cardan.figures.optimise import optimised
 from cardan.figures.scene_forces import scene_force_paths
+from cardan.figures.torsion import torsion_figures
 
 matplotlib.use("agg")
 matplotlib.style.use(dict(plots.STYLE))
@@ -156,6 +157,19 @@ scene = cardan.Scene.parse("""
 best = optimised(scene)
 assert best is not None
 save("optimise", plots.plot_optimise(best))
+
+# Torques of a truck's shafts over the speed, and the natural frequencies with the orders.
+scene = cardan.Scene.load(Path(__file__).with_name("truck_torsion.toml"))
+vibration = torsion_figures(scene)
+assert vibration is not None
+save("torsion_response", plots.plot_torsion(vibration))
+save("campbell", plots.plot_campbell(vibration))
+
+# Where a test rig with a torsion bar is unstable.
+scene = cardan.Scene.load(Path(__file__).with_name("rig_torsion.toml"))
+vibration = torsion_figures(scene)
+assert vibration is not None
+save("stability", plots.plot_stability(vibration))
 
 # The pressure on the seat of a ball joint with clearance.
 ball = cardan.scene.BallJointScene.parse("""

@@ -1,10 +1,10 @@
 """Pictures, drawn with matplotlib: of scenes, drivelines and what the sources show.
 
-Every ``plot_`` function but ``plot_scene``, ``plot_forces`` and ``plot_ball_joint`` draws on the
-axes that it is given as ``ax`` and returns them. Without ``ax`` it makes a figure of pyplot, 80 mm
-wide, in the settings of ``STYLE``. Those three return a whole figure: a page, A4 across, and
-pictures up to 170 mm wide. Curves differ in dashes as well as colour, so that they can be told
-apart in grey.
+Every ``plot_`` function but ``plot_scene``, ``plot_forces``, ``plot_ball_joint``,
+``plot_optimise`` and ``plot_torsion`` draws on the axes that it is given as ``ax`` and returns
+them. Without ``ax`` it makes a figure of pyplot, 80 mm wide, in the settings of ``STYLE``. These
+five return a whole figure: a page, A4 across, and pictures up to 170 mm wide. Curves differ in
+dashes as well as colour, so that they can be told apart in grey.
 
 >>> import cardan.plots
 >>> line = cardan.Driveline.from_bends([[10], [20], [30]], degrees=True)
@@ -38,6 +38,12 @@ from cardan.plots.study import plot_study
 from cardan.plots.style import STYLE, save
 from cardan.plots.thoma import plot_small_angle
 from cardan.plots.tolerances import plot_tolerance_shares, plot_tolerances, write_tolerances
+from cardan.plots.torsion import (
+    plot_campbell,
+    plot_stability,
+    plot_torsion,
+    plot_torsion_response,
+)
 
 __all__ = [
     "STYLE",
@@ -46,6 +52,7 @@ __all__ = [
     "plot_ball_joint",
     "plot_bend_vectors",
     "plot_bending_moments",
+    "plot_campbell",
     "plot_curves",
     "plot_double_joint",
     "plot_drive_speed",
@@ -68,11 +75,14 @@ __all__ = [
     "plot_seat_section",
     "plot_sizes",
     "plot_small_angle",
+    "plot_stability",
     "plot_states",
     "plot_study",
     "plot_tolerance_shares",
     "plot_tolerances",
     "plot_torque_ratio",
+    "plot_torsion",
+    "plot_torsion_response",
     "save",
     "write_life",
     "write_picture",

@@ -9,7 +9,7 @@ import numpy as np
 
 from cardan.errors import ArgumentValueError
 from cardan.figures.torsion import CriticalSpeed, TorsionFigures
-from cardan.figures.torsion_stability import StabilityMap, stability_map
+from cardan.figures.torsion_stability import stability_map
 from cardan.plots.style import (
     LINES,
     MM,
@@ -72,8 +72,7 @@ def plot_torsion(found: TorsionFigures, picture: str = "response", title: str = 
         if picture == "campbell":
             plot_campbell(found, ax=axes[0])
         elif picture == "stability":
-            drawn = map_of(found)
-            plot_stability(drawn, float(found.torsion.system.line.bends[drawn.joint]), ax=axes[0])
+            plot_stability(found, ax=axes[0])
         else:
             for number, shaft in enumerate(shafts):
                 plot_torsion_response(found, shaft, ax=axes[number])
@@ -230,57 +229,45 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def map_of(found: TorsionFigures, joint: int | None = None) -> StabilityMap:
-    """Return the stability over the speed range of a scene and the bend of one joint.
-
-    The bends go from 0 to 40°, or to twice the bend of the scene if that is more, up to 85°.
-
-    Args:
-        found: the figures of a scene.
-        joint: which joint; by default the one with the largest bend.
-
-    Raises:
-        ValueError: a joint that does not exist.
-    """
-    given = found.torsion
-    largest = float(np.degrees(np.max(given.system.line.bends)))
-    top = min(_MOST_TOP, max(_LEAST_TOP, 2.0 * largest))
-    speed = np.linspace(found.speed[0], found.speed[-1], _SPEEDS)
-    return stability_map(given, speed, np.radians(np.linspace(0.0, top, _BENDS)), joint)
-
-
 def plot_stability(
-    found: StabilityMap, bend: float | None = None, *, ax: Axes | None = None
+    found: TorsionFigures, joint: int | None = None, *, ax: Axes | None = None
 ) -> Axes:
     """Draw where the motion is unstable, over drive speed and the bend of one joint.
 
+    The bends go from 0 to 40°, or to twice the bend of the scene if that is more, up to 85°. The
+    other joints have the bends of the scene.
+
     Args:
-        found: the map, from ``map_of``.
-        bend: of the joint in the scene in rad, to mark.
+        found: the figures of a scene, from ``cardan.figures.torsion.torsion_figures``.
+        joint: which joint; by default the one with the largest bend.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ImportError: matplotlib is missing.
+        ValueError: a joint that does not exist.
     """
-    rpm, degrees = found.speed / RPM, np.degrees(found.bend)
+    bends = np.degrees(found.torsion.system.line.bends)
+    top = min(_MOST_TOP, max(_LEAST_TOP, 2.0 * float(np.max(bends))))
+    speed = np.linspace(found.speed[0], found.speed[-1], _SPEEDS)
+    grid = stability_map(found.torsion, speed, np.radians(np.linspace(0.0, top, _BENDS)), joint)
+    rpm, degrees = grid.speed / RPM, np.degrees(grid.bend)
     with drawing(ax, height_mm=_AROUND + _PANEL) as axes:
         from matplotlib.patches import Patch
 
         shown = (
-            ("unstable", _UNSTABLE, np.where(found.found, found.largest, 1.0), 1.0 + 1e-9),
-            ("not known", _MISSING, np.where(found.found, 0.0, 1.0), 0.5),
+            ("unstable", _UNSTABLE, np.where(grid.found, grid.largest, 1.0), 1.0 + 1e-9),
+            ("not known", _MISSING, np.where(grid.found, 0.0, 1.0), 0.5),
         )
         handles: list[Any] = []
         for label, colour, values, edge in shown:
             if np.any(values > edge):
                 axes.contourf(rpm, degrees, values, levels=[edge, np.inf], colors=[colour])
                 handles.append(Patch(facecolor=colour, label=label))
-        if bend is not None:
-            handles.append(axes.axhline(np.degrees(bend), label="bend of the scene", **_CRITICAL))
-        if np.all(found.stable):
+        handles.append(axes.axhline(bends[grid.joint], label="bend of the scene", **_CRITICAL))
+        if np.all(grid.stable):
             axes.annotate("stable", (0.5, 0.5), xycoords="axes fraction", ha="center")
         axes.set_xlabel(_SPEED)
-        axes.set_ylabel(f"bend of joint {found.joint} [deg]")
+        axes.set_ylabel(f"bend of joint {grid.joint} [deg]")
         value_ticks(axes.xaxis)
         degree_ticks(axes.yaxis, 0.0, float(degrees[-1]))
         legend_above(axes, handles=handles)

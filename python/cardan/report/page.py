@@ -19,6 +19,7 @@ from cardan.figures.limits import check_scene
 from cardan.figures.slip import slip_figures
 from cardan.figures.steering import steering_figures
 from cardan.figures.tolerances import tolerance_figures
+from cardan.figures.torsion import torsion_figures
 from cardan.figures.tubes import tube_figures
 from cardan.figures.yokes import yoke_settings
 from cardan.files.progress import Progress
@@ -37,6 +38,7 @@ from cardan.report.states import states
 from cardan.report.steering import steering
 from cardan.report.study import study
 from cardan.report.tolerances import tolerances
+from cardan.report.torsion import torsion
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 from cardan.scene.states import StatesResult
@@ -60,7 +62,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     firsts = np.cumsum([0, *(len(panel.curves) for panel in panels)])
     joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
     spline, table, steered = slip_figures(scene), result.study, steering_figures(scene)
-    toleranced = tolerance_figures(scene)
+    toleranced, vibration = tolerance_figures(scene), torsion_figures(scene)
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
         answer(scene, samples, found, yokes),
@@ -87,6 +89,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         ball_joint=joint,
         slip=slip(spline) if spline else None,
         steering=steering(steered) if steered else None,
+        torsion=torsion(vibration) if vibration else None,
         optimise=optimise(scene),
         tolerances=tolerances(toleranced, scene.tolerances)
         if toleranced and scene.tolerances

@@ -21,7 +21,7 @@ from cardan.scene.sections import Key, Section
 from cardan.scene.slip import SLIP
 from cardan.scene.steering import STEERING
 from cardan.scene.tolerances_section import TOLERANCES
-from cardan.scene.torsion import TORSION
+from cardan.scene.torsion_section import TORSION
 from cardan.scene.tubes_section import TUBES
 
 BEND_COLUMNS = ("bend_columns_deg", "bend_columns_rad")

@@ -132,10 +132,6 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
             raise ValueError("it does not go with recorded bends, which differ by sample")
         column = steering_of(given["steering"]) if "steering" in given else None
     limits = Limits(**given.get("limits", {}))
-    torsion = None
-    with document.within("torsion"):
-        if "torsion" in given:
-            torsion = torsion_of(given["torsion"], line, loaded.load)
     with document.within("ball_joint"):
         ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
     layout = None
@@ -152,6 +148,10 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
     with document.within("tolerances"):
         if "tolerances" in given:
             tolerances = tolerances_of(given["tolerances"], line, limits, loaded.load, states)
+    torsion = None
+    with document.within("torsion"):
+        if "torsion" in given:
+            torsion = torsion_of(given["torsion"], line, loaded.load, service.tubes)
     with document.within("optimise"):
         optimisation = optimisation_of(
             given.get("optimise"), layout, states, loaded.load, described.teeth

@@ -1,4 +1,4 @@
-"""The section of a scene that makes its shafts torsion springs."""
+"""The shafts of a scene as torsion springs."""
 
 from __future__ import annotations
 
@@ -9,56 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-import cardan.scene.values as kinds
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
-from cardan.scene.sections import Key, Section
+from cardan.scene.torsion_rules import TUBE
+from cardan.scene.tubes import Tubes
 from cardan.scene.units import RPM
-from cardan.torsion import TorsionalSystem, Tube
+from cardan.torsion import TorsionalSystem
 
 ORDERS = (2, 4)
 """The orders of the drive's rotation that are listed by default."""
-
-TORSION = Section(
-    "torsional vibration: shafts as springs with inertias at their ends",
-    {
-        "inertias_kgm2": Key(
-            kinds.END_INERTIAS,
-            "of each shaft: a number, half of it at each end, or [input end, output end]; the "
-            "inertia of a tube is added",
-        ),
-        "stiffnesses_Nm_per_rad": Key(
-            kinds.STIFFNESSES,
-            'of each shaft: a number, "rigid", or a tube {outer_diameter_mm = …, wall_mm = …, '
-            "length_mm = …}, of steel unless shear_modulus_MPa and density_kg_per_m3 are given, "
-            "solid without a wall",
-        ),
-        "damping_ratio": Key(
-            kinds.DAMPING_RATIOS,
-            "damping ratio of the lowest vibration: one number, or one per shaft; default 0",
-        ),
-        "dampings_Nms_per_rad": Key(kinds.DAMPINGS, "or: damping of each shaft"),
-        "load_torque_Nm": Key(
-            kinds.NUMBER, "torque that brakes the last shaft; default: the torque of [load]"
-        ),
-        "load_damping_Nms_per_rad": Key(
-            kinds.POSITION, "viscous load on the last shaft", default=0
-        ),
-        "speed_rpm": Key(
-            kinds.SPEEDS,
-            "drive speeds at which the driveline runs: {from = …, to = …, steps = …} or a list",
-        ),
-        "orders": Key(
-            kinds.ORDERS,
-            "orders of the drive's rotation to list; joints excite even orders; default: 2 and 4",
-        ),
-    },
-    together=(("damping_ratio", "dampings_Nms_per_rad"),),
-    needed=(("inertias_kgm2",), ("stiffnesses_Nm_per_rad",), ("speed_rpm",)),
-)
-"""The section [torsion]."""
 
 _KEYS = {
     "inertias": "inertias_kgm2",
@@ -109,17 +70,20 @@ class TorsionCase:
         )
 
 
-def torsion_of(values: Mapping[str, Any], line: Driveline, load: Load | None) -> TorsionCase:
+def torsion_of(
+    values: Mapping[str, Any], line: Driveline, load: Load | None, tubes: Tubes | None
+) -> TorsionCase:
     """Return the torsional system that the keys of the section describe.
 
     Args:
         values: values by key.
         line: the driveline of the scene.
         load: of the scene, if it has one.
+        tubes: of the scene, if it has any.
 
     Raises:
-        ValueError: recorded bends, lists that do not fit the shafts, as ``TorsionalSystem`` with
-            the key as the argument.
+        ValueError: recorded bends, no stiffnesses and no tubes, lists that do not fit the shafts,
+            as ``TorsionalSystem`` with the key as the argument.
     """
     if line.shape:
         raise ValueError("it does not go with recorded bends, which differ by sample")
@@ -130,13 +94,10 @@ def torsion_of(values: Mapping[str, Any], line: Driveline, load: Load | None) ->
             raise ArgumentValueError(
                 key, f"has length {len(given)}; it needs {shafts}, one per shaft"
             )
+    stiffnesses = _stiffnesses(values, shafts, tubes)
     inertias = np.array(values["inertias_kgm2"], dtype=np.float64)
-    stiffnesses = np.empty(shafts)
-    for i, stiffness in enumerate(values["stiffnesses_Nm_per_rad"]):
-        if isinstance(stiffness, Tube):
-            inertias[i] += 0.5 * stiffness.inertia
-            stiffness = stiffness.stiffness
-        stiffnesses[i] = stiffness
+    if tubes is not None:
+        inertias[list(tubes.shafts)] += 0.5 * np.asarray(tubes.tube.inertia)[:, np.newaxis]
     torque = _load_torque(values, load)
     load_damping = values.get("load_damping_Nms_per_rad", 0.0)
     dampings = values.get("dampings_Nms_per_rad")
@@ -158,6 +119,21 @@ def torsion_of(values: Mapping[str, Any], line: Driveline, load: Load | None) ->
     orders = tuple(sorted(values.get("orders", ORDERS)))
     speed = RPM * values["speed_rpm"]
     return TorsionCase(system, inertias, stiffnesses, speed, orders, torque, load_damping)
+
+
+def _stiffnesses(values: Mapping[str, Any], shafts: int, tubes: Tubes | None) -> FloatArray:
+    """Stiffness of each shaft in N m/rad, ``(shafts,)``, infinite for a rigid one."""
+    key = "stiffnesses_Nm_per_rad"
+    of_tubes = {}
+    if tubes is not None:
+        of_tubes = dict(zip(tubes.shafts, np.asarray(tubes.tube.stiffness).tolist(), strict=True))
+    if key not in values and not of_tubes:
+        raise ArgumentValueError(key, "is missing; give it or a section [tubes]")
+    given = values.get(key, [TUBE if i in of_tubes else np.inf for i in range(shafts)])
+    for i, stiffness in enumerate(given):
+        if stiffness == TUBE and i not in of_tubes:
+            raise ArgumentValueError(key, f"is {TUBE!r}; shaft {i} is not in [tubes]", (i,))
+    return np.array([of_tubes[i] if own == TUBE else own for i, own in enumerate(given)])
 
 
 def _load_torque(values: Mapping[str, Any], load: Load | None) -> float:

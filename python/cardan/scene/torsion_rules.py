@@ -1,11 +1,11 @@
-"""Rules for the values of [torsion]: inertias of shaft ends, stiffnesses or tubes, speeds."""
+"""Rules for the values of [torsion]: inertias of shaft ends, stiffnesses, speeds."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
@@ -13,28 +13,16 @@ from cardan.arrays import FloatArray
 from cardan.outputs import nearest
 from cardan.scene.errors import Location
 from cardan.scene.rules import ListOf, Number, Rule, Schema, Whole, refused, shown
-from cardan.scene.units import units_of
-from cardan.torsion import Tube, tube
 
 RIGID = "rigid"
 """What a scene writes for the stiffness of a rigid shaft."""
 
+TUBE: Literal["tube"] = "tube"
+"""What it writes for the stiffness of a shaft in [tubes]."""
+
 _INERTIA = Number(0, what="an inertia")
 _PAIR = ListOf(_INERTIA, "two numbers", count=2)
 _STIFFNESS = Number(0, above=True, what="a stiffness")
-
-_LENGTH = Number(1e-3, 1e6)
-_MODULUS = Number(1e-3, 1e9)
-
-# The keys of a tube: the argument of cardan.tube, and the factor to its unit.
-_TUBE: Mapping[str, tuple[str, float, Rule]] = {
-    "outer_diameter_mm": ("outer_diameter", 1e-3, _LENGTH),
-    "wall_mm": ("wall", 1e-3, _LENGTH),
-    "length_mm": ("length", 1e-3, _LENGTH),
-    "shear_modulus_MPa": ("shear_modulus", 1e6, _MODULUS),
-    "density_kg_per_m3": ("density", 1.0, Number(1e-3, 1e6)),
-}
-_NEEDED = ("outer_diameter_mm", "length_mm")
 
 _MOST_SPEEDS = 100_000
 _SPEED = Number(0, above=True, what="a speed")
@@ -59,49 +47,23 @@ class EndInertias(Rule):
 
 
 @dataclass(frozen=True)
-class StiffnessOrTube(Rule):
-    """The stiffness of a shaft: a number, ``"rigid"`` or the section of a tube."""
+class ShaftStiffness(Rule):
+    """The stiffness of a shaft: a number, ``"rigid"`` or ``"tube"``."""
 
-    def read(self, where: Location, value: object) -> float | Tube:
-        """Return the stiffness, infinite for a rigid shaft, or the tube."""
+    def read(self, where: Location, value: object) -> float | Literal["tube"]:
+        """Return the stiffness, infinite for a rigid shaft, or ``"tube"``."""
         if value == RIGID:
             return math.inf
-        if isinstance(value, dict):
-            return _tube(where, value)
+        if value == TUBE:
+            return TUBE
         if isinstance(value, str) or value == math.inf:
-            raise refused(where, value, f'be a positive number, "{RIGID}" or a tube')
+            raise refused(where, value, f'be a positive number, "{RIGID}" or "{TUBE}"')
         return _STIFFNESS.read(where, value)
 
     @property
     def schema(self) -> Schema:
-        """A number, the word or an object."""
-        section = {
-            "type": "object",
-            "properties": {key: rule.schema for key, (_, _, rule) in _TUBE.items()},
-            "required": list(_NEEDED),
-            "additionalProperties": False,
-        }
-        return {"oneOf": [_STIFFNESS.schema, {"enum": [RIGID]}, section]}
-
-
-def _tube(where: Location, value: Mapping[str, Any]) -> Tube:
-    for key in value:
-        if key not in _TUBE:
-            hint = units_of(key, _TUBE) or nearest(key, tuple(_TUBE))
-            raise where.error(f"has an unknown key {shown(key)}; {hint}")
-    for key in _NEEDED:
-        if key not in value:
-            raise where.error(f"has no {key!r}; a tube needs {' and '.join(_NEEDED)}")
-    read = {}
-    for key, entry in value.items():
-        argument, factor, rule = _TUBE[key]
-        read[argument] = factor * rule.read(where.at(key), entry)
-    if read.get("wall", 0.0) > 0.5 * read["outer_diameter"]:
-        most = 500.0 * read["outer_diameter"]
-        raise where.at("wall_mm").error(
-            f"is {shown(value['wall_mm'])}; it must be at most {most:g}, half the outer diameter"
-        )
-    return tube(read.pop("outer_diameter"), read.pop("wall", None), **read)
+        """A number or one of the words."""
+        return {"oneOf": [_STIFFNESS.schema, {"enum": [RIGID, TUBE]}]}
 
 
 _SPREAD: Mapping[str, Rule] = {

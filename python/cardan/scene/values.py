@@ -25,7 +25,7 @@ from cardan.scene.rules import (
     Text,
     Whole,
 )
-from cardan.scene.torsion_rules import EndInertias, SpeedValues, StiffnessOrTube
+from cardan.scene.torsion_rules import EndInertias, ShaftStiffness, SpeedValues
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ SIZES_FILE = Kind("file", FileName((".csv",), folders=True))
 SIZE_NAMES = Kind("text(s)", OneOrEach(ListOf(Text(), "texts")))
 STATE_NAMES = Kind("texts", ListOf(Text(), "texts"))
 END_INERTIAS = Kind("inertias", ListOf(EndInertias(), "inertias"))
-STIFFNESSES = Kind("stiffnesses", ListOf(StiffnessOrTube(), "stiffnesses"))
+STIFFNESSES = Kind("stiffnesses", ListOf(ShaftStiffness(), "stiffnesses"))
 DAMPING_RATIOS = Kind("number(s)", OneOrEach(ListOf(Number(0, what="a ratio"), "numbers")))
 DAMPINGS = Kind("numbers", ListOf(Number(0, what="a damping"), "numbers"))
 SPEEDS = Kind("speeds", SpeedValues())
