@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 import cardan
 from cardan import plots
+from cardan.figures.life import needed_life
 from cardan.figures.optimise import optimised
 from cardan.figures.scene_forces import scene_force_paths
 from cardan.figures.torsion import torsion_figures
@@ -170,6 +171,14 @@ scene = cardan.Scene.load(Path(__file__).with_name("rig_torsion.toml"))
 vibration = torsion_figures(scene)
 assert vibration is not None
 save("stability", plots.plot_stability(vibration))
+
+# Life with each size of joint, load of the pins and heat of a conveyor.
+scene = cardan.Scene.load(Path(__file__).with_name("conveyor.toml"))
+plots.write_life(needed_life(scene), folder / "life.svg")
+print("wrote life.svg")
+
+# A double joint that is synchronous at 35 deg, and one whose pivot is worn by 0.2 mm.
+save("double_joint", plots.plot_double_joint(60.0, 35.0, wear=0.2))
 
 # The pressure on the seat of a ball joint with clearance.
 ball = cardan.scene.BallJointScene.parse("""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan import geometry
-from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.arrays import FloatArray, as_float64, common_shape, positive
 from cardan.errors import ArgumentValueError, wrong_element
 from cardan.phased import Phased
 
@@ -80,8 +80,7 @@ def double_joint_bends(
     """Return the bends of both joints in rad, ``(..., 2)``, as ``from_double_joint`` has them."""
     if pivot is not None and synchronous is not None:
         raise ArgumentValueError("pivot", "and synchronous are both given; give one of them")
-    bend, apart = as_float64("total", total), as_float64("length", length)
-    _check("length", apart, (apart > 0.0) & (apart < np.inf), "; it must be positive and finite")
+    bend, apart = as_float64("total", total), positive("length", length)
     turn = 180.0 if degrees else np.pi
     unit = " deg; it must lie in [0, 180) deg" if degrees else " rad; it must lie in [0, pi) rad"
     _check("total", bend, (bend >= 0.0) & (bend < turn), unit)

@@ -45,48 +45,26 @@ class Slides:
     _line: Any = field(repr=False)
     _offsets: tuple[FloatArray, FloatArray, FloatArray, FloatArray] = field(repr=False)
 
-    def driving_pin(self, angle: ArrayLike) -> FloatArray:
-        """Return how far the cross slides along the driving pin, ``(n, ...)``.
+    def at(self, angle: ArrayLike, of: SlideName = "shaft") -> FloatArray:
+        """Return how far a shaft or a pin slides at an angle, ``(n, ...)``.
 
         Args:
             angle: drive angle in rad; broadcasts against batch and offsets.
+            of: ``"driving_pin"`` for the cross along the driving pin, ``"driven_pin"`` for the
+                driven yoke along the driven pin, ``"shaft"`` for the driven shaft along its axis.
 
         Raises:
             TypeError: angles that are not real numbers.
-            ValueError: shapes that do not broadcast.
+            ValueError: an unknown slide, shapes that do not broadcast.
         """
-        return self._at(angle)[0]
-
-    def driven_pin(self, angle: ArrayLike) -> FloatArray:
-        """Return how far the driven yoke slides along the driven pin, ``(n, ...)``.
-
-        Args:
-            angle: as for ``driving_pin``.
-
-        Raises:
-            TypeError: as for ``driving_pin``.
-            ValueError: as for ``driving_pin``.
-        """
-        return self._at(angle)[1]
-
-    def shaft(self, angle: ArrayLike) -> FloatArray:
-        """Return how far the driven shaft slides along its axis, ``(n, ...)``.
-
-        Args:
-            angle: as for ``driving_pin``.
-
-        Raises:
-            TypeError: as for ``driving_pin``.
-            ValueError: as for ``driving_pin``.
-        """
-        return self._at(angle)[2]
+        return self._at(angle)[_number("of", of)]
 
     def amplitudes(self, orders: ArrayLike = (1, 2, 3, 4), of: SlideName = "shaft") -> FloatArray:
         """Return the amplitudes of a slide by multiples of the drive's rotation.
 
         Args:
             orders: positive integers, ``(m,)`` or one.
-            of: ``"driving_pin"``, ``"driven_pin"`` or ``"shaft"``.
+            of: as for ``at``.
 
         Returns:
             amplitude of each joint, ``(n, ..., m)``; of one order ``(n, ...)``.
@@ -117,7 +95,7 @@ class Slides:
         It is that of samples at 720 angles.
 
         Args:
-            of: as for ``amplitudes``.
+            of: as for ``at``.
 
         Raises:
             ValueError: an unknown slide.

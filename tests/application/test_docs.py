@@ -90,8 +90,12 @@ def test_there_is_something_to_run() -> None:
     assert languages.count("text") >= 35
 
 
-def test_the_drawings_are_those_of_the_script(tmp_path: Path) -> None:
-    for path in _module(DOCS / "drawings" / "draw.py").write(tmp_path):
+@pytest.mark.parametrize("script", ["draw", "mechanisms"])
+def test_the_drawings_are_those_of_the_scripts(
+    script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(DOCS / "drawings")
+    for path in _module(DOCS / "drawings" / f"{script}.py").write(tmp_path):
         assert path.read_text("utf-8") == (DOCS / "drawings" / path.name).read_text("utf-8")
 
 

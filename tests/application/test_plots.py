@@ -1072,7 +1072,8 @@ DRAWINGS = DOCS / "drawings"
 def drawings() -> list[Any]:
     sys.path.insert(0, str(DRAWINGS))
     try:
-        return [draw() for draw in importlib.import_module("draw").DRAWINGS]
+        modules = [importlib.import_module(name) for name in ("draw", "mechanisms")]
+        return [draw() for module in modules for draw in module.DRAWINGS]
     finally:
         sys.path.remove(str(DRAWINGS))
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import pickle
 import re
-from typing import Any
+from typing import Any, get_args
 
 import mpmath
 import numpy as np
 import pytest
 
 import cardan
+from cardan.slides import SlideName
 
 OFFSETS: dict[str, Any] = {"driving_pin": 0.7, "cross": -0.4, "driven_pin": 0.3, "shafts": 0.9}
 Vector = np.ndarray[Any, np.dtype[np.float64]]
@@ -45,9 +46,7 @@ def test_the_pins_are_where_lines_in_space_say(bend: float, angle: float) -> Non
     p = turned(u, np.cross(m, u), angle)
     q = turned(v, m, after)
     # The axis of the driven shaft lies at the offset along m from that of the driving one.
-    s_2, s_3, s_4 = (
-        float(of(angle)[0]) for of in (slides.driving_pin, slides.driven_pin, slides.shaft)
-    )
+    s_2, s_3, s_4 = (float(slides.at(angle, name)[0]) for name in get_args(SlideName))
     on_driving_pin = OFFSETS["driving_pin"] * np.cross(u, p)
     on_shaft = OFFSETS["shafts"] * m - s_4 * v
     on_driven_pin = on_shaft - OFFSETS["driven_pin"] * np.cross(q, v)
@@ -94,15 +93,15 @@ def test_offsets_add_and_chains_have_their_input_angles() -> None:
     angles = np.linspace(0.0, 6.0, 7)
     whole = line.slides(**OFFSETS)
     parts = [line.slides(**{name: value}) for name, value in OFFSETS.items()]
-    for name in ("driving_pin", "driven_pin", "shaft"):
-        together = sum(getattr(part, name)(angles) for part in parts)
-        assert getattr(whole, name)(angles) == pytest.approx(together, abs=1e-13)
+    for name in get_args(SlideName):
+        together = sum(part.at(angles, name) for part in parts)
+        assert whole.at(angles, name) == pytest.approx(together, abs=1e-13)
     # Joint 2 alone, at the angle of its pin from the plane of its shafts.
     tilt = line.evaluate(angles, "tilt_driving", joints=2).tilt_driving
     alone = cardan.Driveline.from_bends([20], degrees=True)
     own = np.arcsin(np.tan(tilt) / math.tan(math.radians(20)))
-    tilted = alone.slides(driving_pin=0.7).shaft(np.array([own, math.pi - own]))[0]
-    found = line.slides(driving_pin=[0.0, 0.0, 0.7]).shaft(angles)
+    tilted = alone.slides(driving_pin=0.7).at(np.array([own, math.pi - own]))[0]
+    found = line.slides(driving_pin=[0.0, 0.0, 0.7]).at(angles)
     assert found[:2] == pytest.approx(0.0, abs=1e-15)
     assert np.min(np.abs(np.abs(tilted) - np.abs(found[2])), axis=0) == pytest.approx(
         0.0, abs=1e-12
@@ -112,16 +111,16 @@ def test_offsets_add_and_chains_have_their_input_angles() -> None:
 def test_shapes_travel_and_pickles() -> None:
     line = cardan.Driveline.from_bends([[10, 20], [30, 5], [0, 0]], degrees=True)
     slides = line.slides(driving_pin=[[0.5, 0.1]], shafts=0.2)
-    assert slides.shaft(np.zeros((4, 3))).shape == (2, 4, 3)
+    assert slides.at(np.zeros((4, 3))).shape == (2, 4, 3)
     assert slides.amplitudes((1, 2)).shape == (2, 3, 2)
     assert slides.amplitudes(1).shape == (2, 3)
     assert slides.travel().shape == (2, 3)
     one = line[1].slides(driving_pin=[0.5, 0.1], shafts=0.2)
     assert slides.travel()[:, 1] == pytest.approx(one.travel())
     again = pickle.loads(pickle.dumps(slides))
-    assert np.array_equal(again.shaft(0.3), slides.shaft(0.3))
+    assert np.array_equal(again.at(0.3), slides.at(0.3))
     simple = cardan.Driveline.from_bends([30], degrees=True).slides(driving_pin=1.0)
-    turn = simple.shaft(np.linspace(0, 2 * math.pi, 100_001))
+    turn = simple.at(np.linspace(0, 2 * math.pi, 100_001))
     assert simple.travel() == pytest.approx(np.ptp(turn, axis=-1), rel=1e-4)
     # A straight joint slides nowhere along its shaft: the pins alone take up the offset.
     assert slides.amplitudes([1, 2])[:, 2] == pytest.approx(0.0, abs=1e-15)
