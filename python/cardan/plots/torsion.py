@@ -115,14 +115,19 @@ def plot_torsion_response(
         _mark_ranges(axes, found)
         _mark_critical(axes, found)
         axes.set_xlim(rpm[0], rpm[-1])
-        axes.set_xlabel(_SPEED)
-        axes.set_ylabel(f"torque of shaft {chosen} [N m]")
-        axes.grid(visible=True)
-        axes.set_axisbelow(True)
-        value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        legend_above(axes)
+        _finish(axes, f"torque of shaft {chosen} [N m]")
     return axes
+
+
+def _finish(axes: Axes, heading: str) -> None:
+    """Label the axes of a picture over the drive speed."""
+    axes.set_xlabel(_SPEED)
+    axes.set_ylabel(heading)
+    axes.grid(visible=True)
+    axes.set_axisbelow(True)
+    value_ticks(axes.xaxis)
+    value_ticks(axes.yaxis)
+    legend_above(axes)
 
 
 def _mark_ranges(axes: Axes, found: TorsionFigures) -> None:
@@ -219,13 +224,7 @@ def plot_campbell(found: TorsionFigures, *, ax: Axes | None = None) -> Axes:
         axes.plot(*points.T, "ko", markersize=3.0, linestyle="none", clip_on=True)
         axes.set_xlim(0.0, right)
         axes.set_ylim(0.0, top)
-        axes.set_xlabel(_SPEED)
-        axes.set_ylabel("frequency [Hz]")
-        axes.grid(visible=True)
-        axes.set_axisbelow(True)
-        value_ticks(axes.xaxis)
-        value_ticks(axes.yaxis)
-        legend_above(axes)
+        _finish(axes, "frequency [Hz]")
     return axes
 
 

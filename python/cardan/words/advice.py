@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from cardan.words.phrases import listed
 from cardan.workshop import VIEW, both_senses
 
 _NAMES = {
@@ -50,7 +51,7 @@ def advice_text(data: dict[str, Any]) -> str:
     cause = f"The phases are the cause: {present} is beyond {limit}."
     if "on_teeth" in bends and settable > data["limit_deg"]:
         return f"{cause} The exact setting leaves {best}, but no teeth bring it within the limit."
-    which = " and ".join(filter(None, (", ".join(turned[:-1]), turned[-1])))
+    which = listed(turned)
     return (
         f"{cause} Turn the output-side yoke of {which} as said above: {settable:.3f}° is within "
         "the limit."

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
 from collections.abc import Iterator
 
 from cardan.figures.drive_speed import SHARE, SOURCE, DriveSpeed
+from cardan.words.phrases import rounded_up
 from cardan.words.summary import figure_text
 
 _HEADINGS = {
@@ -33,7 +33,7 @@ def heading_text(found: DriveSpeed) -> str:
 def sentences(found: DriveSpeed) -> Iterator[str]:
     """Say how far the drive varies, by whose rule that is judged and what to change."""
     limit = f"the limit is {_percent(SHARE)} ({SOURCE})"
-    needed = f"{_rounded_up(found.needed)} kg m²"
+    needed = f"{rounded_up(found.needed)} kg m²"
     if found.verdict == "no drive inertia":
         yield (
             "the scene gives shaft 0 no inertia, so its speed counts as constant; this is fair if "
@@ -57,11 +57,3 @@ def sentences(found: DriveSpeed) -> Iterator[str]:
 
 def _percent(share: float) -> str:
     return f"{100.0 * share:.3g} %"
-
-
-def _rounded_up(value: float) -> str:
-    """Three digits, not below the value."""
-    if value <= 0.0 or not math.isfinite(value):
-        return figure_text(value)
-    step = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return f"{math.ceil(value / step * (1.0 - 1e-12)) * step:.3g}"

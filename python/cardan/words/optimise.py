@@ -8,6 +8,7 @@ from typing import Any
 from cardan.figures.optimise import Optimised, unit_of, variable_data
 from cardan.quantities import label
 from cardan.scene.optimise import Variable
+from cardan.words.phrases import listed
 from cardan.words.summary import figure_text
 from cardan.workshop import VIEW
 
@@ -84,11 +85,11 @@ def _what(variable: Variable) -> str:
         names = [f"joint {i - 1}" if i else "the driving end" for i in numbers]
         if variable.last_entry in numbers:
             names[-1] = "the driven end"
-        return _listed(names)
+        return listed(names)
     offset = 1 if axis.name in ("phases_deg", "twists_deg") else 0
     item = "joint" if "bends" in axis.name else "shaft"
     whole = axis.key == axis.name and len(numbers) > 1
-    of = f"all {item}s" if whole else _listed([f"{item} {i + offset}" for i in numbers])
+    of = f"all {item}s" if whole else listed([f"{item} {i + offset}" for i in numbers])
     one = _is_one(variable)
     if variable.is_phase:
         return f"the output-side {'yoke' if one else 'yokes'} of {of}"
@@ -125,7 +126,7 @@ def limit_lines(found: Optimised) -> list[str]:
             )
         else:
             limit, unit = found.limit(active)
-            where = _listed([found.asked.names[state] for state in active.states])
+            where = listed([found.asked.names[state] for state in active.states])
             place = f" in {where}" if where else ""
             name = label(active.quantity)
             lines.append(
@@ -186,11 +187,6 @@ def _with_unit(value: float, unit: str) -> str:
 
 def _number(value: float) -> str:
     return f"{round(value, 3) + 0.0:.10g}"
-
-
-def _listed(names: list[str]) -> str:
-    *others, last = names or [""]
-    return " and ".join(filter(None, (", ".join(others), last)))
 
 
 def _wrapped(line: str) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from cardan.figures.torsion import CriticalSpeed, LargestTorque, TorsionFigures
 from cardan.figures.torsion_modes import BendRule, TorsionBasics
 from cardan.figures.torsion_stability import SpeedRange
 from cardan.scene.units import RPM
+from cardan.words.phrases import listed, rounded_up, short
 from cardan.words.summary import aligned, figure_text
 
 RESONANCE_SOURCE = "D. Thoma, 1920: joints bring new critical speeds"
@@ -65,8 +66,8 @@ def mode_lines(found: TorsionBasics) -> list[tuple[str, str]]:
             for share, shaft in shares
             if share >= _SMALL or shaft == mode.shaft
         ]
-        twisted = _listed(shafts) if len(shares) > 1 else f"shaft {mode.shaft}"
-        damping = _short(round(mode.damping_ratio, 9))
+        twisted = listed(shafts) if len(shares) > 1 else f"shaft {mode.shaft}"
+        damping = short(round(mode.damping_ratio, 9))
         lines.append((_hertz(mode.frequency), f"{twisted}, damping ratio {damping}"))
     return lines
 
@@ -153,7 +154,7 @@ def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
     if rules:
         rule = max(rules, key=lambda rule: rule.factor - rule.damping_ratio)
         text += (
-            f" To leading order a damping ratio of at least {_rounded_up(rule.factor)} prevents "
+            f" To leading order a damping ratio of at least {rounded_up(rule.factor)} prevents "
             f"this, or an equivalent bend behind shaft {rule.shaft} of at most "
             f"{_permitted_bend(rule)} instead of {math.degrees(rule.bend):.4g}°."
         )
@@ -167,13 +168,13 @@ def _permitted_bend(rule: BendRule) -> str:
 
 def _reversing(found: TorsionFigures) -> Iterator[str]:
     where = [
-        f"in shaft {torque.shaft} {_listed([_between(part) for part in torque.reversals]).lower()}"
+        f"in shaft {torque.shaft} {listed([_between(part) for part in torque.reversals]).lower()}"
         for torque in found.largest
         if torque.reversals
     ]
     if where:
         yield (
-            f"The torque changes its sign in every turn, {_listed(where)}: gears and splines "
+            f"The torque changes its sign in every turn, {listed(where)}: gears and splines "
             "change their flanks there and rattle."
         )
 
@@ -225,7 +226,7 @@ def _largest(found: TorsionFigures) -> Iterator[str]:
         return
     mean = ""
     if abs(torque.mean) > _ROUNDING * torque.size:
-        mean = f", {_short(torque.size / abs(torque.mean))} times the mean torque there"
+        mean = f", {short(torque.size / abs(torque.mean))} times the mean torque there"
     yield (
         f"The largest torque is {figure_text(torque.size)} N m, in shaft {torque.shaft} at "
         f"{_rpm(torque.speed)}{mean}."
@@ -246,7 +247,7 @@ def torsion_advice(found: TorsionBasics) -> list[str]:
         ]
         verb = "a critical speed lies" if len(inside) == 1 else "critical speeds lie"
         advice.append(
-            f"{verb} within {_range(_whole(found))}: {_listed(several)}; 'cardan torsion' "
+            f"{verb} within {_range(_whole(found))}: {listed(several)}; 'cardan torsion' "
             f"computes the torques there ({RESONANCE_SOURCE})"
         )
     advice += [_rule(rule) for rule in found.rules if rule.exceeded]
@@ -258,8 +259,8 @@ def _rule(rule: BendRule) -> str:
     return (
         f"the equivalent bend of {math.degrees(rule.bend):.4g}° behind shaft {rule.shaft} permits "
         f"unstable motion near {_rpm(rule.speed)}{where}, because tan²(bend/2) = "
-        f"{_short(rule.factor)} exceeds the damping ratio of "
-        f"{_short(round(rule.damping_ratio, 9))} ({RULE_SOURCE})"
+        f"{short(rule.factor)} exceeds the damping ratio of "
+        f"{short(round(rule.damping_ratio, 9))} ({RULE_SOURCE})"
     )
 
 
@@ -272,38 +273,22 @@ def _whole(found: TorsionBasics) -> SpeedRange:
 
 
 def _range(part: SpeedRange) -> str:
-    start, stop = (_short(speed / RPM) for speed in (part.start, part.stop))
+    start, stop = (short(speed / RPM) for speed in (part.start, part.stop))
     return f"{start} rpm" if start == stop else f"{start} to {stop} rpm"
 
 
 def _between(part: SpeedRange) -> str:
-    start, stop = (_short(speed / RPM) for speed in (part.start, part.stop))
+    start, stop = (short(speed / RPM) for speed in (part.start, part.stop))
     return f"At {start} rpm" if start == stop else f"Between {start} and {stop} rpm"
 
 
 def _rpm(speed: float) -> str:
-    return f"{_short(speed / RPM)} rpm"
+    return f"{short(speed / RPM)} rpm"
 
 
 def _hertz(frequency: float) -> str:
-    return f"{_short(frequency / math.tau)} Hz"
-
-
-def _short(value: float) -> str:
-    """Four digits without zeros at the end."""
-    text = figure_text(value)
-    return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+    return f"{short(frequency / math.tau)} Hz"
 
 
 def _percent(part: float) -> str:
     return f"{100.0 * part:.3g} %"
-
-
-def _rounded_up(value: float) -> str:
-    """Three digits, not below the value."""
-    step = 10.0 ** (math.floor(math.log10(value)) - 2)
-    return f"{math.ceil(value / step) * step:.3g}"
-
-
-def _listed(parts: Sequence[str]) -> str:
-    return " and ".join(filter(None, (", ".join(parts[:-1]), parts[-1])))
