@@ -36,7 +36,8 @@ class InService(Installed):
         order in the friction.
 
         Args:
-            load: constant over a turn; broadcasts against the batch. Its torque must have a mean.
+            load: constant over a turn; broadcasts against the batch. Without a torque over the
+                mean of a turn there is heat, but no share and no efficiency.
             friction: coefficient of friction in the bearings of the pins: one number, or one per
                 joint ``(..., n)``, like the following arguments.
             pin_radius: radius in m at which the friction acts.
@@ -50,8 +51,8 @@ class InService(Installed):
 
         Raises:
             TypeError: values that are not real numbers.
-            ValueError: negative values, a radius or an arm of 0, not one value per joint, a load
-                whose mean torque is 0, shapes that do not broadcast.
+            ValueError: negative values, a radius or an arm of 0, not one value per joint, shapes
+                that do not broadcast.
 
         >>> import cardan
         >>> joint = cardan.Driveline.from_bends([10], degrees=True)
