@@ -36,7 +36,8 @@ class InService(Installed):
         order in the friction.
 
         Args:
-            load: constant over a turn; broadcasts against the batch. Its torque must have a mean.
+            load: constant over a turn; broadcasts against the batch. Without a torque over the
+                mean of a turn there is heat, but no share and no efficiency.
             friction: coefficient of friction in the bearings of the pins: one number, or one per
                 joint ``(..., n)``, like the following arguments.
             pin_radius: radius in m at which the friction acts.
@@ -50,8 +51,8 @@ class InService(Installed):
 
         Raises:
             TypeError: values that are not real numbers.
-            ValueError: negative values, a radius or an arm of 0, not one value per joint, a load
-                whose mean torque is 0, shapes that do not broadcast.
+            ValueError: negative values, a radius or an arm of 0, not one value per joint, shapes
+                that do not broadcast.
 
         >>> import cardan
         >>> joint = cardan.Driveline.from_bends([10], degrees=True)
@@ -69,17 +70,21 @@ class InService(Installed):
         rating: ArrayLike,
         speed: ArrayLike | None = None,
         shares: ArrayLike | None = None,
+        angle: ArrayLike | None = None,
     ) -> Life:
         """Return how long the joints last, by the catalogue's law and by the load of their pins.
 
         Args:
-            load: constant over a turn; broadcasts against the batch. Of a duty cycle the last axis
-                are the steps.
+            load: constant over a turn, unless ``angle`` is given; broadcasts against the batch. Of
+                a duty cycle the last axis are the steps.
             rating: torque in N m that gives 5000 h at a bend of 3 degrees and 100 rpm: one number,
                 or one per joint ``(..., n)``.
             speed: of the drive in rad/s; by default that of the load.
             shares: of each step of the duty cycle in the time, ``(..., steps)``, with sum 1. The
                 damages add up (Miner's rule).
+            angle: drive angles of a run in rad, ``(samples,)`` in their order, with a load that
+                varies from sample to sample: a recorded torque, or that of torsional vibration.
+                The means are sums over these samples, so there must be some hundred in a turn.
 
         Returns:
             hours that 90 % of the joints reach, of each joint; which joint fails first, and where
@@ -88,8 +93,8 @@ class InService(Installed):
         Raises:
             TypeError: values that are not real numbers.
             ValueError: a rating, speed or share that is not positive, a load without a speed,
-                shares that do not fit the steps or do not add up to 1, shapes that do not
-                broadcast.
+                shares that do not fit the steps or do not add up to 1, angles that do not fit the
+                load or do not change, shapes that do not broadcast.
 
         >>> import cardan
         >>> bends = [[5.0], [8.0], [3.0]]
@@ -99,7 +104,7 @@ class InService(Installed):
         >>> found.catalogue.round(2), found.hours.round(2)
         (array([1625.98]), array([1603.01]))
         """
-        return life.life(self, load, rating, speed, shares)
+        return life.life(self, load, rating, speed, shares, angle)
 
     def slides(
         self,

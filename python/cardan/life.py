@@ -22,10 +22,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, common_shape, positive
+from cardan.arrays import FloatArray, as_float64, common_shape, positive
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
-from cardan.pins import Pins, means_over_turn
+from cardan.pins import Pins, means_over_turn, pins_at
 
 SMALLEST_BEND = math.radians(3.0)
 """Bends below this one count as this one; its pins swing too little for their rollers to turn."""
@@ -73,6 +73,7 @@ def life(
     rating: ArrayLike,
     speed: ArrayLike | None = None,
     shares: ArrayLike | None = None,
+    angle: ArrayLike | None = None,
 ) -> Life:
     """Find the lives as ``Driveline.life`` does."""
     if not isinstance(load, Load):
@@ -89,6 +90,10 @@ def life(
     turning = np.abs(load.speed) if speed is None else positive("speed", speed)
     if not np.all(turning > 0.0):
         raise ArgumentValueError("load", "has no speed; a life in hours needs one")
+    if angle is not None:
+        if shares is not None:
+            raise ArgumentValueError("shares", "and angle are both given; give one of them")
+        return _of_run(line, load, rated, turning, as_float64("angle", angle))
     shapes: Mapping[str, tuple[int, ...]] = {
         "torque": load.torque.shape,
         "speed": np.broadcast_shapes(load.speed.shape, turning.shape),
@@ -98,21 +103,76 @@ def life(
     }
     rows = common_shape(driveline=line.shape, **shapes)
     means = means_over_turn(line, load, rows, _integrands)
-    torque, harms, ways = means[:, 0], means[:, 1:3], means[:, 3:]
     bends = np.moveaxis(np.broadcast_to(_with_joints(line, rows), (*rows, n)), -1, 0)
     swings = np.degrees(np.maximum(bends, SMALLEST_BEND)) * (turning * _RPM)
     rated = np.moveaxis(np.broadcast_to(rated, (*rows, n)), -1, 0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        of_law = _HOURS / swings * (rated / torque) ** _EXPONENT
-        # Pins of a straight joint stand still and bear the torque alone.
-        harm = np.where(ways > 0.0, harms / ways, torque[:, np.newaxis] ** _EXPONENT)
-        both = np.mean(harm**_SLOPE, axis=1) ** (1.0 / _SLOPE)
-        exact = _HOURS / swings * rated**_EXPONENT / both
+    exact, of_law = _lives(means, swings, rated)
     small = bends < SMALLEST_BEND
     if shares is None:
         return Life(exact, of_law, small, exact)
     part = _checked_shares(shares, rows)
     return Life(_miner(exact, part), _miner(of_law, part), np.any(small, axis=-1), exact)
+
+
+def _lives(
+    means: FloatArray, swings: FloatArray, rated: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Lives in hours by the load of the pins and by the law, each ``(n, ...)``.
+
+    Args:
+        means: of each joint what ``_integrands`` has, ``(n, 5, ...)``.
+        swings: bend in degrees times speed in rpm.
+        rated: rating of each joint.
+    """
+    torque, harms, ways = means[:, 0], means[:, 1:3], means[:, 3:]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        of_law = _HOURS / swings * (rated / torque) ** _EXPONENT
+        # Pins of a straight joint stand still and bear the torque alone.
+        harm = np.where(ways > 0.0, harms / ways, torque[:, np.newaxis] ** _EXPONENT)
+        both = np.mean(harm**_SLOPE, axis=1) ** (1.0 / _SLOPE)
+        return _HOURS / swings * rated**_EXPONENT / both, of_law
+
+
+def _of_run(
+    line: Any,  # noqa: ANN401 - a driveline
+    load: Load,
+    rated: FloatArray,
+    speed: FloatArray,
+    angle: FloatArray,
+) -> Life:
+    """The life under a load that varies from sample to sample, by sums over the samples.
+
+    The bend of the law is that whose pins swing as far in a turn: four times to either side.
+    """
+    rows = np.broadcast_shapes(line.shape, load.torque.shape, speed.shape, rated.shape[:-1])
+    if angle.ndim != 1 or len(angle) < 2 or len(rows) > 1 or rated.ndim > 1:
+        raise ArgumentValueError(
+            "angle",
+            f"has shape {angle.shape}; of a run it is (samples,), at least two, and driveline and "
+            f"load, here of shape {rows}, have a value for each sample or one for all",
+        )
+    ways = np.abs(np.diff(angle))
+    turned = float(np.sum(ways))
+    if not 0.0 < turned < np.inf:
+        raise ArgumentValueError("angle", "does not change, or is not finite")
+
+    def mean(values: FloatArray) -> FloatArray:
+        """Over the angle, by trapezoids."""
+        each = np.broadcast_to(values, (*values.shape[:-1], len(angle)))
+        return np.asarray((0.5 * (each[..., 1:] + each[..., :-1])) @ ways / turned)
+
+    means = np.stack(
+        [
+            mean(_integrands(pins_at(line, load, joint, angle), joint, slice(None)))
+            for joint in range(line.n_joints)
+        ]
+    )
+    bends = 0.5 * np.pi * np.mean(means[:, 3:], axis=1)
+    # The turns of an hour follow from the mean of the time for an angle.
+    rpm = _RPM / mean(1.0 / np.atleast_1d(speed))
+    swings = np.degrees(np.maximum(bends, SMALLEST_BEND)) * rpm
+    exact, of_law = _lives(means, swings, rated)
+    return Life(exact, of_law, bends < SMALLEST_BEND, exact)
 
 
 def _integrands(pins: Pins, joint: int, block: slice) -> FloatArray:

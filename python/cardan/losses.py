@@ -29,19 +29,35 @@ from cardan.pins import Pins, means_over_turn, pins_at
 
 @dataclass(frozen=True, eq=False)
 class Losses:
-    """What friction takes in each joint; see ``Driveline.losses``.
+    """What friction takes in each joint; see ``Driveline.losses``."""
 
-    Attributes:
-        fraction: share of the mean drive power that each joint loses, ``(n, ...)``; needs no speed.
-        efficiency: 1 minus the fractions of all joints.
-    """
-
-    fraction: FloatArray
-    efficiency: Any
     _mean: FloatArray = field(repr=False)
+    _drive: FloatArray = field(repr=False)
     _line: Any = field(repr=False)
     _load: Load = field(repr=False)
     _friction: _Friction = field(repr=False)
+
+    @property
+    def fraction(self) -> FloatArray:
+        """Share of the mean drive power that each joint loses, ``(n, ...)``; needs no speed.
+
+        Raises:
+            ValueError: the load has no torque over the mean of a turn.
+        """
+        if not np.all(np.abs(self._drive) > 0.0):
+            raise ArgumentValueError(
+                "load", "has no torque over the mean of a turn; no power goes through the driveline"
+            )
+        return self._mean / np.abs(self._drive)
+
+    @property
+    def efficiency(self) -> Any:  # noqa: ANN401 - a number or an array
+        """1 minus the fractions of all joints.
+
+        Raises:
+            ValueError: as for ``fraction``.
+        """
+        return scalar_or_array(1.0 - np.sum(self.fraction, axis=0))
 
     @property
     def power(self) -> FloatArray:
@@ -192,14 +208,7 @@ def losses(
 
     spread = own.over(rows)
     means = means_over_turn(line, load, rows, integrands)
-    lost, drive = means[:, 0], means[0, 1]
-    if not np.all(np.abs(drive) > 0.0):
-        raise ArgumentValueError(
-            "load", "has no torque over the mean of a turn; no power goes through the driveline"
-        )
-    fraction = lost / np.abs(drive)
-    efficiency = scalar_or_array(1.0 - np.sum(fraction, axis=0))
-    return Losses(fraction, efficiency, lost, line, load, own)
+    return Losses(means[:, 0], means[0, 1], line, load, own)
 
 
 def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:

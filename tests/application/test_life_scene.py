@@ -89,6 +89,25 @@ def test_a_duty_cycle_adds_damage_and_heat() -> None:
     assert figures(single).efficiency == pytest.approx(efficiency, rel=1e-12)
 
 
+def test_idling_takes_time_and_heat_of_the_seals() -> None:
+    cycle = "hours = [1, 3]\noutput_torque_Nm = [400, 0]\n"
+    found = figures(f"{SCENE}seal_torque_Nm = 0.5\n[life]\n{cycle}")
+    always = figures(f"{SCENE}seal_torque_Nm = 0.5\n")
+    for joint, loaded, bend in zip(found.joints, always.joints, (12.0, 18.0), strict=True):
+        assert joint.hours is not None
+        assert loaded.hours is not None
+        assert joint.hours == pytest.approx(4.0 * loaded.hours)
+        assert joint.damage == pytest.approx((1.0, 0.0))
+        assert joint.heat is not None
+        assert loaded.heat is not None
+        idle = 0.5 * 8.0 * math.radians(bend) * 1500.0 / 60.0
+        assert joint.heat.mean == pytest.approx(0.25 * loaded.heat.mean + 0.75 * idle)
+    assert found.efficiency is not None
+    assert found.heat is not None
+    power = 0.25 * 400.0 * 1500.0 * math.pi / 30.0
+    assert found.efficiency == pytest.approx(1.0 - found.heat / power)
+
+
 def test_steps_can_be_states() -> None:
     states = "[states]\nbends_deg.0 = [12, 6]\nnames = ['high', 'low']\n"
     cycle = "[life]\nstates = ['low', 'high', 'low']\nhours = [1, 2, 3]\n"
@@ -175,7 +194,7 @@ def test_small_swings_and_plain_bearings_are_named() -> None:
         (f"{SCENE}bearing = 'ball'\n", "bearing is 'ball'"),
         (f"{SCENE}[life]\nhours = [1, 2]\nspeed_rpm = [1, 2, 3]\n", "speed_rpm has length 3"),
         (f"{SCENE}[life]\nhours = []\n", "hours has length 0; it needs 1, at least one step"),
-        (f"{SCENE}[life]\noutput_torque_Nm = [1, 0]\n", "output_torque_Nm[1] is 0; leave out"),
+        (f"{SCENE}[life]\noutput_torque_Nm = [0, 0]\n", "output_torque_Nm is 0 in all steps"),
         (f"{SCENE}[life]\nbends_deg = [[1, 2, 3]]\n", "bends_deg[0] has length 3; it needs 2"),
         (f"{SCENE}[life]\nbends_deg = [95]\n", "bends_deg[0] is 95 deg; a bend must lie"),
         (f"{SCENE}[life]\nstates = ['a']\n", "the scene has no section [states]"),

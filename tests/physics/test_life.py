@@ -117,3 +117,73 @@ def test_what_is_refused(changes: dict[str, Any], message: str) -> None:
     options = {"load": STEPS, "rating": 1000.0, **changes}
     with pytest.raises((TypeError, ValueError), match=message):
         CYCLE.life(**options)
+
+
+def test_a_run_at_a_constant_load_is_as_its_turn() -> None:
+    line = cardan.Driveline.from_bends([10, 35], [20], [50], degrees=True)
+    load = cardan.Load(output_torque=90.0, speed=25.0)
+    angles = np.linspace(0.0, 2.0 * math.pi, 20_001)
+    whole, run = (line.life(load, rating=[1e3, 2e3], angle=at) for at in (None, angles))
+    assert run.hours == pytest.approx(whole.hours, rel=1e-6)
+    assert run.catalogue == pytest.approx(whole.catalogue, rel=1e-6)
+    back = line.life(load, rating=[1e3, 2e3], angle=angles[::-1])
+    assert back.hours == pytest.approx(run.hours, rel=1e-12)
+
+
+def test_a_torque_that_varies_within_the_turn() -> None:
+    """The vibration of a compliant shaft, as an integral over the tilts of the cross."""
+    beta, p, e = mpmath.radians(25), mpmath.mpf(10) / 3, mpmath.mpf(9) / 8
+
+    def tilts(a: mpmath.mpf) -> tuple[mpmath.mpf, mpmath.mpf]:
+        return mpmath.atan(mpmath.tan(beta) * mpmath.sin(a)), mpmath.asin(
+            mpmath.sin(beta) * mpmath.cos(a)
+        )
+
+    harms = []
+    quarters = [mpmath.pi * i / 2 for i in range(5)]
+    for yoke in (0, 1):
+
+        def rate(a: mpmath.mpf, yoke: int = yoke) -> mpmath.mpf:
+            return abs(mpmath.diff(lambda x: tilts(x)[yoke], a))
+
+        def harm(a: mpmath.mpf) -> mpmath.mpf:
+            torque = 300 * (1 + mpmath.mpf("0.4") * mpmath.cos(2 * a - 1))
+            return (torque / mpmath.cos(tilts(a)[0])) ** p * rate(a)
+
+        harms.append(mpmath.quad(harm, quarters) / mpmath.quad(rate, quarters))
+    both = ((harms[0] ** e + harms[1] ** e) / 2) ** (1 / e)
+    angles = np.linspace(0.0, 2.0 * math.pi, 40_001)
+    load = cardan.Load(drive_torque=300.0 * (1.0 + 0.4 * np.cos(2.0 * angles - 1.0)), speed_rpm=900)
+    line = cardan.Driveline.from_bends([25], degrees=True)
+    found = line.life(load, rating=2000.0, angle=angles)
+    expected = 1.5e6 / (25.0 * 900.0) * 2000.0 ** (10.0 / 3.0) / float(both)
+    assert found.hours[0] == pytest.approx(expected, rel=1e-7)
+    assert found.catalogue[0] == pytest.approx(law(25.0, 900.0, 300.0, 2000.0), rel=1e-7)
+
+
+def test_a_run_counts_its_hours_by_its_time() -> None:
+    """Half of the angle at 10 rad/s and half at 30 rad/s take as long as all at 15 rad/s."""
+    line = cardan.Driveline.from_bends([20], degrees=True)
+    angles = np.linspace(0.0, 200.0 * math.pi, 40_001)
+    speed = np.where(angles < 100.0 * math.pi, 10.0, 30.0)
+    run = line.life(cardan.Load(output_torque=50.0, speed=speed), rating=500.0, angle=angles)
+    steady = line.life(cardan.Load(output_torque=50.0, speed=15.0), rating=500.0)
+    assert run.hours == pytest.approx(steady.hours, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("angle", "message"),
+    [
+        (0.0, r"angle has shape \(\); of a run it is \(samples,\)"),
+        ([1.0], r"angle has shape \(1,\); of a run it is \(samples,\), at least two"),
+        ([1.0, 1.0], "angle does not change, or is not finite"),
+        ([0.0, np.nan], "angle does not change, or is not finite"),
+    ],
+)
+def test_runs_that_are_refused(angle: Any, message: str) -> None:  # noqa: ANN401
+    line = cardan.Driveline.from_bends([20], degrees=True)
+    load = cardan.Load(output_torque=50.0, speed=15.0)
+    with pytest.raises(ValueError, match=message):
+        line.life(load, rating=500.0, angle=angle)
+    with pytest.raises(ValueError, match="shares and angle are both given"):
+        line.life(load, rating=500.0, shares=[1.0], angle=[0.0, 1.0])

@@ -112,7 +112,6 @@ def test_power_needs_a_speed() -> None:
         ({"arm": 0.0}, r"arm is 0.0; it must be positive and finite"),
         ({"pin_radius": [0.1, 0.1, 0.1]}, r"pin_radius has shape \(3,\)"),
         ({"seal_torque": np.inf}, r"seal_torque is inf"),
-        ({"load": cardan.Load()}, r"load has no torque over the mean of a turn"),
         ({"load": 100.0}, r"load is 100.0; it must be a cardan.Load"),
     ],
 )
@@ -121,6 +120,16 @@ def test_what_is_refused(changes: dict[str, Any], message: str) -> None:
     options = {"load": cardan.Load(drive_torque=1.0), **BEARINGS, **changes}
     with pytest.raises((TypeError, ValueError), match=message):
         line.losses(**options)
+
+
+def test_idling_heats_by_its_seals_alone() -> None:
+    line = cardan.Driveline.from_bends([[12.0], [25.0]], degrees=True)
+    found = line.losses(cardan.Load(speed=100.0), **BEARINGS, seal_torque=0.5)
+    swings = 8.0 * np.radians([[12.0, 25.0]])
+    assert found.power == pytest.approx(0.5 * swings * 100.0 / (2.0 * math.pi), rel=1e-12)
+    for name in ("fraction", "efficiency"):
+        with pytest.raises(ValueError, match="load has no torque over the mean of a turn"):
+            getattr(found, name)
 
 
 def test_losses_can_be_pickled() -> None:

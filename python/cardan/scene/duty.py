@@ -128,12 +128,8 @@ def _load(values: Mapping[str, Any], steps: int, load: Load | None) -> Load:
     end, moment = ("output", np.zeros(())) if load is None else (str(load.end), load.torque)
     if torque is not None:
         end, moment = torque.partition("_")[0], np.asarray(values[torque], dtype=np.float64)
-        for i, value in enumerate(moment.reshape(-1)):
-            if value == 0.0:
-                place = (i,) if moment.ndim else ()
-                raise ArgumentValueError(
-                    torque, "is 0; leave out the steps without a torque, which wear nothing", place
-                )
+        if not np.any(moment):
+            raise ArgumentValueError(torque, "is 0 in all steps; a life needs a torque")
     arguments: dict[str, Any] = {
         f"{end}_torque": np.broadcast_to(moment, (steps,)),
         "speed": np.broadcast_to(speed, (steps,)),
