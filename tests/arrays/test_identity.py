@@ -198,21 +198,26 @@ def test_geometries_by_rows() -> None:
             assert np.array_equal(got[name][i], single[name]), name
 
 
-def test_outputs_alone_or_together(line: Driveline) -> None:
-    together = evaluate(line, ANGLES)
+@pytest.mark.parametrize("tier", TIERS)
+def test_outputs_alone_or_together(line: Driveline, tier: str) -> None:
+    options = TIERS[tier]
+    together = evaluate(line, ANGLES, **options)
     for name in ALL:
-        same(contiguous(evaluate(line, ANGLES, name)), contiguous(Result({name: together[name]})))
+        alone = evaluate(line, ANGLES, name, **options)
+        same(contiguous(alone), contiguous(Result({name: together[name]})))
 
 
-def test_shafts_and_joints_alone_or_together(line: Driveline) -> None:
-    together = evaluate(line, ANGLES)
+@pytest.mark.parametrize("tier", TIERS)
+def test_shafts_and_joints_alone_or_together(line: Driveline, tier: str) -> None:
+    options = TIERS[tier]
+    together = evaluate(line, ANGLES, **options)
     for shaft in range(line.n_joints + 1):
         for name in (*MOTION, "torque", "support_moment"):
-            alone = evaluate(line, ANGLES, name, shafts=shaft)[name]
+            alone = evaluate(line, ANGLES, name, shafts=shaft, **options)[name]
             assert np.array_equal(alone, together[name][shaft]), name
     for joint in range(line.n_joints):
         for name in ("moment", "bending_driving", "bending_driven", *TILTS):
-            alone = evaluate(line, ANGLES, name, joints=joint)[name]
+            alone = evaluate(line, ANGLES, name, joints=joint, **options)[name]
             assert np.array_equal(alone, together[name][joint]), name
 
 

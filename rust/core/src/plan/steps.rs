@@ -59,6 +59,8 @@ pub struct Plan {
     pub(crate) shafts: Vec<ShaftStep>,
     /// One step per joint, needed or not.
     pub(crate) joints: Vec<JointStep>,
+    pub(crate) any_joint: JointNeeds,
+    first_bent: usize,
     pub(crate) load: Option<LoadStep>,
     /// The balances behind the requested forces, if there are any.
     pub(crate) forces: Option<ForceStep>,
@@ -126,6 +128,16 @@ pub(crate) struct JointStep {
     pub(crate) support: [Option<Support>; 2],
 }
 
+/// What any joint needs. It is found once, because looking at all joints of a long chain takes a
+/// tenth of the time of a chunk.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct JointNeeds {
+    pub(crate) tilt: bool,
+    pub(crate) torsion: bool,
+    /// The number of loops over pins, for all joints.
+    pub(crate) pin_loops: usize,
+}
+
 /// A joint's contribution to the support moment of one of its shafts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Support {
@@ -167,6 +179,8 @@ impl JointStep {
 #[derive(Clone, Debug)]
 pub(crate) struct LoadStep {
     pub(crate) end: End,
+    /// Whether any shaft has an inertia, needed or not.
+    pub(crate) has_inertias: bool,
     /// In the order of computation.
     pub(crate) stations: Vec<Station>,
 }
@@ -204,6 +218,8 @@ impl Plan {
             components: vec![],
             shafts: vec![],
             joints,
+            any_joint: JointNeeds::default(),
+            first_bent: request.largest_bends.iter().position(|&bend| bend != 0.0).unwrap_or(n),
             load: None,
             forces: None,
         };
@@ -258,6 +274,11 @@ impl Plan {
             plan.plan_load(end, request.inertias, &torque);
         }
         plan.shafts.sort_by_key(|step| step.shaft);
+        plan.any_joint = JointNeeds {
+            tilt: plan.joints.iter().any(|step| step.needs_tilt),
+            torsion: plan.joints.iter().any(JointStep::needs_torsion),
+            pin_loops: plan.joints.iter().map(JointStep::pin_loops).sum(),
+        };
         Ok(plan)
     }
 
@@ -322,14 +343,24 @@ impl Plan {
 
     /// Whether any output needs the pose of a joint.
     pub(crate) fn needs_poses(&self) -> bool {
-        (0..self.joint_count).any(|joint| self.needs_pose(joint))
+        self.any_joint.tilt || self.any_joint.torsion
     }
 
-    /// Whether torques or moments are sums of several terms, which may cancel, or belong to joints
-    /// whose pins a chain has turned. Numbers with error terms then need all their digits.
-    pub(crate) fn needs_wide_pins(&self) -> bool {
-        let absorbs = |load: &LoadStep| load.stations.iter().any(|station| station.absorbs);
-        self.load.as_ref().is_some_and(|load| self.reach() > 1 || absorbs(load))
+    /// Whether torques or moments may be sums of several terms, which may cancel, or belong to joints
+    /// whose pins a chain has turned. Numbers with error terms then need all their digits. It does
+    /// not depend on which torques and moments are requested, so neither do their bits.
+    pub(crate) fn has_wide_loads(&self) -> bool {
+        self.load.as_ref().is_some_and(|load| self.joint_count > 1 || load.has_inertias)
+    }
+
+    /// Whether any step of the load reads pins.
+    pub(crate) fn loads_read_pins(&self) -> bool {
+        self.any_joint.torsion || self.shafts.iter().any(|step| step.keep_ratio)
+    }
+
+    /// Whether a tilt of the first joint is needed. Only its pins are those of the drive.
+    pub(crate) fn needs_first_tilt(&self) -> bool {
+        self.joints.first().is_some_and(|step| step.needs_tilt)
     }
 
     /// Whether the load needs the speed of the shaft.
@@ -350,13 +381,12 @@ impl Plan {
 
     /// Whether the sense of a pin matters, not only its line.
     pub(crate) fn needs_sense(&self) -> bool {
-        self.joints.iter().any(|step| step.needs_tilt)
+        self.any_joint.tilt
     }
 
     /// The first joint that is bent in any driveline; the shafts before it turn with the drive.
     pub(crate) fn first_bent(&self) -> usize {
-        let bent = self.largest_bends.iter().position(|&bend| bend != 0.0);
-        bent.unwrap_or(self.joint_count)
+        self.first_bent
     }
 
     /// The range of the inverse tangent for a shaft, over all drivelines.
@@ -432,7 +462,7 @@ impl Plan {
                 self.step(shaft - 1).keep_ratio = true;
             }
         }
-        self.load = Some(LoadStep { end, stations });
+        self.load = Some(LoadStep { end, has_inertias: !inertias.is_empty(), stations });
     }
 }
 

@@ -77,8 +77,10 @@ pub(crate) struct Block<'a, 's, T: StoresAs<W>, W: Float> {
     staging: Vec<Vec<T::Plane>>,
     /// The angles of a chunk, if they are not contiguous in the samples.
     angles: Vec<f64>,
-    /// First angle, step and length of the chunks for which `scratch` holds pins and double angles.
+    /// First angle, step and length of the chunks for which `scratch` holds pins, wide pins and
+    /// double angles.
     pins_key: Option<(usize, usize, usize)>,
+    wide_pins_key: Option<(usize, usize, usize)>,
     double_angles_key: Option<(usize, usize, usize)>,
 }
 
@@ -134,6 +136,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             },
             angles: vec![],
             pins_key: None,
+            wide_pins_key: None,
             double_angles_key: None,
         }
     }
@@ -348,14 +351,18 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         };
         let folded: &Folded<T> = &self.folded;
         let key = selected.is_none().then_some((begin, step, size));
-        let [needs_pins, needs_double_angles] = sines::sines_needed(plan, routes, folded, geometry);
+        let needed = sines::sines_needed(plan, routes, folded, geometry);
         let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry);
-        if needs_pins && !fresh && (key.is_none() || self.pins_key != key) {
+        if needed.pins && !fresh && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
             kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
         }
-        if needs_double_angles && (key.is_none() || self.double_angles_key != key) {
+        if needed.wide_pins && (key.is_none() || self.wide_pins_key != key) {
+            kernels::find_wide_pins(level, drive, scratch, size);
+            self.wide_pins_key = key;
+        }
+        if needed.double_angles && (key.is_none() || self.double_angles_key != key) {
             kernels::find_double_angles(level, drive, rotations, scratch, size);
             self.double_angles_key = key;
         }

@@ -205,7 +205,7 @@ impl<T: Angle> Folded<T> {
             {
                 set_first(shaft, start, bends);
             }
-            let turns_load = T::LOW && plan.needs_wide_pins() && plan.needs_rates(j + 1);
+            let turns_load = T::LOW && plan.has_wide_loads() && plan.needs_rates(j + 1);
             if turns_load && j == 0 {
                 turnings[1].extend(bends.iter().map(|&bend| Turning::of_joint(bend)));
             }

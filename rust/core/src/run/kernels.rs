@@ -41,6 +41,20 @@ pub(crate) fn find_pins<T: Number + Compiled>(
     );
 }
 
+/// [`sines::find_wide_pins`].
+pub(crate) fn find_wide_pins<T: Number + Compiled>(
+    level: Level,
+    drive: DriveAngles<'_>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    T::run(
+        level,
+        #[inline(always)]
+        |_, _| sines::find_wide_pins(drive, scratch, size),
+    );
+}
+
 /// [`sines::find_double_angles`].
 pub(crate) fn find_double_angles<T: Number + Compiled>(
     level: Level,

@@ -41,9 +41,12 @@ pub(crate) fn run_load<T: Number, W: Float>(
     fresh: bool,
 ) -> bool {
     let too_large = Cell::new(LargeAngleFlag::for_quadrants());
-    let Scratch { gathered, pins, rates, power, torsion, parts, support, forces, .. } = scratch;
+    let Scratch {
+        gathered, pins, wide_pins, rates, power, torsion, parts, support, forces, ..
+    } = scratch;
     let column = |index: usize| &gathered[index][..size];
-    let pins = pins_of(pins, size);
+    let is_wide = T::LOW && plan.has_wide_loads();
+    let pins = pins_of(if is_wide { wide_pins } else { pins }, size);
     if T::LOW {
         for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
             if !turnings.is_empty() {

@@ -127,7 +127,8 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             turned::mend_angles(shaft, step.shaft, route, lines, drive, words);
         }
     }
-    for (joint, (step, poses)) in plan.joints.iter().zip(&folded.poses).enumerate() {
+    let tilted = if plan.needs_sense() { plan.joint_count } else { 0 };
+    for (joint, (step, poses)) in plan.joints[..tilted].iter().zip(&folded.poses).enumerate() {
         if !step.needs_tilt {
             continue;
         }

@@ -16,6 +16,8 @@ pub(crate) struct Scratch<T: Number> {
     /// The load's columns for the current chunk.
     pub(crate) gathered: Vec<Vec<f64>>,
     pub(crate) pins: [Column<T>; 2],
+    /// The pins of the load, if it needs all their digits.
+    pub(crate) wide_pins: [Column<T>; 2],
     pub(crate) double_sin_cos: [Column<T>; 2],
     /// The groups that replace `double_sin_cos` in a long sweep.
     pub(crate) groups: Vec<rotation::RotationGroup<T>>,
@@ -46,16 +48,17 @@ impl<T: Number> Scratch<T> {
             ]
         });
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
-        let wide = T::LOW && plan.needs_wide_pins();
-        let needs_pins = !routes.splits() || steep || plan.needs_poses() || wide;
-        let tilts = T::LOW && plan.joints.iter().any(|step| step.needs_tilt);
+        let wide = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
+        let needs_pins = !routes.splits() || steep || plan.needs_poses();
+        let tilts = T::LOW && plan.needs_sense();
         let loaded = plan.load.is_some();
-        let moments = plan.joints.iter().any(JointStep::needs_torsion);
+        let moments = plan.any_joint.torsion;
         let supports = plan.joints.iter().any(JointStep::needs_support);
         Self {
             cursors: vec![(0, 0); table.columns.len()],
             gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
             pins: columns(size(needs_pins)),
+            wide_pins: columns(size(wide)),
             double_sin_cos: columns(size(routes.has_double_angle())),
             groups: vec![],
             rotated_pins: columns(size(

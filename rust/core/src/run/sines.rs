@@ -3,7 +3,7 @@
 use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
 use crate::plan::route::{Route, Routes};
-use crate::plan::steps::{JointStep, Plan};
+use crate::plan::steps::Plan;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::fold::Folded;
 use crate::run::scratch::Scratch;
@@ -25,12 +25,22 @@ pub(crate) fn find_pins<T: Number>(
     let [sine, cosine] = views_mut(&mut scratch.pins, 0, size);
     let coarse = plan.moderate;
     match (drive, group) {
-        _ if T::LOW && plan.needs_wide_pins() => {
-            array::fill_sin_cos::<WideSinCos, T>(drive, coarse, sine, cosine);
-        }
         (DriveAngles::Sweep(sweep, first), Some(group)) => group.pins(sweep, first, sine, cosine),
         _ if plan.needs_sense() => array::fill_sin_cos::<PinSense, T>(drive, coarse, sine, cosine),
         _ => array::fill_sin_cos::<PinLine, T>(drive, coarse, sine, cosine),
+    }
+}
+
+/// Computes the pins that the load reads with all their digits.
+#[inline(always)]
+pub(crate) fn find_wide_pins<T: Number>(
+    drive: DriveAngles<'_>,
+    scratch: &mut Scratch<T>,
+    size: usize,
+) {
+    if T::LOW {
+        let [sine, cosine] = views_mut(&mut scratch.wide_pins, 0, size);
+        array::fill_sin_cos::<WideSinCos, T>(drive, false, sine, cosine);
     }
 }
 
@@ -71,9 +81,8 @@ pub(crate) fn are_fresh<T: Number>(
     folded: &Folded<T>,
     geometry: GeometryIndex,
 ) -> bool {
-    let loops: usize = plan.joints.iter().map(JointStep::pin_loops).sum();
     let mut moving = plan.moving();
-    match (moving.next(), moving.next(), loops) {
+    match (moving.next(), moving.next(), plan.any_joint.pin_loops) {
         (None, _, 1) => !plan.needs_sense(),
         (Some(step), None, 0) => {
             let (route, range) = folded.route(routes, step.shaft, geometry);
@@ -83,22 +92,32 @@ pub(crate) fn are_fresh<T: Number>(
     }
 }
 
-/// Whether any route of the chunk needs pins, and whether any needs twice the drive angle.
+/// Which sines and cosines of the drive a chunk needs.
+pub(crate) struct NeededSines {
+    pub(crate) pins: bool,
+    pub(crate) wide_pins: bool,
+    pub(crate) double_angles: bool,
+}
+
+/// The sines and cosines that tilts, load and routes of the chunk need. Motion and tilts read the
+/// same pins with a load as without it, so that their bits do not depend on it.
 #[inline(always)]
 pub(crate) fn sines_needed<T: Number>(
     plan: &Plan,
     routes: &Routes,
     folded: &Folded<T>,
     geometry: GeometryIndex,
-) -> [bool; 2] {
-    let mut needed = [plan.needs_poses() || T::LOW && plan.needs_wide_pins(), false];
+) -> NeededSines {
+    let wide_pins = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
+    let poses = if wide_pins { plan.needs_first_tilt() } else { plan.needs_poses() };
+    let mut needed = NeededSines { pins: poses, wide_pins, double_angles: false };
     for step in &plan.shafts {
         let own = folded.shafts[step.shaft].as_ref().is_some_and(FoldedShaft::has_offsets);
         match folded.route(routes, step.shaft, geometry).0 {
             _ if own => {}
             Route::Drive => {}
-            Route::Tangent => needed[0] = true,
-            Route::DoubleAngle | Route::Rotation => needed[1] = true,
+            Route::Tangent => needed.pins = true,
+            Route::DoubleAngle | Route::Rotation => needed.double_angles = true,
         }
     }
     needed
