@@ -2,6 +2,7 @@
 
 mod block;
 mod constants;
+mod evaluation;
 pub mod execution;
 pub mod explain;
 mod extrema;
