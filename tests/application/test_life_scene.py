@@ -280,6 +280,10 @@ def test_tubes_are_those_of_the_library() -> None:
     assert (found.stress_passes, found.margin_passes) == (False, False)
     assert len(list(tube_sentences([found]))) == 2
     assert not passes(scene)
+    mild = f"{SCENE}{TUBE}permitted_stress_MPa = 13\nleast_margin = 4\n"
+    assert tube_figures(Scene.parse(mild))[0].passes
+    assert passes(Scene.parse(mild))
+    assert list(tube_sentences(tube_figures(Scene.parse(mild)))) == []
     alone = tube_figures(Scene.parse(f"{TWO}{TUBE}"))[0]
     assert alone.stress is alone.margin is None
     assert alone.passes

@@ -274,7 +274,8 @@ ERRORS: list[tuple[str, int | None, str]] = [
         1,
         "[driveline] no shafts or joints; give one of: bends_deg; points_m; points_mm; directions; "
         "slopes_vertical_deg with slopes_horizontal_deg; "
-        "projected_bends_vertical_deg with projected_bends_horizontal_deg",
+        "projected_bends_vertical_deg with projected_bends_horizontal_deg; "
+        "double_joint_deg with joint_distance_mm with synchronous_deg",
     ),
     (
         JOINT + "points_mm = [[0, 0, 0]]\ndirections = [[1, 0, 0]]",

@@ -106,6 +106,8 @@ ACROSS_KEYS = (
     # Points, directions and slopes that make no driveline.
     r"\[driveline\] (points_m|points_mm|directions|slopes_|projected_)\w*( and \w+)? "
     r"?(give|are|\[)",
+    r"\[driveline\] pivot_wear_mm puts the pivot beyond the joints, ",
+    r"\[driveline\] double_joint_deg is \S+ deg, which bends joint \d ",
     # A spline, a ball joint.
     r"\[slip\] shaft (has no length; \[slip\] needs points|is \d+; there are \d+, counted)",
     r"closed_forms 'length' needs points_mm or points_m$",

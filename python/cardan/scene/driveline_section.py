@@ -47,6 +47,22 @@ DRIVELINE = Section(
             "slopes_horizontal_deg",
             "horizontal",
         ),
+        "double_joint_deg": Key(
+            kinds.TOTAL_BEND, "total bend of a centred double joint, in [0, 180)", "total"
+        ),
+        "joint_distance_mm": Key(
+            kinds.DISTANCE, "of a double joint: distance of its joint centres", "length"
+        ),
+        "synchronous_deg": Key(
+            kinds.SYNCHRONOUS,
+            "of a double joint: total bend at which both joints have the same bend",
+            "synchronous",
+        ),
+        "pivot_wear_mm": Key(
+            kinds.NUMBERS,
+            "of a double joint: how far its pivot is off, away from joint 0; default 0",
+            "wear",
+        ),
         "phases_deg": Key(
             kinds.NUMBERS,
             "angle from the input-side to the output-side yoke of each intermediate shaft, "

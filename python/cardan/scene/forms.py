@@ -6,10 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.bearings import in_metres
 from cardan.driveline import Driveline
+from cardan.errors import ArgumentValueError
 from cardan.scene.bearing_section import LENGTHS
 
 TEETH = "teeth"
@@ -52,6 +54,7 @@ class Form:
 
 _BENDS, _TWISTS, _PHASES = "bends_deg", "twists_deg", "phases_deg"
 _SLOPES = ("slopes_vertical_deg", "slopes_horizontal_deg")
+_DOUBLE_JOINT = ("double_joint_deg", "joint_distance_mm", "synchronous_deg")
 _PROJECTED = ("projected_bends_vertical_deg", "projected_bends_horizontal_deg")
 
 
@@ -62,6 +65,25 @@ def _from_points_in_mm(
     return in_metres(Driveline.from_points(points, phases, degrees=degrees), 1e-3)
 
 
+def _from_double_joint(
+    total: ArrayLike,
+    length: ArrayLike,
+    synchronous: ArrayLike,
+    wear: ArrayLike = 0.0,
+    *,
+    degrees: bool = False,
+) -> Driveline:
+    """A centred double joint whose pivot is off by ``wear``; each value is a list of one."""
+    bend, distance, even, off = (
+        np.asarray(value, dtype=np.float64)[..., 0] for value in (total, length, synchronous, wear)
+    )
+    half = 0.5 * (np.radians(even) if degrees else even)
+    pivot = 0.5 * distance / np.cos(half) + off
+    if np.any((pivot <= 0.0) | (pivot >= distance)):
+        raise ArgumentValueError("wear", "puts the pivot beyond the joints, between which it lies")
+    return Driveline.from_double_joint(bend, distance, pivot, degrees=degrees)
+
+
 FORMS = (
     Form(Driveline.from_bends, (_BENDS,), (_TWISTS, _PHASES), 0),
     Form(Driveline.from_points, ("points_m",), (_PHASES,), 2),
@@ -69,6 +91,8 @@ FORMS = (
     Form(Driveline.from_directions, ("directions",), (_PHASES,), 1),
     Form(Driveline.from_slopes, _SLOPES, (_PHASES,), 1, views=True),
     Form(Driveline.from_projected_bends, _PROJECTED, (_PHASES,), 0, 2, views=True),
+    # Values of a double joint are lists of one entry.
+    Form(_from_double_joint, _DOUBLE_JOINT, ("pivot_wear_mm",), -1, 2),
 )
 """The ways to describe a driveline; a scene uses exactly one of them."""
 

@@ -65,6 +65,20 @@ WEIGHTS = Kind("numbers", ListOf(Number(0, what="a weight"), "numbers"))
 NAMES = Kind("texts", ListOf(Text(), "texts", distinct=True))
 NUMBERS = Kind("number or numbers", OneOrMore(ListOf(Number(), "numbers"), (int, float)))
 BENDS = Kind("number or numbers", OneOrMore(ListOf(_BEND, "numbers"), (int, float)))
+TOTAL_BEND = Kind(
+    "number",
+    OneOrMore(
+        ListOf(Number(0, 180, below=True, what="a total bend", unit="deg"), "one number", count=1),
+        (int, float),
+    ),
+)
+SYNCHRONOUS = Kind(
+    "number",
+    OneOrMore(ListOf(Number(0, 120, below=True, unit="deg"), "one number", count=1), (int, float)),
+)
+DISTANCE = Kind(
+    "positive number", OneOrMore(ListOf(Number(1e-3, 1e6), "one number", count=1), (int, float))
+)
 SLOPES = Kind("slopes", ListOf(_SLOPE, "numbers"))
 INERTIAS = Kind("numbers", ListOf(_INERTIA, "numbers"))
 VECTORS = Kind("vectors", ListOf(_VECTOR, "vectors [x, y, z]"))
