@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 import cardan.scene.format as scene_format
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.driven_angle import check_axes
 from cardan.errors import ArgumentValueError
 from cardan.files.progress import Progress
 from cardan.limits import Limits
@@ -265,7 +264,6 @@ class Scene:
             joints = items(output, "joints", line.n_joints)
             check_forces(quantities, line, load, joints)
             options = {key: output[key] for key in _OPTIONS if key in output}
-            check_axes(quantities, output.get("axes", "space"))
             of_driven, driven_angle_deg = {}, None
             if output.get(ANGLE_OF) == "driven":
                 check_driven(recorded)
