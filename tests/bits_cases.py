@@ -262,11 +262,37 @@ def of_jerk() -> Iterator[Case]:
         yield f"{line}, gradient", transmission.gradient(EIGHT)._asdict()
 
 
+def of_forces() -> Iterator[Case]:
+    """A floating shaft, one bearing on every shaft, and two on every shaft."""
+    arrangements = {
+        "floating": [(0, 0.3), (0, 0.9), (1, 0.7), (3, 0.2), (3, 1.1)],
+        "one each": [(0, 0.3), (0, 0.9), (1, 0.7), (2, 0.4), (3, 1.1)],
+        "two each": [(shaft, at) for shaft in range(4) for at in (0.2, 0.8)],
+    }
+    planar = Driveline.from_points(POINTS[0] * [1.0, 1.0, 0.0], [0.3, -0.4])
+    spatial = Driveline.from_points(POINTS, [0.3, -0.4])
+    forces = ("joint_force", "bearing_force")
+    for name, bearings in arrangements.items():
+        lines = spatial.with_bearings(bearings)
+        load = Load(output_torque=7.0, speed=20.0, inertias=[0.1, 0.02, 0.03, 0.01])
+        for tier, options in TIERS.items():
+            one = lines[0]
+            yield case(f"{name}, {tier}", one, MANY[:700], forces, load=load, **options)
+        flat = planar.with_bearings(bearings)
+        yield case(f"{name}, in a plane", flat, FULL_TURNS, forces, load=load)
+        yield case(f"{name}, batch", lines[:, None], MANY[:70], forces, load=load)
+        yield case(f"{name}, each", lines, MANY[:6], forces, load=load)
+        for how in REDUCTIONS:
+            options = {"load": load, "reduce": how}
+            yield case(f"{name}, {how}", lines[:, None], FULL_TURNS, forces, **options)
+
+
 GROUPS = (
     of_lines,
     of_angles,
     of_reductions,
     of_loads,
+    of_forces,
     of_batches,
     of_choices,
     of_closed_forms,

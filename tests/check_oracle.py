@@ -1,9 +1,10 @@
 """Judge the oracle of the stress command: ``cardan-stress oracle 3000 | python`` this file.
 
 What it prints is compared with mpmath from the vector picture: pins that stay at right angles, the
-moment normal to both, joint after joint along a chain. Exits with 1 if anything is more than 2**-92
-off, of the number itself, of the largest part of a jerk ratio, which is a sum, or, in a chain, of
-what another angle would change it by.
+moment normal to both, joint after joint along a chain, and the equilibrium of all shafts. Exits
+with 1 if anything is more than 2**-92 off, of the number itself, of the largest part of a jerk
+ratio, which is a sum, of the largest force of a driveline, or, in a chain, of what another angle
+would change it by.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
 import mpmath
+
+from equilibrium import system
 
 mp = mpmath.mp.clone()
 mp.dps = 120
@@ -144,6 +147,43 @@ def chain(
     }
 
 
+def forces(
+    bends: list[Number],
+    twists: list[Number],
+    phases: list[Number],
+    angle: Number,
+    mounted: list[list[Number]],
+) -> dict[str, Number]:
+    """Forces of the joints, then of the bearings, from the equilibrium of all shafts."""
+    (torque,), supported, lengths, shafts, positions = mounted
+    u: Vector = (mp.mpf(1), mp.mpf(0), mp.mpf(0))
+    normal: Vector = (mp.mpf(0), mp.mpf(0), mp.mpf(1))
+    driving = turned(cross(normal, u), u, angle)
+    directions, moments = [u], []
+    for j, bend in enumerate(bends):
+        if j > 0:
+            normal = turned(normal, u, twists[j - 1])
+            driving = turned(driving, u, phases[j - 1])
+        behind = turned(u, normal, bend)
+        driven = unit(cross(behind, driving))
+        across = cross(driving, driven)
+        moments.append(times(across, torque / dot(across, u)))
+        u, driving, torque = behind, driven, dot(moments[-1], behind)
+        directions.append(u)
+    bearings = [(int(shaft), place) for shaft, place in zip(shafts, positions, strict=True)]
+    held = [int(shaft) if shaft >= 0 else None for shaft in supported]
+    rows, right = system(directions, lengths, moments, bearings, held)
+    solved = list(mp.lu_solve(mp.matrix(rows), mp.matrix(right)))
+    in_order = solved[3 * len(bearings) :] + solved[: 3 * len(bearings)]
+    names = [f"force {item} {axis}" for item in range(len(solved) // 3) for axis in "xyz"]
+    return dict(zip(names, in_order, strict=True))
+
+
+def turned(vector: Vector, axis: Vector, angle: Number) -> Vector:
+    """Turn a vector about a unit vector across it."""
+    return add(times(vector, mp.cos(angle)), cross(axis, vector), mp.sin(angle))
+
+
 def numbers(words: Iterable[str]) -> list[Number]:
     return [mp.mpf(float.fromhex(word)) for word in words]
 
@@ -163,6 +203,11 @@ def judged(lines: Iterable[str]) -> Iterator[tuple[str, Number]]:
             bends, twists, phases = (numbers(part.split()) for part in line[6:].split("/"))
             want, where = chain(bends, twists, phases, angle), "chain: "
             steepness = want["steepness"] * 2
+        elif first == "forces":
+            mounted = [numbers(part.split()) for part in line[7:].split("/")]
+            want, where = forces(bends, twists, phases, angle, mounted), "chain: "
+            largest, steepness = max(abs(force) for force in want.values()), mp.mpf(0)
+            want |= {f"{name}'s part": largest for name in want}
         else:
             name, _, words = line.partition(": ")
             got = sum(numbers(words.split()))
@@ -170,7 +215,8 @@ def judged(lines: Iterable[str]) -> Iterator[tuple[str, Number]]:
             # Numbers below 1e-290 have no second word with all digits.
             if abs(exact) > 1e-290:
                 unit = max(abs(exact), want.get(f"{name}'s part", 0)) + steepness * 2**-12
-                yield where + name, abs(got - exact) / unit
+                # The forces of a driveline make one row.
+                yield where + (first if first == "force" else name), abs(got - exact) / unit
 
 
 def main() -> int:

@@ -9,12 +9,14 @@ _Spread: TypeAlias = NDArray[np.float64]
 _Stepped: TypeAlias = tuple[_Flat, int, int]
 
 __all__ = [
+    "Integral",
     "Lines",
     "Plan",
     "Sweep",
     "Torsion",
     "Transmission",
     "__version__",
+    "derivatives_at",
     "differentiate",
     "dq",
     "equivalent",
@@ -56,6 +58,14 @@ def equivalent(
 def optimal_phases(
     joints: int, bends: _Flat, twists: _Flat, phases: _Flat, workers: int | None
 ) -> _Flat: ...
+def derivatives_at(
+    time: _Flat, values: _Flat, reach: int, begin: int, end: int
+) -> tuple[_Flat, _Flat]: ...
+
+@final
+class Integral:
+    def __new__(cls, start: float) -> Integral: ...
+    def at(self, time: _Flat, values: _Flat) -> _Flat: ...
 
 @final
 class Sweep:

@@ -411,8 +411,8 @@ class Driveline(Centred):
                 must have been made with ``degrees=True`` or by ``Sweep.revolutions``.
             axes: axes of vectors, at rest (``"space"``) or turning with the shaft on which the
                 vector acts (``"shaft"``): x along the shaft, y along its input-side pin (shaft 0:
-                its output-side pin), z their cross product. A ``moment`` acts on the joint's driven
-                shaft; in its axes it is ``(torque, 0, ± bending_driven)``.
+                its output-side pin), z their cross product. A ``moment`` and a ``joint_force`` act
+                on the joint's driven shaft; the moment is ``(torque, 0, ± bending_driven)``.
             angle_of: the shaft whose angle ``angle`` is: that of the drive (``"drive"``), or the
                 output ``angle`` of the last shaft (``"driven"``), as an encoder at the output
                 measures it. The drive angles are then found by the inverse chain, within 1 ulp, and

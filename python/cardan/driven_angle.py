@@ -27,14 +27,6 @@ from cardan.result import Result
 from cardan.sweep import Sweep
 
 
-def check_axes(names: Iterable[str], axes: Axes) -> None:
-    """Raise a ``ValueError`` if one of the outputs is not to be had in these axes."""
-    forces = [name for name in names if OUTPUTS[name].unit == "N"]
-    if axes == "shaft" and forces:
-        problem = f"is 'shaft', which moments have; {forces[0]} has the axes of space"
-        raise ArgumentValueError("axes", problem)
-
-
 class DrivenPlan(Plan):
     """A plan that is called with angles of the last shaft; made by ``Driveline.plan``.
 
@@ -117,7 +109,6 @@ def planned(
     names = checked(names)
     checked_choice("axes", axes, ("space", "shaft"))
     checked_choice("angle_of", angle_of, ("drive", "driven"))
-    check_axes(names, axes)
     # Lengths are the same in all axes.
     turned = axes == "shaft" and reduce != "peak" and any(OUTPUTS[name].vector for name in names)
     plan = ShaftAxesPlan(*arguments) if turned else Plan(*arguments)

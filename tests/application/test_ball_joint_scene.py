@@ -8,7 +8,6 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -17,26 +16,15 @@ from cardan import BallJoint, Scene
 from cardan.ball_joint import layer_compliance
 from cardan.command import commands
 from cardan.figures.ball_joint import ball_joint_figures, pressure_curve
-from cardan.figures.schema import answers_schema
 from cardan.plots import plot_ball_joint
 from cardan.report import write_report
 from cardan.scene import BallJointScene, load_scene
 from cardan.scene.errors import SceneError
 from cardan.words.ball_joint import ball_joint_text
+from example_scenes import ANSWERS, SCENES, example, replaced
 
-ROOT = Path(__file__).parents[2]
-TEXT = (ROOT / "examples" / "ball_joint.toml").read_text(encoding="utf-8")
-ANSWERS = jsonschema.Draft202012Validator(answers_schema())
-SCENES = jsonschema.Draft202012Validator(Scene.schema())
+TEXT = example("ball_joint.toml").read_text(encoding="utf-8")
 DRIVELINE = "[driveline]\nbends_deg = [10]\n[load]\nspeed_rpm = 60\noutput_torque_Nm = 5\n"
-
-
-def changed(*pairs: tuple[str, str]) -> str:
-    text = TEXT
-    for old, new in pairs:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
 
 
 def command(*arguments: str | Path) -> Any:  # noqa: ANN401 - click's result
@@ -72,7 +60,7 @@ def test_the_weaker_material_judges_and_sizes() -> None:
     found = ball_joint_figures(BallJointScene.parse(TEXT).ball_joint)
     assert found.weaker is not None
     assert (found.weaker.part, found.allowable) == ("seat", 60e6)
-    soft = changed(("allowable_pressure_MPa = 400", "allowable_pressure_MPa = 40"))
+    soft = replaced(TEXT, ("allowable_pressure_MPa = 400", "allowable_pressure_MPa = 40"))
     found = ball_joint_figures(BallJointScene.parse(soft).ball_joint)
     assert found.weaker is not None
     assert (found.weaker.part, found.allowable) == ("ball", 40e6)
@@ -87,7 +75,8 @@ def test_the_weaker_material_judges_and_sizes() -> None:
 
 def test_compliances_of_both_materials_add_up() -> None:
     """Marcus (8): the approach is shared in proportion to his coefficients."""
-    text = changed(
+    text = replaced(
+        TEXT,
         ("allowable_pressure_MPa = 400", "compliance_um_per_MPa = 0.1"),
         ("layer_mm = 1.0\nmodulus_MPa = 2500\npoisson = 0.4", "compliance_um_per_MPa = 0.3"),
     )
@@ -146,7 +135,7 @@ def test_compliances_of_both_materials_add_up() -> None:
 )
 def test_errors_name_the_line(old: str, new: str, message: str) -> None:
     with pytest.raises(SceneError) as caught:
-        BallJointScene.parse(changed((old, new)), "ball.toml")
+        BallJointScene.parse(replaced(TEXT, (old, new)), "ball.toml")
     assert str(caught.value).startswith("ball.toml, line ")
     assert message in str(caught.value)
 
@@ -160,9 +149,9 @@ def test_the_reader_and_the_schema_agree(tmp_path: Path) -> None:
     SCENES.validate(tomllib.loads(TEXT))
     SCENES.validate(tomllib.loads(TEXT + DRIVELINE))
     for wrong in (
-        changed(("load_N = 20000", "")),
-        changed(("modulus_MPa = 2500", "")),
-        changed(("layer_mm = 1.0", "compliance_um_per_MPa = 1")),
+        replaced(TEXT, ("load_N = 20000", "")),
+        replaced(TEXT, ("modulus_MPa = 2500", "")),
+        replaced(TEXT, ("layer_mm = 1.0", "compliance_um_per_MPa = 1")),
         TEXT + "[load]\nspeed_rpm = 3\n",
     ):
         assert not SCENES.is_valid(tomllib.loads(wrong))
@@ -175,7 +164,7 @@ def test_load_scene_tells_them_apart(tmp_path: Path) -> None:
     assert Scene.validate(path) == []
     with pytest.raises(SceneError, match=r"\[driveline\] is missing; .* cardan.scene.load_scene"):
         Scene.load(path)
-    path.write_text(changed(("clearance_mm = 0.01", "clearance_mm = -1")))
+    path.write_text(replaced(TEXT, ("clearance_mm = 0.01", "clearance_mm = -1")))
     assert len(Scene.validate(path)) == 1
     path.write_text(TEXT + DRIVELINE)
     both = load_scene(path)
@@ -201,7 +190,7 @@ def test_run_check_plot_and_report(tmp_path: Path) -> None:
     assert "lined with PTFE fabric" in page
     assert "<script" not in page
     assert "nan" not in page.partition("</style>")[2]
-    path.write_text(changed(("radius_mm = 16", "radius_mm = 12")))
+    path.write_text(replaced(TEXT, ("radius_mm = 16", "radius_mm = 12")))
     done = command("check", path)
     assert done.exit_code == 1
     assert "A ball of 15.7 mm radius is within it" in " ".join(done.output.split())
@@ -237,7 +226,7 @@ def test_a_joint_beyond_fails_the_check_of_a_good_driveline(tmp_path: Path) -> N
     good = DRIVELINE.replace("10", "1")
     path.write_text(TEXT + good)
     assert command("check", path).exit_code == 0
-    path.write_text(changed(("radius_mm = 16", "radius_mm = 12")) + good)
+    path.write_text(replaced(TEXT, ("radius_mm = 16", "radius_mm = 12")) + good)
     assert command("check", path).exit_code == 1
     data = json.loads(command("check", path, "--json").stdout)
     assert (data["verdict"], data["passes"]) == ("within", False)
@@ -272,7 +261,7 @@ def test_a_report_of_both(tmp_path: Path) -> None:
 
 
 def test_titles_are_escaped(tmp_path: Path) -> None:
-    text = changed(('title = "Ball joint under a column"', 'title = "<b>&"'))
+    text = replaced(TEXT, ('title = "Ball joint under a column"', 'title = "<b>&"'))
     scene = BallJointScene.parse(text)
     write_report(scene, tmp_path / "a.html")
     assert "<b>&" not in (tmp_path / "a.html").read_text()

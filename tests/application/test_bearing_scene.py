@@ -8,7 +8,6 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -17,7 +16,6 @@ from cardan import Driveline, Load
 from cardan.command import commands
 from cardan.figures.forces import force_figures
 from cardan.figures.scene_forces import SceneForces, forces_data, scene_forces
-from cardan.figures.schema import answers_schema
 from cardan.figures.summary import summary
 from cardan.plots.quantities import quantities
 from cardan.plots.scene import plot_scene
@@ -27,24 +25,15 @@ from cardan.scene import Scene, SceneError, load_scene
 from cardan.scene.cluster import _fingerprint
 from cardan.scene.curves import columns, study_columns
 from cardan.words.forces import force_rows, forces_text
+from example_scenes import ANSWERS, SCENES, example, replaced
 
-EXAMPLE = Path(__file__).parents[2] / "examples" / "bearings.toml"
+EXAMPLE = example("bearings.toml")
 TEXT = EXAMPLE.read_text(encoding="utf-8")
-SCENES = jsonschema.Draft202012Validator(Scene.schema())
-ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 
 POINTS = np.array([[0, 0, 0], [300, 0, 0], [1500, -60, 0], [3000, -220, 0], [3250, -210, 0]]) / 1e3
 BEARINGS = [(0, 0.05), (0, 0.22), (1, 1.05), (3, 0.06), (3, 0.19)]
 LOAD = Load(output_torque=1200.0)
 LINE = Driveline.from_points(POINTS, phases=[90, 0], degrees=True).with_bearings(BEARINGS)
-
-
-def changed(*pairs: tuple[str, str]) -> str:
-    text = TEXT
-    for old, new in pairs:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
 
 
 def forces(text: str = TEXT) -> SceneForces:
@@ -68,7 +57,7 @@ def test_a_scene_has_its_bearings_in_metres() -> None:
 
 
 def test_metres_and_inline_tables_are_the_same() -> None:
-    in_m = changed(("position_mm = 1050", "position_m = 1.05"))
+    in_m = replaced(TEXT, ("position_mm = 1050", "position_m = 1.05"))
     head, _, rest = TEXT.partition("[[bearing]]")
     inline = ", ".join(f"{{shaft = {k}, position_m = {x}}}" for k, x in BEARINGS)
     for text in (in_m, f"bearing = [{inline}]\n{head}{rest[rest.index('[load]') :]}"):
@@ -209,7 +198,7 @@ BROKEN_RULES: list[tuple[str, str, str]] = [
 
 @pytest.mark.parametrize(("old", "new", "message"), ERRORS + BROKEN_RULES)
 def test_errors(old: str, new: str, message: str) -> None:
-    text = changed((old, new))
+    text = replaced(TEXT, (old, new))
     with pytest.raises(SceneError) as caught:
         Scene.parse(text, "a.toml")
     assert str(caught.value).startswith(f"a.toml, {message}")
@@ -219,7 +208,7 @@ def test_errors(old: str, new: str, message: str) -> None:
 
 def test_an_error_has_the_number_of_its_bearing() -> None:
     with pytest.raises(SceneError) as caught:
-        Scene.parse(changed(("position_mm = 1050", "position_mm = 1250")), "a.toml")
+        Scene.parse(replaced(TEXT, ("position_mm = 1050", "position_mm = 1250")), "a.toml")
     error = caught.value
     assert (error.section, error.argument, error.line) == ("bearing.2", "position_mm", 33)
     assert error.key == "bearing.2.position_mm"
@@ -235,7 +224,7 @@ def test_a_single_section_is_no_array(text: str) -> None:
 
 def test_all_wrong_bearings_are_found_at_once(tmp_path: Path) -> None:
     path = tmp_path / "a.toml"
-    path.write_text(changed(("position_mm = 1050", "position_mm = -1"), ("= 190", "= 'a'")))
+    path.write_text(replaced(TEXT, ("position_mm = 1050", "position_mm = -1"), ("= 190", "= 'a'")))
     found = Scene.validate(path)
     assert [problem.partition(": ")[2][:14] for problem in found] == [
         "[[bearing]][2]",
@@ -361,7 +350,7 @@ quantities = ["joint_force", "bearing_force"]
 )
 def test_no_load_no_forces(old: str, new: str) -> None:
     quantities = 'quantities = ["joint_force", "bearing_force"]'
-    assert scene_forces(Scene.parse(changed((old, new), (quantities, "")))) is None
+    assert scene_forces(Scene.parse(replaced(TEXT, (old, new), (quantities, "")))) is None
 
 
 def test_a_scene_without_bearings_is_silent_on_forces() -> None:
@@ -405,7 +394,7 @@ def test_pictures_have_a_panel_for_each_component() -> None:
     figure = plot_scene(result)
     said = " ".join(text.get_text() for text in figure.texts)
     assert "Forces across the driveline have a separate scale." in said
-    both = changed(('"joint_force", ', '"moment", '))
+    both = replaced(TEXT, ('"joint_force", ', '"moment", '))
     said = " ".join(text.get_text() for text in plot_scene(Scene.parse(both).run()).texts)
     assert "Moments and forces across the driveline" in said
 
@@ -414,8 +403,8 @@ def test_the_report_has_the_forces(tmp_path: Path) -> None:
     third = "[[bearing]]\nshaft = 3\nposition_mm = 240\n[load]"
     for name, text in (
         ("all", TEXT),
-        ("unasked", changed(('quantities = ["joint_force", "bearing_force"]', ""))),
-        ("refused", changed(("[load]", third), (', "bearing_force"', ""))),
+        ("unasked", replaced(TEXT, ('quantities = ["joint_force", "bearing_force"]', ""))),
+        ("refused", replaced(TEXT, ("[load]", third), (', "bearing_force"', ""))),
     ):
         path = tmp_path / f"{name}.toml"
         path.write_text(text)
@@ -461,8 +450,9 @@ def test_a_moved_bearing_is_another_study_on_a_cluster() -> None:
     lengths = (
         "[driveline]\nbends_deg = [5, 5]\nlengths_m = [1, 1, {}]\n[study]\nbends_deg = [4, 5]\n"
     )
+    moved = replaced(TEXT, ("position_mm = 1050", "position_mm = 1051"))
     for one, other, differ in (
-        (TEXT + study, changed(("position_mm = 1050", "position_mm = 1051")) + study, "bearings"),
+        (TEXT + study, moved + study, "bearings"),
         (lengths.format(1), lengths.format(2), "lengths"),
     ):
         prints = []

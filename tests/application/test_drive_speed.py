@@ -6,7 +6,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
@@ -14,14 +13,13 @@ from click.testing import CliRunner
 import cardan
 from cardan.command import commands
 from cardan.figures.drive_speed import SHARE, drive_speed
-from cardan.figures.schema import answers_schema
 from cardan.plots import plot_drive_speed
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.words.drive_speed import drive_speed_text
+from example_scenes import ANSWERS
 
 ROOT = Path(__file__).parents[2]
-ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 
 
 def scene(inertias: str, bends: str = "[8.5]", speed: str = "speed_rpm = 3000") -> Scene:

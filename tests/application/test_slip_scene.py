@@ -9,33 +9,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import cardan
 from cardan.command import commands
-from cardan.figures.schema import answers_schema
 from cardan.figures.slip import SlipFigures, slip_data, slip_figures
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.errors import SceneError
 from cardan.words.slip import slip_sentences, slip_text
+from example_scenes import ANSWERS, SCENES, example, replaced
 
-ROOT = Path(__file__).parents[2]
-TEXT = (ROOT / "examples" / "slip.toml").read_text(encoding="utf-8")
-ANSWERS = jsonschema.Draft202012Validator(answers_schema())
-SCENES = jsonschema.Draft202012Validator(Scene.schema())
+TEXT = example("slip.toml").read_text(encoding="utf-8")
 HEIGHTS = np.linspace(-180, 60, 49)
-
-
-def changed(*pairs: tuple[str, str]) -> str:
-    text = TEXT
-    for old, new in pairs:
-        assert text.count(old) == 1, old
-        text = text.replace(old, new)
-    return text
 
 
 def figures(text: str = TEXT) -> SlipFigures:
@@ -64,7 +52,8 @@ def test_lengths_over_the_study() -> None:
 
 
 def test_metres_are_the_same() -> None:
-    metres = changed(
+    metres = replaced(
+        TEXT,
         ("points_mm = [", "points_m = ["),
         ("[300, 0, 0]", "[0.3, 0, 0]"),
         ("[1500, -110, 40]", "[1.5, -0.11, 0.04]"),
@@ -130,7 +119,7 @@ def test_what_it_adds_to_bearings() -> None:
 )
 def test_what_does_not_suffice(old: str, new: str, words: str, tmp_path: Path) -> None:
     path = tmp_path / "slip.toml"
-    path.write_text(changed((old, new)))
+    path.write_text(replaced(TEXT, (old, new)))
     found = figures(path.read_text())
     assert found.verdict == "beyond"
     assert words in " ".join(slip_text(found).split())
@@ -149,7 +138,7 @@ def test_one_position_has_no_travel() -> None:
 
 def test_without_friction_load_or_limits() -> None:
     for part in ("friction = 0.12", "output_torque_Nm = 400"):
-        text = changed((part, ""))
+        text = replaced(TEXT, (part, ""))
         text = text.replace("radius_mm = 20", "") if part.startswith("friction") else text
         text = text.replace('quantities = ["torque"]', "")
         found = figures(text)
@@ -157,13 +146,14 @@ def test_without_friction_load_or_limits() -> None:
         # Not silently: with a friction a force is expected.
         unknown = "The axial force is not computed" in " ".join(slip_text(found).split())
         assert unknown == part.startswith("output_torque")
-    bare = changed(("travel_mm = 40", ""), ("least_engaged_mm = 65", ""), ("push_in_mm = 25", ""))
+    limits = ("travel_mm = 40", "least_engaged_mm = 65", "push_in_mm = 25")
+    bare = replaced(TEXT, *((limit, "") for limit in limits))
     assert figures(bare).verdict == "not judged"
     assert "is not judged" in slip_text(figures(bare))
 
 
 def test_other_shafts_that_change_their_length() -> None:
-    found = figures(changed(("points_mm.2-3.y", "points_mm.2.y")))
+    found = figures(replaced(TEXT, ("points_mm.2-3.y", "points_mm.2.y")))
     assert [shaft for shaft, _ in found.others] == [2]
     assert "Shaft 2 changes its length by" in slip_text(found)
 
@@ -181,7 +171,7 @@ def test_other_shafts_that_change_their_length() -> None:
     ],
 )
 def test_errors(old: str, new: str, message: str) -> None:
-    text = changed((old, new))
+    text = replaced(TEXT, (old, new))
     with pytest.raises(SceneError) as caught:
         Scene.parse(text, "slip.toml")
     assert message in str(caught.value)

@@ -218,10 +218,57 @@ def test_unknown_axes_are_refused(value: Any) -> None:  # noqa: ANN401
         LINE.evaluate(ANGLES, axes=value)
 
 
-def test_forces_have_the_axes_of_space() -> None:
-    line = Driveline.from_points(np.array([[0, 0, 0], [1, 0, 0], [2, 0.1, 0], [3, 0.1, 0]]))
-    with pytest.raises(ArgumentValueError, match="joint_force has the axes of space"):
-        line.plan(("moment", "joint_force"), load=LOAD, axes="shaft")
+@pytest.mark.parametrize("joints", [1, 2, 4])
+@pytest.mark.parametrize("tolerance", [None, 0.0])
+def test_forces_are_turned_to_shaft_and_pin(joints: int, tolerance: float | None) -> None:
+    """Components of the forces in space, along the exact pins."""
+    random = np.random.default_rng(joints)
+    for _ in range(8):
+        bends, between = random.uniform(0, 0.9, joints), random.uniform(-4, 4, (2, joints - 1))
+        bearings = [(0, 0.2), (0, 0.7), *((shaft, 0.4) for shaft in range(1, joints + 1))]
+        line = Driveline.from_bends(bends, *between).with_bearings(bearings, np.ones(joints + 1))
+        angle = float(random.uniform(-20, 20))
+        options: dict[str, Any] = {"load": Load(drive_torque=7.0), "tolerance": tolerance}
+        names = ("joint_force", "bearing_force")
+        space = line.evaluate(angle, names, **options)
+        turned = line.evaluate(angle, names, **options, axes="shaft")
+        frames = Frames.of(line)
+        pins = frames.pins(Turn.by(angle))
+        along = [pins[0][0], *(driven for _, driven in pins)]
+        shafts = {"joint_force": range(1, joints + 1), "bearing_force": [s for s, _ in bearings]}
+        largest = max(np.linalg.norm(space[name], axis=-1).max() for name in names)
+        for name in names:
+            for force, got, shaft in zip(space[name], turned[name], shafts[name], strict=True):
+                u, pin = frames.directions[shaft], along[shaft]
+                wanted = [float(dot(force.tolist(), axis)) for axis in (u, pin, cross(u, pin))]
+                np.testing.assert_allclose(got, wanted, rtol=0, atol=8 * np.spacing(largest))
+
+
+def test_forces_with_moments_batches_and_reductions() -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [2, 0.1, 0.2], [3, 0.1, -0.1]])
+    line = Driveline.from_points(points * np.array([1.0, 1.1])[:, None, None, None])
+    line = line.with_bearings([(0, 0.2), (0, 0.7), (1, 0.4), (2, 0.5)])
+    names = ("bearing_force", "torque", "moment", "joint_force")
+    for angle in (ANGLES, Sweep(-9.0, 30.0, 41)):
+        whole = line.evaluate(angle, names, load=LOAD, axes="shaft")
+        for i, own in enumerate(line[:, 0]):
+            alone = own.evaluate(angle, names, load=LOAD, axes="shaft")
+            np.testing.assert_array_equal(whole.torque[i], alone.torque)
+            for name in ("bearing_force", "moment", "joint_force"):
+                np.testing.assert_array_equal(whole[name][:, i], alone[name])
+        largest = line.evaluate(angle, names, load=LOAD, axes="shaft", reduce="max")
+        np.testing.assert_array_equal(largest.bearing_force, whole.bearing_force.max(axis=-2))
+        one = line.evaluate(angle, "joint_force", load=LOAD, axes="shaft", joints=1)
+        np.testing.assert_array_equal(one.joint_force, whole.joint_force[1])
+    text = line.plan(names, load=LOAD, axes="shaft").explain()
+    assert "bearing 2: force" in text
+
+
+def test_long_rows_are_cut_without_a_trace(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = LINE.evaluate(ANGLES, NAMES, load=LOAD_OF_FOUR, axes="shaft", shafts=slice(None))
+    monkeypatch.setattr(axes, "_CACHED", 8)
+    cut = LINE.evaluate(ANGLES, NAMES, load=LOAD_OF_FOUR, axes="shaft", shafts=slice(None))
+    assert cut == whole
 
 
 def test_a_load_is_needed() -> None:

@@ -10,9 +10,8 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.figures.forces import FORCES
+from cardan.figures.forces import FORCES, ForceSource, force_source
 from cardan.load import Load
-from cardan.outputs import OUTPUTS
 from cardan.sweep import Sweep
 
 PER_DEGREE = 2
@@ -38,7 +37,7 @@ class ForcePath:
         state: over states, the name of the one in which the force is largest.
     """
 
-    per: Literal["joint", "bearing"]
+    per: ForceSource
     item: int
     shaft: int
     up: Literal["y", "z"]
@@ -63,9 +62,7 @@ class ForcePath:
         return float(np.hypot(self.across[self.largest], self.upwards[self.largest]))
 
 
-def force_path(
-    line: Driveline, per: Literal["joint", "bearing"], item: int, load: Load
-) -> ForcePath:
+def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> ForcePath:
     """Return the path of one force of one driveline at a constant load.
 
     Args:
@@ -98,17 +95,11 @@ def force_path(
 def force_paths(line: Driveline, load: Load, outputs: Iterable[str] = FORCES) -> list[ForcePath]:
     """Return the paths of the forces of every joint, then of every bearing.
 
-    Args:
-        line: one driveline.
-        load: a constant load.
-        outputs: which forces.
-
-    Raises:
-        ValueError: a force that is not determinate; lengths that are missing.
+    Takes the arguments of ``force_figures`` and raises its errors.
     """
     paths = []
     for name in outputs:
-        per: Literal["joint", "bearing"] = "joint" if OUTPUTS[name].per == "joint" else "bearing"
+        per = force_source(name)
         count = line.n_joints if per == "joint" else line.n_bearings
         paths += [force_path(line, per, item, load) for item in range(count)]
     return paths

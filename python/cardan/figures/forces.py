@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeAlias
 
 import numpy as np
 
@@ -16,6 +16,14 @@ from cardan.outputs import OUTPUTS
 
 FORCES = ("joint_force", "bearing_force")
 """The outputs that are forces."""
+
+ForceSource: TypeAlias = Literal["joint", "bearing"]
+"""What a force is a force of."""
+
+
+def force_source(output: str) -> ForceSource:
+    """Return what an output is a force of."""
+    return "joint" if OUTPUTS[output].per == "joint" else "bearing"
 
 
 @dataclass(frozen=True)
@@ -35,7 +43,7 @@ class ForceFigures:
     """
 
     output: str
-    per: Literal["joint", "bearing"]
+    per: ForceSource
     item: int
     largest: float
     places: tuple[float, ...]
@@ -61,7 +69,7 @@ def force_figures(
     orders = line.harmonics((2, 4), outputs=names, load=load)
     found = []
     for name in names:
-        per: Literal["joint", "bearing"] = "joint" if OUTPUTS[name].per == "joint" else "bearing"
+        per = force_source(name)
         sums = zip(orders.mean[name], orders.complex_amplitude[name], strict=True)
         for item, (mean, amplitudes) in enumerate(sums):
             largest = peak(line, name, item, load)

@@ -11,7 +11,6 @@ import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.driven_angle import check_axes
 from cardan.errors import ArgumentValueError
 from cardan.limits import Limits
 from cardan.load import Load
@@ -243,7 +242,6 @@ def _asked(document: Document, angle: Angles, described: _Described, loaded: _Lo
         joints = items(output, "joints", line.n_joints)
         check_forces(quantities, line, loaded.load, joints)
         options = {key: output[key] for key in _OPTIONS if key in output}
-        check_axes(quantities, output.get("axes", "space"))
         of_driven, driven_angle_deg = {}, None
         if output.get(ANGLE_OF) == "driven":
             check_driven(given.get("angles", {}))

@@ -135,10 +135,7 @@ class Recording:
                 np.radians(angle) if self._angle.endswith("deg") else angle
             )
         if not self._angle:
-            known = ~(np.isnan(time) | np.isnan(rows[_SIGNAL]))
-            angle = np.full(time.size, np.nan)
-            angle[known] = self._integral.at(time[known], rows[_SIGNAL][known])
-            rows[ANGLE_COLUMNS[1]] = angle
+            rows[ANGLE_COLUMNS[1]] = self._integral.at(time, rows[_SIGNAL])
         return rows
 
     def _continued(self, angle: FloatArray) -> FloatArray:
@@ -193,11 +190,7 @@ class Recording:
             known &= ~np.isnan(part[key])
         load: dict[str, FloatArray] = {}
         if self._timed:
-            time, signal = held["time_column_s"], held[_SIGNAL]
-            there = ~(np.isnan(time) | np.isnan(signal))
-            slope, curvature = (
-                found[rows] for found in derivatives(time, signal, there, self._reach)
-            )
+            slope, curvature = derivatives(held["time_column_s"], held[_SIGNAL], self._reach, rows)
             speed, acceleration = (part[_SIGNAL], slope) if self._speed else (slope, curvature)
             self._found_numbers |= bool(known.any())
             # Too few samples around one leave its acceleration unknown.

@@ -123,8 +123,8 @@ output_torque_Nm = 4000
             "recorded drive angles and bends from a file",
             """\
 # A recorded run: drive angle and bends of each sample from a file. {name}_run.csv is a made-up
-# sample of a shaft whose driven end rises and falls; put your own in its place, as .csv, .parquet
-# or .npz, beside this scene.
+# sample of a shaft whose driven end rises and falls; put your own in its place, as .csv, .parquet,
+# .npz or .mf4, in the folder of this scene.
 
 title = "Recorded run"
 

@@ -11,6 +11,7 @@
 //! | `sincos` | sines and cosines of arrays of angles and of sweeps |
 //! | [`run`] | threads, blocks, chunks, loops over slices, and reductions |
 //! | [`dynamics`] | torsional vibration of drivelines with compliant shafts |
+//! | [`measured`] | the motion of a measured drive: integral and derivatives of its speed |
 //! | [`error`] | errors in the input, with argument, position and rule |
 //!
 //! Each module uses only those above it in the table, and [`error`].
@@ -19,6 +20,7 @@
 pub mod dynamics;
 pub mod error;
 pub mod input;
+pub mod measured;
 pub mod mechanics;
 pub mod number;
 pub mod plan;

@@ -11,6 +11,7 @@ mod convert;
 mod derivatives;
 mod driveline;
 mod lines;
+mod measured;
 mod plan;
 mod torsion;
 mod transmission;
@@ -29,6 +30,8 @@ mod _core {
     use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};
     #[pymodule_export]
     use super::lines::Lines;
+    #[pymodule_export]
+    use super::measured::{NativeIntegral, derivatives_at};
     #[pymodule_export]
     use super::plan::{DriveSweep, NativePlan, levels, outputs};
     #[pymodule_export]

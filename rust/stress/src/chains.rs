@@ -15,8 +15,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use cardan::{Angles, Drivelines, Execution, Output, Plan, Planes, Request, Samples, Source};
+use cardan::{Angles, Drivelines, Output, Plan, Request, Samples, Source};
 
+use crate::evaluated::planes;
 use crate::exact::{ExactChain, Turn};
 use crate::judge::{Quantity, Tier};
 use crate::samples::{Kind, Random};
@@ -150,16 +151,7 @@ fn evaluate(line: &ChainAngles, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     .expect("the request is sound");
     let angle = Angles::Array(Source { data: angles, strides: &[1] });
     let samples = Samples { shape: &[angles.len()], lines, line_strides: &[0], angle, load: None };
-    let precision = match tier {
-        Tier::Faithful => plan.precision(Some(0.0), false),
-        Tier::Default => plan.precision(None, false),
-        Tier::Loose | Tier::Float32 => plan.precision(None, true),
-    };
-    let mut planes = vec![vec![f64::NAN; angles.len()]; MOTION.len()];
-    let mut views: Vec<_> = planes.iter_mut().map(Vec::as_mut_slice).collect();
-    plan.run(&samples, None, precision, Planes::Double(&mut views), Execution::default())
-        .expect("the arrays fit");
-    planes
+    planes(&plan, &samples, tier)
 }
 
 fn judge(line: &ChainAngles, random: &mut Random, found: &mut ChainErrors) {

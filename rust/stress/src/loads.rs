@@ -7,19 +7,19 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use cardan::{
-    Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Request,
-    Samples, Source, Vector,
+    Angles, Drivelines, End, Geometry, Load, Output, Plan, Request, Samples, Source, Vector,
 };
 
 use crate::angle::sin_cos;
+use crate::evaluated::planes;
 use crate::exact::{ExactChain, Turn};
-use crate::judge;
+use crate::judge::{self, Tier};
 use crate::points::{Span, cross, dot};
 use crate::samples::Random;
 use crate::wide::Wide;
 
 /// Angles for each chain.
-const ANGLES: usize = 20;
+pub(crate) const ANGLES: usize = 20;
 
 const OUTPUTS: [Output; 5] = [
     Output::Torque,
@@ -48,7 +48,7 @@ pub(crate) enum LoadShape {
 }
 
 impl LoadShape {
-    const ALL: [Self; 3] = [Self::Ordinary, Self::Planar, Self::Steep];
+    pub(crate) const ALL: [Self; 3] = [Self::Ordinary, Self::Planar, Self::Steep];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -58,7 +58,7 @@ impl LoadShape {
         }
     }
 
-    fn line(self, random: &mut Random) -> Geometry {
+    pub(crate) fn line(self, random: &mut Random) -> Geometry {
         let n = 2 + random.below(5);
         let mut bends: Vec<f64> = (0..n).map(|_| random.between(0.0, PI / 3.0)).collect();
         if self == Self::Steep {
@@ -74,10 +74,22 @@ impl LoadShape {
     }
 }
 
+/// The bearings of a driveline.
+#[derive(Debug)]
+pub(crate) struct Mounting {
+    /// The shaft of each.
+    pub(crate) bearings: Vec<usize>,
+    /// Of the shafts.
+    pub(crate) lengths: Vec<f64>,
+    /// Of the bearings.
+    pub(crate) positions: Vec<f64>,
+}
+
 /// What a driveline is loaded with.
-struct Loading {
+#[derive(Debug)]
+pub(crate) struct Loading {
     end: End,
-    torque: f64,
+    pub(crate) torque: f64,
     speed: f64,
     acceleration: f64,
     /// Of each shaft; zeros without them.
@@ -85,7 +97,7 @@ struct Loading {
 }
 
 impl Loading {
-    fn of(random: &mut Random, shafts: usize) -> Self {
+    pub(crate) fn of(random: &mut Random, shafts: usize) -> Self {
         let end = random.pick(&[End::Drive, End::Output]);
         let turns = random.below(3) == 0;
         let inertias = (0..shafts).map(|_| if turns { random.between(0.0, 0.1) } else { 0.0 });
@@ -96,6 +108,12 @@ impl Loading {
             speed: random.between(1.0, 5.0),
             acceleration: random.between(-3.0, 3.0),
         }
+    }
+
+    /// A torque of the drive alone.
+    pub(crate) fn of_drive(torque: f64, shafts: usize) -> Self {
+        let inertias = vec![0.0; shafts];
+        Self { end: End::Drive, torque, speed: 0.0, acceleration: 0.0, inertias }
     }
 
     /// The shafts with an inertia.
@@ -129,7 +147,18 @@ pub(crate) fn run(seed: u64, samples: u64) -> Vec<Loads> {
         .collect()
 }
 
-fn evaluate(line: &Geometry, loading: &Loading, angles: &[f64]) -> Vec<Vec<f64>> {
+/// The planes of the outputs in each of the tiers.
+///
+/// # Errors
+/// Forces that are not determinate.
+pub(crate) fn evaluate(
+    line: &Geometry,
+    loading: &Loading,
+    angles: &[f64],
+    outputs: &[Output],
+    mounting: Option<&Mounting>,
+    tiers: &[Tier],
+) -> cardan::Result<Vec<Vec<Vec<f64>>>> {
     let n = line.bends.len();
     let flat = |vectors: &[Vector]| -> Vec<f64> {
         vectors.iter().flat_map(|v| v.iter().copied()).collect()
@@ -141,19 +170,19 @@ fn evaluate(line: &Geometry, loading: &Loading, angles: &[f64]) -> Vec<Vec<f64>>
         phases: &line.phases,
         directions: &directions,
         normals: &normals,
-        ..Drivelines::default()
+        lengths: mounting.map_or(&[], |own| &own.lengths),
+        positions: mounting.map_or(&[], |own| &own.positions),
     };
     let heavy = loading.heavy();
     let plan = Plan::new(&Request {
         largest_bends: &line.bends,
-        outputs: &OUTPUTS,
+        outputs,
         shafts: &(0..=n).collect::<Vec<_>>(),
         joints: &(0..n).collect::<Vec<_>>(),
         load: Some(loading.end),
         inertias: &heavy,
-        bearings: None,
-    })
-    .expect("the request is sound");
+        bearings: mounting.map(|own| &own.bearings[..]),
+    })?;
     let given = [loading.torque, loading.speed, loading.acceleration];
     let constant = |i: usize| Source { data: &given[i..=i], strides: &[0] };
     let inertia =
@@ -167,18 +196,23 @@ fn evaluate(line: &Geometry, loading: &Loading, angles: &[f64]) -> Vec<Vec<f64>>
     let angle = Angles::Array(Source { data: angles, strides: &[1] });
     let shape = &[angles.len()];
     let samples = Samples { shape, lines, line_strides: &[0], angle, load: Some(load) };
-    let mut planes = vec![vec![f64::NAN; angles.len()]; plan.planes()];
-    let mut views: Vec<_> = planes.iter_mut().map(Vec::as_mut_slice).collect();
-    let planes_to_fill = Planes::Double(&mut views);
-    plan.run(&samples, None, Precision::DoubleDouble, planes_to_fill, Execution::default())
-        .expect("the arrays fit");
-    planes
+    Ok(tiers.iter().map(|&tier| planes(&plan, &samples, tier)).collect())
+}
+
+/// What a driveline transmits at an angle.
+pub(crate) struct Carried {
+    /// Of each shaft.
+    pub(crate) torques: Vec<Wide>,
+    /// Of each joint on its driven shaft.
+    pub(crate) moments: Vec<Span>,
+    /// The largest component of a moment if none of the torques of drive and inertias cancelled.
+    pub(crate) largest: f64,
 }
 
 /// A driveline in space.
-struct Frames {
-    directions: Vec<Span>,
-    normals: Vec<Span>,
+pub(crate) struct Frames {
+    pub(crate) directions: Vec<Span>,
+    pub(crate) normals: Vec<Span>,
     /// Of the motion of each shaft.
     chains: Vec<ExactChain>,
     /// Sine and cosine of each phase.
@@ -186,7 +220,7 @@ struct Frames {
 }
 
 impl Frames {
-    fn of(line: &Geometry) -> Self {
+    pub(crate) fn of(line: &Geometry) -> Self {
         let Geometry { bends, twists, phases, .. } = line;
         let unit = |i: usize| [0, 1, 2].map(|j| Wide::from(f64::from(i == j)));
         let (mut directions, mut normals) = (vec![unit(0)], vec![unit(2)]);
@@ -208,14 +242,18 @@ impl Frames {
         Self { directions, normals, chains, phases }
     }
 
-    /// The components of every plane.
-    fn loads(&self, loading: &Loading, angle: f64) -> Vec<Vec<Wide>> {
+    /// What the shafts and joints transmit at an angle.
+    pub(crate) fn carried(&self, loading: &Loading, angle: f64) -> Carried {
         let (n, at) = (self.normals.len(), Turn::by(&[angle]));
         let motion: Vec<_> = self.chains.iter().map(|chain| chain.motion(&at).0).collect();
+        let parts = |i: usize| {
+            let turning = motion[i].acceleration * loading.speed * loading.speed;
+            [turning, motion[i].ratio * loading.acceleration]
+                .map(|part| part * motion[i].ratio * loading.inertias[i])
+        };
         let absorbed = |i: usize| {
-            let turning = motion[i].acceleration * loading.speed * loading.speed
-                + motion[i].ratio * loading.acceleration;
-            turning * motion[i].ratio * loading.inertias[i]
+            let [steady, accelerating] = parts(i);
+            steady + accelerating
         };
         // The power over the drive's speed on its way into each shaft.
         let mut power = vec![Wide::from(loading.torque); n + 2];
@@ -225,6 +263,9 @@ impl Frames {
             power[n + 1] = motion[n].ratio * loading.torque;
             (0..=n).rev().for_each(|i| power[i] = power[i + 1] + absorbed(i));
         }
+        let given = if loading.end == End::Drive { power[0] } else { power[n + 1] };
+        let terms = (0..=n).flat_map(parts).fold(given.abs(), |sum, part| sum + part.abs());
+        let mut largest = 0.0_f64;
         let mut driving = {
             let (u, m) = (self.directions[0], self.normals[0]);
             turned(cross(m, u), u, (at.s, at.c))
@@ -235,12 +276,23 @@ impl Frames {
             let driven = cross(after, driving);
             let driven = scaled(driven, Wide::ONE / dot(driven, driven).sqrt());
             let along = cross(driving, driven);
-            let torsion = power[j + 1] / motion[j].ratio;
-            moments.push(scaled(along, torsion / dot(along, self.directions[j])));
+            // The moment of a unit of power over the drive's speed.
+            let unit = Wide::ONE / (motion[j].ratio * dot(along, self.directions[j]));
+            moments.push(scaled(along, power[j + 1] * unit));
+            let components = scaled(along, terms * unit).map(|x| x.high.abs());
+            largest = components.into_iter().fold(largest, f64::max);
             if let Some(&phase) = self.phases.get(j) {
                 driving = turned(driven, after, phase);
             }
         }
+        let torques = (0..=n).map(|i| power[i] / motion[i].ratio).collect();
+        Carried { torques, moments, largest }
+    }
+
+    /// The components of every plane.
+    fn loads(&self, loading: &Loading, angle: f64) -> Vec<Vec<Wide>> {
+        let (n, Carried { torques, moments, .. }) =
+            (self.normals.len(), self.carried(loading, angle));
         let across = |v: Span, u: Span| plus(v, scaled(u, -dot(v, u)));
         let length = |v: Span| dot(v, v).sqrt();
         let (none, u) = ([Wide::ZERO; 3], &self.directions);
@@ -249,8 +301,9 @@ impl Frames {
             let before = moment(i.wrapping_sub(1)).map(|x| -x);
             across(plus(moment(i), before), u[i]).to_vec()
         };
-        let torques = (0..=n).map(|i| vec![power[i] / motion[i].ratio]);
         torques
+            .into_iter()
+            .map(|torque| vec![torque])
             .chain(moments.iter().map(|m| m.to_vec()))
             .chain((0..=n).map(support))
             .chain((0..n).map(|j| vec![length(across(moments[j], u[j]))]))
@@ -276,7 +329,8 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut Loads) {
     let n = line.bends.len();
     let loading = Loading::of(random, n + 1);
     let angles: Vec<f64> = (0..ANGLES).map(|_| random.between(-4.0, 4.0)).collect();
-    let planes = evaluate(line, &loading, &angles);
+    let tiers = evaluate(line, &loading, &angles, &OUTPUTS, None, &[Tier::Faithful]);
+    let [planes] = &tiers.expect("the request is sound")[..] else { unreachable!("one tier") };
     let frames = Frames::of(line);
     for (i, &angle) in angles.iter().enumerate() {
         let mut plane = 0;

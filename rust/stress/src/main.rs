@@ -4,10 +4,13 @@
 
 mod angle;
 mod chains;
+mod evaluated;
 mod exact;
+mod forces;
 mod joints;
 mod judge;
 mod loads;
+mod oracle;
 mod points;
 mod report;
 mod samples;
@@ -90,10 +93,12 @@ fn stress(options: &Options) -> Result<bool, String> {
     let chains = chains::run(options.seed, (options.samples / 20).max(5000));
     let points = points::run(options.seed, (options.samples / 20).max(5000));
     let loads = loads::run(options.seed, (options.samples / 20).max(5000));
+    let forces = forces::run(options.seed, (options.samples / 20).max(5000));
     let report = report::Report {
         ledger: &ledger,
         chains: &chains,
         loads: &loads,
+        forces: &forces,
         points: &points,
         seconds,
     };
@@ -116,7 +121,7 @@ fn main() -> ExitCode {
             Ok(true)
         }
         ["oracle", count] => number(count).map(|count| {
-            report::oracle(count);
+            oracle::print(count);
             true
         }),
         _ => parse(arguments.into_iter()).and_then(|options| stress(&options)),

@@ -2,30 +2,20 @@
 
 use std::fmt::Write;
 
-use crate::angle::sin_cos;
 use crate::chains::{ChainErrors, MOTION};
-use crate::exact::{ExactChain, ExactJoint, Turn};
+use crate::forces::{self, Forces};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
 use crate::loads::{self, Loads};
 use crate::points::{self, Points};
-use crate::samples::{Kind, Random};
-use crate::wide::Wide;
+use crate::wide::hex;
 
 pub(crate) struct Report<'a> {
     pub(crate) ledger: &'a Ledger,
     pub(crate) chains: &'a [ChainErrors],
     pub(crate) loads: &'a [Loads],
+    pub(crate) forces: &'a [Forces],
     pub(crate) points: &'a [Points],
     pub(crate) seconds: f64,
-}
-
-/// A double in the digits that it has.
-fn hex(x: f64) -> String {
-    let bits = x.to_bits();
-    let (exponent, digits) = ((bits >> 52 & 0x7ff) as i64, bits & ((1 << 52) - 1));
-    let sign = if x < 0.0 { "-" } else { "" };
-    let (lead, power) = if exponent == 0 { (0, -1022) } else { (1, exponent - 1023) };
-    format!("{sign}0x{lead}.{digits:013x}p{power:+}")
 }
 
 fn shown(tier: Tier, off: f64) -> String {
@@ -100,6 +90,16 @@ impl Report<'_> {
                 }
             }
         }
+        for found in self.forces {
+            for tier in Tier::ALL {
+                let worst = found.off[tier as usize].into_iter().zip(&found.place[tier as usize]);
+                for ((off, place), limit) in worst.zip(forces::limits(tier)) {
+                    if off > limit {
+                        lines.push(format!("{} {off:.3e} units: {place}", tier.name()));
+                    }
+                }
+            }
+        }
         for points in self.points {
             for (which, limit) in points::limits().into_iter().enumerate() {
                 if points.off[which] > limit {
@@ -151,6 +151,20 @@ impl Report<'_> {
             let off = found.off.map(|off| shown(Tier::Faithful, off)).join("  ");
             writeln!(text, "{:50} {off} ({} samples)", found.shape.name(), found.judged)
                 .expect("text grows");
+        }
+        writeln!(
+            text,
+            "\nforces, in the units of the documentation: {}",
+            forces::names().join(", ")
+        )
+        .expect("text grows");
+        for found in self.forces {
+            writeln!(text, "{} ({} samples)", found.shape.name(), found.judged)
+                .expect("text grows");
+            for tier in Tier::ALL {
+                let off = found.off[tier as usize].map(|off| shown(tier, off)).join("  ");
+                writeln!(text, "{:>30} {off}", tier.name()).expect("text grows");
+            }
         }
         text.push_str("\npoints: bends and twists, in the units of the documentation\n");
         for points in self.points {
@@ -227,6 +241,22 @@ impl Report<'_> {
             text.push_str(&row(found.shape.name(), off));
         }
         text.push_str(&row("limit", loads::limits().map(|limit| limit.to_string())));
+        text.push_str("\n## Forces\n\n");
+        text.push_str(include_str!("../forces.md"));
+        text.push('\n');
+        text.push_str(&head(
+            "chains",
+            ["tier"].into_iter().chain(forces::names()).map(String::from),
+        ));
+        for tier in Tier::ALL {
+            let cells = |off: [String; 2]| [tier.name().to_string()].into_iter().chain(off);
+            for found in self.forces {
+                let off = found.off[tier as usize].map(|off| shown(tier, off));
+                text.push_str(&row(found.shape.name(), cells(off)));
+            }
+            let limits = forces::limits(tier).map(|limit| format!("{limit}"));
+            text.push_str(&row("limit", cells(limits)));
+        }
         text.push_str("\n## Points\n\n");
         text.push_str(include_str!("../points.md"));
         text.push('\n');
@@ -268,62 +298,5 @@ impl Report<'_> {
             }
         }
         format!("{{\"cases\": [\n{}\n]}}\n", cases.join(",\n"))
-    }
-}
-
-/// Prints what the oracle says: names, doubles in hexadecimal, results as two of them.
-pub(crate) fn oracle(count: u64) {
-    let mut random = Random::new(7);
-    let words = |x: Wide| format!("{} {}", hex(x.high), hex(x.low));
-    for number in 0..count {
-        let kinds = &Kind::ALL[..6];
-        let kind = kinds[number as usize % kinds.len()];
-        let bend = kind.bend(&mut random, &[]);
-        let angle = kind.angle(&mut random, bend, &[]);
-        let at = Turn::by(&[angle]);
-        let (joint, (s, c)) = (ExactJoint::bent(bend), sin_cos(&[bend]));
-        let motion = joint.motion(&at);
-        println!("bend {} angle {}", hex(bend), hex(angle));
-        for (name, x) in [
-            ("sine", at.s),
-            ("cosine", at.c),
-            ("sine of the bend", s),
-            ("cosine of the bend", c),
-            ("angle", motion.angle),
-            ("angle_error", motion.error),
-            ("speed_ratio", motion.ratio),
-            ("acceleration_ratio", motion.acceleration),
-            ("jerk_ratio", motion.jerk),
-            ("moment y", joint.moment(&at)[1]),
-            ("moment z", joint.moment(&at)[2]),
-            ("support x", joint.supports(&at)[1][0]),
-            ("support y", joint.supports(&at)[1][1]),
-            ("support z", joint.supports(&at)[1][2]),
-            ("bending_driving", joint.bending(&at)[0]),
-            ("bending_driven", joint.bending(&at)[1]),
-            ("tilt_driving", joint.tilts(&at)[0]),
-            ("tilt_driven", joint.tilts(&at)[1]),
-        ] {
-            println!("{name}: {}", words(x));
-        }
-        if number % 4 == 0 {
-            let n = 2 + random.below(4);
-            let mut angles =
-                |most: f64| (0..n).map(|_| random.between(0.0, most)).collect::<Vec<_>>();
-            let (bends, twists, phases) = (angles(1.3), angles(6.0), angles(6.0));
-            let (twists, phases) = (&twists[1..], &phases[1..]);
-            let (motion, _) = ExactChain::of(&bends, twists, phases).motion(&at);
-            let list = |all: &[f64]| all.iter().map(|&x| hex(x)).collect::<Vec<_>>().join(" ");
-            println!("chain {} / {} / {}", list(&bends), list(twists), list(phases));
-            for (name, x) in [
-                ("angle", motion.angle),
-                ("angle_error", motion.error),
-                ("speed_ratio", motion.ratio),
-                ("acceleration_ratio", motion.acceleration),
-                ("jerk_ratio", motion.jerk),
-            ] {
-                println!("{name}: {}", words(x));
-            }
-        }
     }
 }

@@ -36,7 +36,21 @@ fn two_product(a: f64, b: f64) -> Wide {
     Wide { high, low: a.mul_add(b, -high) }
 }
 
+/// A double in the digits that it has.
+pub(crate) fn hex(x: f64) -> String {
+    let bits = x.to_bits();
+    let (exponent, digits) = ((bits >> 52 & 0x7ff) as i64, bits & ((1 << 52) - 1));
+    let sign = if x < 0.0 { "-" } else { "" };
+    let (lead, power) = if exponent == 0 { (0, -1022) } else { (1, exponent - 1023) };
+    format!("{sign}0x{lead}.{digits:013x}p{power:+}")
+}
+
 impl Wide {
+    /// Its digits, as two doubles.
+    pub(crate) fn hex(self) -> String {
+        format!("{} {}", hex(self.high), hex(self.low))
+    }
+
     pub(crate) const ZERO: Self = Self { high: 0.0, low: 0.0 };
     pub(crate) const ONE: Self = Self { high: 1.0, low: 0.0 };
 

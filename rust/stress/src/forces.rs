@@ -1,0 +1,297 @@
+//! The forces of joints and bearings, in the units of `rust/stress/forces.md`.
+//!
+//! The oracle solves the balance of all shafts at once, as one linear system in which no formula for
+//! a force appears. Across each supported shaft its forces are in balance, and their moments together
+//! with those of its joints. A bearing gives no thrust, a joint no force along the shaft that it
+//! supports, and a joint that supports no shaft gives none at all.
+
+use cardan::{Geometry, Output};
+
+use crate::judge::{self, Tier};
+use crate::loads::{self, ANGLES, Carried, Frames, LoadShape, Loading, Mounting};
+use crate::points::{Span, cross, dot};
+use crate::samples::Random;
+use crate::wide::{Wide, hex};
+
+const OUTPUTS: [Output; 2] = [Output::JointForce, Output::BearingForce];
+
+/// The names of the outputs.
+pub(crate) fn names() -> [&'static str; 2] {
+    OUTPUTS.map(|output| output.row().name)
+}
+
+/// The largest errors of the outputs in a tier.
+pub(crate) fn limits(tier: Tier) -> [f64; 2] {
+    let column = match tier {
+        Tier::Faithful => "tolerance_0",
+        Tier::Default => "worst",
+        Tier::Loose | Tier::Float32 => "single",
+    };
+    names().map(|name| judge::limit("force", name, column).expect("the table has it"))
+}
+
+/// The worst errors of the forces of a kind of chain, by tier and output.
+#[derive(Clone, Debug)]
+pub(crate) struct Forces {
+    pub(crate) shape: LoadShape,
+    pub(crate) judged: u64,
+    pub(crate) off: [[f64; 2]; 4],
+    pub(crate) place: [[String; 2]; 4],
+}
+
+/// At least so many samples of each kind.
+pub(crate) fn run(seed: u64, samples: u64) -> Vec<Forces> {
+    let mut random = Random::new(seed ^ 0xf0ce);
+    LoadShape::ALL
+        .into_iter()
+        .map(|shape| {
+            let mut found =
+                Forces { shape, judged: 0, off: [[0.0; 2]; 4], place: Default::default() };
+            while found.judged < samples {
+                let line = shape.line(&mut random);
+                judge(&line, &mut random, &mut found);
+            }
+            found
+        })
+        .collect()
+}
+
+/// What carries the shafts of a driveline.
+#[derive(Debug)]
+struct Arrangement {
+    mounting: Mounting,
+    /// Which shaft each joint supports.
+    supported: Vec<Option<usize>>,
+}
+
+impl Arrangement {
+    /// Any in which each shaft has two supports, or is a first or last one held by its machine.
+    fn of(random: &mut Random, joints: usize) -> Self {
+        let supported: Vec<_> =
+            (0..joints).map(|joint| random.pick(&[None, Some(joint), Some(joint + 1)])).collect();
+        let lengths: Vec<f64> = (0..=joints).map(|_| random.between(0.3, 2.0)).collect();
+        let (mut bearings, mut positions) = (vec![], vec![]);
+        for (shaft, length) in lengths.iter().enumerate() {
+            let own = supported.iter().filter(|&&held| held == Some(shaft)).count();
+            let end = shaft == 0 || shaft == joints;
+            let count = if end && own == 0 { random.pick(&[0, 2]) } else { 2 - own };
+            for at in &[0.15, 0.65][..count] {
+                bearings.push(shaft);
+                positions.push(length * (at + random.between(0.0, 0.25)));
+            }
+        }
+        Self { mounting: Mounting { bearings, lengths, positions }, supported }
+    }
+
+    /// The smallest distance between the two supports of a shaft.
+    fn shortest_span(&self) -> f64 {
+        let Mounting { bearings, lengths, positions } = &self.mounting;
+        let span = |shaft: usize| {
+            let own = (0..bearings.len()).filter(|&i| bearings[i] == shaft).map(|i| positions[i]);
+            let joints = (0..self.supported.len())
+                .filter(|&joint| self.supported[joint] == Some(shaft))
+                .map(|joint| if joint == shaft { lengths[shaft] } else { 0.0 });
+            match own.chain(joints).collect::<Vec<_>>()[..] {
+                [first, second] => (second - first).abs(),
+                _ => f64::INFINITY,
+            }
+        };
+        (0..lengths.len()).map(span).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Forces of joints, then of bearings, for each of these loads.
+    fn forces(&self, frames: &Frames, carried: &[Carried]) -> Vec<Vec<Span>> {
+        let Mounting { bearings, lengths, positions } = &self.mounting;
+        let n = self.supported.len();
+        let unknowns = 3 * (n + bearings.len());
+        let mut rows: Vec<Vec<Wide>> = vec![];
+        let mut add = |terms: &[(usize, Span)], right: Vec<Wide>| {
+            let mut row = vec![Wide::ZERO; unknowns];
+            for &(vector, factor) in terms {
+                for axis in 0..3 {
+                    row[3 * vector + axis] = row[3 * vector + axis] + factor[axis];
+                }
+            }
+            row.extend(right);
+            rows.push(row);
+        };
+        let zeros = || vec![Wide::ZERO; carried.len()];
+        for (joint, held) in self.supported.iter().enumerate() {
+            match *held {
+                Some(shaft) => add(&[(joint, frames.directions[shaft])], zeros()),
+                None => {
+                    for axis in 0..3 {
+                        let unit = [0, 1, 2].map(|i| Wide::from(f64::from(i == axis)));
+                        add(&[(joint, unit)], zeros());
+                    }
+                }
+            }
+        }
+        for (i, &shaft) in bearings.iter().enumerate() {
+            add(&[(n + i, frames.directions[shaft])], zeros());
+        }
+        for (shaft, &length) in lengths.iter().enumerate() {
+            let held = bearings.contains(&shaft) || self.supported.contains(&Some(shaft));
+            if !held {
+                continue;
+            }
+            let (before, after) = (shaft.checked_sub(1), Some(shaft).filter(|&joint| joint < n));
+            // What acts on the shaft: the unknown, its sign, and its place.
+            let mut acting = vec![];
+            acting.extend(before.map(|joint| (joint, Wide::ONE, 0.0)));
+            acting.extend(after.map(|joint| (joint, -Wide::ONE, length)));
+            for (i, &place) in positions.iter().enumerate() {
+                if bearings[i] == shaft {
+                    acting.push((n + i, Wide::ONE, place));
+                }
+            }
+            let along = frames.directions[shaft];
+            let normal = frames.normals[before.unwrap_or(0)];
+            for axis in [normal, cross(along, normal)] {
+                let force =
+                    |&(vector, sign, _): &(usize, Wide, f64)| (vector, axis.map(|x| x * sign));
+                add(&acting.iter().map(force).collect::<Vec<_>>(), zeros());
+                // (u × F) · axis = (axis × u) · F.
+                let arm = cross(axis, along);
+                let moment = |&(vector, sign, place): &(usize, Wide, f64)| {
+                    (vector, arm.map(|x| x * sign * place))
+                };
+                let right = carried.iter().map(|Carried { moments, .. }| {
+                    let of = |joint: Option<usize>| {
+                        joint.map_or(Wide::ZERO, |joint| dot(moments[joint], axis))
+                    };
+                    of(after) - of(before)
+                });
+                add(&acting.iter().map(moment).collect::<Vec<_>>(), right.collect());
+            }
+        }
+        let mut forces = solved(rows, unknowns, carried.len());
+        // The equations of a joint that supports no shaft say zero, the solution has rounding.
+        for forces in &mut forces {
+            for (force, held) in forces.iter_mut().zip(&self.supported) {
+                if held.is_none() {
+                    *force = [Wide::ZERO; 3];
+                }
+            }
+        }
+        forces
+    }
+}
+
+/// The solutions of linear equations with several right-hand sides, in groups of three unknowns.
+fn solved(mut rows: Vec<Vec<Wide>>, unknowns: usize, sides: usize) -> Vec<Vec<Span>> {
+    assert_eq!(rows.len(), unknowns, "the arrangement is determinate");
+    for pivot in 0..unknowns {
+        let largest = (pivot..unknowns)
+            .max_by(|&a, &b| rows[a][pivot].abs().high.total_cmp(&rows[b][pivot].abs().high))
+            .expect("a row is left");
+        rows.swap(pivot, largest);
+        let inverse = Wide::ONE / rows[pivot][pivot];
+        for x in &mut rows[pivot][pivot..] {
+            *x = *x * inverse;
+        }
+        let own = rows[pivot].clone();
+        for (i, row) in rows.iter_mut().enumerate() {
+            let factor = row[pivot];
+            if i == pivot || factor.high == 0.0 {
+                continue;
+            }
+            for (x, &y) in row[pivot..].iter_mut().zip(&own[pivot..]) {
+                *x = *x - factor * y;
+            }
+        }
+    }
+    let vector = |side: usize, k: usize| [0, 1, 2].map(|i| rows[3 * k + i][unknowns + side]);
+    (0..sides).map(|side| (0..unknowns / 3).map(|k| vector(side, k)).collect()).collect()
+}
+
+fn judge(line: &Geometry, random: &mut Random, found: &mut Forces) {
+    let n = line.bends.len();
+    let loading = Loading::of(random, n + 1);
+    let arrangement = Arrangement::of(random, n);
+    let bearings = arrangement.mounting.bearings.len();
+    let outputs = &OUTPUTS[..if bearings > 0 { 2 } else { 1 }];
+    let angles: Vec<f64> = (0..ANGLES).map(|_| random.between(-4.0, 4.0)).collect();
+    let mounting = Some(&arrangement.mounting);
+    // Joints can support the shafts in another way as well, or shafts that float follow each other.
+    let Ok(tiers) = loads::evaluate(line, &loading, &angles, outputs, mounting, &Tier::ALL) else {
+        return;
+    };
+    let frames = Frames::of(line);
+    let carried: Vec<_> = angles.iter().map(|&angle| frames.carried(&loading, angle)).collect();
+    let exact = arrangement.forces(&frames, &carried);
+    let span = arrangement.shortest_span();
+    for (i, &angle) in angles.iter().enumerate() {
+        let moment = carried[i].largest / span;
+        let largest = exact[i].iter().flatten().map(|x| x.high.abs()).fold(moment, f64::max);
+        for (item, want) in exact[i].iter().enumerate() {
+            let q = usize::from(item >= n);
+            let own = want.iter().map(|x| x.ulp()).fold(0.0, f64::max);
+            for (tier, planes) in Tier::ALL.into_iter().zip(&tiers) {
+                let unit = match tier {
+                    Tier::Faithful => own,
+                    Tier::Default => Wide::from(largest).ulp(),
+                    Tier::Loose | Tier::Float32 => largest,
+                };
+                for (k, x) in want.iter().enumerate() {
+                    let (got, tier) = (planes[3 * item + k][i], tier as usize);
+                    let off = if x.distance(got) == 0.0 { 0.0 } else { x.distance(got) / unit };
+                    let off = if off.is_nan() { f64::INFINITY } else { off };
+                    if off > found.off[tier][q] {
+                        found.off[tier][q] = off;
+                        let Geometry { bends, twists, phases, .. } = line;
+                        found.place[tier][q] = format!(
+                            "{} {item}, component {k}, at bends {bends:?}, twists {twists:?}, \
+                             phases {phases:?}, {arrangement:?}, angle {angle:?}, {loading:?}: \
+                             {got:e} instead of {:e}",
+                            OUTPUTS[q].row().name,
+                            x.high
+                        );
+                    }
+                }
+            }
+        }
+    }
+    found.judged += ANGLES as u64;
+}
+
+/// Prints the forces of a chain under a drive torque for `tests/check_oracle.py`: torque, the shaft
+/// that each joint supports (−1 without one), the lengths, and shaft and position of each bearing.
+pub(crate) fn print_oracle(line: &Geometry, angle: f64, random: &mut Random) {
+    let arrangement = Arrangement::of(random, line.bends.len());
+    let loading = Loading::of_drive(random.between(-9.0, 9.0), line.bends.len() + 1);
+    let carried = Frames::of(line).carried(&loading, angle);
+    let forces = arrangement.forces(&Frames::of(line), &[carried]);
+    let Mounting { bearings, lengths, positions } = &arrangement.mounting;
+    let supported = arrangement.supported.iter().map(|held| held.map_or(-1.0, |s| s as f64));
+    let list = |all: Vec<f64>| all.into_iter().map(hex).collect::<Vec<_>>().join(" ");
+    println!(
+        "forces {} / {} / {} / {} / {}",
+        hex(loading.torque),
+        list(supported.collect()),
+        list(lengths.clone()),
+        list(bearings.iter().map(|&shaft| shaft as f64).collect()),
+        list(positions.clone()),
+    );
+    for (item, force) in forces[0].iter().enumerate() {
+        for (x, axis) in force.iter().zip(["x", "y", "z"]) {
+            println!("force {item} {axis}: {}", x.hex());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn forces_are_within_their_limits() {
+        for found in run(7, 400) {
+            for tier in Tier::ALL {
+                for (off, limit) in found.off[tier as usize].into_iter().zip(limits(tier)) {
+                    assert!(off > 0.0 && off <= limit, "{off} of {limit}: {:?}", found.place);
+                }
+            }
+        }
+    }
+}
