@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from equilibrium import assignments, system
 from oracle import Fold, Number, Turn, mp
 from vectors import Frames, Loads, Vector, across, cross, dot, length, plus, scaled, turned, unit
 
@@ -60,10 +62,55 @@ def from_points(points: Sequence[Number], phases: Sequence[Number]) -> Frames:
     return from_angles(bends, twists, phases, along[0], normals[0])
 
 
+@dataclass(frozen=True)
+class Mounting:
+    """Where bearings carry the shafts: the shaft of each, its position, and the shafts' lengths."""
+
+    shafts: Sequence[int]
+    positions: Sequence[Number]
+    lengths: Sequence[Number]
+
+    def forces(self, frames: Frames, moments: Sequence[Vector]) -> dict[str, list[Number]]:
+        """Return the forces by solving the equilibrium of all shafts at once."""
+        counts = [list(self.shafts).count(shaft) for shaft in range(len(moments) + 1)]
+        (way,) = assignments(len(moments), counts)
+        bearings = list(zip(self.shafts, self.positions, strict=True))
+        equations = system(frames.directions, self.lengths, moments, bearings, way)
+        both = list(mp.lu_solve(*map(mp.matrix, equations)))
+        split = 3 * len(bearings)
+        return {"bearing_force": both[:split], "joint_force": both[split:]}
+
+
+def turning(frames: Frames, at: Turn, vectors: Sequence[Vector], first: int) -> list[Number]:
+    """Return vectors on shafts from ``first`` on, along each shaft, its pin and their product."""
+    pins = frames.pins(at)
+    along = [pins[0][0], *(driven for _, driven in pins)][first:]
+    return [
+        dot(vector, axis)
+        for u, pin, vector in zip(frames.directions[first:], along, vectors, strict=True)
+        for axis in (u, pin, cross(u, pin))
+    ]
+
+
+def drive_angle(fold: Fold, angle: Number, start: float) -> Number:
+    """Return the drive angle at which a shaft has this angle, by Newton's method."""
+    found = mp.mpf(start)
+    for _ in range(12):
+        at = Turn.by(found)
+        found -= (fold.angle(at) - angle) / fold.speed_ratio(at)
+    return found
+
+
 def outputs(
-    frames: Frames, angle: Number, load: Mapping[str, Any] | None
+    frames: Frames,
+    angle: Number,
+    load: Mapping[str, Any] | None,
+    mounting: Mounting | None = None,
 ) -> dict[str, list[Number]]:
-    """Return every output of all shafts and joints, item by item and component by component."""
+    """Return every output of all shafts and joints, item by item and component by component.
+
+    Moments in the axes of their shafts have the names ``turning_moment`` and so on.
+    """
     at = Turn.by(angle)
     found: dict[str, list[Number]] = {
         name: [getattr(fold, name)(at) for fold in frames.folds]
@@ -82,6 +129,10 @@ def outputs(
             found[name] = getattr(loads, name)
         for name in ("moment", "support_moment"):
             found[name] = [x for vector in getattr(loads, name) for x in vector]
+        found["turning_moment"] = turning(frames, at, loads.moment, 1)
+        found["turning_support_moment"] = turning(frames, at, loads.support_moment, 0)
+        if mounting is not None:
+            found |= mounting.forces(frames, loads.moment)
     return found
 
 

@@ -40,7 +40,9 @@ def differentiate(
     load: tuple[str, _Stepped, _Stepped, _Stepped, list[tuple[int, _Stepped]]] | None,
     weights: list[_Flat] | None,
     wanted: list[str],
+    modes: tuple[bool, bool],
     workers: int | None,
+    level: str | None,
 ) -> _Flat: ...
 def dq(lines: Lines, shaft: int, by: str, workers: int | None) -> NDArray[np.complex128]: ...
 def from_bends(

@@ -22,7 +22,7 @@ from cardan.arrays.planes import Place, components_first
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, nearest
-from cardan.parameters import checked_variables, parameter_shape
+from cardan.parameters import checked_variables, has_lengths, parameter_shape
 from cardan.request import Request, item_indices
 from cardan.sweep import Sweep
 
@@ -37,6 +37,8 @@ _COLUMNS = {
     "drive_torque": "torque",
     "output_torque": "torque",
     "inertias": "inertias",
+    "lengths": "lengths",
+    "positions": "positions",
 }
 
 _Stepped = tuple[FloatArray, int, int]
@@ -45,8 +47,9 @@ _Stepped = tuple[FloatArray, int, int]
 class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
     """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``.
 
-    Those by bends, twists, phases and inertias have the output's shape with one more axis, those by
-    points two, ``(n + 2, 3)``; those by the drive angle and by a torque have the output's shape.
+    Those by bends, twists, phases, inertias, lengths and positions have the output's shape with one
+    more axis, those by points two, ``(n + 2, 3)``; those by the drive angle and by a torque have
+    the output's shape.
     """
 
     __slots__ = ("_by_output",)
@@ -77,9 +80,10 @@ class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
 class Gradient:
     """A weighted sum of outputs and its derivatives; made by ``Plan.gradient``.
 
-    Each driveline of a batch has a sum of its own. Derivatives are per radian, per unit of the
+    There is one sum for each driveline of a batch. Derivatives are per radian, per unit of the
     points, per N m and per kg m². Those that the plan does not have are missing: ``points`` of a
-    driveline that was not made from points, torques and inertias without a load.
+    driveline that was not made from points, torques and inertias without a load, lengths that are
+    unknown, positions without bearings.
 
     Attributes:
         value: ``sum(weights * outputs)`` over items, components and samples, in the shape of the
@@ -92,6 +96,8 @@ class Gradient:
         output_torque: in the shape of the batch, if the load has an output torque.
         inertias: ``(..., n + 1)``, if there is a load. An array of inertias that changes over the
             samples changes by the same amount at each.
+        lengths: ``(..., n + 1)``, if the lengths of the shafts are known; all directions are held.
+        positions: of the bearings, ``(..., m)``, if there are any.
     """
 
     value: NDArray[np.float64]
@@ -102,11 +108,17 @@ class Gradient:
 
     def __getattr__(self, name: str) -> NDArray[np.float64]:
         """Return what only some gradients have."""
-        if name in ("points", "drive_torque", "output_torque", "inertias"):
+        wanted = {
+            "points": "a driveline made from points",
+            "drive_torque": "a load with a drive_torque",
+            "output_torque": "a load with an output_torque",
+            "inertias": "a load",
+            "lengths": "the lengths of the shafts",
+            "positions": "bearings",
+        }
+        if needs := wanted.get(name):
             if name in self._others:
                 return self._others[name]
-            wanted = {"points": "a driveline made from points", "inertias": "a load"}
-            needs = wanted.get(name, f"a load with a {name}")
             raise AttributeError(f"there is no derivative by {name}; it needs {needs}")
         raise AttributeError(f"Gradient has no attribute {name!r}")
 
@@ -126,9 +138,15 @@ class Samples:
     broadcast.
     """
 
-    def __init__(self, request: Request, places: Mapping[str, Place], angle: Any) -> None:  # noqa: ANN401 - angles or a sweep
-        """Check the request and broadcast the angles."""
-        _refuse_unsupported(request)
+    def __init__(
+        self,
+        request: Request,
+        places: Mapping[str, Place],
+        angle: Any,  # noqa: ANN401 - angles or a sweep
+        level: str | None,
+    ) -> None:
+        """Broadcast the angles; ``level`` forces an instruction set."""
+        self._level = level
         line: Any = request.line
         self.request, self.places, self.line = request, places, line
         self._angle = angle if isinstance(angle, Sweep) else as_float64("angle", angle)
@@ -176,9 +194,8 @@ class Samples:
         joints = (
             [*range(n)] if request.joints is None else item_indices("joints", request.joints, n)
         )
-        outputs = [
-            (name, shafts if OUTPUTS[name].per == "shaft" else joints) for name in request.names
-        ]
+        items = {"shaft": shafts, "joint": joints, "bearing": [*range(self.line.n_bearings)]}
+        outputs = [(name, items[OUTPUTS[name].per]) for name in request.names]
         wanted = sorted({_COLUMNS[name] for name in by})
         return _core.differentiate(
             self.line._lines,
@@ -188,7 +205,9 @@ class Samples:
             self._load(),
             weights,
             wanted,
+            (request.axes == "shaft", request.angle_of == "driven"),
             threads.at_most(request.workers),
+            self._level,
         )
 
     def _drive_angles(self) -> Any:  # noqa: ANN401 - a native sweep or an array
@@ -196,7 +215,7 @@ class Samples:
             return self.spread(self._angle)
         if len(self._angle) == self.count:
             return self._angle._core
-        # Each driveline has an angle of its own.
+        # The angles of the sweep differ from driveline to driveline, not within one.
         return self.spread(np.asarray(self._angle))
 
     def _load(self) -> Any:  # noqa: ANN401 - the arrays of the load, if there is one
@@ -227,20 +246,25 @@ def gradient(
     places: Mapping[str, Place],
     angle: ArrayLike | Sweep,
     weights: Mapping[str, ArrayLike],
+    level: str | None,
 ) -> Gradient:
-    """Return a weighted sum and its derivatives, as ``Plan.gradient`` does."""
-    samples = Samples(request, places, angle)
+    """Return a weighted sum and its derivatives at drive angles, as ``Plan.gradient`` does."""
+    samples = Samples(request, places, angle, level)
     line = samples.line
     by = ["value", "bends", "twists", "phases"]
     if line.has_points:
         by.append("points")
     if request.load is not None:
         by += [f"{request.load.end}_torque", "inertias"]
+    if has_lengths(line):
+        by.append("lengths")
+    if line.n_bearings:
+        by.append("positions")
     flat = samples.run(by, [*_planes(samples, weights)])
     rows = flat.reshape(*line.shape, -1)
     parts = {
         name: rows[..., start : start + math.prod(shape)].reshape((*line.shape, *shape))[()]
-        for name, start, shape in _columns(by, line.n_joints)
+        for name, start, shape in _columns(by, line)
     }
     value, bends, twists, phases = (parts.pop(name) for name in by[:4])
     return Gradient(value, bends, twists, phases, parts)
@@ -251,16 +275,16 @@ def derivatives(
     places: Mapping[str, Place],
     angle: ArrayLike | Sweep,
     by: str | Iterable[str],
+    level: str | None,
 ) -> Derivatives:
-    """Return the derivatives of every sample, as ``Plan.derivatives`` does."""
+    """Return the derivatives of every sample at drive angles, as ``Plan.derivatives`` does."""
     line: Any = request.line
     names = checked_variables(line, by)
     _check_load(request.load, names)
-    samples = Samples(request, places, angle)
-    n = samples.line.n_joints
+    samples = Samples(request, places, angle, level)
     total = math.prod(samples.shape)
     planes = sum((items or 1) * (3 if vector else 1) for _, items, vector in places.values())
-    columns = [*_columns(names, n)]
+    columns = [*_columns(names, line)]
     width = sum(math.prod(shape) for _, _, shape in columns)
     flat = samples.run(names, None) if width and total else np.empty(planes * total * width)
     block = samples.in_order(flat.reshape(planes, *samples.plane_shape(), width), 1)
@@ -279,70 +303,67 @@ def derivatives(
     return Derivatives({name: {kind: found[name][kind] for kind in names} for name in found})
 
 
-def _columns(names: Iterable[str], n: int) -> Iterator[tuple[str, int, tuple[int, ...]]]:
+def _columns(
+    names: Iterable[str],
+    line: Any,  # noqa: ANN401 - a driveline
+) -> Iterator[tuple[str, int, tuple[int, ...]]]:
     """The first column and the shape of each variable, in the order of the native module."""
     at = 0
     for name in sorted(names, key=[*_COLUMNS].index):
-        shape = parameter_shape(name, n)
+        shape = parameter_shape(name, line.n_joints, line.n_bearings)
         yield name, at, shape
         at += math.prod(shape)
 
 
 def _planes(samples: Samples, weights: Mapping[str, ArrayLike]) -> Iterator[FloatArray]:
-    if not isinstance(weights, Mapping):
-        raise ArgumentTypeError(
-            "weights", f"is {type(weights).__name__}; it must map names of outputs to arrays"
-        )
-    for name in weights:
-        if name not in samples.places:
-            if name in ("bend", "equivalent_bend"):
-                problem = (
-                    "has an infinite slope at constant velocity; differentiate abs(q)**2 instead, "
-                    "by Driveline.transmission(shaft).d_abs2(by)"
-                )
-                raise ArgumentValueError("weights", problem, (name,))
-            raise ArgumentValueError(
-                "weights", f"is not an output of the plan; {nearest(name, samples.places)}", (name,)
-            )
+    full = checked_weights(weights, samples.places, samples.shape)
     for name, place in samples.places.items():
         _, items, vector = place
         count = (1 if items is None else items) * (3 if vector else 1)
-        if name not in weights:
+        if name not in full:
             zeros = np.zeros(samples.line_count * samples.count)
             yield from (zeros for _ in range(count))
             continue
-        given = as_float64("weights", weights[name])
-        lead = () if items is None else (items,)
-        wanted = (*lead, *samples.shape, *((3,) if vector else ()))
-        try:
-            full = np.broadcast_to(given, wanted)
-        except ValueError:
-            raise ArgumentValueError(
-                "weights", f"has shape {given.shape}; it must be {wanted}", (name,)
-            ) from None
-        planes = components_first(full, place).reshape(count, *samples.shape)
+        planes = components_first(full[name], place).reshape(count, *samples.shape)
         for plane in planes:
             yield np.ascontiguousarray(plane.transpose(samples._order)).reshape(-1)
 
 
-def _refuse_unsupported(request: Request) -> None:
-    for name in request.names:
-        if OUTPUTS[name].unit == "N":
-            raise ArgumentValueError(
-                "outputs",
-                f"has {name!r}, which is not differentiated; moments and support moments are, and "
-                "forces follow from these",
+def checked_weights(
+    weights: Mapping[str, ArrayLike], places: Mapping[str, Place], shape: tuple[int, ...]
+) -> dict[str, FloatArray]:
+    """Return the weights, each in the shape of its output for samples of this shape.
+
+    Raises:
+        TypeError: weights that are no mapping, or not real numbers.
+        ValueError: weights of something that is not an output, or of a wrong shape.
+    """
+    if not isinstance(weights, Mapping):
+        raise ArgumentTypeError(
+            "weights", f"is {type(weights).__name__}; it must map names of outputs to arrays"
+        )
+    full = {}
+    for name, given in weights.items():
+        if name in ("bend", "equivalent_bend"):
+            problem = (
+                "has an infinite slope at constant velocity; differentiate abs(q)**2 instead, "
+                "by Driveline.transmission(shaft).d_abs2(by)"
             )
-    if request.reduce is not None:
-        raise ArgumentValueError(
-            "reduce", f"is {request.reduce!r}; derivatives are those of the samples"
-        )
-    if request.axes != "space":
-        raise ArgumentValueError("axes", f"is {request.axes!r}; derivatives have axes='space'")
-    if request.angle_of != "drive":
-        raise ArgumentValueError(
-            "angle_of", f"is {request.angle_of!r}; derivatives are at drive angles"
-        )
+            raise ArgumentValueError("weights", problem, (name,))
+        if name not in places:
+            raise ArgumentValueError(
+                "weights", f"is not an output of the plan; {nearest(name, places)}", (name,)
+            )
+        array = as_float64("weights", given)
+        _, items, vector = places[name]
+        wanted = (*(() if items is None else (items,)), *shape, *((3,) if vector else ()))
+        try:
+            full[name] = np.broadcast_to(array, wanted)
+        except ValueError:
+            raise ArgumentValueError(
+                "weights", f"has shape {array.shape}; it must be {wanted}", (name,)
+            ) from None
+    return full
 
 
 def _check_load(load: Load | None, by: Iterable[str]) -> None:

@@ -66,7 +66,10 @@ class DrivenPlan(Plan):
                     "give its values",
                 )
             return super().__call__(angle, out)
-        return self._at_drive(self._drive_angle(angle)["angle"], out)
+        return self._at_drive(self._drive_angles(angle), out)
+
+    def _drive_angles(self, angle: ArrayLike | Sweep) -> Any:  # noqa: ANN401 - an array
+        return self._drive_angle(angle)["angle"]
 
     def _again(self, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""

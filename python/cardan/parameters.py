@@ -12,7 +12,16 @@ Parameters: TypeAlias = Literal["bends", "twists", "phases", "points"]
 """The parameters of the geometry."""
 
 Variables: TypeAlias = Literal[
-    "bends", "twists", "phases", "points", "angle", "drive_torque", "output_torque", "inertias"
+    "bends",
+    "twists",
+    "phases",
+    "points",
+    "angle",
+    "drive_torque",
+    "output_torque",
+    "inertias",
+    "lengths",
+    "positions",
 ]
 """Everything by which an output can be differentiated."""
 
@@ -23,6 +32,8 @@ VARIABLES: tuple[Variables, ...] = (
     "drive_torque",
     "output_torque",
     "inertias",
+    "lengths",
+    "positions",
 )
 
 
@@ -65,10 +76,20 @@ def _known(
             "is 'points'; only drivelines from points have them, with the lengths between them",
             place,
         )
+    if by == "lengths" and not has_lengths(line):
+        raise ArgumentValueError("by", "is 'lengths', which the driveline does not have", place)
+    if by == "positions" and not line.n_bearings:
+        raise ArgumentValueError("by", "is 'positions'; the driveline has no bearings", place)
     return by
 
 
-def parameter_shape(name: str, n: int) -> tuple[int, ...]:
+def has_lengths(line: Any) -> bool:  # noqa: ANN401 - a driveline
+    """Whether the lengths of the shafts are known."""
+    return bool(line._geometry.lengths.shape[-1])
+
+
+def parameter_shape(name: str, n: int, bearings: int = 0) -> tuple[int, ...]:
     """Return the shape of such variables of a driveline with ``n`` joints."""
     shapes = {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}
-    return {**shapes, "inertias": (n + 1,)}.get(name, ())
+    others = {"inertias": (n + 1,), "lengths": (n + 1,), "positions": (bearings,)}
+    return {**shapes, **others}.get(name, ())

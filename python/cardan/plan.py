@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.harmonics import Harmonics, harmonics
 from cardan.layout import layout_of
 from cardan.load import Load
+from cardan.reduced_derivatives import reduced_derivatives, reduced_gradient
 from cardan.request import (
     DOUBLE,
     SINGLE,
@@ -252,31 +254,41 @@ class Plan:
         Those by points are smooth through straight joints, whose bend plane is arbitrary. The drive
         angle counts from the plane of joint 0; where that joint is straight, its plane is held.
         Magnitudes (``bending_driving``, ``bending_driven``) have derivative 0 by their inside where
-        they vanish.
+        they vanish. Bearings keep their distance from the upstream end of their shaft when points
+        move.
+
+        With ``angle_of="driven"`` the angle of the last shaft is held, and the drive angle follows.
+        A reduced output has the derivatives of the sample where it is least or largest, of the
+        first if there are several, and otherwise those of its formula. They are found from those
+        of every sample, and take as much memory.
 
         Args:
             angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
             by: names among ``"bends"``, ``"twists"``, ``"phases"``, ``"points"``, ``"angle"`` (the
-                drive angle), ``"drive_torque"`` or ``"output_torque"`` (that of the load) and
-                ``"inertias"``.
+                angle of the call), ``"drive_torque"`` or ``"output_torque"`` (that of the load),
+                ``"inertias"``, ``"lengths"`` (of the shafts, directions held) and ``"positions"``
+                (of the bearings).
 
         Returns:
             arrays by output and variable: the output's shape, then ``(n,)`` by bends, ``(n - 1,)``
-            by twists and phases, ``(n + 2, 3)`` by points, ``(n + 1,)`` by inertias. Angles are in
-            rad, points in their own unit.
+            by twists and phases, ``(n + 2, 3)`` by points, ``(n + 1,)`` by inertias and lengths,
+            ``(m,)`` by positions. Angles are in rad, points in their own unit.
 
         Raises:
             TypeError: angles that are not real numbers, variables that are not names.
             ValueError: an unknown variable, points of a driveline that was not made from points,
-                a torque that the load does not have, forces, a plan with a reduction,
-                ``axes="shaft"`` or ``angle_of="driven"``.
+                a torque, lengths or positions that there are not, the angle of reduced outputs.
 
         >>> import cardan
         >>> plan = cardan.Driveline.from_bends([0.5]).plan("speed_ratio")
         >>> plan.derivatives(0.0, by="bends")["speed_ratio"]["bends"].round(6)
         array([0.622508])
         """
-        return derivatives(self.request, self.places, angle, by)
+        if self._reduce:
+            whole = self._again(replace(self.request, reduce=None, dtype=None))
+            return reduced_derivatives(whole, self._reduce, angle, by)
+        at_drive = self._drive_angles(angle)
+        return derivatives(self.request, self.places, at_drive, by, self._level)
 
     def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
         """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
@@ -289,15 +301,14 @@ class Plan:
             angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
             weights: arrays by output, each of the output's shape or one that broadcasts to it;
                 outputs without weights count with 0. For a mean square these are ``2 * output /
-                samples``.
+                samples``. Reduced outputs have weights of their reduced shape.
 
         Returns:
             value and derivatives, one of each per driveline of the batch.
 
         Raises:
             TypeError: angles or weights that are not real numbers, weights that are no mapping.
-            ValueError: weights of something that is not an output of the plan or of a wrong shape;
-                forces, a plan with a reduction, ``axes="shaft"`` or ``angle_of="driven"``.
+            ValueError: weights of something that is not an output of the plan or of a wrong shape.
 
         >>> import cardan
         >>> line = cardan.Driveline.from_bends([0.3, 0.2], phases=0.1)
@@ -307,7 +318,15 @@ class Plan:
         >>> plan.gradient(turn, {"acceleration_ratio": 2 * acceleration / 360}).bends.round(4)
         array([ 0.0322, -0.02  ])
         """
-        return gradient(self.request, self.places, angle, weights)
+        if self._reduce:
+            whole = self._again(replace(self.request, reduce=None, dtype=None))
+            return reduced_gradient(whole, self._reduce, self.places, angle, weights)
+        at_drive = self._drive_angles(angle)
+        return gradient(self.request, self.places, at_drive, weights, self._level)
+
+    def _drive_angles(self, angle: ArrayLike | Sweep) -> ArrayLike | Sweep:
+        """Return the drive angles of a call."""
+        return angle
 
     def _again(self, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""

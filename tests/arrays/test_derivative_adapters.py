@@ -20,6 +20,12 @@ LOADED = {
     "inertias": np.array([0.1, 0.2, 0.3, 0.4]),
 }
 ANGLES = {"bends": np.array([0.3, 0.2]), "twists": np.array(0.4), "phases": np.array([-1.0])}
+MOUNTED = {
+    **ANGLES,
+    "drive_torque": np.array(5.0),
+    "lengths": np.array([0.5, 0.8, 0.6]),
+    "positions": np.array([0.4, 0.2, 0.3, 0.35]),
+}
 
 
 def total(found: Any) -> Any:  # noqa: ANN401
@@ -38,6 +44,7 @@ def jax() -> Any:  # noqa: ANN401
 
 CASES: list[tuple[dict[str, Any], Any, dict[str, Any]]] = [
     (ANGLES, ("angle_error", "jerk_ratio"), {}),
+    (MOUNTED, ("bearing_force", "joint_force"), {"bearings": [0, 0, 1, 2], "speed": 3.0}),
     (LOADED, ("moment", "torque", "tilt_driven"), {"speed": 4.0, "shafts": [1, 2]}),
 ]
 
@@ -158,6 +165,8 @@ def test_scipy_objectives_are_consistent(parameters: Any, outputs: Any, options:
         ({"phases": [0.3]}, "either 'bends' or 'points'"),
         ({"bends": [0.3], "points": POINTS}, "either 'bends' or 'points'"),
         ({"points": POINTS, "twists": 0.1}, "follow from the points"),
+        ({"points": POINTS, "lengths": np.ones(4)}, "follow from the points"),
+        ({"bends": [0.3], "positions": [0.1]}, "one position per bearing, of which there are 0"),
         ({"bends": [0.3], "drive_torque": [1.0, 2.0]}, "it must be one number"),
         ({"bends": [0.3], "inertias": 1.0}, "it must be one number per shaft"),
     ],

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +24,20 @@ from cardan.plan import Plan
 from cardan.request import Items
 
 # How many axes of each parameter belong to one driveline.
-_OWN_AXES = {"bends": 1, "twists": 1, "phases": 1, "points": 2}
+_ANGLES_OR_POINTS = {"bends": 1, "twists": 1, "phases": 1, "points": 2}
+_OWN_AXES = {**_ANGLES_OR_POINTS, "lengths": 1, "positions": 1}
 _LOADS = ("drive_torque", "output_torque", "inertias")
 NAMES = (*_OWN_AXES, *_LOADS)
+
+
+class Options(TypedDict, total=False):
+    """The keyword arguments of an ``Evaluation``, which the functions of all frameworks take."""
+
+    shafts: Items
+    joints: Items
+    speed: float
+    acceleration: float
+    bearings: Sequence[int]
 
 
 @dataclass(frozen=True)
@@ -39,6 +50,7 @@ class Evaluation:
         joints: joints of the outputs per joint.
         speed: speed of the drive in rad/s.
         acceleration: acceleration of the drive in rad/s².
+        bearings: the shaft of each bearing, whose positions are parameters.
     """
 
     outputs: str | Sequence[str]
@@ -46,13 +58,14 @@ class Evaluation:
     joints: Items = None
     speed: float = 0.0
     acceleration: float = 0.0
+    bearings: Sequence[int] = ()
 
     def check(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
         """Check the names of the parameters and the shapes of those of the load.
 
         Raises:
-            ValueError: an unknown parameter, neither bends nor points or both, a load whose values
-                change over the samples.
+            ValueError: an unknown parameter, neither bends nor points or both, not one position
+                per bearing, a load whose values change over the samples.
         """
         if not isinstance(shapes, Mapping):
             raise ArgumentTypeError("parameters", "must map names to arrays")
@@ -63,8 +76,13 @@ class Evaluation:
                 )
         if ("bends" in shapes) == ("points" in shapes):
             raise ArgumentValueError("parameters", "must have either 'bends' or 'points'")
-        if "points" in shapes and "twists" in shapes:
-            raise ArgumentValueError("parameters", "follow from the points", ("twists",))
+        for name in ("twists", "lengths"):
+            if "points" in shapes and name in shapes:
+                raise ArgumentValueError("parameters", "follow from the points", (name,))
+        count = len(self.bearings)
+        if shapes.get("positions", (0,))[-1:] != (count,):
+            problem = f"must have one position per bearing, of which there are {count}"
+            raise ArgumentValueError("parameters", problem, ("positions",))
         for name, ndim in (("drive_torque", 0), ("output_torque", 0), ("inertias", 1)):
             if name in shapes and len(shapes[name]) != ndim:
                 wanted = "one number" if ndim == 0 else "one number per shaft"
@@ -83,7 +101,7 @@ class Evaluation:
         batches = {name: shapes[name][: -_OWN_AXES[name]] for name in _OWN_AXES if name in shapes}
         samples = common_shape(**batches, angle=angle)
         names = self.outputs if isinstance(self.outputs, str) else tuple(self.outputs)
-        places = layout_of(names, n, self.shafts, self.joints, None, 0).places
+        places = layout_of(names, n, self.shafts, self.joints, None, len(self.bearings)).places
         return {
             name: (() if items is None else (items,)) + samples + ((3,) if vector else ())
             for name, (_, items, vector) in places.items()
@@ -92,12 +110,16 @@ class Evaluation:
     def plan(self, parameters: Mapping[str, FloatArray]) -> Plan:
         """Return the plan for these parameters."""
         geometry: dict[str, Any] = {
-            name: parameters[name] for name in _OWN_AXES if name in parameters
+            name: parameters[name] for name in _ANGLES_OR_POINTS if name in parameters
         }
         if "points" in geometry:
             line = Driveline.from_points(**geometry)
         else:
             line = Driveline.from_bends(**geometry)
+        if self.bearings or "lengths" in parameters:
+            positions = np.moveaxis(parameters.get("positions", np.empty(0)), -1, 0)
+            bearings = zip(self.bearings, positions, strict=True)
+            line = line.with_bearings(bearings, parameters.get("lengths"))
         loaded = {name: parameters[name] for name in _LOADS if name in parameters}
         names = (self.outputs,) if isinstance(self.outputs, str) else tuple(self.outputs)
         load = None

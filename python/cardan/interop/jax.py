@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from cardan.arrays import import_optional
-from cardan.interop.differentiable import Evaluation
-from cardan.request import Items
+from cardan.interop.differentiable import Evaluation, Options
 
 __all__ = ["evaluate"]
 
@@ -18,31 +17,28 @@ def evaluate(
     parameters: Mapping[str, Any],
     angle: Any,  # noqa: ANN401 - an array of JAX
     outputs: str | Sequence[str] = ("angle", "speed_ratio"),
-    *,
-    shafts: Items = None,
-    joints: Items = None,
-    speed: float = 0.0,
-    acceleration: float = 0.0,
+    **options: Unpack[Options],
 ) -> dict[str, Any]:
     """Evaluate outputs as a function that JAX differentiates by parameters and drive angles.
 
-    The evaluation is a call to the host (``jax.pure_callback``) with a derivative of its own
-    (``jax.custom_vjp``), so it runs under ``jit``, ``vmap`` and ``grad``, but neither on a graphics
-    processor nor in forward mode (``jax.jvp``), and only once differentiable. Under ``vmap`` the
-    calls follow one another; a batch of parameters in one call is faster. Results have JAX's
-    default type, which is single precision unless ``jax_enable_x64`` is set.
+    JAX calls the evaluation on the host (``jax.pure_callback``) and takes its derivatives from
+    ``Plan.gradient`` (``jax.custom_vjp``). The function runs under ``jit``, ``vmap`` and ``grad``.
+    It does not run on a graphics processor or in forward mode (``jax.jvp``), and it has no second
+    derivatives. Under ``vmap`` the calls follow one another; a batch of parameters in one call is
+    faster. Results have JAX's default type, which is single precision unless ``jax_enable_x64`` is
+    set.
 
     Args:
         parameters: arrays by name: ``"bends"`` with ``"twists"`` and ``"phases"`` (0 by default),
             or ``"points"`` with ``"phases"``, shaped as for ``Driveline.from_bends`` and
             ``from_points``; for loads ``"drive_torque"`` or ``"output_torque"``, one number, and
-            ``"inertias"``, one per shaft.
+            ``"inertias"``, one per shaft; for forces the ``"positions"`` of the bearings and, with
+            bends, the ``"lengths"`` of the shafts.
         angle: drive angles in rad.
         outputs: names from ``cardan.OUTPUTS``.
-        shafts: shafts for the outputs per shaft, as for ``Driveline.evaluate``.
-        joints: joints for the outputs per joint.
-        speed: speed of the drive in rad/s, for loads.
-        acceleration: acceleration of the drive in rad/s².
+        options: ``shafts`` and ``joints`` of the outputs, as for ``Driveline.evaluate``; for loads
+            the ``speed`` of the drive in rad/s and its ``acceleration`` in rad/s², 0 by default;
+            ``bearings``, the shaft of each bearing.
 
     Returns:
         an array per output, shaped as by ``Driveline.evaluate``.
@@ -52,7 +48,7 @@ def evaluate(
         ValueError: unknown parameters or outputs, shapes that do not fit.
     """
     jax: Any = import_optional("jax", "jax")
-    evaluation = Evaluation(outputs, shafts, joints, speed, acceleration)
+    evaluation = Evaluation(outputs, **options)
     number = jax.dtypes.canonicalize_dtype(np.float64)
     given = {name: jax.numpy.asarray(value, number) for name, value in dict(parameters).items()}
     angles = jax.numpy.asarray(angle, number)

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
 from cardan.errors import ArgumentValueError
-from cardan.interop.differentiable import Evaluation
+from cardan.interop.differentiable import Evaluation, Options
 from cardan.outputs import nearest
-from cardan.request import Items
 
 __all__ = ["Objective"]
 
@@ -39,11 +38,7 @@ class Objective:
         angle: ArrayLike,
         outputs: str | Sequence[str],
         cost: Cost | None = None,
-        *,
-        shafts: Items = None,
-        joints: Items = None,
-        speed: float = 0.0,
-        acceleration: float = 0.0,
+        **options: Unpack[Options],
     ) -> None:
         """Prepare the function.
 
@@ -54,16 +49,14 @@ class Objective:
             outputs: names from ``cardan.OUTPUTS``.
             cost: from a mapping of outputs to a number and a mapping of its derivatives by them;
                 by default the sum of the mean squares of all outputs.
-            shafts: shafts for the outputs per shaft, as for ``Driveline.evaluate``.
-            joints: joints for the outputs per joint.
-            speed: speed of the drive in rad/s, for loads.
-            acceleration: acceleration of the drive in rad/s².
+            options: ``shafts``, ``joints``, ``speed``, ``acceleration`` and ``bearings``, as of
+                ``cardan.jax.evaluate``.
 
         Raises:
             ValueError: unknown parameters or outputs, a name to vary without a start value.
         """
         self._fixed = {name: as_float64(name, value) for name, value in parameters.items()}
-        self._evaluation = Evaluation(outputs, shafts, joints, speed, acceleration)
+        self._evaluation = Evaluation(outputs, **options)
         self._evaluation.check({name: array.shape for name, array in self._fixed.items()})
         self._vary = (vary,) if isinstance(vary, str) else tuple(vary)
         for i, name in enumerate(self._vary):

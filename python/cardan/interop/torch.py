@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from cardan.arrays import import_optional
-from cardan.interop.differentiable import Evaluation
-from cardan.request import Items
+from cardan.interop.differentiable import Evaluation, Options
 
 __all__ = ["evaluate"]
 
@@ -18,11 +17,7 @@ def evaluate(
     parameters: Mapping[str, Any],
     angle: Any,  # noqa: ANN401 - a tensor
     outputs: str | Sequence[str] = ("angle", "speed_ratio"),
-    *,
-    shafts: Items = None,
-    joints: Items = None,
-    speed: float = 0.0,
-    acceleration: float = 0.0,
+    **options: Unpack[Options],
 ) -> dict[str, Any]:
     """Evaluate outputs as tensors that PyTorch differentiates by parameters and drive angles.
 
@@ -33,10 +28,8 @@ def evaluate(
         parameters: tensors by name, as of ``cardan.jax.evaluate``.
         angle: drive angles in rad.
         outputs: names from ``cardan.OUTPUTS``.
-        shafts: shafts for the outputs per shaft, as for ``Driveline.evaluate``.
-        joints: joints for the outputs per joint.
-        speed: speed of the drive in rad/s, for loads.
-        acceleration: acceleration of the drive in rad/s².
+        options: ``shafts``, ``joints``, ``speed``, ``acceleration`` and ``bearings``, as of
+            ``cardan.jax.evaluate``.
 
     Returns:
         a tensor of doubles per output, shaped as by ``Driveline.evaluate``.
@@ -46,7 +39,7 @@ def evaluate(
         ValueError: unknown parameters or outputs, shapes that do not fit.
     """
     torch: Any = import_optional("torch", "torch")
-    evaluation = Evaluation(outputs, shafts, joints, speed, acceleration)
+    evaluation = Evaluation(outputs, **options)
     tensors = {
         name: torch.as_tensor(value, dtype=torch.float64) for name, value in parameters.items()
     }

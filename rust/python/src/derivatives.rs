@@ -1,7 +1,5 @@
 //! Derivatives of outputs and of transmissions by the parameters of drivelines.
 
-use std::sync::atomic::AtomicBool;
-
 use cardan::{
     Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted, q_derivatives,
 };
@@ -12,8 +10,8 @@ use pyo3::pybacked::PyBackedStr;
 
 use crate::convert::{argument_error, slice};
 use crate::lines::Lines;
-use crate::plan::{DriveSweep, end, quantity};
-use crate::watch::{reserve, run_interruptible, threads};
+use crate::plan::{DriveSweep, end, named_level, quantity};
+use crate::watch::{reserve, run_released};
 
 /// The fewest joints or samples in all that are interruptible.
 const MIN_INTERRUPTIBLE: usize = 1 << 14;
@@ -43,19 +41,10 @@ pub(crate) fn dq<'py>(
         reserve(&mut out, count.saturating_mul(by.count(joints)))?;
         out.resize(count * by.count(joints), Complex64::default());
         let brief = lines.bends.len() < MIN_INTERRUPTIBLE;
-        let workers = if brief { Some(1) } else { threads(workers) };
-        let mut run = |stop: Option<&AtomicBool>| {
+        run_released(py, brief, workers, &mut |workers, stop| {
             let execution = Execution { workers, stop, ..Execution::default() };
             q_derivatives(joints, shaft, by, &lines, &mut out, execution);
-        };
-        if brief {
-            py.detach(|| run(None));
-        } else {
-            run_interruptible(py, workers, &mut |stop| {
-                run(Some(stop));
-                Ok(())
-            })?;
-        }
+        })?;
         Ok(out.into_pyarray(py))
     })
 }
@@ -87,7 +76,8 @@ pub(crate) enum SteppedAngle<'py> {
 ///
 /// With weights, which are one plane per item and component of an output, the weighted sums over
 /// the samples; without, those of each plane, driveline and sample. The last axis of the flat result
-/// has what is wanted, in the order of the core.
+/// has what is wanted, in the order of the core. `modes` tells whether moments have the axes of
+/// their shafts, and whether the derivatives are those at angles of the last shaft.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "a call has all its arrays")]
 pub(crate) fn differentiate<'py>(
@@ -99,10 +89,15 @@ pub(crate) fn differentiate<'py>(
     load: Option<SteppedLoad<'py>>,
     weights: Option<Vec<PyReadonlyArray1<'py, f64>>>,
     wanted: Vec<PyBackedStr>,
+    modes: (bool, bool),
     workers: Option<usize>,
+    level: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let joints = lines.joints();
     let wanted = self::wanted(&wanted)?;
+    let level = level.map(named_level).transpose()?;
+    let (shaft_axes, driven) = modes;
+    let bearings = lines.bearings().unwrap_or_default();
     let name = |(name, items): (PyBackedStr, Vec<usize>)| Ok((quantity(&name)?, items));
     let outputs = outputs.into_iter().map(name).collect::<PyResult<Vec<_>>>()?;
     let angle = match &angle {
@@ -118,14 +113,26 @@ pub(crate) fn differentiate<'py>(
         None => None,
     };
     lines.with(py, |lines| {
-        let task = Differentiated { joints, lines, samples, outputs, angle, load };
+        let task = Differentiated {
+            joints,
+            lines,
+            bearings,
+            samples,
+            outputs,
+            shaft_axes,
+            angle,
+            driven,
+            load,
+        };
         let total = task.line_count().saturating_mul(samples);
         let misfit = |name: &str| argument_error(name, &[], "does not fit the samples");
         if !task.is_complete() {
             return Err(misfit("angle"));
         }
-        if wanted.points && lines.lengths.len() != task.line_count() * (joints + 1) {
-            return Err(argument_error("by", &[], "is \"points\"; the shafts have no lengths"));
+        if (wanted.points || wanted.lengths)
+            && lines.lengths.len() != task.line_count() * (joints + 1)
+        {
+            return Err(argument_error("by", &[], "needs lengths, which are unknown"));
         }
         if let Some(weights) = &weights
             && (weights.len() != task.planes() || weights.iter().any(|x| x.len() != total))
@@ -136,27 +143,18 @@ pub(crate) fn differentiate<'py>(
             Some(_) => task.line_count(),
             None => total.saturating_mul(task.planes()),
         };
-        let count = rows.saturating_mul(wanted.count(joints));
+        let count = rows.saturating_mul(wanted.count(task.counts()));
         let mut out = vec![];
         reserve(&mut out, count)?;
         out.resize(count, 0.0);
         let brief = total.saturating_mul(joints) < MIN_INTERRUPTIBLE;
-        let workers = if brief { Some(1) } else { threads(workers) };
-        let mut run = |stop: Option<&AtomicBool>| {
-            let execution = Execution { workers, stop, ..Execution::default() };
+        run_released(py, brief, workers, &mut |workers, stop| {
+            let execution = Execution { level, workers, stop };
             match &weights {
                 Some(weights) => task.gradient(weights, wanted, &mut out, execution),
                 None => task.derivatives(wanted, &mut out, execution),
             }
-        };
-        if brief {
-            py.detach(|| run(None));
-        } else {
-            run_interruptible(py, workers, &mut |stop| {
-                run(Some(stop));
-                Ok(())
-            })?;
-        }
+        })?;
         Ok(out.into_pyarray(py))
     })
 }
@@ -197,6 +195,8 @@ fn wanted(names: &[PyBackedStr]) -> PyResult<Wanted> {
             "angle" => &mut wanted.angle,
             "torque" => &mut wanted.torque,
             "inertias" => &mut wanted.inertias,
+            "lengths" => &mut wanted.lengths,
+            "positions" => &mut wanted.positions,
             other => {
                 return Err(argument_error("by", &[], format!("is {other:?}, which is unknown")));
             }

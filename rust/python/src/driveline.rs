@@ -1,6 +1,6 @@
 //! The geometry of batches of drivelines, and their equivalent joints.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use cardan::optimal_phases_of_batch;
 use cardan::{Equivalent, Error, Execution, Geometry, Vector};
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use crate::convert::{
     Input, argument_error, check_length, count, slice, unravel, value_error, vectors,
 };
-use crate::watch::{check_memory, reserve, run_interruptible, threads};
+use crate::watch::{check_memory, reserve, run_interruptible, run_released};
 
 /// Bends, twists, directions and normals, each flat.
 type Flat<'py> = (
@@ -229,18 +229,10 @@ pub(crate) fn optimal_phases<'py>(
     let mut best = vec![];
     reserve(&mut best, phases.len())?;
     best.extend_from_slice(phases);
-    let workers = if bends.len() < MIN_INTERRUPTIBLE_SEARCH { Some(1) } else { threads(workers) };
-    let mut run = |stop: Option<&AtomicBool>| {
+    let brief = bends.len() < MIN_INTERRUPTIBLE_SEARCH;
+    run_released(py, brief, workers, &mut |workers, stop| {
         let execution = Execution { workers, stop, ..Execution::default() };
         optimal_phases_of_batch(joints, bends, twists, &mut best, execution);
-    };
-    if bends.len() < MIN_INTERRUPTIBLE_SEARCH {
-        py.detach(|| run(None));
-    } else {
-        run_interruptible(py, workers, &mut |stop| {
-            run(Some(stop));
-            Ok(())
-        })?;
-    }
+    })?;
     Ok(best.into_pyarray(py))
 }

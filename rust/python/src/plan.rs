@@ -474,7 +474,7 @@ pub(crate) fn quantity(name: &str) -> PyResult<Output> {
         .ok_or_else(|| argument_error("outputs", &[], format!("holds {name:?}, which is unknown")))
 }
 
-fn named_level(name: &str) -> PyResult<Level> {
+pub(crate) fn named_level(name: &str) -> PyResult<Level> {
     level::available()
         .into_iter()
         .find(|(known, _)| *known == name)

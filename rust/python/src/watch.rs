@@ -77,6 +77,25 @@ pub(crate) fn run_interruptible(
     }
 }
 
+/// Runs work with the interpreter released, `brief` work on this thread and other work as
+/// [`run_interruptible`] does. `work` is given the most threads to use and the flag that stops it.
+pub(crate) fn run_released(
+    py: Python<'_>,
+    brief: bool,
+    workers: Option<usize>,
+    work: &mut (dyn FnMut(Option<usize>, Option<&AtomicBool>) + Send),
+) -> PyResult<()> {
+    if brief {
+        py.detach(|| work(Some(1), None));
+        return Ok(());
+    }
+    let workers = threads(workers);
+    run_interruptible(py, workers, &mut |stop| {
+        work(workers, Some(stop));
+        Ok(())
+    })
+}
+
 /// Allocates memory and frees it. Rust aborts the process if an allocation fails; this check raises
 /// an exception first.
 pub(crate) fn check_memory(bytes: usize) -> PyResult<()> {

@@ -215,3 +215,76 @@ fn map(transfer: &Transfer) -> Map {
 pub(crate) fn vector(flat: &[f64], i: usize) -> Vector {
     Vector::from_column_slice(&flat[3 * i..3 * i + 3])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanics::geometry::Geometry;
+
+    const STEP: f64 = 1e-6;
+
+    fn q(line: &Geometry) -> Complex<f64> {
+        let chain = Chain::new(&line.bends, &line.twists, &line.phases);
+        chain.q(line.bends.len())
+    }
+
+    /// The derivatives of `Re(weight q)` of the last shaft.
+    fn adjoints(chain: &Chain, joints: usize, weight: Complex<f64>) -> Vec<Map> {
+        let mut adjoints = vec![Map::default(); joints + 1];
+        adjoints[joints] = chain.adjoint_of_q(joints, weight);
+        adjoints
+    }
+
+    #[test]
+    fn the_gradient_of_a_chain_is_the_slope_of_q() {
+        let (bends, twists, phases) = ([0.4, 0.9, 0.2], [0.3, -1.0], [0.5, 2.0]);
+        let weight = Complex::new(0.7, -0.4);
+        let chain = Chain::new(&bends, &twists, &phases);
+        let found = chain.gradient(&adjoints(&chain, 3, weight));
+        let slope = |change: &dyn Fn(&mut [f64], &mut [f64], &mut [f64], f64)| {
+            let at = |step: f64| {
+                let (mut b, mut t, mut p) = (bends, twists, phases);
+                change(&mut b, &mut t, &mut p, step);
+                (weight * Chain::new(&b, &t, &p).q(3)).re
+            };
+            (at(STEP) - at(-STEP)) / (2.0 * STEP)
+        };
+        for j in 0..3 {
+            let expected = slope(&|b, _, _, step| b[j] += step);
+            assert!((found.bends[j] - expected).abs() < 1e-9, "bend {j}");
+        }
+        for i in 0..2 {
+            let expected = slope(&|_, _, p, step| p[i] += step);
+            assert!((found.phases[i] - expected).abs() < 1e-9, "phase {i}");
+            let expected = slope(&|_, t, _, step| t[i] += step);
+            assert!((found.phases[i] + expected).abs() < 1e-9, "twist {i}");
+        }
+    }
+
+    #[test]
+    fn points_are_differentiated_through_a_straight_joint() {
+        let points = [[0.0, 0.0, 0.0], [1.0, 0.25, 0.0], [2.0, 0.25, 0.5], [3.0, 0.25, 1.0]];
+        let points = points.map(|[x, y, z]| Vector::new(x, y, z));
+        let weight = Complex::new(-0.3, 0.8);
+        let line = Geometry::from_points(&points, &[0.7]).unwrap();
+        assert_eq!(line.bends[1], 0.0);
+        let flat = |vectors: &[Vector]| -> Vec<f64> {
+            vectors.iter().flat_map(|v| v.iter().copied()).collect()
+        };
+        let (directions, normals) = (flat(&line.directions), flat(&line.normals));
+        let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
+        let layout = Layout { directions: &directions, normals: &normals, lengths: &lengths };
+        let chain = Chain::new(&line.bends, &line.twists, &line.phases);
+        let adjoints = adjoints(&chain, 2, weight);
+        let found = by_points(&chain.by_directions(&adjoints, layout), layout);
+        for (i, axis) in (0..4).flat_map(|i| (0..3).map(move |axis| (i, axis))) {
+            let at = |step: f64| {
+                let mut moved = points;
+                moved[i][axis] += step;
+                (weight * q(&Geometry::from_points(&moved, &[0.7]).unwrap())).re
+            };
+            let expected = (at(STEP) - at(-STEP)) / (2.0 * STEP);
+            assert!((found[i][axis] - expected).abs() < 1e-9, "point {i}, axis {axis}");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use crate::input::Drivelines;
+use crate::mechanics::bearings::Carrier;
 use crate::mechanics::chain::Equivalent;
 use crate::mechanics::derivatives::{ChainMaps, Layout, Map, by_points, vector};
 use crate::mechanics::geometry::Vector;
@@ -52,6 +53,9 @@ pub(super) struct LineConstants<'a> {
     joints: usize,
     chain: ChainMaps,
     layout: Layout<'a>,
+    pub(super) phases: &'a [f64],
+    /// The places of the bearings.
+    positions: &'a [f64],
     pub(super) shafts: Vec<ShaftConstants>,
     /// Empty if no output needs them.
     pub(super) poses: Vec<PoseConstants>,
@@ -71,26 +75,43 @@ pub(super) struct Sums {
     pub(super) frames: Vec<Vector>,
     /// By a turn of each joint's plane about its driving shaft, divided by `tan β`.
     pub(super) plane: Vec<f64>,
+    /// By the phase of each intermediate shaft, all motion fixed.
+    pub(super) phases: Vec<f64>,
     pub(super) angle: f64,
     pub(super) torque: f64,
     pub(super) inertias: Vec<f64>,
+    pub(super) lengths: Vec<f64>,
+    /// By the place of each bearing.
+    pub(super) positions: Vec<f64>,
 }
 
 impl Sums {
-    pub(super) fn new(joints: usize) -> Self {
+    pub(super) fn new(Counts { joints, bearings }: Counts) -> Self {
         Self {
             q: vec![Complex::default(); joints + 1],
             turn: vec![0.0; joints],
             bends: vec![0.0; joints],
             frames: vec![Vector::zeros(); joints + 1],
             plane: vec![0.0; joints],
+            phases: vec![0.0; joints - 1],
             inertias: vec![0.0; joints + 1],
+            lengths: vec![0.0; joints + 1],
+            positions: vec![0.0; bearings],
             ..Self::default()
         }
     }
 
     pub(super) fn clear(&mut self) {
-        *self = Self::new(self.bends.len());
+        *self = Self::new(Counts { joints: self.bends.len(), bearings: self.positions.len() });
+    }
+
+    /// Adds a change with the place of a support of a shaft.
+    pub(super) fn pull_place(&mut self, shaft: usize, carrier: Carrier, weight: f64) {
+        match carrier {
+            Carrier::UpstreamJoint => {}
+            Carrier::DownstreamJoint => self.lengths[shaft] += weight,
+            Carrier::Bearing(bearing) => self.positions[bearing] += weight,
+        }
     }
 
     pub(super) fn add(&mut self, other: &Self) {
@@ -105,7 +126,10 @@ impl Sums {
         each(&mut self.bends, &other.bends);
         each(&mut self.frames, &other.frames);
         each(&mut self.plane, &other.plane);
+        each(&mut self.phases, &other.phases);
         each(&mut self.inertias, &other.inertias);
+        each(&mut self.lengths, &other.lengths);
+        each(&mut self.positions, &other.positions);
     }
 }
 
@@ -129,11 +153,24 @@ pub struct Wanted {
     pub torque: bool,
     /// By inertias, one number per shaft.
     pub inertias: bool,
+    /// By the lengths of the shafts, all directions held, one number per shaft.
+    pub lengths: bool,
+    /// By the positions of the bearings, one number each.
+    pub positions: bool,
+}
+
+/// How many joints and bearings a driveline has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    /// The number of joints, at least one.
+    pub joints: usize,
+    /// The number of bearings.
+    pub bearings: usize,
 }
 
 impl Wanted {
-    /// How many numbers are written for a driveline with so many joints.
-    pub fn count(&self, joints: usize) -> usize {
+    /// How many numbers are written for a driveline with so many joints and bearings.
+    pub fn count(&self, Counts { joints, bearings }: Counts) -> usize {
         let counts = [
             (self.value, 1),
             (self.bends, joints),
@@ -143,6 +180,8 @@ impl Wanted {
             (self.angle, 1),
             (self.torque, 1),
             (self.inertias, joints + 1),
+            (self.lengths, joints + 1),
+            (self.positions, bearings),
         ];
         counts.iter().filter(|(wanted, _)| *wanted).map(|(_, count)| count).sum()
     }
@@ -153,7 +192,7 @@ impl<'a> LineConstants<'a> {
     /// joints are needed in space.
     pub(super) fn new(
         lines: &Drivelines<'a>,
-        joints: usize,
+        Counts { joints, bearings }: Counts,
         line: usize,
         moves: impl Fn(usize) -> bool,
         posed: bool,
@@ -183,7 +222,8 @@ impl<'a> LineConstants<'a> {
             PoseConstants { map, cosine, sine, tangent: sine / cosine, axis, inward, normal }
         };
         let poses = if posed { bends.iter().enumerate().map(pose).collect() } else { Vec::new() };
-        Self { joints, chain, layout, shafts, poses }
+        let positions = of(lines.positions, bearings);
+        Self { joints, chain, layout, phases, positions, shafts, poses }
     }
 
     /// Writes the derivatives that the sums make.
@@ -211,11 +251,17 @@ impl<'a> LineConstants<'a> {
         for (is_wanted, of_twists) in [(wanted.twists, true), (wanted.phases, false)] {
             for j in (1..self.joints).filter(|_| is_wanted) {
                 let turn = gradient.phases[j - 1] + self.input_angle(sums, j);
-                write(&[if of_twists { self.axis(j).dot(&behind[j]) - turn } else { turn }]);
+                let twisted = || self.axis(j).dot(&behind[j]) - turn;
+                write(&[if of_twists { twisted() } else { turn + sums.phases[j - 1] }]);
             }
         }
         if wanted.points {
-            let points = by_points(&self.by_directions(sums, &adjoints), self.layout);
+            let mut points = by_points(&self.by_directions(sums, &adjoints), self.layout);
+            for (shaft, &length) in sums.lengths.iter().enumerate() {
+                let along = self.axis(shaft) * length;
+                points[shaft] -= along;
+                points[shaft + 1] += along;
+            }
             for point in &points {
                 write(point.as_slice());
             }
@@ -228,6 +274,21 @@ impl<'a> LineConstants<'a> {
         }
         if wanted.inertias {
             write(&sums.inertias);
+        }
+        if wanted.lengths {
+            write(&sums.lengths);
+        }
+        if wanted.positions {
+            write(&sums.positions);
+        }
+    }
+
+    /// Where a support of a shaft is, from the shaft's upstream end.
+    pub(super) fn place(&self, shaft: usize, carrier: Carrier) -> f64 {
+        match carrier {
+            Carrier::UpstreamJoint => 0.0,
+            Carrier::DownstreamJoint => self.layout.lengths[shaft],
+            Carrier::Bearing(bearing) => self.positions[bearing],
         }
     }
 

@@ -4,6 +4,7 @@
 //! The samples of a driveline are cut into the same blocks for any number of threads, and their
 //! sums are added in order, so that results have the same bits.
 
+mod forces;
 mod line;
 mod motion;
 mod sample;
@@ -13,14 +14,15 @@ use nalgebra::Complex;
 use crate::input::{Drivelines, Sweep};
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::phasing::is_set;
+use crate::plan::forces::ForceStep;
 use crate::plan::{End, Output, Per};
 use crate::run::execution::Execution;
 use crate::run::level::Level;
 use crate::run::queue::work_off;
-pub use line::Wanted;
+pub use line::{Counts, Wanted};
 use line::{LineConstants, Sums};
 use motion::{Buffers, CHUNK};
-use sample::{LineAt, LoadAt, Pull};
+use sample::{Common, LineAt, LoadAt, Pull};
 
 /// The samples of a block that one thread sums.
 const BLOCK: usize = 32 * CHUNK;
@@ -86,12 +88,19 @@ pub struct Differentiated<'a> {
     pub joints: usize,
     /// The drivelines.
     pub lines: Drivelines<'a>,
+    /// The shaft of each bearing.
+    pub bearings: &'a [usize],
     /// The number of samples of each.
     pub samples: usize,
-    /// The outputs, each with the shafts or joints of which it is wanted.
+    /// The outputs, each with the shafts, joints or bearings of which it is wanted.
     pub outputs: Vec<(Output, Vec<usize>)>,
+    /// Whether moments have the axes of the shaft on which they act.
+    pub shaft_axes: bool,
     /// The drive angles.
     pub angle: SpreadAngles<'a>,
+    /// Whether derivatives are those at a given angle of the last shaft, which the drive angle
+    /// follows.
+    pub driven: bool,
     /// The load, if the outputs need one.
     pub load: Option<SpreadLoad<'a>>,
 }
@@ -102,12 +111,18 @@ impl Differentiated<'_> {
         self.lines.bends.len() / self.joints
     }
 
+    /// The numbers of joints and bearings of each driveline.
+    pub fn counts(&self) -> Counts {
+        Counts { joints: self.joints, bearings: self.bearings.len() }
+    }
+
     /// The number of planes: one per item and component.
     pub fn planes(&self) -> usize {
         self.outputs.iter().map(|(output, items)| output.components() * items.len()).sum()
     }
 
-    /// Whether every array has an element for each sample, and the load is given if it is needed.
+    /// Whether every array has an element for each sample, the load is given if it is needed, and
+    /// the forces are determinate.
     pub fn is_complete(&self) -> bool {
         let (lines, samples) = (self.line_count(), self.samples);
         let reaches = |spread: &Spread<'_>| spread.reaches(lines, samples);
@@ -125,10 +140,38 @@ impl Differentiated<'_> {
             None => !self.outputs.iter().any(|(output, _)| output.needs_load()),
         };
         let known = |(output, items): &(Output, Vec<usize>)| {
-            let last = self.joints + usize::from(output.row().per == Per::Shaft);
+            let last = match output.row().per {
+                Per::Shaft => self.joints + 1,
+                Per::Joint => self.joints,
+                Per::Bearing => self.bearings.len(),
+            };
             items.iter().all(|&item| item < last)
         };
-        angles && of_load && self.outputs.iter().all(known)
+        let known = self.outputs.iter().all(known);
+        angles && of_load && known && self.has_places() && self.forces().is_ok()
+    }
+
+    /// Whether lengths and positions of bearings are known, if forces need them.
+    fn has_places(&self) -> bool {
+        let (lines, lengths) = (self.line_count(), self.lines.lengths.len());
+        let fits = lengths == lines * (self.joints + 1)
+            && self.lines.positions.len() == lines * self.bearings.len();
+        fits || !self.outputs.iter().any(|(output, _)| is_force(*output))
+    }
+
+    /// How the wanted forces follow from the moments of the joints.
+    fn forces(&self) -> Result<Option<ForceStep>, String> {
+        let mut step: Option<ForceStep> = None;
+        for (output, items) in self.outputs.iter().filter(|(output, _)| is_force(*output)) {
+            let step = step.get_or_insert_with(|| ForceStep::new(self.joints, self.bearings));
+            for &item in items {
+                match output {
+                    Output::JointForce => step.add_joint(item, 0)?,
+                    _ => step.add_bearing(item, self.bearings[item], 0)?,
+                }
+            }
+        }
+        Ok(step)
     }
 
     /// Whether all outputs are motions of shafts.
@@ -138,8 +181,15 @@ impl Differentiated<'_> {
 
     fn line(&self, line: usize) -> LineConstants<'_> {
         let posed = !self.only_motion();
-        let asked = |shaft: usize| self.outputs.iter().any(|(_, items)| items.contains(&shaft));
-        LineConstants::new(&self.lines, self.joints, line, |shaft| posed || asked(shaft), posed)
+        let asked = |shaft: usize| {
+            self.driven && shaft == self.joints
+                || self.outputs.iter().any(|(_, items)| items.contains(&shaft))
+        };
+        LineConstants::new(&self.lines, self.counts(), line, |shaft| posed || asked(shaft), posed)
+    }
+
+    fn common<'b>(&self, forces: Option<&'b ForceStep>) -> Common<'b> {
+        Common { forces, shaft_axes: self.shaft_axes, driven: self.driven }
     }
 
     fn load_at(&self, line: usize, sample: usize) -> Option<LoadAt> {
@@ -172,24 +222,26 @@ impl Differentiated<'_> {
         out: &mut [f64],
         execution: Execution<'_>,
     ) {
-        let columns = wanted.count(self.joints);
+        let columns = wanted.count(self.counts());
         if columns == 0 {
             return;
         }
         let threads = threads(self.line_count().saturating_mul(self.samples), execution.workers);
         let level = execution.level.unwrap_or_else(Level::new);
         let blocks = self.samples.div_ceil(BLOCK).max(1);
+        let forces = self.forces().unwrap_or_default();
+        let common = self.common(forces.as_ref());
         let sum = |buffers: &mut Buffers, line: usize, own: &LineConstants<'_>, block: usize| {
             let first = block * BLOCK;
             let end = self.samples.min(first + BLOCK);
-            let mut sums = Sums::new(self.joints);
+            let mut sums = Sums::new(self.counts());
             if is_set(execution.stop) {
                 return sums;
             }
-            if self.only_motion() {
+            if self.only_motion() && !self.driven {
                 self.sum_motion(own, line, first..end, weights, buffers, level, &mut sums);
             } else {
-                self.sum_samples(own, line, first..end, weights, &mut sums);
+                self.sum_samples(common, own, line, first..end, weights, &mut sums);
             }
             sums
         };
@@ -212,7 +264,7 @@ impl Differentiated<'_> {
             work_off(parts.iter_mut().enumerate(), threads, Buffers::new, |buffers, (i, part)| {
                 *part = sum(buffers, line, &own, i);
             });
-            let mut sums = Sums::new(self.joints);
+            let mut sums = Sums::new(self.counts());
             for part in &parts {
                 sums.add(part);
             }
@@ -285,16 +337,17 @@ impl Differentiated<'_> {
     /// Sums any outputs sample by sample.
     fn sum_samples(
         &self,
+        common: Common<'_>,
         own: &LineConstants<'_>,
         line: usize,
         samples: std::ops::Range<usize>,
         weights: &[&[f64]],
         sums: &mut Sums,
     ) {
-        let mut pull = Pull::new(self.joints);
+        let mut pull = Pull::new(self.joints, common.forces);
         for i in samples {
             let load = self.load_at(line, i);
-            let sample = LineAt::new(own, load.as_ref(), self.angle_at(line, i));
+            let sample = LineAt::new(common, own, load.as_ref(), self.angle_at(line, i));
             let at = line * self.samples + i;
             let mut plane = 0;
             for (output, items) in &self.outputs {
@@ -314,7 +367,7 @@ impl Differentiated<'_> {
     /// The derivatives of every sample: for each plane, driveline and sample [`Wanted::count`]
     /// numbers.
     pub fn derivatives(&self, wanted: Wanted, out: &mut [f64], execution: Execution<'_>) {
-        let columns = wanted.count(self.joints);
+        let columns = wanted.count(self.counts());
         let (lines, samples) = (self.line_count(), self.samples);
         let total = lines.saturating_mul(samples);
         if columns == 0 || total == 0 {
@@ -331,7 +384,9 @@ impl Differentiated<'_> {
             plane.chunks_mut(size * columns).enumerate().map(move |x| (of, x))
         });
         let threads = threads(total, execution.workers);
-        let state = || (Sums::new(self.joints), Pull::new(self.joints));
+        let forces = self.forces().unwrap_or_default();
+        let common = self.common(forces.as_ref());
+        let state = || (Sums::new(self.counts()), Pull::new(self.joints, common.forces));
         work_off(pieces, threads, state, |(sums, pull), ((output, item, component), (i, out))| {
             let mut known: Option<(usize, LineConstants<'_>)> = None;
             for (j, out) in out.chunks_mut(columns).enumerate() {
@@ -344,7 +399,7 @@ impl Differentiated<'_> {
                     _ => known.insert((line, self.line(line))),
                 };
                 let load = self.load_at(line, sample);
-                let state = LineAt::new(own, load.as_ref(), self.angle_at(line, sample));
+                let state = LineAt::new(common, own, load.as_ref(), self.angle_at(line, sample));
                 let mut weight = Vector::zeros();
                 weight[component] = 1.0;
                 sums.clear();
@@ -365,6 +420,10 @@ fn is_motion(output: Output) -> bool {
             | Output::AccelerationRatio
             | Output::JerkRatio
     )
+}
+
+fn is_force(output: Output) -> bool {
+    matches!(output, Output::JointForce | Output::BearingForce)
 }
 
 fn threads(samples: usize, workers: Option<usize>) -> usize {

@@ -13,7 +13,9 @@ use nalgebra::Complex;
 
 use crate::mechanics::geometry::Vector;
 use crate::number::trig;
+use crate::plan::forces::ForceStep;
 use crate::plan::{End, Output};
+use crate::run::gradient::forces::{self, Supports};
 use crate::run::gradient::line::{LineConstants, PoseConstants, ShaftConstants, Sums};
 
 /// The load of one sample.
@@ -71,8 +73,20 @@ impl ShaftAt {
     }
 }
 
+/// What the samples of a run have in common.
+#[derive(Clone, Copy)]
+pub(super) struct Common<'a> {
+    /// The forces that are wanted.
+    pub(super) forces: Option<&'a ForceStep>,
+    /// Whether moments have the axes of the shaft on which they act.
+    pub(super) shaft_axes: bool,
+    /// Whether the angle of the last shaft is held, not that of the drive.
+    pub(super) driven: bool,
+}
+
 /// The state of a driveline at one drive angle.
 pub(super) struct LineAt<'a> {
+    common: Common<'a>,
     line: &'a LineConstants<'a>,
     load: Option<&'a LoadAt>,
     angle: f64,
@@ -81,25 +95,35 @@ pub(super) struct LineAt<'a> {
     pins: Vec<(f64, f64)>,
     /// Power over the drive's speed, on its way into each shaft and out of the last.
     power: Vec<f64>,
+    forces: Supports,
 }
 
 /// How a value changes with what the outputs of one sample depend on.
 #[derive(Default)]
 pub(super) struct Pull {
+    angle: f64,
     power: Vec<f64>,
     ratio: Vec<f64>,
     acceleration: Vec<f64>,
+    forces: Supports,
 }
 
 impl Pull {
-    pub(super) fn new(joints: usize) -> Self {
+    pub(super) fn new(joints: usize, forces: Option<&ForceStep>) -> Self {
         let zeros = || vec![0.0; joints + 2];
-        Self { power: zeros(), ratio: zeros(), acceleration: zeros() }
+        let balances = forces.map_or(0, |step| step.balances.len());
+        let forces = vec![[Vector::zeros(); 2]; balances];
+        Self { angle: 0.0, power: zeros(), ratio: zeros(), acceleration: zeros(), forces }
     }
 }
 
 impl<'a> LineAt<'a> {
-    pub(super) fn new(line: &'a LineConstants<'a>, load: Option<&'a LoadAt>, angle: f64) -> Self {
+    pub(super) fn new(
+        common: Common<'a>,
+        line: &'a LineConstants<'a>,
+        load: Option<&'a LoadAt>,
+        angle: f64,
+    ) -> Self {
         let turned = trig::sin_cos(angle);
         let shafts: Vec<_> =
             line.shafts.iter().map(|constants| ShaftAt::new(constants, turned)).collect();
@@ -111,8 +135,11 @@ impl<'a> LineAt<'a> {
             (pin.im, pin.re)
         };
         let pins = line.poses.iter().map(pin).collect();
-        let mut sample = Self { line, load, angle, shafts, pins, power: vec![] };
+        let (power, forces) = (vec![], vec![]);
+        let mut sample = Self { common, line, load, angle, shafts, pins, power, forces };
         sample.power = load.map_or_else(Vec::new, |load| sample.powers(load));
+        let solve = |step| forces::solve(step, line, |shaft| sample.support(shaft).0);
+        sample.forces = common.forces.map_or_else(Vec::new, solve);
         sample
     }
 
@@ -172,7 +199,7 @@ impl<'a> LineAt<'a> {
                     if with_drive { (self.angle, ratio) } else { (0.0, deviation) };
                 sums.value += weight.x * (drive + error);
                 sums.q[item] += by_q[0] * weight.x;
-                sums.angle += weight.x * slope;
+                pull.angle += weight.x * slope;
             }
             Output::SpeedRatio => {
                 sums.value += weight.x * self.shafts[item].ratio;
@@ -186,7 +213,7 @@ impl<'a> LineAt<'a> {
                 let ShaftAt { jerk, snap, by_q, .. } = &self.shafts[item];
                 sums.value += weight.x * jerk;
                 sums.q[item] += by_q[3] * weight.x;
-                sums.angle += weight.x * snap;
+                pull.angle += weight.x * snap;
             }
             Output::Torque => {
                 let ratio = self.shafts[item].ratio;
@@ -195,16 +222,32 @@ impl<'a> LineAt<'a> {
                 pull.power[item] += weight.x / ratio;
                 pull.ratio[item] -= weight.x * torque / ratio;
             }
-            Output::Moment => {
-                let moment = self.pull_moment(item, weight, pull, sums);
-                sums.value += weight.dot(&moment);
+            Output::Moment if self.common.shaft_axes => {
+                self.pull_turning_moment(item, weight, pull, sums);
             }
-            Output::SupportMoment => self.pull_support(item, weight, pull, sums),
+            Output::SupportMoment if self.common.shaft_axes => {
+                self.pull_turning_support(item, weight, pull, sums);
+            }
+            Output::Moment => {
+                sums.value += weight.dot(&self.moment(item));
+                self.pull_moment(item, weight, pull, sums);
+            }
+            Output::SupportMoment => {
+                sums.value += weight.dot(&self.support(item).0);
+                self.pull_support(item, weight, pull, sums);
+            }
             Output::BendingDriving
             | Output::BendingDriven
             | Output::TiltDriving
             | Output::TiltDriven => self.pull_scalar(output, item, weight.x, pull, sums),
-            Output::JointForce | Output::BearingForce => {}
+            Output::JointForce | Output::BearingForce => {
+                let of = (output.row().per, item);
+                let targets = self.common.forces.map_or(&[][..], |step| &step.targets);
+                if let Some(force) = targets.iter().find(|x| x.of == of).and_then(|x| x.force) {
+                    sums.value += weight.dot(&forces::of(&self.forces, force));
+                    forces::pull(&mut pull.forces, force, weight);
+                }
+            }
         }
     }
 
@@ -247,58 +290,158 @@ impl<'a> LineAt<'a> {
         }
         sums.value += scale * value;
         sums.bends[item] += scale * by_bend;
-        self.pull_turn(item, scale * by_turn, sums);
+        self.pull_turn(item, scale * by_turn, pull, sums);
+    }
+
+    /// The moment over the torsion, and its part across the driving shaft over `tan β`.
+    fn unit_moment(&self, joint: usize) -> (Vector, Vector) {
+        let PoseConstants { tangent, axis, inward, normal, .. } = self.line.poses[joint];
+        let (s, c) = self.pins[joint];
+        let across = inward * (s * s) - normal * (s * c);
+        (axis + across * tangent, across)
     }
 
     /// `D [u + tan β s (s e_in − c m)]` on the driven shaft.
-    fn pull_moment(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) -> Vector {
-        let PoseConstants { cosine, tangent, axis, inward, normal, .. } = self.line.poses[item];
+    fn moment(&self, joint: usize) -> Vector {
+        self.unit_moment(joint).0 * self.torsion(joint)
+    }
+
+    fn pull_moment(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) {
+        let PoseConstants { cosine, axis, inward, normal, .. } = self.line.poses[item];
         let (s, c) = self.pins[item];
         let torsion = self.torsion(item);
-        let across = inward * (s * s) - normal * (s * c);
-        let unit = axis + across * tangent;
+        let (unit, across) = self.unit_moment(item);
         self.pull_torsion(item, weight.dot(&unit), pull);
         sums.bends[item] += torsion * weight.dot(&across) / (cosine * cosine);
         let turned = inward * (2.0 * s * c) - normal * ((c - s) * (c + s));
-        self.pull_turn(item, torsion * weight.dot(&turned), sums);
-        let moment = unit * torsion;
+        self.pull_turn(item, torsion * weight.dot(&turned), pull, sums);
         // A turn about the shaft moves only the part across it.
-        let rotation = moment.cross(&weight);
-        sums.frames[item] += rotation;
+        sums.frames[item] += (unit * torsion).cross(&weight);
         sums.plane[item] += torsion * weight.dot(&axis.cross(&across));
-        moment
     }
 
-    /// The moment of the joint behind the shaft, minus that of the joint before it, across the
-    /// shaft.
+    /// The support moment of a shaft: the moment of the joint behind it, minus that of the joint
+    /// before it, across the shaft; then the whole difference.
+    fn support(&self, item: usize) -> (Vector, Vector) {
+        let axis = self.line.axis(item);
+        let mut difference = Vector::zeros();
+        if item < self.line.poses.len() {
+            difference += self.moment(item);
+        }
+        if item > 0 {
+            difference -= self.moment(item - 1);
+        }
+        (difference - axis * axis.dot(&difference), difference)
+    }
+
     fn pull_support(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) {
         let axis = self.line.axis(item);
         let along = weight.dot(&axis);
         let across = weight - axis * along;
-        let mut difference = Vector::zeros();
         if item < self.line.poses.len() {
-            difference += self.pull_moment(item, across, pull, sums);
+            self.pull_moment(item, across, pull, sums);
         }
         if item > 0 {
-            difference -= self.pull_moment(item - 1, -across, pull, sums);
+            self.pull_moment(item - 1, -across, pull, sums);
         }
-        sums.value += across.dot(&difference);
         // The shaft's own direction, by which the part across it changes.
+        let (_, difference) = self.support(item);
         let by_axis = -(difference * along + weight * axis.dot(&difference));
         sums.frames[item] += axis.cross(&by_axis);
     }
 
     /// A change with the input angle of a joint, divided by `tan β`.
-    fn pull_turn(&self, joint: usize, weight: f64, sums: &mut Sums) {
+    fn pull_turn(&self, joint: usize, weight: f64, pull: &mut Pull, sums: &mut Sums) {
         let ShaftAt { ratio, by_q, .. } = &self.shafts[joint];
         let change = weight * self.line.poses[joint].tangent;
         sums.turn[joint] += weight;
         sums.q[joint] += by_q[0] * change;
-        sums.angle += change * ratio;
+        pull.angle += change * ratio;
     }
 
-    /// Passes changes of power, speed and acceleration ratios on to the sums, and clears them.
+    /// `(T, 0, T tan ψ₂)` with the torque `T` that enters the driven shaft (Thoma 5), in its axes.
+    fn pull_turning_moment(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) {
+        let torque = self.power[item + 1] / self.shafts[item + 1].ratio;
+        sums.value += weight.x * torque;
+        self.pull_entering(item, weight.x, pull);
+        self.pull_driven_bending(item, weight.z, pull, sums);
+    }
+
+    /// The support moment in axes with y along the input-side pin, from which the output-side pin
+    /// differs by the phase.
+    fn pull_turning_support(&self, item: usize, weight: Vector, pull: &mut Pull, sums: &mut Sums) {
+        if item > 0 {
+            self.pull_driven_bending(item - 1, -weight.z, pull, sums);
+        }
+        if item < self.line.poses.len() {
+            let (sine, cosine) =
+                if item > 0 { trig::sin_cos(self.line.phases[item - 1]) } else { (0.0, 1.0) };
+            let along = weight.y.mul_add(sine, -(weight.z * cosine));
+            let bending = self.pull_driving_bending(item, along, pull, sums);
+            if item > 0 {
+                sums.phases[item - 1] += bending * weight.y.mul_add(cosine, weight.z * sine);
+            }
+        }
+    }
+
+    /// The torque that enters a joint's driven shaft.
+    fn pull_entering(&self, joint: usize, weight: f64, pull: &mut Pull) {
+        let (power, ratio) = (self.power[joint + 1], self.shafts[joint + 1].ratio);
+        pull.power[joint + 1] += weight / ratio;
+        pull.ratio[joint + 1] -= weight * power / (ratio * ratio);
+    }
+
+    /// `T tan ψ₂` of a joint, `tan ψ₂ = sin β c/√(s² + c² cos² β)`.
+    fn pull_driven_bending(&self, joint: usize, weight: f64, pull: &mut Pull, sums: &mut Sums) {
+        let PoseConstants { cosine: e, sine: sigma, .. } = self.line.poses[joint];
+        let (s, c) = self.pins[joint];
+        let torque = self.power[joint + 1] / self.shafts[joint + 1].ratio;
+        let square = (e * c).mul_add(e * c, s * s);
+        let root = square.sqrt();
+        let tangent = sigma * c / root;
+        sums.value += weight * torque * tangent;
+        self.pull_entering(joint, weight * tangent, pull);
+        // (1 + tan² ψ₂) dψ₂ with 1 + tan² ψ₂ = 1/(s² + c² cos² β).
+        let scale = weight * torque * e / (square * root);
+        sums.bends[joint] += scale * c;
+        self.pull_turn(joint, -scale * s, pull, sums);
+    }
+
+    /// `D tan ψ₁` of a joint, `tan ψ₁ = tan β s`, which is returned.
+    fn pull_driving_bending(
+        &self,
+        joint: usize,
+        weight: f64,
+        pull: &mut Pull,
+        sums: &mut Sums,
+    ) -> f64 {
+        let PoseConstants { cosine, tangent, .. } = self.line.poses[joint];
+        let (s, c) = self.pins[joint];
+        let torsion = self.torsion(joint);
+        let bending = torsion * tangent * s;
+        sums.value += weight * bending;
+        self.pull_torsion(joint, weight * tangent * s, pull);
+        sums.bends[joint] += weight * torsion * s / (cosine * cosine);
+        self.pull_turn(joint, weight * torsion * c, pull, sums);
+        bending
+    }
+
+    /// Passes changes of forces on to the moments that cause them.
+    fn settle_forces(&self, step: &ForceStep, pull: &mut Pull, sums: &mut Sums) {
+        for (i, balance) in step.balances.iter().enumerate().rev() {
+            let (support, _) = self.support(balance.shaft);
+            let (forces, pulled) = (&self.forces, &mut pull.forces);
+            let weight = forces::pull_balance(self.line, balance, forces, support, pulled, sums, i);
+            self.pull_support(balance.shaft, weight, pull, sums);
+        }
+    }
+
+    /// Passes changes of forces, power, speed and acceleration ratios on to the sums, and clears
+    /// them.
     pub(super) fn settle(&self, pull: &mut Pull, sums: &mut Sums) {
+        if let Some(step) = self.common.forces {
+            self.settle_forces(step, pull, sums);
+        }
         if let Some(load) = self.load {
             let n = self.shafts.len();
             let absorb = |i: usize, weight: f64, pull: &mut Pull, sums: &mut Sums| {
@@ -333,10 +476,18 @@ impl<'a> LineAt<'a> {
         for (i, ShaftAt { acceleration, jerk, by_q, .. }) in self.shafts.iter().enumerate() {
             let (by_ratio, by_acceleration) = (pull.ratio[i], pull.acceleration[i]);
             sums.q[i] += by_q[1] * by_ratio + by_q[2] * by_acceleration;
-            sums.angle += by_ratio * acceleration + by_acceleration * jerk;
+            pull.angle += by_ratio * acceleration + by_acceleration * jerk;
         }
         pull.ratio.fill(0.0);
         pull.acceleration.fill(0.0);
+        let mut by_angle = std::mem::take(&mut pull.angle);
+        if self.common.driven {
+            // The drive angle changes so that the angle of the last shaft is the same.
+            let last = self.shafts.len() - 1;
+            by_angle /= self.shafts[last].ratio;
+            sums.q[last] -= self.shafts[last].by_q[0] * by_angle;
+        }
+        sums.angle += by_angle;
     }
 }
 
