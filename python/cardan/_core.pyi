@@ -134,6 +134,17 @@ class Torsion:
         tolerance: float,
         workers: int | None,
     ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+    def coexisting(
+        self,
+        system: NDArray[np.int64],
+        speed: _Flat,
+        most: int,
+        tolerance: float,
+        workers: int | None,
+    ) -> tuple[_Flat, NDArray[np.uint8]]: ...
+    def slopes(self, drive_and_load: list[float], state: _Flat) -> _Flat: ...
+    def rigid(self, drive_and_load: list[float]) -> _Flat: ...
+    def motion(self, rows: _Flat) -> _Flat: ...
 
 @final
 class Transmission:

@@ -107,6 +107,22 @@ class Load:
             object.__setattr__(self, name, kept)
 
 
+def absorbing(drive_torque: FloatArray, torques: FloatArray, ratios: FloatArray) -> Load:
+    """Return a load whose shafts absorb these torques, of either sign.
+
+    Shafts at rest that are accelerated absorb the power ``I a r**2``. An acceleration of 1 rad/s²
+    and inertias ``torque / r`` of either sign absorb what is given, whatever absorbs it in fact.
+
+    Args:
+        drive_torque: torque in N m put into shaft 0, ``(...)``.
+        torques: absorbed by each shaft in N m, ``(..., n + 1)``.
+        ratios: speed ratio ``r`` of each shaft, ``(..., n + 1)``.
+    """
+    load = Load(drive_torque=drive_torque, acceleration=1.0)
+    object.__setattr__(load, "inertias", np.asarray(torques / ratios))
+    return load
+
+
 def _checked_inertias(inertias: ArrayLike) -> FloatArray:
     array = as_float64("inertias", inertias)
     if array.ndim == 0:

@@ -167,6 +167,9 @@ SUPPORTED = SUPPORTED.with_bearings([(0, 0.05), (0, 0.25)])
 OPTIMUM = cardan.optimise(
     lambda x: Driveline.from_bends([[x[0], 0.1]]), [0.3], [(0.2, 0.4)], starts=1
 )
+TORSIONAL = cardan.TorsionalSystem(
+    LINE, inertias=[0.1] * 3, stiffnesses=[1e4, np.inf, np.inf], dampings=[1.0, 0.0, 0.0]
+)
 OBJECTS = [
     LINE,
     BATCH,
@@ -191,9 +194,10 @@ OBJECTS = [
     LINE.plan("speed_ratio").gradient(GRID, {"speed_ratio": 1.0}),
     LINE.plan("speed_ratio").derivatives(GRID, "bends"),
     cardan.tube(0.09, 0.003, length=1.5),
-    cardan.TorsionalSystem(
-        LINE, inertias=[0.1] * 3, stiffnesses=[1e4, np.inf, np.inf], dampings=[1.0, 0.0, 0.0]
-    ),
+    TORSIONAL,
+    TORSIONAL.steady(20.0),
+    TORSIONAL.orbit(20.0, 4),
+    TORSIONAL.stability(20.0),
     OPTIMUM,
     OPTIMUM.active[0],
     LINE.free_running([1.0] + [0.1] * LINE.n_joints),
@@ -244,7 +248,7 @@ def same(one: object, other: object) -> None:
         same(one.quantile(0.9), other.quantile(0.9))
     elif isinstance(one, cardan.TorsionalSystem):
         assert isinstance(other, cardan.TorsionalSystem)
-        same(one.steady(20.0), other.steady(20.0))
+        same(one.orbit(20.0, 4), other.orbit(20.0, 4))
     elif isinstance(one, Driveline):
         for name in ("bends", "twists", "phases", "directions", "normals"):
             same(getattr(one, name), getattr(other, name))

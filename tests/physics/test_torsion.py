@@ -119,6 +119,23 @@ def test_a_joint_before_the_only_spring_is_the_exact_series(speed: float) -> Non
         assert error < 1e-9 * np.abs(steady.torque_max[0])
 
 
+@pytest.mark.parametrize("damping_ratio", [0.01, 0.5])
+def test_stiff_shafts_follow_slow_drives(damping_ratio: float) -> None:
+    # From 30 to 30 000 free vibrations within a turn, between resonances; the largest torque is
+    # that of the inertia of the rigid shaft, J dr/dt.
+    natural, bend = 400.0, np.radians(20.0)
+    system = one_joint(20.0, [INF, 8000.0], damping_ratios=damping_ratio)
+    speeds = natural / np.array([31.0, 301.0, 3001.0, 30001.0])
+    found = system.steady(speeds)
+    assert found.found.all()
+    angle = np.linspace(0.0, np.pi, 100_001)
+    below = np.cos(bend) ** 2 * np.cos(angle) ** 2 + np.sin(angle) ** 2
+    slope = np.cos(bend) * np.sin(bend) ** 2 * np.sin(2 * angle) / below**2
+    rigid = 0.05 * speeds**2 * np.abs(slope).max()
+    assert found.torque_max[0] == pytest.approx(rigid, rel=0.02)
+    assert found.torque_max[0, 1:] == pytest.approx(rigid[1:], rel=3e-4)
+
+
 def test_edges_of_the_first_region_of_instability() -> None:
     # A compliant driving shaft, 20 degrees, a flywheel, no damping: Whittaker-Hill's equation.
     system = one_joint(20.0, [8000.0, INF])

@@ -1,7 +1,20 @@
 """Torsional vibration of drivelines with compliant shafts."""
 
-from cardan.torsion.results import Orbit, Stability, SteadyState
+from cardan.torsion.equations import Motion
+from cardan.torsion.results import Coexisting, Orbit, Stability
+from cardan.torsion.steady_state import SteadyState
 from cardan.torsion.system import TorsionalSystem
+from cardan.torsion.transient import Transient
 from cardan.torsion.tube import Tube, tube
 
-__all__ = ["Orbit", "Stability", "SteadyState", "TorsionalSystem", "Tube", "tube"]
+__all__ = [
+    "Coexisting",
+    "Motion",
+    "Orbit",
+    "Stability",
+    "SteadyState",
+    "TorsionalSystem",
+    "Transient",
+    "Tube",
+    "tube",
+]

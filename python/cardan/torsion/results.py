@@ -1,4 +1,4 @@
-"""Results of torsional systems: steady state, orbit and stability."""
+"""Results of torsional systems: what a search found, orbit and stability."""
 
 from __future__ import annotations
 
@@ -37,33 +37,9 @@ class Searched:
         return np.array(_REASONS)[self._failures]
 
 
-@dataclass(frozen=True, eq=False)
-class SteadyState(Searched):
-    """The periodic motion at constant drive speed, over one period, half a turn of the drive.
-
-    A quantity is ``mean + Re(sum(orders * exp(1j * m * angle)))`` with the drive angle and the
-    order ``m``, so the modulus of an order is its peak amplitude. Odd orders are 0.
-
-    Attributes:
-        torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ...)``.
-        torque_min: least torque, the true extremum between samples.
-        torque_max: largest torque.
-        torque_orders: orders of the torque, ``(compliant, ..., orders)``.
-        angle_orders: orders of the angle of every shaft end in rad, input end before output end,
-            ``(n + 1, 2, ..., orders)``.
-        speed_orders: orders of its speed in rad/s.
-        orders: the orders, ``(orders,)``.
-        compliant: the compliant shafts.
-    """
-
-    torque_mean: FloatArray
-    torque_min: FloatArray
-    torque_max: FloatArray
-    torque_orders: ComplexArray
-    angle_orders: ComplexArray
-    speed_orders: ComplexArray
-    orders: NDArray[np.int64]
-    compliant: tuple[int, ...]
+def small(multipliers: ComplexArray) -> NDArray[np.bool_]:
+    """Return whether no multiplier of the last axis is larger than 1 by more than rounding."""
+    return np.asarray((np.abs(multipliers) <= 1.0 + 1e-9).all(axis=-1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +51,8 @@ class Orbit(Searched):
         angle_error: angle of every shaft end relative to the drive in rad, input end before output
             end, ``(n + 1, 2, ..., samples)``. Without load and vibration its mean is 0.
         speed: speed of every shaft end in rad/s, ``(n + 1, 2, ..., samples)``.
+        acceleration: acceleration of every shaft end in rad/s², ``(n + 1, 2, ..., samples)``.
+        drive_torque: torque in N m that keeps the speed of the drive constant, ``(..., samples)``.
         torque: torque of every compliant shaft in N m, ``(compliant, ..., samples)``.
         compliant: the compliant shafts.
     """
@@ -82,6 +60,8 @@ class Orbit(Searched):
     drive_angle: FloatArray
     angle_error: FloatArray
     speed: FloatArray
+    acceleration: FloatArray
+    drive_torque: FloatArray
     torque: FloatArray
     compliant: tuple[int, ...]
 
@@ -100,5 +80,31 @@ class Stability(Searched):
     @property
     def stable(self) -> NDArray[np.bool_]:
         """Whether no multiplier is larger than 1 + 1e-9, ``(...)``; false without an orbit."""
-        small = np.abs(self.multipliers) <= 1.0 + 1e-9
-        return np.asarray(self.found & small.all(axis=-1))
+        return np.asarray(self.found & small(self.multipliers))
+
+
+@dataclass(frozen=True, eq=False)
+class Coexisting(Searched):
+    """Several periodic motions at one speed; ``orbits`` is the last axis.
+
+    The first is that of ``steady``; the others follow by their largest torque. What is missing is
+    NaN.
+
+    Attributes:
+        count: how many were found, ``(...)``; 0 where there is none.
+        torque_mean: mean torque of each compliant shaft in N m, ``(compliant, ..., orbits)``.
+        torque_min: least torque.
+        torque_max: largest torque.
+        multipliers: Floquet multipliers, ``(..., orbits, 2 * compliant)``.
+    """
+
+    count: NDArray[np.int64]
+    torque_mean: FloatArray
+    torque_min: FloatArray
+    torque_max: FloatArray
+    multipliers: ComplexArray
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Whether no multiplier is larger than 1 + 1e-9, ``(..., orbits)``; false where missing."""
+        return small(self.multipliers)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable, Sequence
-from typing import Any, SupportsIndex
+from typing import Any, Literal, SupportsIndex
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,14 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core, threads
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
+from cardan.errors import ArgumentTypeError, ArgumentValueError
+from cardan.torsion.arguments import checked_orders, checked_tolerance, positive_integer
+from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
 from cardan.torsion.parameters import Parameters
-from cardan.torsion.results import Orbit, Stability, SteadyState
+from cardan.torsion.results import Coexisting, Orbit, Stability
+from cardan.torsion.steady_state import SteadyState
+from cardan.torsion.transient import Event, Method, Transient, integrated
 
 _Records = Callable[..., tuple[FloatArray, NDArray[np.uint8]]]
-
-# An orbit of more orders would need more points than the native module allows.
-_HIGHEST_ORDER = 256
 
 
 class TorsionalSystem:
@@ -129,6 +129,11 @@ class TorsionalSystem:
         """Damping of each shaft in N m s/rad, ``(..., n + 1)``."""
         return self._parameters.dampings
 
+    @property
+    def load_torque(self) -> FloatArray:
+        """Constant torque on the last shaft in N m, in the shape of the batch."""
+        return self._parameters.load_torque
+
     def natural_frequencies(self) -> FloatArray:
         """Return the undamped natural frequencies in rad/s, ``(..., compliant)``, lowest first.
 
@@ -151,7 +156,7 @@ class TorsionalSystem:
             TypeError: orders that are not integers.
             ValueError: an order that is not positive.
         """
-        return np.asarray(self.natural_frequencies()[..., np.newaxis] / _orders(orders))
+        return np.asarray(self.natural_frequencies()[..., np.newaxis] / checked_orders(orders))
 
     def steady(
         self,
@@ -183,10 +188,10 @@ class TorsionalSystem:
             TypeError: speeds that are not real numbers, orders that are not integers.
             ValueError: an order or a tolerance out of range, shapes that do not broadcast.
         """
-        wanted = _orders(orders)
+        wanted = checked_orders(orders)
         listed = [int(order) for order in wanted]
         m, ends, count = len(self.compliant), self._line.n_joints + 1, len(listed)
-        options = (listed, _tolerance(tolerance), threads.at_most(workers))
+        options = (listed, checked_tolerance(tolerance), threads.at_most(workers))
         each = 3 * m + 2 * count * (m + 2 * ends)
         shape, speeds, records, failures = self._run(self._core.steady, each, speed, *options)
         sizes = np.cumsum([m, m, m, 2 * m * count])
@@ -204,6 +209,9 @@ class TorsionalSystem:
             speed_orders=rates * angle_orders,
             orders=wanted,
             compliant=self.compliant,
+            _system=self,
+            _speed=np.array(speeds),
+            _tolerance=tolerance,
         )
 
     def orbit(
@@ -226,19 +234,25 @@ class TorsionalSystem:
             TypeError: speeds that are not real numbers, samples that are not an integer.
             ValueError: no samples, a tolerance out of range, shapes that do not broadcast.
         """
-        count = _positive_integer("samples", samples)
+        count = positive_integer("samples", samples)
         m, ends = len(self.compliant), self._line.n_joints + 1
-        options = (count, _tolerance(tolerance), threads.at_most(workers))
-        each = count * (4 * ends + m)
+        options = (count, checked_tolerance(tolerance), threads.at_most(workers))
+        each = count * (6 * ends + m + 1)
         shape, _, records, failures = self._run(self._core.orbits, each, speed, *options)
-        sizes = np.cumsum([2 * ends * count, 2 * ends * count])
-        angles, speeds, torques = np.split(records, sizes, axis=-1)
+        *motion, torques, of_drive = np.split(
+            records, np.cumsum([*3 * [2 * ends * count], m * count]), axis=-1
+        )
+        angles, speeds, accelerations = (
+            _moved(record.reshape(*shape, ends, 2, count), 2, len(shape)) for record in motion
+        )
         return Orbit(
             found=failures == 0,
             _failures=failures,
             drive_angle=np.asarray(np.arange(count) * (np.pi / count), dtype=np.float64),
-            angle_error=_moved(angles.reshape(*shape, ends, 2, count), 2, len(shape)),
-            speed=_moved(speeds.reshape(*shape, ends, 2, count), 2, len(shape)),
+            angle_error=angles,
+            speed=speeds,
+            acceleration=accelerations,
+            drive_torque=of_drive,
             torque=_moved(torques.reshape(*shape, m, count), 1, len(shape)),
             compliant=self.compliant,
         )
@@ -265,11 +279,123 @@ class TorsionalSystem:
             TypeError: speeds that are not real numbers.
             ValueError: a tolerance out of range, shapes that do not broadcast.
         """
-        options = (_tolerance(tolerance), threads.at_most(workers))
+        options = (checked_tolerance(tolerance), threads.at_most(workers))
         each = 4 * len(self.compliant)
         _, _, records, failures = self._run(self._core.multipliers, each, speed, *options)
         multipliers = _complex(records)
         return Stability(found=failures == 0, _failures=failures, multipliers=multipliers)
+
+    def coexisting(
+        self,
+        speed: ArrayLike,
+        most: SupportsIndex = 4,
+        *,
+        tolerance: float = 1e-9,
+        workers: SupportsIndex | None = None,
+    ) -> Coexisting:
+        """Return the periodic motions that exist side by side at a speed.
+
+        Within a resonance of little damping, a shaft may vibrate a little or a lot at the same
+        speed, depending on its past. The orbits are searched from the start of ``steady``, by
+        continuation from a high speed, and from oscillations of the second order with amplitudes
+        of 0.25 to 2 rad and several phases. There is no proof that these are all. A search takes
+        some hundred times as long as that of ``steady``.
+
+        Args:
+            speed: of the drive in rad/s; broadcasts against the batch.
+            most: number of orbits that are returned.
+            tolerance: as of ``steady``, like ``workers``.
+            workers: largest number of threads.
+
+        Raises:
+            TypeError: speeds that are not real numbers, a number that is not an integer.
+            ValueError: a number that is not positive, a tolerance out of range, shapes that do not
+                broadcast.
+        """
+        orbits = positive_integer("most", most)
+        m = len(self.compliant)
+        options = (orbits, checked_tolerance(tolerance), threads.at_most(workers))
+        each = 1 + 7 * m * orbits
+        shape, _, records, failures = self._run(self._core.coexisting, each, speed, *options)
+        of_orbits = records[..., 1:].reshape(*shape, orbits, 7 * m)
+        mean, least, largest, multipliers = np.split(of_orbits, [m, 2 * m, 3 * m], axis=-1)
+        return Coexisting(
+            found=failures == 0,
+            _failures=failures,
+            count=np.where(failures == 0, records[..., 0], 0.0).astype(np.int64),
+            torque_mean=np.moveaxis(mean, -1, 0),
+            torque_min=np.moveaxis(least, -1, 0),
+            torque_max=np.moveaxis(largest, -1, 0),
+            multipliers=_complex(multipliers),
+        )
+
+    def transient(
+        self,
+        time: ArrayLike,
+        *,
+        speed: OfTime,
+        load_torque: OfTime | None = None,
+        drive_torque: OfTimeAndSpeed | None = None,
+        drive_inertia: float = math.inf,
+        start: Literal["rigid", "steady"] | Transient = "rigid",
+        breaks: ArrayLike = (),
+        events: Event | Sequence[Event] = (),
+        tolerance: float = 1e-9,
+        method: Method = "DOP853",
+    ) -> Transient:
+        """Return the motion in time: a run-up, a step of the load, a stop, a drive that gives way.
+
+        The nonlinear equations of the steady state are integrated by SciPy (extra ``optimise``).
+        The system must be one, not a batch.
+
+        Args:
+            time: times in s at which the motion is wanted, increasing, ``(samples,)``; the first
+                is the beginning.
+            speed: of the drive in rad/s, a number or a function of the time. Of a drive of finite
+                inertia it is the speed at the beginning.
+            load_torque: torque in N m that brakes the last shaft, a number or a function of the
+                time; by default that of the system. Its sign does not follow the motion: it
+                accelerates a shaft that turns backwards.
+            drive_torque: torque in N m on a drive of finite inertia, a number or a function of time
+                and drive speed; 0 by default.
+            drive_inertia: inertia in kg m² in front of shaft 0; infinite by default: the speed is
+                as given.
+            start: ``"rigid"``: the shafts move as if they were rigid and are twisted by the load;
+                ``"steady"``: on the periodic orbit at this speed; or another transient, at whose
+                end this motion begins. A drive of finite inertia then keeps its speed. The drive
+                angle is 0 at the beginning, or goes on.
+            breaks: times in s at which the functions or their slopes jump; the integration begins
+                anew there.
+            events: functions of a ``Motion`` at one time. Their zeros are found. Attributes
+                ``terminal`` and ``direction`` of a function have the meaning of ``solve_ivp``.
+            tolerance: permitted error of each step relative to angles and speeds, from 1e-12 to
+                1e-3.
+            method: integrator of ``solve_ivp``: ``"DOP853"``, ``"RK45"``, ``"Radau"``, ``"BDF"``
+                or ``"LSODA"``. The implicit ones suit stiff shafts whose free vibration has died.
+
+        Raises:
+            ImportError: SciPy is missing.
+            RuntimeError: the integrator does not reach the last time.
+            TypeError: values that are neither numbers nor functions, events that are not functions.
+            ValueError: times that do not increase, a batch of systems, values out of range, a
+                steady start without an orbit.
+
+        >>> import numpy as np
+        >>> import cardan
+        >>> system = cardan.TorsionalSystem(
+        ...     cardan.Driveline.from_bends([20], degrees=True),
+        ...     inertias=[[0, 0], [0, 0.05]],
+        ...     stiffnesses=[float("inf"), 8000],
+        ...     damping_ratios=0.02,
+        ... )
+        >>> run_up = system.transient(np.linspace(0, 2, 2001), speed=lambda t: 150 * t)
+        >>> peak = int(np.abs(run_up.torque[0]).argmax())
+        >>> float(run_up.drive_speed[peak].round()), float(run_up.torque[0, peak].round())
+        (214.0, -4453.0)
+        """
+        system = Equations(self, speed, load_torque, drive_torque, drive_inertia)
+        permitted = checked_tolerance(tolerance)
+        return integrated(system, time, start, breaks, events, permitted, method)
 
     def _run(
         self,
@@ -306,30 +432,3 @@ def _complex(pairs: FloatArray) -> NDArray[np.complex128]:
 def _moved(array: NDArray[Any], axes: int, batch: int) -> NDArray[Any]:
     """Move so many axes behind those of the batch to the front."""
     return np.moveaxis(array, range(batch, batch + axes), range(axes))
-
-
-def _positive_integer(name: str, value: Any, place: Sequence[int] = ()) -> int:  # noqa: ANN401
-    if not hasattr(value, "__index__"):
-        raise ArgumentTypeError(name, f"is {value!r}; it must be an integer", tuple(place))
-    number = operator.index(value)
-    if number < 1:
-        raise ArgumentValueError(name, f"is {number}; it must be positive", tuple(place))
-    return number
-
-
-def _orders(orders: ArrayLike) -> NDArray[np.int64]:
-    given = np.atleast_1d(np.asarray(orders))
-    if given.dtype.kind not in "iu" or given.ndim != 1:
-        raise ArgumentTypeError("orders", "must be one integer or a list of integers")
-    wrong = (given < 1) | (given > _HIGHEST_ORDER)
-    if wrong.any():
-        rule = f"; an order must be from 1 to {_HIGHEST_ORDER}"
-        raise wrong_element("orders", given, wrong, rule)
-    return given.astype(np.int64)
-
-
-def _tolerance(tolerance: float) -> float:
-    value = float(as_float64("tolerance", tolerance))
-    if not 1e-12 <= value <= 1e-3:
-        raise ArgumentValueError("tolerance", f"is {value!r}; it must be from 1e-12 to 1e-3")
-    return value

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use cardan::dynamics::{self, Failure, Runs, ShaftEnds};
+use cardan::dynamics::{self, AtDrive, Failure, Instant, Runs, ShaftEnds};
 use cardan::{Execution, TorsionalSystem};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
@@ -125,7 +125,7 @@ impl NativeTorsion {
         self.records(py, &input, record, workers, dynamics::multipliers_of_batch)
     }
 
-    /// Angles and speeds of all shaft ends and torques over half a turn.
+    /// Angles, speeds and accelerations of all shaft ends and torques over half a turn.
     fn orbits<'py>(
         &self,
         py: Python<'py>,
@@ -135,15 +135,105 @@ impl NativeTorsion {
         tolerance: f64,
         workers: Option<usize>,
     ) -> PyResult<Records<'py>> {
-        let record = self.size(|m, ends| samples.saturating_mul(2 * ends + m));
+        let record = self.size(|m, ends| samples.saturating_mul(3 * ends + m + 1));
         let input = (system, speed, tolerance);
         self.records(py, &input, record, workers, |runs, out, failures, execution| {
             dynamics::orbits_of_batch(runs, samples, out, failures, execution);
         })
     }
+
+    /// The number of orbits, and torques and multipliers of up to `most` of them.
+    fn coexisting<'py>(
+        &self,
+        py: Python<'py>,
+        system: PyReadonlyArray1<'py, i64>,
+        speed: Input<'py>,
+        most: usize,
+        tolerance: f64,
+        workers: Option<usize>,
+    ) -> PyResult<Records<'py>> {
+        let each = |m: usize| dynamics::coexisting_record(m).saturating_mul(most);
+        let record = self.size(|m, _| each(m).saturating_add(1));
+        let input = (system, speed, tolerance);
+        self.records(py, &input, record, workers, |runs, out, failures, execution| {
+            dynamics::coexisting_of_batch(runs, most, out, failures, execution);
+        })
+    }
+
+    /// The time derivatives of angles and speeds of the output ends of the compliant shafts of the
+    /// only system, the torque that keeps the drive's speed, and the inertia at the drive. The
+    /// state holds these angles relative to the drive and the offsets, then the speeds.
+    fn slopes<'py>(
+        &self,
+        py: Python<'py>,
+        drive_and_load: [f64; 3],
+        state: Input<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let [drive_angle, drive_speed, load_torque] = drive_and_load;
+        let system = self.only()?;
+        let m = system.unknowns();
+        let state = slice("state", &state)?;
+        check_length("state", state.len(), 1, 2 * m)?;
+        let (errors, speeds) = state.split_at(m);
+        let mut out: Vec<f64> = speeds.iter().map(|speed| speed - drive_speed).collect();
+        out.resize(2 * m + 2, 0.0);
+        let instant = Instant { drive_angle, drive_speed, load_torque, errors, speeds };
+        let AtDrive { torque, inertia } = system.accelerations(instant, &mut out[m..2 * m]);
+        out[2 * m..].copy_from_slice(&[torque, inertia]);
+        Ok(out.into_pyarray(py))
+    }
+
+    /// The state of shafts of the only system that move as if they were rigid, at drive angle 0.
+    fn rigid<'py>(
+        &self,
+        py: Python<'py>,
+        drive_and_load: [f64; 2],
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let [drive_speed, load_torque] = drive_and_load;
+        let system = self.only()?;
+        let mut state = vec![0.0; 2 * system.unknowns()];
+        let (errors, speeds) = state.split_at_mut(system.unknowns());
+        system.rigid_state(drive_speed, load_torque, errors, speeds);
+        Ok(state.into_pyarray(py))
+    }
+
+    /// Angles and speeds of all shaft ends and torques of the compliant shafts of the only system,
+    /// flat, one record per instant, from rows of drive angle, drive speed and state.
+    fn motion<'py>(
+        &self,
+        py: Python<'py>,
+        rows: Input<'py>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let system = self.only()?;
+        let m = system.unknowns();
+        let rows = slice("rows", &rows)?;
+        let count = rows.len() / (2 * m + 2);
+        check_length("rows", rows.len(), count, 2 * m + 2)?;
+        let record = 4 * system.shafts() + m;
+        check_memory(count.saturating_mul(record).saturating_mul(8))?;
+        let mut out = vec![0.0; count * record];
+        py.detach(|| {
+            for (row, out) in rows.chunks_exact(2 * m + 2).zip(out.chunks_exact_mut(record)) {
+                let (errors, speeds) = row[2..].split_at(m);
+                let (drive_angle, drive_speed) = (row[0], row[1]);
+                let instant =
+                    Instant { drive_angle, drive_speed, load_torque: 0.0, errors, speeds };
+                system.motion(instant, out);
+            }
+        });
+        Ok(out.into_pyarray(py))
+    }
 }
 
 impl NativeTorsion {
+    /// The system, if there is only one.
+    fn only(&self) -> PyResult<&TorsionalSystem> {
+        match &self.0[..] {
+            [system] => Ok(system),
+            _ => Err(PyIndexError::new_err(format!("there are {} systems", self.0.len()))),
+        }
+    }
+
     /// A size of all systems from the numbers of compliant shafts and of shaft ends.
     fn size(&self, of: impl Fn(usize, usize) -> usize) -> usize {
         self.0.first().map_or(0, |system| of(system.unknowns(), 2 * system.shafts()))

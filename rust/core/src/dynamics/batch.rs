@@ -32,7 +32,7 @@ pub struct Runs<'a> {
 
 impl Runs<'_> {
     /// Fills one record of `results` per run. Runs without an orbit get NaN and their failure.
-    fn each(
+    pub(super) fn each(
         &self,
         results: &mut [f64],
         record: usize,
@@ -113,10 +113,11 @@ pub fn steady_of_batch(
 fn end_angles(orbit: &Orbit, equation: &MotionEquation<'_>, ends: usize) -> Vec<Vec<f64>> {
     let mut found = vec![Vec::with_capacity(orbit.intervals); ends];
     let mut pieces = vec![];
+    let at_rest = vec![0.0; orbit.unknowns];
     for k in 0..orbit.intervals {
         let (y, v) = orbit.state(k);
-        equation.pieces(orbit.width() * k as f64, y, v, &mut pieces);
-        equation.system.shaft_ends(&pieces, |end, error, _| found[end].push(error));
+        equation.pieces(orbit.width() * k as f64, [y, v, &at_rest], &mut pieces);
+        equation.system.shaft_ends(&pieces, |end, [error, ..]| found[end].push(error));
     }
     found
 }
@@ -134,26 +135,32 @@ pub fn multipliers_of_batch(
     let wanted = Wanted { tolerance: runs.tolerance, order: 0, stability: true };
     runs.each(results, record, failures, execution, |system, speed, out| {
         let orbit = system.search(speed, wanted)?;
-        let mut multipliers: Vec<Complex<f64>> =
-            orbit.monodromy.complex_eigenvalues().iter().copied().collect();
-        // Conjugates have equal moduli up to rounding; the sign orders them.
-        let key = |x: &Complex<f64>| (x.norm(), x.re, x.im);
-        multipliers.sort_by(|x, y| {
-            let ((a, b, c), (d, e, f)) = (key(x), key(y));
-            let same = (a - d).abs() <= 1e-12 * a.max(d);
-            let by_modulus = if same { std::cmp::Ordering::Equal } else { d.total_cmp(&a) };
-            by_modulus.then(e.total_cmp(&b)).then(f.total_cmp(&c))
-        });
-        for (place, x) in out.chunks_exact_mut(2).zip(multipliers) {
+        for (place, x) in out.chunks_exact_mut(2).zip(multipliers(&orbit)) {
             place.copy_from_slice(&[x.re, x.im]);
         }
         Ok(())
     });
 }
 
-/// One period of each run at equally spaced drive angles over half a turn. A record holds the
-/// angles of all shaft ends relative to the drive in rad (`n + 1`, 2, samples), their speeds in
-/// rad/s (`n + 1`, 2, samples) and the torques of the compliant shafts in N m (`m`, samples).
+/// The Floquet multipliers about an orbit, largest modulus first.
+pub(super) fn multipliers(orbit: &Orbit) -> Vec<Complex<f64>> {
+    let mut found: Vec<Complex<f64>> =
+        orbit.monodromy.complex_eigenvalues().iter().copied().collect();
+    // Conjugates have equal moduli up to rounding; the sign orders them.
+    let key = |x: &Complex<f64>| (x.norm(), x.re, x.im);
+    found.sort_by(|x, y| {
+        let ((a, b, c), (d, e, f)) = (key(x), key(y));
+        let same = (a - d).abs() <= 1e-12 * a.max(d);
+        let by_modulus = if same { std::cmp::Ordering::Equal } else { d.total_cmp(&a) };
+        by_modulus.then(e.total_cmp(&b)).then(f.total_cmp(&c))
+    });
+    found
+}
+
+/// One period of each run at equally spaced drive angles over half a turn. A record holds, for
+/// `n + 1` shafts, the angles of all shaft ends relative to the drive in rad (`n + 1`, 2, samples),
+/// their speeds in rad/s and their accelerations in rad/s² (the same), the torques of the `m`
+/// compliant shafts in N m (`m`, samples) and the torque of the drive in N m (samples).
 pub fn orbits_of_batch(
     runs: &Runs<'_>,
     samples: usize,
@@ -164,7 +171,7 @@ pub fn orbits_of_batch(
     let Some(first) = runs.systems.first() else { return };
     let (m, ends) = (first.unknowns(), 2 * first.shafts());
     let wanted = Wanted { tolerance: runs.tolerance, order: 0, stability: false };
-    runs.each(results, samples * (2 * ends + m), failures, execution, |system, speed, out| {
+    runs.each(results, samples * (3 * ends + m + 1), failures, execution, |system, speed, out| {
         let orbit = system.search(speed, wanted)?;
         let mut equation = MotionEquation::new(system, speed);
         let roots = roots_of_unity(orbit.intervals);
@@ -174,20 +181,25 @@ pub fn orbits_of_batch(
         let slopes: Vec<FourierSeries> =
             (0..m).map(|u| through(&|k| orbit.state(k).1[u])).collect();
         let mut pieces: Vec<PieceState> = vec![];
+        let mut accelerations = vec![0.0; m];
         for i in 0..samples {
             let angle = PI * i as f64 / samples as f64;
             let at = |series: &[FourierSeries]| -> Vec<f64> {
                 series.iter().map(|series| series.at(angle)[0]).collect()
             };
             let (y, v) = (at(&positions), at(&slopes));
-            equation.pieces(angle, &y, &v, &mut pieces);
-            system.shaft_ends(&pieces, |end, error, ratio| {
-                out[end * samples + i] = error;
-                out[(ends + end) * samples + i] = speed * ratio;
+            equation.accelerations(angle, &y, &v, &mut accelerations);
+            equation.pieces(angle, [&y, &v, &accelerations], &mut pieces);
+            let mut put = |row: usize, value: f64| out[row * samples + i] = value;
+            system.shaft_ends(&pieces, |end, [error, slope, curvature]| {
+                put(end, error);
+                put(ends + end, speed * slope);
+                put(2 * ends + end, speed * speed * curvature);
             });
-            for (s, torque) in equation.torques(angle, &y, &v).iter().enumerate() {
-                out[(2 * ends + s) * samples + i] = *torque;
+            for (s, torque) in equation.last_torques().iter().enumerate() {
+                put(3 * ends + s, *torque);
             }
+            put(3 * ends + m, equation.at_drive()[0]);
         }
         Ok(())
     });

@@ -1,8 +1,10 @@
 //! Torsional vibration of drivelines with compliant shafts: the periodic orbit at constant drive
-//! speed, its stability, and natural frequencies.
+//! speed, its stability, natural frequencies, and the equations in time.
 
 mod batch;
+mod coexisting;
 mod gauss;
+mod instant;
 mod modes;
 mod motion_equation;
 mod orbit;
@@ -12,5 +14,7 @@ mod search;
 mod system;
 
 pub use batch::{Runs, multipliers_of_batch, orbits_of_batch, steady_of_batch};
+pub use coexisting::{coexisting_of_batch, coexisting_record};
+pub use instant::{AtDrive, Instant};
 pub use orbit::Failure;
 pub use system::{ShaftEnds, TorsionalSystem};

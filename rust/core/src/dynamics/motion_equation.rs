@@ -16,8 +16,12 @@ use crate::dynamics::system::{PieceState, TorsionalSystem};
 /// The equations at one speed of the drive.
 pub(super) struct MotionEquation<'a> {
     pub(super) system: &'a TorsionalSystem,
-    /// Speed of the drive in rad/s.
+    /// Speed of the drive in rad/s; 1 rad/s if the independent variable is the time.
     pub(super) speed: f64,
+    /// Derivative of the drive angle by the independent variable.
+    drive_slope: f64,
+    /// Constant braking torque on the last shaft in N m.
+    load_torque: f64,
     /// `κ` of every piece.
     offsets: Vec<f64>,
     motions: Vec<PieceMotion>,
@@ -51,16 +55,25 @@ impl<'a> MotionEquation<'a> {
         Self {
             system,
             speed,
+            drive_slope: 1.0,
+            load_torque: system.load_torque,
             offsets,
             motions: Vec::with_capacity(size + 1),
             torques: vec![0.0; size],
         }
     }
 
+    /// The equations with the time in s as the independent variable, at one instant: the drive turns
+    /// at this speed in rad/s, and the load is this torque in N m. The slopes of the unknowns are
+    /// then `θ̇_s − 1 rad/s`.
+    pub(super) fn in_time(system: &'a TorsionalSystem, drive_slope: f64, load_torque: f64) -> Self {
+        Self { drive_slope, load_torque, ..Self::new(system, 1.0) }
+    }
+
     /// The unknowns if every shaft were rigid and turned by its static torque.
     pub(super) fn rigid(&self, angle: f64, [y, v, a]: [&mut [f64]; 3]) {
-        let load = self.system.load_torque + self.system.load_damping * self.speed;
-        let (mut error, mut slope, mut curve) = (0.0, 1.0, 0.0);
+        let load = self.load(self.drive_slope);
+        let (mut error, mut slope, mut curve) = (0.0, self.drive_slope, 0.0);
         for (s, spring) in self.system.springs.iter().enumerate() {
             let motion = self.system.pieces[s].motion(angle + self.offsets[s] + error);
             error += motion.angle_error - load / spring.stiffness;
@@ -79,7 +92,8 @@ impl<'a> MotionEquation<'a> {
             self.motions.push(piece.motion(angle + self.offsets[s] + error));
         }
         for (s, spring) in system.springs.iter().enumerate() {
-            let (before, slope) = if s == 0 { (0.0, 1.0) } else { (y[s - 1], 1.0 + v[s - 1]) };
+            let (before, slope) =
+                if s == 0 { (0.0, self.drive_slope) } else { (y[s - 1], 1.0 + v[s - 1]) };
             let motion = &self.motions[s];
             let twist = before + motion.angle_error - y[s];
             let rate = self.speed * (motion.ratio * slope - 1.0 - v[s]);
@@ -98,19 +112,50 @@ impl<'a> MotionEquation<'a> {
         &self.torques
     }
 
-    /// The state of every piece, for the motion of shaft ends.
-    pub(super) fn pieces(&self, angle: f64, y: &[f64], v: &[f64], out: &mut Vec<PieceState>) {
+    /// The second derivatives of the unknowns at a drive angle, from the unknowns and their slopes.
+    pub(super) fn accelerations(&mut self, angle: f64, y: &[f64], v: &[f64], out: &mut [f64]) {
+        self.prepare(angle, y, v);
+        let square = self.speed * self.speed;
+        for (s, acceleration) in out.iter_mut().enumerate() {
+            let own = &self.motions[s + 1];
+            let slope = 1.0 + v[s];
+            let behind =
+                self.torques.get(s + 1).copied().unwrap_or_else(|| self.load(own.ratio * slope));
+            let torque = self.torques[s] - own.ratio * behind;
+            let inertial = torque - 0.5 * square * own.inertia_slope * slope * slope;
+            *acceleration = inertial / (square * own.inertia);
+        }
+    }
+
+    /// The torque of the load, from the derivative of the last shaft's angle.
+    fn load(&self, slope: f64) -> f64 {
+        self.load_torque + self.system.load_damping * self.speed * slope
+    }
+
+    /// What the drive moves: the torque in N m that holds its speed, and the inertia in kg m² of
+    /// the shafts before the first compliant one, at the angle of the last evaluation.
+    pub(super) fn at_drive(&self) -> [f64; 2] {
+        let PieceMotion { ratio, inertia, inertia_slope, .. } = self.motions[0];
+        let rate = self.speed * self.drive_slope;
+        [ratio * self.torques[0] + 0.5 * inertia_slope * rate * rate, inertia]
+    }
+
+    /// The state of every piece at constant drive speed, for the motion of shaft ends.
+    pub(super) fn pieces(&self, angle: f64, [y, v, a]: [&[f64]; 3], out: &mut Vec<PieceState>) {
         out.clear();
         out.extend(self.offsets.iter().enumerate().map(|(s, offset)| {
-            let (error, slope) = if s == 0 { (0.0, 0.0) } else { (y[s - 1], v[s - 1]) };
-            PieceState { angle: angle + offset + error, error, ratio: 1.0 + slope }
+            let (error, slope, curvature) = match s.checked_sub(1) {
+                None => (0.0, self.drive_slope, 0.0),
+                Some(u) => (y[u], 1.0 + v[u], a[u]),
+            };
+            PieceState { angle: angle + offset + error, error, slope, curvature }
         }));
     }
 
     /// The equations at a drive angle, from the unknowns, their slopes and second derivatives.
     pub(super) fn rows(&mut self, angle: f64, [y, v, a]: [&[f64]; 3], rows: &mut [EquationRow]) {
         self.prepare(angle, y, v);
-        let TorsionalSystem { springs, load_torque, load_damping, .. } = self.system;
+        let TorsionalSystem { springs, load_damping, .. } = self.system;
         let speed = self.speed;
         let square = speed * speed;
         for (s, row) in rows.iter_mut().enumerate() {
@@ -118,7 +163,7 @@ impl<'a> MotionEquation<'a> {
             let spring = springs[s];
             let damping = spring.damping * speed;
             let slope = 1.0 + v[s];
-            let slope_before = if s == 0 { 1.0 } else { 1.0 + v[s - 1] };
+            let slope_before = if s == 0 { self.drive_slope } else { 1.0 + v[s - 1] };
             // The torque that leaves the piece, and its derivatives by this unknown and the next.
             let (behind, by_angle, by_slope, next_angle, next_slope) =
                 if let Some(next) = springs.get(s + 1) {
@@ -127,8 +172,13 @@ impl<'a> MotionEquation<'a> {
                     (self.torques[s + 1], by_angle, damping * own.ratio, -next.stiffness, -damping)
                 } else {
                     let damping = load_damping * speed;
-                    let torque = load_torque + damping * own.ratio * slope;
-                    (torque, damping * own.ratio_slope * slope, damping * own.ratio, 0.0, 0.0)
+                    (
+                        self.load(own.ratio * slope),
+                        damping * own.ratio_slope * slope,
+                        damping * own.ratio,
+                        0.0,
+                        0.0,
+                    )
                 };
             let inertial = own.inertia * a[s] + 0.5 * own.inertia_slope * slope * slope;
             let inertial_by_angle =

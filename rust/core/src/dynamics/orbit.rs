@@ -1,7 +1,7 @@
 //! Periodic orbits by collocation: Newton's method on all intervals of half a turn at once.
 //!
-//! On every interval the second derivatives are polynomials through the collocation points. The
-//! linearised equations of an interval are condensed to a map from the state at its start to that
+//! On every interval the second derivatives are polynomials through the collocation points, and so
+//! are the slopes. The linearised equations of an interval are condensed to a map from the state at its start to that
 //! at its end; the product of the maps closes the orbit, and its eigenvalues are the Floquet
 //! multipliers. Work grows linearly with the number of intervals.
 
@@ -85,6 +85,12 @@ impl Orbit {
     pub(super) fn state(&self, interval: usize) -> (&[f64], &[f64]) {
         let m = self.unknowns;
         self.states[2 * interval * m..][..2 * m].split_at(m)
+    }
+
+    /// Whether the states at drive angle 0 differ by more than this, in rad and in slopes.
+    pub(super) fn differs(&self, other: &Self, by: f64) -> bool {
+        let pairs = self.states.iter().zip(&other.states).take(2 * self.unknowns);
+        pairs.into_iter().any(|(x, y)| (x - y).abs() > by)
     }
 
     fn stages(&self, interval: usize) -> &[f64] {

@@ -100,11 +100,11 @@ impl RigidPiece {
         found
     }
 
-    /// Angle error and speed ratio of every shaft behind a joint of the piece.
-    pub(super) fn followers(&self, angle: f64) -> impl Iterator<Item = (f64, f64)> {
+    /// Angle error, speed ratio and its slope of every shaft behind a joint of the piece.
+    pub(super) fn followers(&self, angle: f64) -> impl Iterator<Item = [f64; 3]> {
         self.followers.iter().map(move |(ideal, _)| {
             let motion = ideal.motion(angle);
-            (motion.angle_error, motion.speed_ratio)
+            [motion.angle_error, motion.speed_ratio, motion.acceleration_ratio]
         })
     }
 }

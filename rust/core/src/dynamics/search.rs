@@ -64,7 +64,7 @@ impl TorsionalSystem {
 
     /// An orbit by continuation in speed, from above all resonances, where the masses turn
     /// uniformly.
-    fn continued(&self, speed: f64) -> Option<Found> {
+    pub(super) fn continued(&self, speed: f64) -> Option<Found> {
         let highest = self.natural_frequencies().last().copied()?;
         let start = Orbit::start(self.unknowns(), 4 * FEWEST, |_, _| {});
         continuation(start, 4.0 * (highest / speed).max(1.0), |orbit, factor| {
@@ -72,23 +72,60 @@ impl TorsionalSystem {
         })
     }
 
-    /// A large orbit within a resonance, past the folds at which continuation ends: from
-    /// oscillations of the second order of several amplitudes and phases.
+    /// A large orbit within a resonance, past the folds at which continuation ends.
     fn large(&self, equation: &mut MotionEquation<'_>) -> Option<Found> {
-        const AMPLITUDES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
-        const PHASES: u32 = 8;
-        let mut starts = AMPLITUDES.iter().flat_map(|&size| (0..PHASES).map(move |i| (size, i)));
-        starts.find_map(|(size, i)| {
-            let phase = TAU * f64::from(i) / f64::from(PHASES);
-            let start = Orbit::start(self.unknowns(), 8 * FEWEST, |angle, [y, v, a]| {
-                let (sine, cosine) = (2.0 * angle + phase).sin_cos();
-                y.fill(size * sine);
-                v.fill(2.0 * size * cosine);
-                a.fill(-4.0 * size * sine);
-            });
-            converged(start, equation, COARSE, None)
-        })
+        let starts = oscillation_starts(1);
+        starts.into_iter().find_map(|start| self.started_at(equation, start))
     }
+
+    /// The orbits to which Newton's method converges from oscillations of the second order of
+    /// several amplitudes and phases, of all unknowns from each one on.
+    pub(super) fn oscillations(
+        &self,
+        equation: &mut MotionEquation<'_>,
+    ) -> impl Iterator<Item = Found> {
+        let starts = oscillation_starts(self.unknowns());
+        starts.into_iter().filter_map(move |start| self.started_at(equation, start))
+    }
+
+    fn started_at(
+        &self,
+        equation: &mut MotionEquation<'_>,
+        Oscillation { size, phase, from }: Oscillation,
+    ) -> Option<Found> {
+        let start = Orbit::start(self.unknowns(), 8 * FEWEST, |angle, [y, v, a]| {
+            let (sine, cosine) = (2.0 * angle + phase).sin_cos();
+            for (values, value) in [(y, sine), (v, 2.0 * cosine), (a, -4.0 * sine)] {
+                values[..from].fill(0.0);
+                values[from..].fill(size * value);
+            }
+        });
+        converged(start, equation, COARSE, None)
+    }
+}
+
+/// An oscillation of the second order.
+#[derive(Clone, Copy, Debug)]
+struct Oscillation {
+    /// Amplitude in rad.
+    size: f64,
+    phase: f64,
+    /// The first unknown that oscillates.
+    from: usize,
+}
+
+/// Oscillations of several amplitudes and phases, largest first, of so many shapes.
+fn oscillation_starts(shapes: usize) -> Vec<Oscillation> {
+    const AMPLITUDES: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
+    const PHASES: u32 = 8;
+    let each = |(from, size): (usize, f64)| {
+        (0..PHASES).map(move |i| {
+            let phase = TAU * f64::from(i) / f64::from(PHASES);
+            Oscillation { size, phase, from }
+        })
+    };
+    let shapes = (0..shapes).flat_map(|from| AMPLITUDES.map(|size| (from, size)));
+    shapes.flat_map(each).collect()
 }
 
 /// Follows an orbit while a factor decreases to 1, in ratios that shrink where Newton's method does
@@ -117,8 +154,8 @@ fn continuation(
 }
 
 /// An orbit to which Newton's method has converged.
-struct Found {
-    orbit: Orbit,
+pub(super) struct Found {
+    pub(super) orbit: Orbit,
     /// The last step of Newton's method divided by the square of the one before it, per rad.
     contraction: f64,
     /// The unit of errors in rad.
@@ -151,7 +188,7 @@ fn converged(
 }
 
 /// Halves the intervals until the orbit, its harmonics and its multipliers no longer change.
-fn refined(
+pub(super) fn refined(
     found: Found,
     equation: &mut MotionEquation<'_>,
     wanted: Wanted,

@@ -137,23 +137,26 @@ impl TorsionalSystem {
     }
 
     /// Calls `put` with every shaft end (twice the shaft, plus 1 for the output end), its angle
-    /// error relative to the drive in rad and its speed ratio.
-    pub(super) fn shaft_ends(&self, pieces: &[PieceState], mut put: impl FnMut(usize, f64, f64)) {
+    /// error relative to the drive in rad and the first two derivatives of its angle.
+    pub(super) fn shaft_ends(&self, pieces: &[PieceState], mut put: impl FnMut(usize, [f64; 3])) {
         let starts = std::iter::once(0).chain(self.springs.iter().map(|spring| spring.shaft));
         for (number, (piece, first)) in self.pieces.iter().zip(starts).enumerate() {
-            let PieceState { angle, error, ratio } = pieces[number];
+            let PieceState { angle, error, slope, curvature } = pieces[number];
             let next = self.springs.get(number).map(|spring| spring.shaft);
             if number == 0 {
-                put(0, error, ratio);
+                put(0, [error, slope, curvature]);
             }
             if number > 0 || next != Some(first) {
-                put(2 * first + 1, error, ratio);
+                put(2 * first + 1, [error, slope, curvature]);
             }
-            for (shaft, (own_error, own_ratio)) in (first + 1..).zip(piece.followers(angle)) {
-                let (error, ratio) = (error + own_error, ratio * own_ratio);
-                put(2 * shaft, error, ratio);
+            for (shaft, [own_error, ratio, ratio_slope]) in
+                (first + 1..).zip(piece.followers(angle))
+            {
+                let curve = ratio.mul_add(curvature, ratio_slope * slope * slope);
+                let end = [error + own_error, ratio * slope, curve];
+                put(2 * shaft, end);
                 if next != Some(shaft) {
-                    put(2 * shaft + 1, error, ratio);
+                    put(2 * shaft + 1, end);
                 }
             }
         }
@@ -167,6 +170,8 @@ pub(super) struct PieceState {
     pub(super) angle: f64,
     /// The same relative to the drive angle and the constant offsets.
     pub(super) error: f64,
-    /// Its speed divided by that of the drive.
-    pub(super) ratio: f64,
+    /// The first derivative of its angle by the drive angle or by time.
+    pub(super) slope: f64,
+    /// The second derivative.
+    pub(super) curvature: f64,
 }
