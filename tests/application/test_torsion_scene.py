@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
@@ -289,6 +290,9 @@ def test_a_resonance_without_damping_is_said() -> None:
     assert reason == "no periodic orbit was found"
     assert "Without damping no torque is limited at 1910 rpm" in torsion_text(found)
     ANSWERS.validate(torsion_data("", found))
+    above = figures(text.replace("[1000, 4500]", "[2500, 4500]"))
+    assert np.isfinite(above.largest[0].size)
+    assert not above.missing
     damped = figures(text + "damping_ratio = 0.01\n")
     assert not damped.missing
     assert np.isfinite(damped.largest[0].size)
@@ -308,6 +312,16 @@ def test_verdicts() -> None:
         "No critical speed of order 2 or 4 or 6 lies in the range; the nearest one is that of "
         "order 2 at 1515 rpm"
     )
+
+
+def test_the_remedy_is_that_of_a_rule_that_is_exceeded() -> None:
+    found = figures(JOINT)
+    (first, *_) = torsion_sentences(found)
+    assert first.endswith("of at most 0° instead of 20°.")
+    assert "a damping ratio of at least 0.0311 prevents this" in first
+    kept = replace(found, rules=tuple(replace(rule, damping_ratio=1.0) for rule in found.rules))
+    (first, *_) = torsion_sentences(kept)
+    assert first.endswith("the smallest vibration grows.")
 
 
 def test_the_command(tmp_path: Path) -> None:
