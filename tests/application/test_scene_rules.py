@@ -94,7 +94,7 @@ ACROSS_KEYS = (
     # Keys and sections that others need.
     r"inertias_kgm2 are given without a speed or an acceleration; ",
     r"quantities\[\d+\] is '\w+'; it needs a section \[load\]$",
-    r"table needs a section \[study\], reduce or closed_forms$",
+    r"table needs a section \[study\] or \[states\], reduce or closed_forms$",
     r"table is '.*'; that is the file of the curves$",
     r"closed_forms do not go with recorded bends$",
     r"\[study\] \S+ does not go with recorded bends$",
@@ -116,6 +116,7 @@ ACROSS_KEYS = (
     NO_RISE,
     r"\[torsion\] \w+ has length \d+; it needs \d+, one per shaft$",
     r"\[torsion\] inertias_kgm2\[.*\] is 0\.0, and so is every inertia ",
+    r"\[torsion\] stiffnesses and inertias differ by too many orders of magnitude; ",
     r"\[torsion\] stiffnesses_Nm_per_rad is missing; give it or a section \[tubes\]$",
     r"\[torsion\] stiffnesses_Nm_per_rad\[\d+\] is 'tube'; shaft \d+ is not in \[tubes\]$",
     r"\[torsion\] stiffnesses_Nm_per_rad are all infinite; at least one shaft must be compliant$",

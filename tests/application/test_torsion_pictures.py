@@ -81,6 +81,14 @@ def test_the_response_has_torques_and_critical_speeds(truck: TorsionFigures) -> 
         plot_torsion_response(truck, 0)
 
 
+def test_orders_that_joints_do_not_excite_are_not_marked() -> None:
+    text = (ROOT / "examples" / "rig_torsion.toml").read_text(encoding="utf-8")
+    found = torsion_figures(Scene.parse(text.replace("[2, 4, 6]", "[2, 3]")))
+    assert found is not None
+    speeds = vertical_lines(plot_torsion_response(found))
+    assert speeds == pytest.approx([found.modes[0].frequency / RPM / 2])
+
+
 def test_the_response_marks_unstable_speeds(rig: TorsionFigures) -> None:
     axes = plot_torsion_response(rig)
     spans = [
@@ -146,6 +154,8 @@ def test_the_map_of_stability_is_that_of_the_library(rig: TorsionFigures) -> Non
     lowest = np.min(corners[np.abs(corners[:, 0] - 3030) < 200, 1])
     assert lowest == pytest.approx(2.0 * np.degrees(np.arctan(np.sqrt(0.02))), abs=0.5)
     assert axes.get_ylabel() == "bend of joint 0 [deg]"
+    assert axes.get_ylim() == pytest.approx((0.0, 50.0))
+    assert np.max(corners[:, 1]) == pytest.approx(50.0)
     marked = next(line for line in axes.get_lines() if line.get_label() == "bend of the scene")
     assert np.asarray(marked.get_ydata()) == pytest.approx(25.0)
     with pytest.raises(ValueError, match="joint is 1; there are 1, counted from 0"):
@@ -175,9 +185,17 @@ def test_the_page_has_a_section(tmp_path: Path, truck: TorsionFigures) -> None:
     assert "order 2 meets 83.79 Hz" in section
     assert re.search(r'class="verdict fair">The torque changes its sign in every turn', section)
     # The highest point of the curve of shaft 1 is its largest torque.
-    curve = re.search(r'class="curve c0" points="([^"]+)"', section)
-    assert curve is not None
-    points = np.array([pair.split(",") for pair in curve[1].split()], dtype=np.float64)
+    curves = [
+        np.array([pair.split(",") for pair in points.split()], dtype=np.float64)
+        for points in re.findall(r'class="curve c\d" points="([^"]+)"', section)[:3]
+    ]
+    largest, mean, least = (curve[:, 1] for curve in curves)
+    # Downwards on the page; where the shaft rests against the load all are equal.
+    up, down = np.max(mean - largest), np.max(least - mean)
+    torque = truck.largest[0]
+    expected = (torque.most - torque.mean) / (torque.mean - torque.least)
+    assert up / down == pytest.approx(expected, rel=0.02)
+    points = curves[0]
     highest = points[np.argmin(points[:, 1]), 0]
     share = (highest - points[0, 0]) / (points[-1, 0] - points[0, 0])
     assert 500 + 2500 * share == pytest.approx(truck.largest[0].speed / RPM, rel=0.005)

@@ -103,20 +103,26 @@ def torsion_of(
     dampings = values.get("dampings_Nms_per_rad")
     ratios = values.get("damping_ratio", 0.0) if dampings is None else None
     try:
-        system = TorsionalSystem(
-            line,
-            inertias=inertias,
-            stiffnesses=stiffnesses,
-            load_torque=torque,
-            load_damping=load_damping,
-            dampings=dampings,
-            damping_ratios=ratios,
-        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            system = TorsionalSystem(
+                line,
+                inertias=inertias,
+                stiffnesses=stiffnesses,
+                load_torque=torque,
+                load_damping=load_damping,
+                dampings=dampings,
+                damping_ratios=ratios,
+            )
     except ArgumentValueError as error:
         raise ArgumentValueError(
             _KEYS.get(error.argument, error.argument), error.problem, error.place
         ) from None
     orders = tuple(sorted(values.get("orders", ORDERS)))
+    if not np.all(system.natural_frequencies() > 0.0):
+        raise ValueError(
+            "stiffnesses and inertias differ by too many orders of magnitude; a shaft that is much "
+            'stiffer than the others is "rigid"'
+        )
     speed = RPM * values["speed_rpm"]
     return TorsionCase(system, inertias, stiffnesses, speed, orders, torque, load_damping)
 

@@ -20,12 +20,13 @@ RIGID = "rigid"
 TUBE: Literal["tube"] = "tube"
 """What it writes for the stiffness of a shaft in [tubes]."""
 
-_INERTIA = Number(0, what="an inertia")
+# No shaft of a machine is beyond these ends, and within them the equations can be solved.
+_INERTIA = Number(0, 1e6, what="an inertia")
 _PAIR = ListOf(_INERTIA, "two numbers", count=2)
-_STIFFNESS = Number(0, above=True, what="a stiffness")
+_STIFFNESS = Number(1e-3, 1e12, what="a stiffness")
 
 _MOST_SPEEDS = 100_000
-_SPEED = Number(0, above=True, what="a speed")
+_SPEED = Number(1e-3, 1e6, what="a speed")
 
 
 @dataclass(frozen=True)

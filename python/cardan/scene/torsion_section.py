@@ -24,10 +24,10 @@ TORSION = Section(
         ),
         "dampings_Nms_per_rad": Key(kinds.DAMPINGS, "or: damping of each shaft"),
         "load_torque_Nm": Key(
-            kinds.NUMBER, "torque that brakes the last shaft; default: the torque of [load]"
+            kinds.LOAD_TORQUE, "torque that brakes the last shaft; default: the torque of [load]"
         ),
         "load_damping_Nms_per_rad": Key(
-            kinds.POSITION, "viscous load on the last shaft", default=0
+            kinds.LOAD_DAMPING, "viscous load on the last shaft", default=0
         ),
         "speed_rpm": Key(
             kinds.SPEEDS,
