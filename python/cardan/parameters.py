@@ -37,14 +37,15 @@ VARIABLES: tuple[Variables, ...] = (
 )
 
 
-def checked_parameters(line: Any, by: str) -> str:  # noqa: ANN401 - a driveline
+def checked_parameters(line: Any, by: str) -> Parameters:  # noqa: ANN401 - a driveline
     """Return the kind of parameters of the geometry, which the driveline must have.
 
     Raises:
         ArgumentTypeError: something that is not a name.
         ArgumentValueError: an unknown name, points that the driveline does not have.
     """
-    return _known(line, by, PARAMETERS, ())
+    name = _known(line, by, PARAMETERS, ())
+    return next(known for known in PARAMETERS if known == name)
 
 
 def checked_variables(

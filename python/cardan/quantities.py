@@ -1,13 +1,12 @@
 """The quantities by which a driveline is judged, toleranced and optimised, each named once.
 
-Those of the motion grow with the magnitude of a complex number. Those of an output name it, the
-shaft, joint or bearing, and the reduction of its samples: ``support_moment_1_peak``.
+Those of the motion are here. An output with its shaft, joint or bearing and a reduction of its
+samples is one as well (``cardan.reduced_quantities``).
 """
 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -15,11 +14,8 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
-from cardan.arrays import FloatArray
-from cardan.load import Load
-from cardan.outputs import OUTPUTS, Output, nearest
-from cardan.request import REDUCTIONS, Items, Reduction, item_index
-from cardan.sweep import Sweep
+from cardan.outputs import OUTPUTS, nearest
+from cardan.reduced_quantities import reduced_quantity
 
 Amplitude: TypeAlias = Literal["last", "driving", "coasting"]
 """``q`` of a shaft; the sum of ``q`` over the intermediate shafts, driven from either end."""
@@ -150,102 +146,6 @@ MOTION_QUANTITIES: Mapping[str, MotionQuantity] = MappingProxyType(
     }
 )
 """The quantities that need neither samples nor a load, by name."""
-
-
-_SAMPLES_PER_TURN = 360
-
-# Of these a turn of the drive is the period; all else repeats after half a turn.
-_PER_TURN = frozenset({"angle", "tilt_driving", "tilt_driven"})
-
-
-@dataclass(frozen=True, eq=False)
-class ReducedQuantity:
-    """An output over a turn of the drive, reduced to one number.
-
-    Attributes:
-        output: what is evaluated.
-        items: of which shafts or joints, as ``Driveline.evaluate`` takes them, or the index of a
-            bearing; the largest value counts. ``None``: the last shaft, all joints or bearings.
-        reduction: of the samples; of a vector, the length of what it makes of the components.
-    """
-
-    output: Output
-    items: Items
-    reduction: Reduction
-
-    @property
-    def unit(self) -> str:
-        """SI unit; ``"1"`` for a ratio."""
-        return self.output.unit
-
-    @property
-    def label(self) -> str:
-        """What to call it in words: ``support moment of shaft 1, peak``."""
-        of = "" if self.items is None else f" of {self.output.per} {self.items}"
-        return f"{self.output.label}{of}, {self.reduction}"
-
-    def check_item(self, line: Any) -> None:  # noqa: ANN401 - a driveline
-        """Check that a driveline has the shaft, joint or bearing that the quantity names.
-
-        Raises:
-            IndexError: it has none.
-        """
-        per = self.output.per
-        counts = {"shaft": line.n_joints + 1, "joint": line.n_joints, "bearing": line.n_bearings}
-        if isinstance(self.items, int):
-            item_index(f"{per} of {self.output.name}", self.items, counts[per])
-
-    def of(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
-        """Return the number of each driveline, in the shape of the batch.
-
-        Args:
-            line: the drivelines.
-            load: for an output that needs one; its values broadcast to the batch.
-            workers: largest number of threads, as for ``Driveline.evaluate``.
-
-        Raises:
-            IndexError: a shaft, joint or bearing that does not exist.
-            ValueError: as of ``Driveline.evaluate``.
-        """
-        name, per = self.output.name, self.output.per
-        turns = 1.0 if name in _PER_TURN else 0.5
-        items = {} if per == "bearing" else {f"{per}s": self.items}
-        values = np.asarray(
-            line[..., np.newaxis].evaluate(
-                Sweep.revolutions(turns, _SAMPLES_PER_TURN),
-                name,
-                reduce=self.reduction,
-                load=None if load is None else load.at_any_angle(),
-                workers=workers,
-                **items,
-            )[name]
-        )
-        if per == "bearing" and self.items is not None:
-            values = values[self.items]
-        if self.output.vector and self.reduction != "peak":
-            values = np.linalg.norm(values, axis=-1)
-        return np.asarray(values if values.ndim == len(line.shape) else np.max(values, axis=0))
-
-
-def reduced_quantity(name: str) -> ReducedQuantity | None:
-    """Return the reduced output of a name; ``None`` if it is not one.
-
-    >>> reduced_quantity("support_moment_1_peak").items
-    1
-    """
-    for output in OUTPUTS.values():
-        if re.fullmatch(pattern(output), name):
-            rest, _, last = name.rpartition("_")
-            number = rest.removeprefix(output.name)
-            reduction = next(known for known in REDUCTIONS if known == last)
-            return ReducedQuantity(output, int(number[1:]) if number else None, reduction)
-    return None
-
-
-def pattern(output: Output) -> str:
-    """Return the regular expression of the names of an output's reductions."""
-    number = "(_[0-9]{1,9})?" if output.per == "shaft" else "_[0-9]{1,9}"
-    return f"{output.name}{number}_({'|'.join(REDUCTIONS)})"
 
 
 def nearest_quantity(name: str, known: Iterable[str] = MOTION_QUANTITIES) -> str:

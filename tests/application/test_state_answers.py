@@ -304,6 +304,16 @@ def test_a_cluster_takes_studies_only(tmp_path: Path) -> None:
     assert "states are evaluated in one process; only a study is distributed" in said
 
 
+def test_a_run_says_what_is_of_the_driveline_alone(tmp_path: Path) -> None:
+    status, text = run("run", TRUCK, tmp_path)
+    assert status == 0
+    before, note, after = text.partition("above are those of [driveline]; the states follow.\n")
+    assert note
+    assert "Over a whole turn" in before
+    assert "Largest over the states" in after
+    assert "[driveline]" not in run("run", single(-240), tmp_path)[1]
+
+
 def test_the_report_has_the_loads_of_the_worst_state(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     write_report(Scene.parse(TRUCK), page)

@@ -118,6 +118,45 @@ def test_one_phase_is_that_of_the_closed_form() -> None:
     )
 
 
+@pytest.mark.parametrize("start", [[-51.0, 141.0], [-231.0, 137.0], [400.0, -600.0]])
+def test_a_free_phase_stays_next_to_its_start(start: list[float]) -> None:
+    """From the first two starts the search ends more than a quarter turn away."""
+    line = Driveline.from_bends([9, 10, 6], [37, -50], degrees=True)
+
+    def phased(x: NDArray[np.float64]) -> Driveline:
+        return line.with_phases(np.radians(x))
+
+    best = cardan.optimise(phased, start, phases=[0, 1], degrees=True, starts=1)
+    assert np.all(np.abs(best.x - start) <= 90.0)
+    np.testing.assert_allclose(phased(best.x).equivalent().bend, best.value, atol=1e-9)
+    # A bound is kept even where the value nearest to the start is beyond it.
+    low = [start[0] - 10.0, -np.inf]
+    bounded = cardan.optimise(
+        phased, start, [(low[0], np.inf), (-np.inf, np.inf)], phases=[0, 1], degrees=True
+    )
+    assert np.all(bounded.x >= low)
+    assert np.degrees(bounded.value) < 1e-4
+
+
+def test_parameters_give_the_derivatives() -> None:
+    """Exact ones of all quantities, from far fewer drivelines than differences need."""
+    calls = []
+
+    def counted(x: NDArray[np.float64]) -> Driveline:
+        calls.append(1)
+        return truck(x)
+
+    known = [("points", (2, 1)), *(("phases", i, np.pi / 180.0) for i in range(2))]
+    asked: dict[str, Any] = {"minimise": "bending_driven_2_peak", **PHASES}
+    asked |= {"load": Load(output_torque=100.0), "keep": {"inertia_excitation": 0.02}}
+    plain = cardan.optimise(counted, START, BOUNDS, **asked)
+    many = len(calls)
+    calls.clear()
+    exact = cardan.optimise(counted, START, BOUNDS, parameters=known, **asked)
+    assert exact.value <= plain.value * (1.0 + 1e-6)
+    assert len(calls) < 0.8 * many
+
+
 def test_constant_velocity_is_reached() -> None:
     """There the equivalent bend has an infinite slope, and ``q`` none of that."""
     best = cardan.optimise(
@@ -428,6 +467,13 @@ def one_phase(x: NDArray[np.float64]) -> Driveline:
         ({"phases": [0, 0]}, "phases[1] is 0 again; name each once"),
         ({"phases": [0], "teeth": [3, 4]}, "teeth has length 2; there are 1 phases"),
         ({"phases": [0], "teeth": 0}, "teeth is 0; it must be at least 1"),
+        ({"parameters": []}, "parameters has length 0; there are 1 variables"),
+        ({"parameters": [("phases", 1)]}, "parameters[0, 1] is 1; index 1 is out of bounds"),
+        ({"parameters": [("speed", 0)]}, "parameters[0, 0] is 'speed'; "),
+        (
+            {"parameters": [("phases", 0)], "jac": lambda x: np.zeros((1, 1))},
+            "jac does not go with parameters, which say the same",
+        ),
         ({"starts": 0}, "starts is 0; it must be at least 1"),
         (
             {"lines_of": lambda x: Driveline.from_bends([[[0.1]]])},

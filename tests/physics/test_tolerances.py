@@ -848,7 +848,7 @@ def test_reduced_outputs_keep_bearings_and_points() -> None:
         ({"bends": 0.1, "samples": 10.0}, "samples is 10.0; it must be an integer"),
         ({"bends": 0.1, "seed": -1}, "seed is -1; it must not be negative"),
         ({"bends": 0.1, "seed": "x"}, "seed is 'x'; it must be an integer"),
-        ({"bends": 0.1, "shaft": 0}, "shaft is 0; the drive shaft has no errors of its own"),
+        ({"bends": 0.1, "shaft": 0}, "shaft is 0; the drive shaft turns without errors"),
         ({"bends": 0.1, "shaft": 4}, "shaft is 4; there are 4, counted from 0"),
     ],
 )
@@ -880,7 +880,7 @@ def test_what_is_refused_of_the_result() -> None:
     load = Load(output_torque=1.0)
     without = three().tolerances(bends=0.1, degrees=True, of="torque", load=load, samples=10)
     for name in ("passing", "permitted"):
-        with pytest.raises(ValueError, match="limit is missing; 'torque' has no limit of its own"):
+        with pytest.raises(ValueError, match="limit is missing; 'torque' has no default limit"):
             _ = without.passing if name == "passing" else without.permitted("bends")
 
 

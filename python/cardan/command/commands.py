@@ -18,6 +18,7 @@ import cardan.command.help_text as help_text
 from cardan import __version__
 from cardan.command import ball_joint, in_service
 from cardan.command import optimise as optimising
+from cardan.command import tolerances as tolerancing
 from cardan.command import torsion as vibration
 from cardan.command.files import (
     check_folder,
@@ -49,14 +50,12 @@ from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
 from cardan.figures.steering import steering_figures
 from cardan.figures.summary import drive_angles, recorded_angles, summary
-from cardan.figures.tolerance_answers import tolerances_data
-from cardan.figures.tolerances import needed_tolerances, permitted_tolerances, tolerance_figures
+from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import plot_forces, save, write_picture
 from cardan.plots.abscissa import Over
-from cardan.plots.tolerances import write_tolerances
 from cardan.plots.torsion import PICTURES
 from cardan.report import write_report
 from cardan.scene import load_scene, starters
@@ -73,11 +72,11 @@ from cardan.words.identification import identification_text
 from cardan.words.limits import check_text
 from cardan.words.signals import signals_text
 from cardan.words.slip import slip_text
-from cardan.words.states import states_text, verdicts_text
+from cardan.words.states import OF_DRIVELINE, states_text, verdicts_text
 from cardan.words.steering import steering_text
 from cardan.words.study import study_text
 from cardan.words.summary import angles_text, few_samples_text, summary_text
-from cardan.words.tolerances import tolerance_verdicts_text, tolerances_text
+from cardan.words.tolerances import tolerance_verdicts_text
 from cardan.words.torsion import torsion_check_text
 from cardan.words.yokes import yoke_text
 
@@ -239,6 +238,8 @@ def commands() -> click.Group:
         if recorded := signals_text(angles):
             say_before_files(f"{recorded}\n")
         say_before_files(summary_text(rows, angles, radians=radians))
+        if whole.states:
+            say_before_files(f"\n{OF_DRIVELINE}")
         if whole.missing:
             say_before_files(f"\n{missing_of(whole)}")
         if forces := forces_of(whole):
@@ -405,20 +406,7 @@ def commands() -> click.Group:
     @output_option("Picture to write as well.")
     @as_json
     def tolerances(scene: Path, output: Path | None, as_json: bool) -> None:
-        loaded = Scene.load(scene)
-        found = needed_tolerances(loaded)
-        assert loaded.tolerances
-        if output is not None:
-            check_output(loaded, output)
-            write_tolerances(loaded.tolerances, output)
-        if as_json:
-            say(as_json_text(tolerances_data(loaded)))
-            return
-        if loaded.title:
-            say(f"{loaded.title}\n")
-        say(tolerances_text(found, permitted_tolerances(loaded.tolerances)))
-        if output is not None:
-            say(f"\nwrote {output}")
+        tolerancing.run(scene, output, as_json=as_json)
 
     @cardan.command(help=help_text.LIFE, short_help="Say how long the joints last.")
     @scene_argument

@@ -21,7 +21,8 @@ def run(path: Path, to: Path | None, picture: Path | None, *, as_json: bool) -> 
 
     Args:
         path: the scene.
-        to: the scene to write; ``None`` for one beside it.
+        to: the scene to write; ``None`` for the name of the scene with
+            ``.optimised.toml``, in its folder.
         picture: a picture to write, if any.
         as_json: whether to print JSON.
     """

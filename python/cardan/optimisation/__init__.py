@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, SupportsIndex
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
-from cardan.errors import ArgumentTypeError, ArgumentValueError, Place, wrong_element
+from cardan.errors import ArgumentValueError, Place, wrong_element
 from cardan.load import Load
-from cardan.optimisation.measures import Measure, QuantityLike, measure_of
+from cardan.optimisation.arguments import (
+    check_whole,
+    checked_bounds,
+    checked_phases,
+    index_of,
+    kept_of,
+    parameters_of,
+    speeds_of,
+    steps_of,
+    weights_of,
+)
+from cardan.optimisation.local import MARGIN, TOLERANCE
+from cardan.optimisation.measures import QuantityLike, measure_of
 from cardan.optimisation.problem import Problem, many_of, states_of
-from cardan.optimisation.search import MARGIN, TOLERANCE, Candidate, candidates, search
+from cardan.optimisation.search import Candidate, candidates, search
 
 __all__ = ["ActiveLimit", "NotKeptError", "Optimum", "optimise"]
 
@@ -102,6 +113,7 @@ def optimise(
     weights: ArrayLike | None = None,
     keep: Mapping[str, float] | None = None,
     jac: Callable[[FloatArray], NDArray[np.complex128]] | None = None,
+    parameters: Sequence[tuple[Any, ...]] | None = None,
     load: Load | None = None,
     speed: ArrayLike | None = None,
     phases: Sequence[int] = (),
@@ -141,6 +153,11 @@ def optimise(
         jac: returns the derivatives of ``lines_of(x).transmission().q`` by the variables,
             ``(states, m)``. By default, and for quantities that do not follow from this ``q``, they
             come from differences.
+        parameters: what each variable changes, if it changes parameters of the driveline in every
+            state alike: ``("phases", 0)``, ``("points", (2, 1))`` or ``("bends", slice(0, 2),
+            factor)`` with the change per unit of the variable, by default 1, in radians or the unit
+            of the points. Derivatives are then exact, also of excitations and of outputs other than
+            forces.
         load: for outputs that need one.
         speed: of the drive in rad/s for the excitations, one for all states or ``(states,)``. By
             default they are over the square of the speed, so that they have no unit.
@@ -187,28 +204,33 @@ def optimise(
         )
     if not np.all(np.isfinite(first)):
         raise wrong_element("start", first, ~np.isfinite(first), "; it must be finite")
-    low, high = _bounds(bounds, first)
+    low, high = checked_bounds(bounds, first)
     half_turn = 180.0 if degrees else math.pi
-    numbers = _phases(phases, len(first))
-    steps = _steps(teeth, numbers)
+    numbers = checked_phases(phases, len(first))
+    steps = steps_of(teeth, numbers)
     if over not in ("largest", "rms"):
         raise ArgumentValueError("over", f"is {over!r}; it must be 'largest' or 'rms'")
-    _whole("starts", starts)
+    check_whole("starts", starts)
     line = many_of(lines_of(first[np.newaxis]), 1) if vectorised else states_of(lines_of(first))
     n_states = line.shape[-1]
-    speeds = _speeds(speed, n_states)
+    speeds = speeds_of(speed, n_states)
     goal = measure_of("minimise", minimise, line.n_joints, load, speeds)
-    kept, lengths = _kept(keep or {}, line.n_joints, load, speeds)
+    kept, lengths = kept_of(keep or {}, line.n_joints, load, speeds)
     names = [str(i) for i in range(n_states)] if states is None else list(states)
     if len(names) != n_states:
         raise ArgumentValueError("states", f"has {len(names)} names; there are {n_states} states")
-    weight = _weights(weights, over, n_states)
+    weight = weights_of(weights, over, n_states)
     spans = np.array([low, high])
     scale = np.where(np.isfinite(high - low), high - low, np.maximum(np.abs(first), 1.0))
     unbounded = [i for i in numbers if not np.isfinite(high[i] - low[i])]
     scale[unbounded] = half_turn
     rms = over == "rms"
-    problem = Problem(lines_of, low, high, scale, goal, kept, lengths, rms, weight, jac, vectorised)
+    known = parameters_of(parameters, line, len(first))
+    if known and jac is not None:
+        raise ArgumentValueError("jac", "does not go with parameters, which say the same")
+    problem = Problem(
+        lines_of, low, high, scale, goal, kept, lengths, rms, weight, jac, vectorised, known
+    )
     # Errors of the start are those of the caller.
     problem.vectors_at(first[np.newaxis])
     begin = next(iter(candidates(problem, first[np.newaxis])), None)
@@ -226,7 +248,7 @@ def optimise(
         near = first[i] + off - half_turn * np.round(off / half_turn)
         x[i] = near if low[i] <= near <= high[i] else x[i]
     if decimals is not None:
-        x = np.clip(np.round(x, _index("decimals", decimals, ())) + 0.0, low, high)
+        x = np.clip(np.round(x, index_of("decimals", decimals, ())) + 0.0, low, high)
     best = next(iter(candidates(problem, x[np.newaxis])), best)
     return _optimum(problem, begin, best, names)
 
@@ -295,120 +317,12 @@ def _not_kept(problem: Problem, best: Candidate) -> NotKeptError:
     limit = float(measure.figure(problem.lengths[worst]))
     figure = float(np.max(measure.per_state(best.vectors[1 + worst])))
     others = [problem.keep[i].name for i, share in enumerate(shares) if i != worst and share > 1.0]
-    beside = f", with {' and '.join(others)} above the limit as well" if others else ""
+    more = f", with {' and '.join(others)} above the limit as well" if others else ""
     return NotKeptError(
         "keep",
         f"is {limit:.6g}; no variables within the bounds keep it: the best found reach "
-        f"{figure:.6g}, {figure - limit:.3g} above{beside}",
+        f"{figure:.6g}, {figure - limit:.3g} above{more}",
         (measure.name,),
         limit,
         figure,
     )
-
-
-def _bounds(bounds: ArrayLike | None, start: FloatArray) -> tuple[FloatArray, FloatArray]:
-    if bounds is None:
-        return np.full(start.shape, -np.inf), np.full(start.shape, np.inf)
-    array = as_float64("bounds", bounds)
-    if array.shape != (len(start), 2):
-        raise ArgumentValueError(
-            "bounds", f"has shape {array.shape}; it must be {(len(start), 2)}, a pair per variable"
-        )
-    for i, (low, high) in enumerate(array):
-        if not low < high:
-            raise ArgumentValueError(
-                "bounds", f"is [{low:g}, {high:g}]; the first must be below the second", (i,)
-            )
-        if not low <= start[i] <= high:
-            raise ArgumentValueError(
-                "start", f"is {start[i]:g}; it must lie within its bounds [{low:g}, {high:g}]", (i,)
-            )
-    return array[:, 0].copy(), array[:, 1].copy()
-
-
-def _phases(phases: Sequence[int], count: int) -> list[int]:
-    numbers = []
-    for i, given in enumerate(phases):
-        number = _index("phases", given, (i,))
-        if not 0 <= number < count:
-            raise ArgumentValueError(
-                "phases", f"is {number}; there are {count} variables, counted from 0", (i,)
-            )
-        if number in numbers:
-            raise ArgumentValueError("phases", f"is {number} again; name each once", (i,))
-        numbers.append(number)
-    return numbers
-
-
-def _steps(teeth: int | Sequence[int] | None, phases: Sequence[int]) -> dict[int, float]:
-    if teeth is None:
-        return {}
-    listed: Sequence[Any] = [teeth] * len(phases) if not isinstance(teeth, Sequence) else teeth
-    if len(listed) != len(phases):
-        raise ArgumentValueError(
-            "teeth", f"has length {len(listed)}; there are {len(phases)} phases"
-        )
-    for i, count in enumerate(listed):
-        _whole("teeth", count, (i,) if isinstance(teeth, Sequence) else ())
-    return dict(zip(phases, listed, strict=True))
-
-
-def _whole(argument: str, value: SupportsIndex, place: tuple[int, ...] = ()) -> None:
-    number = _index(argument, value, place)
-    if number < 1:
-        raise ArgumentValueError(argument, f"is {number}; it must be at least 1", place)
-
-
-def _index(argument: str, value: SupportsIndex, place: tuple[int, ...]) -> int:
-    try:
-        return operator.index(value)
-    except TypeError:
-        raise ArgumentTypeError(
-            argument, f"is {value!r}; it must be a whole number", place
-        ) from None
-
-
-def _kept(
-    keep: Mapping[str, float], n_joints: int, load: Load | None, speed: FloatArray | None
-) -> tuple[tuple[Measure, ...], FloatArray]:
-    measures, lengths = [], []
-    for name, limit in keep.items():
-        argument = f"keep[{name!r}]"
-        measure = measure_of(argument, name, n_joints, load, speed)
-        value = float(as_float64(argument, limit))
-        if not 0.0 < value < measure.largest:
-            below = f" below {measure.largest:.6g}" if math.isfinite(measure.largest) else ""
-            raise ArgumentValueError(
-                "keep", f"is {limit!r}; a limit must be a positive number{below}", (name,)
-            )
-        measures.append(measure)
-        lengths.append(measure.length(value))
-    return tuple(measures), np.array(lengths)
-
-
-def _speeds(speed: ArrayLike | None, n_states: int) -> FloatArray | None:
-    if speed is None:
-        return None
-    array = as_float64("speed", speed)
-    if array.shape not in ((), (n_states,)):
-        raise ArgumentValueError("speed", f"has shape {array.shape}; there are {n_states} states")
-    wrong = ~((array != 0.0) & np.isfinite(array))
-    if np.any(wrong):
-        raise wrong_element("speed", array, wrong, "; it must be finite and not 0")
-    return array
-
-
-def _weights(weights: ArrayLike | None, over: str, n_states: int) -> FloatArray:
-    if weights is None:
-        return np.full(n_states, 1.0 / n_states)
-    if over != "rms":
-        raise ArgumentValueError("weights", "go with over='rms'; the largest needs none")
-    array = as_float64("weights", weights)
-    if array.shape != (n_states,):
-        raise ArgumentValueError("weights", f"has shape {array.shape}; there are {n_states} states")
-    wrong = ~((array >= 0.0) & np.isfinite(array))
-    if np.any(wrong):
-        raise wrong_element("weights", array, wrong, "; it must be finite and not negative")
-    if not np.any(array > 0.0):
-        raise ArgumentValueError("weights", "are all 0; at least one must be positive")
-    return array / np.sum(array)

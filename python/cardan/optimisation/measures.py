@@ -14,14 +14,9 @@ from cardan.arrays import FloatArray, import_optional
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
-from cardan.quantities import (
-    MOTION_QUANTITIES,
-    Amplitude,
-    MotionQuantity,
-    ReducedQuantity,
-    nearest_quantity,
-    reduced_quantity,
-)
+from cardan.parameters import Parameters
+from cardan.quantities import MOTION_QUANTITIES, Amplitude, MotionQuantity, nearest_quantity
+from cardan.reduced_quantities import ReducedQuantity, reduced_quantity
 
 Vectors: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
@@ -46,6 +41,8 @@ class Measure:
         vectors: of a batch of drivelines: ``(*batch, r)``, the largest of which counts.
         figure: from the length of a vector.
         length: of a vector, from the figure.
+        derivatives: of the vectors by parameters of the drivelines, ``(*batch, r, *parameters)``;
+            ``None`` if they are not known.
         of_q: whether the vector is ``q`` of the last shaft.
         largest: what a limit must be below.
     """
@@ -55,6 +52,7 @@ class Measure:
     vectors: Callable[[Driveline], Vectors]
     figure: Callable[[Any], Any]
     length: Callable[[float], float]
+    derivatives: Callable[[Driveline, Parameters], Vectors] | None = None
     of_q: bool = False
     largest: float = math.inf
 
@@ -138,6 +136,11 @@ def _of_motion(argument: str, of: MotionQuantity, squared: FloatArray | None) ->
         found = [_amplitude(line, kind) for kind in of.amplitudes]
         return np.stack(found, axis=-1) * scale[:, np.newaxis]
 
+    def derivatives(line: Driveline, by: Parameters) -> Vectors:
+        found = [_amplitude_derivatives(line, kind, by) for kind in of.amplitudes]
+        every = np.stack(found, axis=len(line.shape))
+        return every * scale.reshape(-1, *(1 for _ in range(every.ndim - len(line.shape))))
+
     def figure(length: Any) -> Any:  # noqa: ANN401 - a number or an array
         return common * of.ratio(length)
 
@@ -150,7 +153,7 @@ def _of_motion(argument: str, of: MotionQuantity, squared: FloatArray | None) ->
         tolerances = {"xtol": 1e-300, "rtol": 4.0 * np.finfo(float).eps, "maxiter": 500}
         return float(root(lambda k: figure(k) - value, 0.0, high, **tolerances))
 
-    return Measure(of.name, unit, vectors, figure, length, of.of_last, of.largest)
+    return Measure(of.name, unit, vectors, figure, length, derivatives, of.of_last, of.largest)
 
 
 def _amplitude(line: Driveline, kind: Amplitude) -> NDArray[np.complex128]:
@@ -164,14 +167,27 @@ def _amplitude(line: Driveline, kind: Amplitude) -> NDArray[np.complex128]:
     return total
 
 
+def _amplitude_derivatives(
+    line: Driveline, kind: Amplitude, by: Parameters
+) -> NDArray[np.complex128]:
+    """The derivatives of ``_amplitude`` by parameters, ``(*batch, *parameters)``."""
+    if kind == "last":
+        return line.transmission().dq(by)
+    driven = line if kind == "driving" else line.reversed()
+    total = sum(driven.transmission(shaft).dq(by) for shaft in range(1, line.n_joints))
+    # Driven from its other end, a driveline counts its parameters from there.
+    return np.asarray(total if kind == "driving" else np.flip(total, axis=len(line.shape)))
+
+
 def _of_output(name: str, reduced: ReducedQuantity, load: Load | None) -> Measure:
-    return Measure(
-        name,
-        reduced.unit,
-        lambda line: reduced.of(line, load)[..., np.newaxis],
-        lambda length: length,
-        lambda value: value,
-    )
+    def vectors(line: Driveline) -> Vectors:
+        return reduced.of(line, load)[..., np.newaxis]
+
+    def derivatives(line: Driveline, by: Parameters) -> Vectors:
+        return np.expand_dims(reduced.derivatives(line, load, by), len(line.shape))
+
+    known = derivatives if reduced.differentiable else None
+    return Measure(name, reduced.unit, vectors, lambda length: length, lambda value: value, known)
 
 
 def _of_function(argument: str, function: Callable[[Driveline], Any]) -> Measure:

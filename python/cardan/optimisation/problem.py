@@ -13,10 +13,26 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.optimisation.measures import Measure, Vectors, over_states
+from cardan.parameters import Parameters
 
 # Steps of central differences, as a share of the scale of a variable: the third root of the
 # rounding error balances it against the error of the formula.
 _STEP = 6e-6
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What a variable changes: parameters of the driveline, in every state alike.
+
+    Attributes:
+        kind: bends, twists, phases or points.
+        place: which of them, an index behind the batch axes: ``(slice(0, 2),)``, ``(2, 1)``.
+        factor: by how much each changes per unit of the variable.
+    """
+
+    kind: Parameters
+    place: tuple[Any, ...]
+    factor: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +50,7 @@ class Problem:
         rms: whether to minimise the root mean square over the states and not the largest.
         weights: of the states in the mean, ``(states,)``, with sum 1.
         jac: derivatives of ``q`` of the last shaft, if known.
+        parameters: of which parameters the variables are changes, if that is known.
         vectorised: whether ``lines_of`` takes points ``(p, m)`` and returns a batch ``(p,
             states)``.
     """
@@ -49,6 +66,7 @@ class Problem:
     weights: FloatArray
     jac: Callable[[FloatArray], NDArray[np.complex128]] | None
     vectorised: bool
+    parameters: tuple[Parameter, ...] = ()
 
     @property
     def measures(self) -> tuple[Measure, ...]:
@@ -82,12 +100,31 @@ class Problem:
                 )
             for i, measure in enumerate(self.measures):
                 found[i] = by_q[:, np.newaxis, :] if measure.of_q else None
+        if self.parameters:
+            found = self._exact(x)
         missing = [i for i, known in enumerate(found) if known is None]
         if missing:
             measures = [self.measures[i] for i in missing]
             for i, difference in zip(missing, self._differences(x, measures), strict=True):
                 found[i] = difference
         return [known for known in found if known is not None]
+
+    def _exact(self, x: FloatArray) -> list[Vectors | None]:
+        """The derivatives of the measures of which those by parameters are known."""
+        line = states_of(self.lines_of(x))
+        found: list[Vectors | None] = []
+        for measure in self.measures:
+            if measure.derivatives is None:
+                found.append(None)
+                continue
+            kinds = {parameter.kind for parameter in self.parameters}
+            by = {kind: measure.derivatives(line, kind) for kind in kinds}
+            columns = []
+            for one in self.parameters:
+                own = by[one.kind][(slice(None), slice(None), *one.place)]
+                columns.append(one.factor * np.sum(own, axis=tuple(range(2, own.ndim))))
+            found.append(np.stack(columns, axis=-1))
+        return found
 
     def _differences(self, x: FloatArray, measures: Sequence[Measure]) -> list[Vectors]:
         points, factors = [], []

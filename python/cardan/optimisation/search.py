@@ -4,25 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan.arrays import FloatArray, import_optional
+from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
+from cardan.optimisation.local import MARGIN, TOLERANCE, local_best
 from cardan.optimisation.measures import Vectors
 from cardan.optimisation.problem import Problem
-
-TOLERANCE = 1e-9
-"""How far, relatively, a kept quantity may exceed its limit by rounding."""
-
-# So much below its limit, relatively, a quantity is kept, so that the solver's own error and a
-# result that is rounded for a drawing do not exceed it.
-MARGIN = 1e-6
 
 # Points that are evaluated at once.
 _BLOCK = 4096
@@ -136,7 +128,8 @@ def _settled(problem: Problem, start: Candidate, free: NDArray[np.bool_]) -> Can
     """The local best from a start, changing the free variables only."""
     best = start
     for _ in range(_ROUNDS):
-        moved = candidates(problem, _local(problem, best, free)[np.newaxis])
+        x = local_best(problem, best.x, best.size, best.excess, free)
+        moved = candidates(problem, x[np.newaxis])
         if not moved or not moved[0].rank < best.rank:
             return best
         tried = moved[0]
@@ -145,97 +138,6 @@ def _settled(problem: Problem, start: Candidate, free: NDArray[np.bool_]) -> Can
         if settled or best.rank <= (0.0, _NOTHING * start.size):
             break
     return best
-
-
-def _local(problem: Problem, start: Candidate, free: NDArray[np.bool_]) -> FloatArray:
-    """One run of SLSQP from a start.
-
-    The largest of several values has kinks; a further variable ``t`` that bounds them all has
-    none: minimise ``t`` with every ``|z|**2 <= t``. If limits are exceeded, their largest share is
-    minimised first in the same way.
-    """
-    optimise = import_optional("scipy", "optimise").optimize
-    repair = start.excess > TOLERANCE
-    rms = problem.rms and not repair
-    squares = (
-        start.size**2 or 1.0,
-        *(((1.0 - MARGIN) * length) ** 2 for length in problem.lengths),
-    )
-    last: dict[str, Any] = {}
-
-    def terms(y: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
-        """Squared lengths over their scale, and their derivatives, of all measures."""
-        key = y[:m].tobytes()
-        if last.get("key") != key:
-            x = start.x.copy()
-            x[free] = np.clip(x[free] + y[:m] * scale, problem.low[free], problem.high[free])
-            values, slopes = [], []
-            vectors = [own[0] for own in problem.vectors_at(x[np.newaxis])]
-            pairs = zip(vectors, problem.derivatives(x), squares, strict=True)
-            for vector, derivative, square in pairs:
-                values.append((np.abs(vector) ** 2 / square).ravel())
-                slope = 2.0 * np.real(np.conj(vector)[..., np.newaxis] * derivative) / square
-                slopes.append(slope.reshape(vector.size, -1)[:, free] * scale)
-            last.update(key=key, terms=(values, slopes))
-        found: tuple[list[FloatArray], list[FloatArray]] = last["terms"]
-        return found
-
-    m, scale = int(np.count_nonzero(free)), problem.scale[free]
-    bounded = slice(1, None) if repair else slice(0, 0 if rms else 1)
-    hard = slice(1, None) if not repair else slice(0, 0)
-
-    def margins(y: FloatArray) -> FloatArray:
-        values = terms(y)[0]
-        t = 0.0 if rms else y[m]
-        parts = [np.zeros(0), *(t - v for v in values[bounded]), *(1.0 - v for v in values[hard])]
-        return np.concatenate(parts)
-
-    def margin_slopes(y: FloatArray) -> FloatArray:
-        slopes = terms(y)[1]
-        own = 0 if rms else 1
-        rows = [np.hstack([-s, np.ones((len(s), own))]) for s in slopes[bounded]]
-        rows += [np.hstack([-s, np.zeros((len(s), own))]) for s in slopes[hard]]
-        return np.vstack([np.zeros((0, m + own)), *rows])
-
-    parts = start.vectors[0].shape[-1]
-    repeated = np.repeat(problem.weights / parts, parts)
-
-    def goal(y: FloatArray) -> float:
-        return float(repeated @ terms(y)[0][0]) if rms else float(y[m])
-
-    def goal_slope(y: FloatArray) -> FloatArray:
-        if rms:
-            slope: FloatArray = repeated @ terms(y)[1][0]
-            return slope
-        return np.append(np.zeros(m), 1.0)
-
-    low = (problem.low[free] - start.x[free]) / scale
-    high = (problem.high[free] - start.x[free]) / scale
-    top = (1.0 + start.excess) ** 2 if repair else 1.0
-    begin = np.append(np.zeros(m), [] if rms else top)
-    limits = [*zip(low, high, strict=True), *([] if rms else [(0.0, None)])]
-    constraints = {"type": "ineq", "fun": margins, "jac": margin_slopes}
-    has_margins = bool(len(margins(begin)))
-    try:
-        with warnings.catch_warnings():
-            # A trial step beyond the bounds is clipped, here as well as there.
-            warnings.simplefilter("ignore", RuntimeWarning)
-            done = optimise.minimize(
-                goal,
-                begin,
-                jac=goal_slope,
-                method="SLSQP",
-                bounds=limits,
-                constraints=[constraints] if has_margins else [],
-                options={"ftol": 1e-10, "maxiter": 100},
-            )
-    except ArgumentValueError:
-        # A trial step made no driveline.
-        return start.x
-    x = start.x.copy()
-    step = np.nan_to_num(done.x[:m]) * scale
-    x[free] = np.clip(x[free] + step, problem.low[free], problem.high[free])
-    return x
 
 
 def _on_teeth(
@@ -254,7 +156,8 @@ def _on_teeth(
     free = np.ones(len(first.x), dtype=bool)
     free[phases] = False
     best = first
-    settings = np.array(_settings(problem, first, found, steps, half_turn))
+    allowed = _allowed(problem, first.x, steps, half_turn)
+    settings = np.array(_settings(allowed, [one.x[phases] for one in found], half_turn))
     bases = sorted(found, key=lambda one: one.rank)[: _FOLLOWED if np.any(free) else 1]
     points = np.repeat([one.x for one in bases], len(settings), axis=0)
     points[:, phases] = np.tile(settings, (len(bases), 1))
@@ -265,31 +168,34 @@ def _on_teeth(
     return best
 
 
-def _settings(
-    problem: Problem,
-    first: Candidate,
-    found: Sequence[Candidate],
-    steps: Mapping[int, float],
-    half_turn: float,
-) -> list[tuple[float, ...]]:
-    """Values of the variables with teeth."""
-    allowed: list[FloatArray] = []
+def _allowed(
+    problem: Problem, start: FloatArray, steps: Mapping[int, float], half_turn: float
+) -> list[FloatArray]:
+    """The values of each variable with teeth, over half a turn or within its bounds."""
+    allowed = []
     for i, teeth in steps.items():
         pitch = 2.0 * half_turn / teeth
         # With an odd number of teeth half a turn is no whole number of them.
         count = teeth if teeth % 2 else max(teeth // 2, 1)
-        values = first.x[i] + pitch * (np.arange(count) - (count - 1) // 2)
+        values = start[i] + pitch * (np.arange(count) - (count - 1) // 2)
         room = MARGIN * pitch
         inside = (values >= problem.low[i] - room) & (values <= problem.high[i] + room)
         allowed.append(np.clip(values[inside], problem.low[i], problem.high[i]))
+    return allowed
+
+
+def _settings(
+    allowed: Sequence[FloatArray], near: Sequence[FloatArray], half_turn: float
+) -> list[tuple[float, ...]]:
+    """Settings of the variables with teeth: all, or those next to some values of them."""
     if math.prod(len(values) for values in allowed) <= _SETTINGS:
         return list(itertools.product(*allowed))
-    near: set[tuple[float, ...]] = set()
-    for one in found:
+    found: set[tuple[float, ...]] = set()
+    for at in near:
         own = []
-        for i, values in zip(steps, allowed, strict=True):
-            off = values - one.x[i]
+        for place, values in zip(at, allowed, strict=True):
+            off = values - place
             off = np.abs(off - half_turn * np.round(off / half_turn))
             own.append(values[np.argsort(off)[:3]])
-        near.update(itertools.islice(itertools.product(*own), _SETTINGS))
-    return sorted(near)
+        found.update(itertools.islice(itertools.product(*own), _SETTINGS))
+    return sorted(found)

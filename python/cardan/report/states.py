@@ -84,13 +84,13 @@ def _charts(
             continue
         curves = [Curve("as the yokes are", values)]
         if column.name == "equivalent_bend":
-            curves += _beside(scene, yokes, count)
+            curves += _compared(scene, yokes, count)
         heading = column_name(column).partition(" [")[0]
         made.append(chart(Panel(heading, unit, tuple(curves)), x, label))
     return made
 
 
-def _beside(scene: Scene, yokes: dict[str, Any] | None, count: int) -> list[Curve]:
+def _compared(scene: Scene, yokes: dict[str, Any] | None, count: int) -> list[Curve]:
     """Curves beside the equivalent bend: with the best common setting, and the limit."""
     limit = scene.limits.figures["equivalent_bend_deg"].limit
     curves = []

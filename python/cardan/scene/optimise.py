@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -190,7 +189,6 @@ class Optimisation:
         keep: dict[str, float] = {}
         for key, limit in self.keep.items():
             keep[kept_quantity(key)] = math.radians(limit) if key.endswith("_deg") else limit
-        jac = self._dq if all(v.axis.name in _DERIVATIVES for v in self.variables) else None
         try:
             return optimise(
                 self.drivelines,
@@ -201,7 +199,7 @@ class Optimisation:
                 states=self.names,
                 weights=self.weights if self.over == "rms" else None,
                 keep=keep,
-                jac=jac,
+                parameters=self._parameters,
                 load=self.load,
                 speed=self.speed,
                 phases=phases,
@@ -221,17 +219,16 @@ class Optimisation:
                 f"{found:.4g}, {found - limit:.3g} above"
             ) from None
 
-    def _dq(self, changes: FloatArray) -> NDArray[np.complex128]:
-        """The derivatives of ``q`` of the last shaft by the variables, ``(states, m)``."""
-        transmission = self.drivelines(changes).transmission()
-        by = {_DERIVATIVES[variable.axis.name][0] for variable in self.variables}
-        parts = {kind: transmission.dq(by=kind) for kind in by}
-        columns = []
+    @property
+    def _parameters(self) -> list[tuple[Any, ...]] | None:
+        """What each variable changes of the driveline; ``None`` if one changes anything else."""
+        if any(variable.axis.name not in _DERIVATIVES for variable in self.variables):
+            return None
+        found = []
         for variable in self.variables:
             kind, factor = _DERIVATIVES[variable.axis.name]
-            own = parts[kind][_place(variable.axis)]
-            columns.append(factor * np.sum(own, axis=-1))
-        return np.stack(columns, axis=-1)
+            found.append((kind, _place(variable.axis)[1:], factor))
+        return found
 
 
 def _place(axis: Axis) -> tuple[Any, ...]:

@@ -12,7 +12,8 @@ from types import MappingProxyType
 from typing import Any
 
 from cardan.outputs import OUTPUTS, nearest
-from cardan.quantities import MOTION_QUANTITIES, pattern
+from cardan.quantities import MOTION_QUANTITIES
+from cardan.reduced_quantities import pattern
 from cardan.scene.errors import Location
 from cardan.scene.rules import ListOf, Number, Rule, Schema, refused
 from cardan.scene.units import ending_of
@@ -64,6 +65,11 @@ class Vary(Rule):
                 raise own.error("is given twice, with quotes and without")
             if re.fullmatch(rf"{_VECTORS}(\.{_PLACE})?", path):
                 raise own.error("needs place and axis, as in points_mm.2.y")
+            if path.startswith("inertias_kgm2"):
+                raise own.error(
+                    "is a key of [load]; what may change is the layout in [driveline], and [study] "
+                    "compares inertias"
+                )
             if not re.fullmatch(_PATH, path):
                 raise own.error(
                     "is no path of a key of [driveline], as points_mm.2.y, phases_deg.0 or "

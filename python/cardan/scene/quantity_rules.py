@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from cardan.outputs import OUTPUTS
-from cardan.quantities import MOTION_QUANTITIES, nearest_quantity, pattern, reduced_quantity
+from cardan.quantities import MOTION_QUANTITIES, nearest_quantity
+from cardan.reduced_quantities import pattern, reduced_quantity
 from cardan.scene.errors import Location
 from cardan.scene.rules import Rule, Schema, Text, shown
 

@@ -12,7 +12,8 @@ from cardan.errors import ArgumentValueError
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
-from cardan.quantities import MOTION_QUANTITIES, modulus_of_bend, reduced_quantity
+from cardan.quantities import MOTION_QUANTITIES, modulus_of_bend
+from cardan.reduced_quantities import reduced_quantity
 from cardan.scene.parts import largest_speed
 from cardan.scene.states import States
 from cardan.tolerances import Tolerances

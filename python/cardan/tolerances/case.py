@@ -12,7 +12,8 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.geometry import Geometry
 from cardan.load import Load
-from cardan.quantities import Amplitude, MotionQuantity, ReducedQuantity
+from cardan.quantities import Amplitude, MotionQuantity
+from cardan.reduced_quantities import ReducedQuantity
 from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
 from cardan.tolerances.chain import ComplexArray, Deviations
@@ -31,7 +32,7 @@ _MOST_REDUCED = 10
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """One driveline, its tolerances, and what its figures depend on besides.
+    """One driveline, its tolerances, and what else its figures depend on.
 
     Attributes:
         box: the parameters and their tolerances.

@@ -16,14 +16,8 @@ from cardan.geometry import Geometry
 from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, nearest
-from cardan.quantities import (
-    MOTION_QUANTITIES,
-    MotionQuantity,
-    ReducedQuantity,
-    modulus_of_bend,
-    nearest_quantity,
-    reduced_quantity,
-)
+from cardan.quantities import MOTION_QUANTITIES, MotionQuantity, modulus_of_bend, nearest_quantity
+from cardan.reduced_quantities import ReducedQuantity, reduced_quantity
 from cardan.request import Items, Reduction, item_index
 from cardan.tolerances.box import Toleranced, boxes
 from cardan.tolerances.case import Case, Quantity
@@ -64,7 +58,7 @@ def tolerances(
     names, several = _names(of)
     index = item_index("shaft", shaft, line.n_joints + 1)
     if index == 0:
-        raise ArgumentValueError("shaft", "is 0; the drive shaft has no errors of its own")
+        raise ArgumentValueError("shaft", "is 0; the drive shaft turns without errors")
     given = {"bends": bends, "twists": twists, "phases": phases, "points": points}
     each = boxes(line, given, teeth, distribution, degrees)
     quantities = {
@@ -90,7 +84,7 @@ def tolerances(
         quantities,
         several=several,
         limits=_limits(limit, quantities, several, degrees),
-        samples=_samples(samples),
+        samples=_whole("samples", samples, 1, "must be positive"),
         seed=_seed(seed),
         distribution=distribution,
         workers=workers,
@@ -233,22 +227,17 @@ def _loads(load: Load | None, shape: tuple[int, ...]) -> list[Load | None]:
     return [Load(**{name: column[i] for name, column in columns.items()}) for i in range(count)]
 
 
-def _samples(samples: SupportsIndex) -> int:
-    if not hasattr(samples, "__index__"):
-        raise ArgumentTypeError("samples", f"is {samples!r}; it must be an integer")
-    count = operator.index(samples)
-    if count < 1:
-        raise ArgumentValueError("samples", f"is {count}; it must be positive")
-    return count
-
-
 def _seed(seed: int | None) -> int:
     """The seed, a fresh one if none is given."""
     if seed is None:
         return int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
-    if not hasattr(seed, "__index__"):
-        raise ArgumentTypeError("seed", f"is {seed!r}; it must be an integer")
-    value = operator.index(seed)
-    if value < 0:
-        raise ArgumentValueError("seed", f"is {value}; it must not be negative")
-    return value
+    return _whole("seed", seed, 0, "must not be negative")
+
+
+def _whole(argument: str, value: SupportsIndex, least: int, rule: str) -> int:
+    if not hasattr(value, "__index__"):
+        raise ArgumentTypeError(argument, f"is {value!r}; it must be an integer")
+    number = operator.index(value)
+    if number < least:
+        raise ArgumentValueError(argument, f"is {number}; it {rule}")
+    return number

@@ -255,7 +255,7 @@ class Tolerances:
         if self._several:
             return found
         if not found:
-            raise ArgumentValueError("limit", f"is missing; {self.of[0]!r} has no limit of its own")
+            raise ArgumentValueError("limit", f"is missing; {self.of[0]!r} has no default limit")
         return found[self.of[0]]
 
     @property
@@ -285,7 +285,7 @@ class Tolerances:
         design, name = self._designs[0], self.of[0]
         quantity = self._quantities[name]
         if name not in self._limits:
-            raise ArgumentValueError("limit", f"is missing; {name!r} has no limit of its own")
+            raise ArgumentValueError("limit", f"is missing; {name!r} has no default limit")
         if not any(place[0] == group for place in design.box.places):
             raise ArgumentValueError("group", f"is {group!r}; it has no tolerances")
         if bound not in ("worst", "linear", "guaranteed"):

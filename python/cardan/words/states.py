@@ -15,6 +15,9 @@ from cardan.figures.states import state_name
 from cardan.scene.states import StatesResult
 from cardan.words.summary import aligned, figure_text
 
+OF_DRIVELINE = "Angles, motion and loads above are those of [driveline]; the states follow."
+"""What the answer of a run says between the two."""
+
 _WIDTH = 79
 
 
