@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pathlib
+from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import Literal
 
@@ -467,10 +468,12 @@ def ball() -> Drawing:
 DRAWINGS = (driveline, joint, along_the_shaft, tilts, views, projected, ball)
 
 
-def write(folder: pathlib.Path) -> list[pathlib.Path]:
-    """Write all drawings into a folder; return their files."""
+def write(
+    folder: pathlib.Path, drawings: Iterable[Callable[[], Drawing]] = DRAWINGS
+) -> list[pathlib.Path]:
+    """Write drawings into a folder; return their files."""
     written = []
-    for draw in DRAWINGS:
+    for draw in drawings:
         path = folder / f"{draw.__name__.replace('_', '-')}.svg"
         path.write_text(draw().svg(), encoding="utf-8")
         written.append(path)

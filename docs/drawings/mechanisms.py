@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import pathlib
 
+import draw
 import numpy as np
 from draw import BLUE, GREEN, GREY, INK, RED, Drawing, Point, Space, arc
 
@@ -95,12 +96,7 @@ DRAWINGS = (double_joint, offset_joint)
 
 def write(folder: pathlib.Path) -> list[pathlib.Path]:
     """Write all drawings into a folder; return their files."""
-    written = []
-    for draw in DRAWINGS:
-        path = folder / f"{draw.__name__.replace('_', '-')}.svg"
-        path.write_text(draw().svg(), encoding="utf-8")
-        written.append(path)
-    return written
+    return draw.write(folder, DRAWINGS)
 
 
 if __name__ == "__main__":

@@ -80,6 +80,6 @@ def _bars(found: LifeFigures) -> list[dict[str, Any]]:
     known = [(one.size.name, one.hours) for one in found.sizes if one.hours is not None]
     most = max((hours for _, hours in known), default=0.0)
     return [
-        {"label": name, "hours": hours_text(hours), "width": f"{100.0 * hours / most:.2f}"}
+        {"label": name, "text": hours_text(hours), "width": f"{100.0 * hours / most:.2f}"}
         for name, hours in known
     ]

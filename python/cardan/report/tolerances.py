@@ -106,7 +106,7 @@ def _bars(figure: ToleranceFigure) -> list[dict[str, Any]]:
         bars.append((f"the other {len(figure.shares) - len(shown)}", rest))
     most = max((share for _, share in bars), default=0.0) or 1.0
     return [
-        {"label": label, "percent": percent(share), "width": f"{100.0 * share / most:.2f}"}
+        {"label": label, "text": percent(share), "width": f"{100.0 * share / most:.2f}"}
         for label, share in bars
     ]
 
