@@ -5,53 +5,34 @@ from __future__ import annotations
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, get_args
-
-import numpy as np
 
 import cardan.command.help_text as help_text
 from cardan import __version__
 from cardan.command import ball_joint, in_service
+from cardan.command import check as checking
 from cardan.command import optimise as optimising
+from cardan.command import run as running
 from cardan.command import tolerances as tolerancing
 from cardan.command import torsion as vibration
 from cardan.command.files import (
-    check_folder,
-    check_for_cluster,
     check_output,
-    missing_of,
     missing_samples,
-    write_files,
-    write_on_cluster,
-    wrote,
 )
 from cardan.command.terminal import (
     as_json_text,
     give_up_output,
     progress_bar,
     say,
-    say_before_files,
 )
 from cardan.errors import ArgumentValueError
-from cardan.figures.advice import scene_advice
-from cardan.figures.drive_speed import drive_speed
-from cardan.figures.extremes import StudyTable
 from cardan.figures.identification import identification_data
-from cardan.figures.limits import check_data, check_scene, passes
-from cardan.figures.run import run_data
 from cardan.figures.scene_forces import scene_force_paths
 from cardan.figures.schema import answers_schema
-from cardan.figures.slip import slip_figures
-from cardan.figures.states import forces_of, verdicts
-from cardan.figures.steering import steering_figures
-from cardan.figures.summary import drive_angles, recorded_angles, summary
-from cardan.figures.tolerances import tolerance_figures
-from cardan.figures.torsion_modes import torsion_basics
+from cardan.figures.summary import recorded_angles
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
 from cardan.plots import plot_forces, save, write_picture
@@ -60,49 +41,17 @@ from cardan.plots.torsion import PICTURES
 from cardan.report import write_report
 from cardan.scene import load_scene, starters
 from cardan.scene.ball_joint_scene import BallJointScene
-from cardan.scene.cluster import StudyFolder
 from cardan.scene.scene import Scene
-from cardan.scene.states import StatesResult
 from cardan.scene.streaming import stream as stream_curves
-from cardan.words.advice import remedies
-from cardan.words.ball_joint import ball_joint_text
-from cardan.words.drive_speed import drive_speed_text
-from cardan.words.forces import forces_text
 from cardan.words.identification import identification_text
-from cardan.words.limits import check_text
 from cardan.words.signals import signals_text
-from cardan.words.slip import slip_text
-from cardan.words.states import OF_DRIVELINE, states_text, verdicts_text
-from cardan.words.steering import steering_text
-from cardan.words.study import study_text
-from cardan.words.summary import angles_text, few_samples_text, summary_text
-from cardan.words.tolerances import tolerance_verdicts_text
-from cardan.words.torsion import torsion_check_text
+from cardan.words.summary import angles_text, few_samples_text
 from cardan.words.yokes import yoke_text
 
 if TYPE_CHECKING:
     import click
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
-
-
-def _besides(scene: Scene) -> Iterator[str]:
-    """What a check says beside the limits of the driveline."""
-    if speed := drive_speed(scene):
-        yield drive_speed_text(speed)
-    if forces := forces_of(scene):
-        yield forces_text(forces)
-    if slip := slip_figures(scene):
-        yield slip_text(slip)
-    if steered := steering_figures(scene):
-        yield steering_text(steered)
-    if toleranced := tolerance_figures(scene):
-        yield f"Tolerances\n{tolerance_verdicts_text(toleranced)}"
-    yield from in_service.verdicts(scene)
-    if (compliant := torsion_basics(scene)) and (advised := torsion_check_text(compliant)):
-        yield advised
-    if scene.ball_joint:
-        yield ball_joint_text(scene.ball_joint)
 
 
 def commands() -> click.Group:
@@ -198,68 +147,7 @@ def commands() -> click.Group:
         radians: bool,
         as_json: bool,
     ) -> None:
-        given = load_scene(scene)
-        on_cluster = local is not None or scheduler is not None
-        if isinstance(given, BallJointScene):
-            if on_cluster:
-                raise ValueError("a ball joint alone has no study to evaluate in processes")
-            ball_joint.run(given, into, radians=radians, as_json=as_json)
-            return
-        whole = loaded = given
-        if on_cluster:
-            check_for_cluster(whole, local, scheduler)
-            loaded = replace(whole, study=None, table_file=None)
-            check_folder(into / str(whole.table_file))
-        seat = loaded.ball_joint and loaded.ball_joint.picture_file
-        for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
-            if name:
-                check_output(loaded, into / name)
-        with progress_bar() as progress:
-            result = loaded.run(progress)
-        files = write_files(result, into, radians)
-        study: StudyTable | None = result.study
-        if on_cluster:
-            assert whole.study
-            files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
-            study = StudyFolder(whole.study, into / str(whole.table_file))
-        rows = summary(result)
-        angles = drive_angles(whole, radians=radians)
-        of_samples = whole.recording or (whole.study and whole.study.quantities)
-        warning = few_samples_text(angles["samples_per_turn"]) if of_samples else None
-        if warning:
-            say(f"cardan: {warning}", on_error=True)
-        if as_json:
-            # The files first: of a study on a cluster they hold the figures.
-            written = list(files)
-            say(as_json_text(run_data(whole, rows, study, written, radians=radians)))
-            return
-        if whole.title:
-            say_before_files(f"{whole.title}\n")
-        if recorded := signals_text(angles):
-            say_before_files(f"{recorded}\n")
-        say_before_files(summary_text(rows, angles, radians=radians))
-        if whole.states:
-            say_before_files(f"\n{OF_DRIVELINE}")
-        if whole.missing:
-            say_before_files(f"\n{missing_of(whole)}")
-        if forces := forces_of(whole):
-            say_before_files(f"\n{forces_text(forces, radians=radians)}")
-        if slip := slip_figures(whole):
-            say_before_files(f"\n{slip_text(slip)}")
-        if steered := steering_figures(whole):
-            say_before_files(f"\n{steering_text(steered)}")
-        if whole.ball_joint:
-            say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
-        if isinstance(result.study, StatesResult):
-            say_before_files(f"\n{states_text(result.study, radians=radians)}")
-        elif result.study:
-            say_before_files(f"\n{study_text(result.study, angles, radians=radians)}")
-        for number, entry in enumerate(files):
-            if number == 0:
-                say_before_files()
-            say_before_files(wrote(**entry))
-        if study and not result.study:
-            say_before_files(f"\n{study_text(study, angles, radians=radians)}")
+        running.run(scene, into, local, scheduler, radians=radians, as_json=as_json)
 
     @cardan.command(help=help_text.STREAM, short_help="Evaluate a recording of any length.")
     @scene_argument
@@ -358,23 +246,7 @@ def commands() -> click.Group:
     @scene_argument
     @as_json
     def check(scene: Path, as_json: bool) -> int:
-        loaded = load_scene(scene)
-        if isinstance(loaded, BallJointScene):
-            return ball_joint.check(loaded, as_json=as_json)
-        with progress_bar() as progress:
-            found = check_scene(loaded, progress)
-        advised = scene_advice(loaded)
-        sentences = [*(remedies(advised) if advised else []), *in_service.remedies(loaded)]
-        say(
-            as_json_text(check_data(loaded, found, sentences))
-            if as_json
-            else check_text(found, sentences)
-        )
-        if loaded.states and not as_json:
-            say(f"\n{verdicts_text(verdicts(loaded, found))}")
-        for words in () if as_json else _besides(loaded):
-            say(f"\n{words}")
-        return 0 if np.all(found.passes) and passes(loaded) else 1
+        return checking.run(scene, as_json=as_json)
 
     @cardan.command(help=help_text.PHASE, short_help="Say how to set the yokes.")
     @scene_argument

@@ -1,0 +1,125 @@
+"""The command ``cardan run``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import chain
+from pathlib import Path
+
+from cardan.command import ball_joint
+from cardan.command.files import (
+    check_folder,
+    check_for_cluster,
+    check_output,
+    missing_of,
+    write_files,
+    write_on_cluster,
+    wrote,
+)
+from cardan.command.terminal import (
+    as_json_text,
+    progress_bar,
+    say,
+    say_before_files,
+)
+from cardan.figures.extremes import StudyTable
+from cardan.figures.run import run_data
+from cardan.figures.slip import slip_figures
+from cardan.figures.states import forces_of
+from cardan.figures.steering import steering_figures
+from cardan.figures.summary import drive_angles, summary
+from cardan.scene import load_scene
+from cardan.scene.ball_joint_scene import BallJointScene
+from cardan.scene.cluster import StudyFolder
+from cardan.scene.states import StatesResult
+from cardan.words.ball_joint import ball_joint_text
+from cardan.words.forces import forces_text
+from cardan.words.signals import signals_text
+from cardan.words.slip import slip_text
+from cardan.words.states import OF_DRIVELINE, states_text
+from cardan.words.steering import steering_text
+from cardan.words.study import study_text
+from cardan.words.summary import few_samples_text, summary_text
+
+
+def run(
+    path: Path,
+    into: Path,
+    local: int | None,
+    scheduler: str | None,
+    *,
+    radians: bool,
+    as_json: bool,
+) -> None:
+    """Evaluate a scene, print its figures and write its files.
+
+    Args:
+        path: the scene.
+        into: folder of the files.
+        local: in how many processes to evaluate the study, if in any.
+        scheduler: the dask cluster on which to evaluate it, if on any.
+        radians: whether angles are in radians.
+        as_json: whether to print JSON.
+    """
+    given = load_scene(path)
+    on_cluster = local is not None or scheduler is not None
+    if isinstance(given, BallJointScene):
+        if on_cluster:
+            raise ValueError("a ball joint alone has no study to evaluate in processes")
+        ball_joint.run(given, into, radians=radians, as_json=as_json)
+        return
+    whole = loaded = given
+    if on_cluster:
+        check_for_cluster(whole, local, scheduler)
+        loaded = replace(whole, study=None, table_file=None)
+        check_folder(into / str(whole.table_file))
+    seat = loaded.ball_joint and loaded.ball_joint.picture_file
+    for name in (loaded.curves_file, loaded.table_file, loaded.picture_file, seat):
+        if name:
+            check_output(loaded, into / name)
+    with progress_bar() as progress:
+        result = loaded.run(progress)
+    files = write_files(result, into, radians)
+    study: StudyTable | None = result.study
+    if on_cluster:
+        assert whole.study
+        files = chain(files, write_on_cluster(whole, into, radians, local, scheduler))
+        study = StudyFolder(whole.study, into / str(whole.table_file))
+    rows = summary(result)
+    angles = drive_angles(whole, radians=radians)
+    of_samples = whole.recording or (whole.study and whole.study.quantities)
+    warning = few_samples_text(angles["samples_per_turn"]) if of_samples else None
+    if warning:
+        say(f"cardan: {warning}", on_error=True)
+    if as_json:
+        # The files first: of a study on a cluster they hold the figures.
+        written = list(files)
+        say(as_json_text(run_data(whole, rows, study, written, radians=radians)))
+        return
+    if whole.title:
+        say_before_files(f"{whole.title}\n")
+    if recorded := signals_text(angles):
+        say_before_files(f"{recorded}\n")
+    say_before_files(summary_text(rows, angles, radians=radians))
+    if whole.states:
+        say_before_files(f"\n{OF_DRIVELINE}")
+    if whole.missing:
+        say_before_files(f"\n{missing_of(whole)}")
+    if forces := forces_of(whole):
+        say_before_files(f"\n{forces_text(forces, radians=radians)}")
+    if slip := slip_figures(whole):
+        say_before_files(f"\n{slip_text(slip)}")
+    if steered := steering_figures(whole):
+        say_before_files(f"\n{steering_text(steered)}")
+    if whole.ball_joint:
+        say_before_files(f"\n{ball_joint_text(whole.ball_joint, radians=radians)}")
+    if isinstance(result.study, StatesResult):
+        say_before_files(f"\n{states_text(result.study, radians=radians)}")
+    elif result.study:
+        say_before_files(f"\n{study_text(result.study, angles, radians=radians)}")
+    for number, entry in enumerate(files):
+        if number == 0:
+            say_before_files()
+        say_before_files(wrote(**entry))
+    if study and not result.study:
+        say_before_files(f"\n{study_text(study, angles, radians=radians)}")
