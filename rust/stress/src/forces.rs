@@ -8,7 +8,7 @@
 use cardan::{Geometry, Output};
 
 use crate::judge::{self, Tier};
-use crate::loads::{self, ANGLES, Carried, Frames, LoadShape, Loading, Mounting};
+use crate::loads::{self, ANGLES, BearingLayout, Frames, LoadShape, Loading, Transmitted};
 use crate::points::{Span, cross, dot};
 use crate::samples::Random;
 use crate::wide::{Wide, hex};
@@ -32,7 +32,7 @@ pub(crate) fn limits(tier: Tier) -> [f64; 2] {
 
 /// The worst errors of the forces of a kind of chain, by tier and output.
 #[derive(Clone, Debug)]
-pub(crate) struct Forces {
+pub(crate) struct ForceErrors {
     pub(crate) shape: LoadShape,
     pub(crate) judged: u64,
     pub(crate) off: [[f64; 2]; 4],
@@ -40,13 +40,13 @@ pub(crate) struct Forces {
 }
 
 /// At least so many samples of each kind.
-pub(crate) fn run(seed: u64, samples: u64) -> Vec<Forces> {
+pub(crate) fn run(seed: u64, samples: u64) -> Vec<ForceErrors> {
     let mut random = Random::new(seed ^ 0xf0ce);
     LoadShape::ALL
         .into_iter()
         .map(|shape| {
             let mut found =
-                Forces { shape, judged: 0, off: [[0.0; 2]; 4], place: Default::default() };
+                ForceErrors { shape, judged: 0, off: [[0.0; 2]; 4], place: Default::default() };
             while found.judged < samples {
                 let line = shape.line(&mut random);
                 judge(&line, &mut random, &mut found);
@@ -59,7 +59,7 @@ pub(crate) fn run(seed: u64, samples: u64) -> Vec<Forces> {
 /// What carries the shafts of a driveline.
 #[derive(Debug)]
 struct Arrangement {
-    mounting: Mounting,
+    layout: BearingLayout,
     /// Which shaft each joint supports.
     supported: Vec<Option<usize>>,
 }
@@ -80,12 +80,12 @@ impl Arrangement {
                 positions.push(length * (at + random.between(0.0, 0.25)));
             }
         }
-        Self { mounting: Mounting { bearings, lengths, positions }, supported }
+        Self { layout: BearingLayout { bearings, lengths, positions }, supported }
     }
 
     /// The smallest distance between the two supports of a shaft.
     fn shortest_span(&self) -> f64 {
-        let Mounting { bearings, lengths, positions } = &self.mounting;
+        let BearingLayout { bearings, lengths, positions } = &self.layout;
         let span = |shaft: usize| {
             let own = (0..bearings.len()).filter(|&i| bearings[i] == shaft).map(|i| positions[i]);
             let joints = (0..self.supported.len())
@@ -100,8 +100,8 @@ impl Arrangement {
     }
 
     /// Forces of joints, then of bearings, for each of these loads.
-    fn forces(&self, frames: &Frames, carried: &[Carried]) -> Vec<Vec<Span>> {
-        let Mounting { bearings, lengths, positions } = &self.mounting;
+    fn forces(&self, frames: &Frames, transmitted: &[Transmitted]) -> Vec<Vec<Span>> {
+        let BearingLayout { bearings, lengths, positions } = &self.layout;
         let n = self.supported.len();
         let unknowns = 3 * (n + bearings.len());
         let mut rows: Vec<Vec<Wide>> = vec![];
@@ -115,7 +115,7 @@ impl Arrangement {
             row.extend(right);
             rows.push(row);
         };
-        let zeros = || vec![Wide::ZERO; carried.len()];
+        let zeros = || vec![Wide::ZERO; transmitted.len()];
         for (joint, held) in self.supported.iter().enumerate() {
             match *held {
                 Some(shaft) => add(&[(joint, frames.directions[shaft])], zeros()),
@@ -156,7 +156,7 @@ impl Arrangement {
                 let moment = |&(vector, sign, place): &(usize, Wide, f64)| {
                     (vector, arm.map(|x| x * sign * place))
                 };
-                let right = carried.iter().map(|Carried { moments, .. }| {
+                let right = transmitted.iter().map(|Transmitted { moments, .. }| {
                     let of = |joint: Option<usize>| {
                         joint.map_or(Wide::ZERO, |joint| dot(moments[joint], axis))
                     };
@@ -165,7 +165,7 @@ impl Arrangement {
                 add(&acting.iter().map(moment).collect::<Vec<_>>(), right.collect());
             }
         }
-        let mut forces = solved(rows, unknowns, carried.len());
+        let mut forces = solved(rows, unknowns, transmitted.len());
         // The equations of a joint that supports no shaft say zero, the solution has rounding.
         for forces in &mut forces {
             for (force, held) in forces.iter_mut().zip(&self.supported) {
@@ -205,24 +205,25 @@ fn solved(mut rows: Vec<Vec<Wide>>, unknowns: usize, sides: usize) -> Vec<Vec<Sp
     (0..sides).map(|side| (0..unknowns / 3).map(|k| vector(side, k)).collect()).collect()
 }
 
-fn judge(line: &Geometry, random: &mut Random, found: &mut Forces) {
+fn judge(line: &Geometry, random: &mut Random, found: &mut ForceErrors) {
     let n = line.bends.len();
     let loading = Loading::of(random, n + 1);
     let arrangement = Arrangement::of(random, n);
-    let bearings = arrangement.mounting.bearings.len();
+    let bearings = arrangement.layout.bearings.len();
     let outputs = &OUTPUTS[..if bearings > 0 { 2 } else { 1 }];
     let angles: Vec<f64> = (0..ANGLES).map(|_| random.between(-4.0, 4.0)).collect();
-    let mounting = Some(&arrangement.mounting);
+    let layout = Some(&arrangement.layout);
     // Joints can support the shafts in another way as well, or shafts that float follow each other.
-    let Ok(tiers) = loads::evaluate(line, &loading, &angles, outputs, mounting, &Tier::ALL) else {
+    let Ok(tiers) = loads::evaluate(line, &loading, &angles, outputs, layout, &Tier::ALL) else {
         return;
     };
     let frames = Frames::of(line);
-    let carried: Vec<_> = angles.iter().map(|&angle| frames.carried(&loading, angle)).collect();
-    let exact = arrangement.forces(&frames, &carried);
+    let transmitted: Vec<_> =
+        angles.iter().map(|&angle| frames.transmitted(&loading, angle)).collect();
+    let exact = arrangement.forces(&frames, &transmitted);
     let span = arrangement.shortest_span();
     for (i, &angle) in angles.iter().enumerate() {
-        let moment = carried[i].largest / span;
+        let moment = transmitted[i].largest / span;
         let largest = exact[i].iter().flatten().map(|x| x.high.abs()).fold(moment, f64::max);
         for (item, want) in exact[i].iter().enumerate() {
             let q = usize::from(item >= n);
@@ -260,9 +261,9 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut Forces) {
 pub(crate) fn print_oracle(line: &Geometry, angle: f64, random: &mut Random) {
     let arrangement = Arrangement::of(random, line.bends.len());
     let loading = Loading::of_drive(random.between(-9.0, 9.0), line.bends.len() + 1);
-    let carried = Frames::of(line).carried(&loading, angle);
-    let forces = arrangement.forces(&Frames::of(line), &[carried]);
-    let Mounting { bearings, lengths, positions } = &arrangement.mounting;
+    let transmitted = Frames::of(line).transmitted(&loading, angle);
+    let forces = arrangement.forces(&Frames::of(line), &[transmitted]);
+    let BearingLayout { bearings, lengths, positions } = &arrangement.layout;
     let supported = arrangement.supported.iter().map(|held| held.map_or(-1.0, |s| s as f64));
     let list = |all: Vec<f64>| all.into_iter().map(hex).collect::<Vec<_>>().join(" ");
     println!(

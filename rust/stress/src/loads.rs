@@ -76,7 +76,7 @@ impl LoadShape {
 
 /// The bearings of a driveline.
 #[derive(Debug)]
-pub(crate) struct Mounting {
+pub(crate) struct BearingLayout {
     /// The shaft of each.
     pub(crate) bearings: Vec<usize>,
     /// Of the shafts.
@@ -156,7 +156,7 @@ pub(crate) fn evaluate(
     loading: &Loading,
     angles: &[f64],
     outputs: &[Output],
-    mounting: Option<&Mounting>,
+    layout: Option<&BearingLayout>,
     tiers: &[Tier],
 ) -> cardan::Result<Vec<Vec<Vec<f64>>>> {
     let n = line.bends.len();
@@ -170,8 +170,8 @@ pub(crate) fn evaluate(
         phases: &line.phases,
         directions: &directions,
         normals: &normals,
-        lengths: mounting.map_or(&[], |own| &own.lengths),
-        positions: mounting.map_or(&[], |own| &own.positions),
+        lengths: layout.map_or(&[], |own| &own.lengths),
+        positions: layout.map_or(&[], |own| &own.positions),
     };
     let heavy = loading.heavy();
     let plan = Plan::new(&Request {
@@ -181,7 +181,7 @@ pub(crate) fn evaluate(
         joints: &(0..n).collect::<Vec<_>>(),
         load: Some(loading.end),
         inertias: &heavy,
-        bearings: mounting.map(|own| &own.bearings[..]),
+        bearings: layout.map(|own| &own.bearings[..]),
     })?;
     let given = [loading.torque, loading.speed, loading.acceleration];
     let constant = |i: usize| Source { data: &given[i..=i], strides: &[0] };
@@ -200,7 +200,7 @@ pub(crate) fn evaluate(
 }
 
 /// What a driveline transmits at an angle.
-pub(crate) struct Carried {
+pub(crate) struct Transmitted {
     /// Of each shaft.
     pub(crate) torques: Vec<Wide>,
     /// Of each joint on its driven shaft.
@@ -243,7 +243,7 @@ impl Frames {
     }
 
     /// What the shafts and joints transmit at an angle.
-    pub(crate) fn carried(&self, loading: &Loading, angle: f64) -> Carried {
+    pub(crate) fn transmitted(&self, loading: &Loading, angle: f64) -> Transmitted {
         let (n, at) = (self.normals.len(), Turn::by(&[angle]));
         let motion: Vec<_> = self.chains.iter().map(|chain| chain.motion(&at).0).collect();
         let parts = |i: usize| {
@@ -286,13 +286,13 @@ impl Frames {
             }
         }
         let torques = (0..=n).map(|i| power[i] / motion[i].ratio).collect();
-        Carried { torques, moments, largest }
+        Transmitted { torques, moments, largest }
     }
 
     /// The components of every plane.
     fn loads(&self, loading: &Loading, angle: f64) -> Vec<Vec<Wide>> {
-        let (n, Carried { torques, moments, .. }) =
-            (self.normals.len(), self.carried(loading, angle));
+        let (n, Transmitted { torques, moments, .. }) =
+            (self.normals.len(), self.transmitted(loading, angle));
         let across = |v: Span, u: Span| plus(v, scaled(u, -dot(v, u)));
         let length = |v: Span| dot(v, v).sqrt();
         let (none, u) = ([Wide::ZERO; 3], &self.directions);

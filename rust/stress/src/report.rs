@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::chains::{ChainErrors, MOTION};
-use crate::forces::{self, Forces};
+use crate::forces::{self, ForceErrors};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
 use crate::loads::{self, Loads};
 use crate::points::{self, Points};
@@ -13,7 +13,7 @@ pub(crate) struct Report<'a> {
     pub(crate) ledger: &'a Ledger,
     pub(crate) chains: &'a [ChainErrors],
     pub(crate) loads: &'a [Loads],
-    pub(crate) forces: &'a [Forces],
+    pub(crate) forces: &'a [ForceErrors],
     pub(crate) points: &'a [Points],
     pub(crate) seconds: f64,
 }
