@@ -42,7 +42,7 @@ pub use plan::{End, Output, Per, Plan, Reduction, Request, Route, Row};
 pub use run::execution::{Execution, Planes};
 pub use run::explain::Call;
 pub use run::fold::FoldedDriveline;
-pub use run::gradient::{Counts, Differentiated, SpreadAngles, Spread, SpreadLoad, Wanted};
+pub use run::gradient::{Counts, Differentiated, Spread, SpreadAngles, SpreadLoad, Wanted};
 pub use run::level::{self, Level};
 pub use run::phases::optimal_phases_of_batch;
 pub use run::q_derivatives::{Parameters, q_derivatives};
