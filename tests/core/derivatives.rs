@@ -2,7 +2,7 @@
 //! other code computes, and the same bits whatever runs them.
 
 use cardan::{
-    Angles, Counts, Differentiated, Drivelines, End, Execution, Geometry, Load, Output, Plan,
+    Angles, Counts, Differentiated, Drivelines, End, Execution, Geometry, Load, Output, Per, Plan,
     Planes, Precision, Request, Samples, Source, Spread, SpreadAngles, SpreadLoad, Vector, Wanted,
     level,
 };
@@ -68,13 +68,8 @@ impl Arrays {
 }
 
 fn outputs() -> Vec<(Output, Vec<usize>)> {
-    let items = |output: Output| match output {
-        Output::BearingForce => vec![0, 1, 2],
-        Output::Angle | Output::AngleError | Output::SpeedRatio => vec![3],
-        Output::AccelerationRatio | Output::JerkRatio => vec![3],
-        Output::Torque | Output::SupportMoment => vec![3],
-        _ => vec![0, 1, 2],
-    };
+    let items =
+        |output: Output| if output.row().per == Per::Shaft { vec![3] } else { vec![0, 1, 2] };
     Output::ALL.iter().map(|&output| (output, items(output))).collect()
 }
 
