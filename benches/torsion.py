@@ -2,8 +2,9 @@
 
 ``python benches/torsion.py [--quick]`` prints a table: 10 000 speeds of a driveline with one and
 with two compliant shafts, a map of stability over speed and bend, and the periodic orbit at some
-speeds by shooting with ``scipy.integrate.solve_ivp`` (DOP853) and differences. All figures are from
-one run. Both programs find the same orbits, which is checked.
+speeds by shooting with ``scipy.integrate.solve_ivp`` (DOP853) and differences. With openTorsion
+installed (``pip install opentorsion``), a linear system that it can model is compared as well. All
+figures are from one run. The programs find the same motions, which is checked.
 """
 
 from __future__ import annotations
@@ -93,6 +94,56 @@ def shooting(speed: float) -> float:
     return float(start[0])
 
 
+def linear() -> cardan.TorsionalSystem:
+    """One bent joint before two compliant shafts, which a straight joint connects."""
+    line = cardan.Driveline.from_bends([BEND, 0.0])
+    return cardan.TorsionalSystem(
+        line,
+        inertias=[[0.0, 0.0], [0.0, NEAR], [0.0, FAR]],
+        stiffnesses=[INF, STIFFNESS, 2 * STIFFNESS],
+        dampings=[0.0, DAMPING, DAMPING],
+    )
+
+
+def by_open_torsion(speeds: np.ndarray) -> np.ndarray:
+    """The second order of the torque in the last shaft of ``linear``.
+
+    openTorsion has no joint. It gets the torque by which the angle behind the joint, with the
+    orders ``2 n`` of ``tan(bend/2)**(2 n) / n``, moves the first flywheel.
+    """
+    import opentorsion
+
+    disks = [opentorsion.Disk(0, NEAR, c=DAMPING, k=STIFFNESS), opentorsion.Disk(1, FAR)]
+    shafts = [opentorsion.Shaft(0, 1, k=2 * STIFFNESS, c=DAMPING)]
+    assembly = opentorsion.Assembly(shafts, disk_elements=disks)
+    orders = np.arange(1, 9)
+    angles = np.tan(BEND / 2) ** (2 * orders) / orders
+    torques = []
+    for speed in speeds:
+        rates = 2 * orders * speed
+        excitation = np.zeros((2, len(orders)), dtype=complex)
+        excitation[0] = (STIFFNESS + 1j * rates * DAMPING) * angles
+        found, _ = assembly.ss_response(excitation, rates)
+        twist = found[0, 0] - found[1, 0]
+        torques.append(abs((2 * STIFFNESS + 1j * rates[0] * DAMPING) * twist))
+    return np.array(torques)
+
+
+def compared(speeds: np.ndarray) -> list[tuple[str, int, float]]:
+    """Rows of the linear system, with the motions of both programs compared."""
+    system, count = linear(), len(speeds)
+    own = functools.partial(system.steady, speeds, 2 * np.arange(1, 9), workers=1)
+    rows = [("steady, linear, two compliant, one thread", count, seconds(own, 3))]
+    try:
+        theirs = by_open_torsion(speeds)
+    except ImportError:
+        return rows
+    torques = np.abs(own().torque_orders[1, :, 0])
+    assert np.abs(theirs - torques).max() < 1e-8 * torques.max()
+    taken = seconds(lambda: by_open_torsion(speeds), 3)
+    return [*rows, ("openTorsion, linear, two masses, one thread", count, taken)]
+
+
 def seconds(work: Callable[[], object], repeats: int) -> float:
     """The shortest of some runs."""
     times = []
@@ -120,6 +171,7 @@ def main() -> None:
     few = [70.0, 180.0, 350.0, 700.0]
     by_shooting = seconds(lambda: [shooting(speed) for speed in few], 1)
     rows.append(("SciPy, shooting, one compliant, one thread", len(few), by_shooting))
+    rows += compared(speeds[:: max(count // 1000, 1)])
     for name, runs, duration in rows:
         print(f"{name:45} {duration:9.3f} s {duration / runs * 1e6:11.1f} us each")
 

@@ -198,6 +198,7 @@ OBJECTS = [
     TORSIONAL.steady(20.0),
     TORSIONAL.orbit(20.0, 4),
     TORSIONAL.stability(20.0),
+    TORSIONAL.coexisting(20.0),
     OPTIMUM,
     OPTIMUM.active[0],
     LINE.free_running([1.0] + [0.1] * LINE.n_joints),

@@ -228,6 +228,30 @@ def test_a_batch_is_its_members() -> None:
     assert single.torque_orders.tolist() == found.torque_orders.tolist()
 
 
+@pytest.mark.parametrize("before", [True, False])
+def test_rigid_shafts_and_joints_fold_to_one_joint(before: bool) -> None:
+    # Massless shafts before or behind the compliant one act as their equivalent joint; the turn of
+    # that joint shifts the phases of all orders and nothing else.
+    chain = cardan.Driveline.from_bends([12, 9, 15, 7], phases=[40, -23, 10], degrees=True)
+    single = cardan.Driveline.from_bends([float(chain.equivalent().bend)])
+    found = []
+    for line in (chain, single):
+        shafts = line.n_joints + 1
+        inertias, stiffnesses = np.zeros((shafts, 2)), np.full(shafts, INF)
+        inertias[-1, 1] = 0.05
+        stiffnesses[-1 if before else 0] = 8000.0
+        system = cardan.TorsionalSystem(
+            line, inertias=inertias, stiffnesses=stiffnesses, damping_ratios=0.02, load_torque=40.0
+        )
+        assert len(system.compliant) == 1
+        speeds = np.array([60.0, 190.0, 400.0])
+        steady = system.steady(speeds, [2, 4, 6])
+        moduli = np.abs(system.stability(speeds).multipliers)
+        found.append((steady.torque_min, steady.torque_max, np.abs(steady.torque_orders), moduli))
+    for mine, theirs in zip(*found, strict=True):
+        assert mine == pytest.approx(theirs, rel=1e-8, abs=1e-8 * np.abs(theirs).max())
+
+
 def test_many_speeds_are_the_same_on_one_thread() -> None:
     system = system_of(CASES[12])
     speeds = np.linspace(30.0, 700.0, 150)
