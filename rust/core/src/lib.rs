@@ -30,6 +30,7 @@ mod sincos;
 pub use dynamics::{ShaftEnds, TorsionalSystem};
 pub use error::{Error, Result};
 pub use input::{Angles, Drivelines, Load, Samples, Source, Sweep};
+pub use mechanics::as_built::check_deviations;
 pub use mechanics::chain::Equivalent;
 pub use mechanics::general::General;
 pub use mechanics::geometry::{Geometry, Vector};

@@ -224,12 +224,12 @@ mod tests {
     const STEP: f64 = 1e-6;
 
     fn q(line: &Geometry) -> Complex<f64> {
-        let chain = Chain::new(&line.bends, &line.twists, &line.phases);
+        let chain = ChainMaps::new(&line.bends, &line.twists, &line.phases);
         chain.q(line.bends.len())
     }
 
     /// The derivatives of `Re(weight q)` of the last shaft.
-    fn adjoints(chain: &Chain, joints: usize, weight: Complex<f64>) -> Vec<Map> {
+    fn adjoints(chain: &ChainMaps, joints: usize, weight: Complex<f64>) -> Vec<Map> {
         let mut adjoints = vec![Map::default(); joints + 1];
         adjoints[joints] = chain.adjoint_of_q(joints, weight);
         adjoints
@@ -239,13 +239,13 @@ mod tests {
     fn the_gradient_of_a_chain_is_the_slope_of_q() {
         let (bends, twists, phases) = ([0.4, 0.9, 0.2], [0.3, -1.0], [0.5, 2.0]);
         let weight = Complex::new(0.7, -0.4);
-        let chain = Chain::new(&bends, &twists, &phases);
+        let chain = ChainMaps::new(&bends, &twists, &phases);
         let found = chain.gradient(&adjoints(&chain, 3, weight));
         let slope = |change: &dyn Fn(&mut [f64], &mut [f64], &mut [f64], f64)| {
             let at = |step: f64| {
                 let (mut b, mut t, mut p) = (bends, twists, phases);
                 change(&mut b, &mut t, &mut p, step);
-                (weight * Chain::new(&b, &t, &p).q(3)).re
+                (weight * ChainMaps::new(&b, &t, &p).q(3)).re
             };
             (at(STEP) - at(-STEP)) / (2.0 * STEP)
         };
@@ -274,7 +274,7 @@ mod tests {
         let (directions, normals) = (flat(&line.directions), flat(&line.normals));
         let lengths: Vec<f64> = points.windows(2).map(|pair| (pair[1] - pair[0]).norm()).collect();
         let layout = Layout { directions: &directions, normals: &normals, lengths: &lengths };
-        let chain = Chain::new(&line.bends, &line.twists, &line.phases);
+        let chain = ChainMaps::new(&line.bends, &line.twists, &line.phases);
         let adjoints = adjoints(&chain, 2, weight);
         let found = by_points(&chain.by_directions(&adjoints, layout), layout);
         for (i, axis) in (0..4).flat_map(|i| (0..3).map(move |axis| (i, axis))) {

@@ -1,6 +1,7 @@
 //! The physics of one sample: geometry, frames, joints, chains, transmissions, moments, forces and phasing. No
 //! slices, no threads.
 
+pub mod as_built;
 pub(crate) mod bearings;
 pub mod chain;
 pub(crate) mod derivatives;
