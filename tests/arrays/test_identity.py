@@ -118,19 +118,23 @@ def test_forces_on_every_level(level: str) -> None:
             same(contiguous(evaluate(line, angle, FORCES, level=level, **options)), want)
 
 
+@pytest.mark.parametrize("tier", ["default", "tolerance=1e-6", "float32"])
 @pytest.mark.parametrize("level", _core.levels()[:2])
-def test_results_beyond_the_caches(line: Driveline, level: str) -> None:
+def test_results_beyond_the_caches(line: Driveline, level: str, tier: str) -> None:
     # Each plane begins elsewhere in a cache line.
-    angle = np.resize(ANGLES, 1_000_003)
+    angle = np.resize(ANGLES, 1_600_003)
     names = ("angle", "speed_ratio", "acceleration_ratio", "moment", "bending_driven")
-    plan = Plan(line, names, joints=0, load=load_for(line), level=level)
-    found = plan(angle)
-    for start in (0, 1024, 777_777, 995_003):
+    plan = Plan(line, names, joints=0, load=load_for(line), level=level, **TIERS[tier])
+    new = plan(angle)
+    given = plan(angle, {name: np.full_like(new[name], np.nan) for name in names})
+    for start in (0, 1024, 777_777, 1_595_003):
         part = slice(start, start + 5000)
         want = plan(angle[part])
         for name in names:
-            got = np.ascontiguousarray(found[name][part]) + 0.0
-            assert got.tobytes() == (np.ascontiguousarray(want[name]) + 0.0).tobytes(), name
+            expected = (np.ascontiguousarray(want[name]) + 0.0).tobytes()
+            for found in (new, given):
+                got = np.ascontiguousarray(found[name][part]) + 0.0
+                assert got.tobytes() == expected, name
 
 
 def test_every_length(line: Driveline) -> None:

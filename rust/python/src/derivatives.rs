@@ -149,7 +149,7 @@ pub(crate) fn differentiate<'py>(
         out.resize(count, 0.0);
         let brief = total.saturating_mul(joints) < MIN_INTERRUPTIBLE;
         run_released(py, brief, workers, &mut |workers, stop| {
-            let execution = Execution { level, workers, stop };
+            let execution = Execution { level, workers, stop, ..Execution::default() };
             match &weights {
                 Some(weights) => task.gradient(weights, wanted, &mut out, execution),
                 None => task.derivatives(wanted, &mut out, execution),

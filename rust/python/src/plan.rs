@@ -251,6 +251,7 @@ impl NativePlan {
             AngleArgument::Sweep(sweep) => Angles::Sweep(*sweep),
         };
         let load = self.load_of(&load)?;
+        let execution = Execution { level, workers, stop: None, new_memory: out.is_none() };
         lines.with(py, |lines| {
             let line_strides = &line_strides;
             let samples = Samples { shape, lines, line_strides, angle, load };
@@ -258,7 +259,7 @@ impl NativePlan {
                 if shape.contains(&0) {
                     return Ok(());
                 }
-                self.execute(py, &samples, planes, level, workers)
+                self.execute(py, &samples, planes, execution)
             };
             let double = |planes: &mut [&mut [f64]]| run(Planes::Double(planes));
             let single = |planes: &mut [&mut [f32]]| run(Planes::Single(planes));
@@ -309,22 +310,18 @@ impl NativePlan {
         py: Python<'_>,
         samples: &Samples<'_>,
         mut planes: Planes<'_, '_>,
-        level: Option<Level>,
-        workers: Option<usize>,
+        execution: Execution<'_>,
     ) -> PyResult<()> {
-        let total = count(samples.shape)?;
+        let (total, workers) = (count(samples.shape)?, execution.workers);
         let parallel = uses_threads(total);
         let workers = if parallel { threads(workers) } else { workers };
         let (plan, precision, constants) = (&self.steps, self.precision, self.constants.as_ref());
-        let threads = match workers {
-            // This does not query the pool, which may not exist.
-            Some(1) => 1,
-            _ if !parallel => 1,
-            _ => rayon::current_num_threads(),
-        };
+        // This does not query the pool, which may not exist.
+        let alone = !parallel || workers == Some(1);
+        let threads = if alone { 1 } else { rayon::current_num_threads() };
         check_memory(plan.scratch_bytes(samples, constants.is_some(), self.reduction, threads))?;
         let mut run = |stop: Option<&AtomicBool>| {
-            let execution = Execution { level, workers, stop };
+            let execution = Execution { workers, stop, ..execution };
             match (self.reduction, &mut planes) {
                 (Some(reduction), Planes::Double(planes)) => {
                     plan.reduce(samples, constants, precision, reduction, planes, execution)

@@ -304,7 +304,7 @@ impl Job {
         };
         let shape = [rows, row];
         let samples = Samples { shape: &shape, lines, line_strides: &[1, 0], angle, load };
-        let execution = Execution { level: Some(level), workers: Some(1), stop: None };
+        let execution = Execution { level: Some(level), workers: Some(1), ..Execution::default() };
         let precision = match tier {
             Tier::Faithful => Precision::DoubleDouble,
             Tier::Default => Precision::Double,

@@ -14,6 +14,8 @@ pub struct Execution<'a> {
     /// Once this is set, every thread skips the chunks that it has not begun, and the results are
     /// incomplete.
     pub stop: Option<&'a AtomicBool>,
+    /// Whether the memory of the results was allocated for this run.
+    pub new_memory: bool,
 }
 
 /// The planes of a result, each with one element per sample.

@@ -91,7 +91,7 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
         level,
         #[inline(always)]
         |compact, stores| {
-            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores));
+            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores, drive));
             motion::run_motion(
                 plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
                 row_offset, compact, fresh,
@@ -135,7 +135,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
         level,
         #[inline(always)]
         |compact, stores| {
-            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores));
+            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores, drive));
             load::run_load(
                 plan, load, table, drive, folded, geometry, scratch, outputs, size, compact, fresh,
             )

@@ -38,13 +38,17 @@ pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
     for (start, block) in sin_cos.parts() {
         let length = block.len();
         // The groups of a sweep begin anywhere.
-        let by_strips = uses_strips::<T>() && !S::FROM_SWEEP && out.bypasses_caches();
+        let by_strips = !S::FROM_SWEEP && out.takes_strips();
         let strips = if by_strips { length / STRIP } else { 0 };
         for strip in 0..strips {
             let first = strip * STRIP;
             let (block, inputs) = (block.part(first, STRIP), inputs.strip(first, STRIP));
             let mut results = out.strip(first);
-            block.ask(0, STRIP);
+            if S::FRESH {
+                block.ask(0, STRIP);
+            } else {
+                out.request_angles(first);
+            }
             for i in 0..STRIP {
                 let (s, c) = block.get(i);
                 results.set(i, value(inputs.at(i), s, c));
@@ -62,12 +66,6 @@ pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
             }
         }
     }
-}
-
-/// Whether loops over this number type go by strips where results bypass the caches. Numbers with
-/// error terms take longer than memory, and those of single precision gain nothing.
-const fn uses_strips<T: Real>() -> bool {
-    size_of::<T>() == size_of::<f64>()
 }
 
 /// The value of a formula for each sample.
@@ -95,10 +93,11 @@ pub(crate) fn over_samples<T: Real, I: Strips>(
     mut out: impl Sink<T>,
     value: impl Fn(I::Value) -> T,
 ) {
-    let strips = if uses_strips::<T>() && out.bypasses_caches() { length / STRIP } else { 0 };
+    let strips = if out.takes_strips() { length / STRIP } else { 0 };
     for strip in 0..strips {
         let first = strip * STRIP;
         let (inputs, mut results) = (inputs.strip(first, STRIP), out.strip(first));
+        out.request_angles(first);
         for i in 0..STRIP {
             results.set(i, value(inputs.at(i)));
         }

@@ -1,5 +1,6 @@
 //! Running a plan: threads, blocks, chunks, loops over slices, and sinks for the results.
 
+mod angle_sink;
 mod block;
 mod constants;
 mod evaluation;

@@ -15,13 +15,14 @@ use crate::number::strips::{At, Same, Strips, mapped};
 use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan, ShaftStep};
+use crate::run::angle_sink::{AngleSink, ArrayAngle, SteppedAngle, SweepAngle};
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
 use crate::run::formula::MotionFormula;
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
-use crate::run::sink::{AngleSink, ArrayAngle, Outputs, SteppedAngle, SweepAngle};
+use crate::run::sink::Outputs;
 use crate::run::turned::{self, ChunkLines};
 use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
@@ -243,7 +244,8 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     size: usize,
     compact: bool,
 ) {
-    if let Some(plane) = step.planes.get(Output::JerkRatio) {
+    // A shaft with fresh pins has one loop, which is not that of the jerk, and keeps no rates.
+    if let Some(plane) = step.planes.get(Output::JerkRatio).filter(|_| !P::FRESH) {
         map::formula(S::jerk_ratio, at, pins, outputs.plane(plane));
     }
     if P::FRESH
@@ -315,17 +317,17 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
     }
     let mut remaining =
         (step.planes.get(Output::SpeedRatio), step.planes.get(Output::AccelerationRatio));
-    if step.keep_acceleration {
+    let (keep_ratio, keep_acceleration) =
+        (step.keep_ratio && !P::FRESH, step.keep_acceleration && !P::FRESH);
+    if keep_acceleration {
         map::formula(S::rates, at, pins, (ratio.view_mut(size), acceleration.view_mut(size)));
         if let Some(plane) = remaining.1.take() {
             map::copy::<T>(acceleration.view(size), outputs.plane(plane));
         }
-    } else if step.keep_ratio {
+    } else if keep_ratio {
         map::formula(S::speed_ratio, at, pins, ratio.view_mut(size));
     }
-    if step.keep_ratio
-        && let Some(plane) = remaining.0.take()
-    {
+    if keep_ratio && let Some(plane) = remaining.0.take() {
         map::copy::<T>(ratio.view(size), outputs.plane(plane));
     }
     match remaining {

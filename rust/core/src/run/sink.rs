@@ -4,12 +4,9 @@ use std::ops::Range;
 
 use cardan_memory::{Plane, Stores};
 
-use crate::input::sweep::Sweep;
-use crate::number::Number;
-use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
-use crate::number::storage::{View, ViewMut};
-use crate::sincos::array::sample_number;
+use crate::number::storage::ViewMut;
+use crate::sincos::array::DriveAngles;
 
 /// The samples of a strip, whose results leave the registers together: some cache lines of words.
 /// The compiler unrolls shorter loops before it looks for vectors, and finds fewer then.
@@ -28,11 +25,15 @@ pub(crate) trait Sink<T> {
     /// The number of results.
     fn length(&self) -> usize;
 
-    /// Whether strips bypass the caches.
-    fn bypasses_caches(&self) -> bool;
+    /// Whether results are to be stored in strips, which bypass the caches.
+    fn takes_strips(&self) -> bool;
 
     /// The sink for `length` results from `start` on.
     fn plain(&mut self, start: usize, length: usize) -> Self::Plain<'_>;
+
+    /// Requests the drive angles that the next chunk reads where this one stores the strip from
+    /// `first` on.
+    fn request_angles(&self, first: usize);
 
     /// An empty strip for the results from `first` on.
     fn strip(&self, first: usize) -> Self::Strip;
@@ -74,7 +75,7 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     }
 
     #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
+    fn takes_strips(&self) -> bool {
         false
     }
 
@@ -82,6 +83,9 @@ impl<T: Real> Sink<T> for ViewMut<'_, T> {
     fn plain(&mut self, start: usize, length: usize) -> ViewMut<'_, T> {
         self.window(start, length)
     }
+
+    #[inline(always)]
+    fn request_angles(&self, _: usize) {}
 
     #[inline(always)]
     fn strip(&self, _: usize) -> NumberStrip<T> {
@@ -111,23 +115,35 @@ impl<T: Real> SinkStrip<T> for NumberStrip<T> {
     }
 }
 
+/// Whether loops over this number type may go by strips. Numbers with error terms take longer than
+/// memory, and so do two registers of single-precision numbers to a cache line.
+#[inline(always)]
+fn suits_strips<T: Real>(stores: Stores) -> bool {
+    let is_single = size_of::<T>() == size_of::<f32>();
+    !T::LOW && (!is_single || stores.has_wide_registers())
+}
+
 /// The planes of a chunk's results, and how the function's instruction set stores strips in them.
 pub(crate) struct Outputs<'a, 'b, W> {
     planes: &'a mut [Plane<'b, W>],
     first: usize,
     size: usize,
     stores: Stores,
+    angles: &'a [f64],
 }
 
 impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
-    /// The chunk's window of these planes.
+    /// The chunk's window of these planes. With each strip, the drive angles that follow those of
+    /// the chunk by its length are requested, if they lie in an array.
     #[inline(always)]
     pub(crate) fn new(
         planes: &'a mut [Plane<'b, W>],
         window: &Range<usize>,
         stores: Stores,
+        drive: DriveAngles<'a>,
     ) -> Self {
-        Self { planes, first: window.start, size: window.len(), stores }
+        let angles = if let DriveAngles::Array(angles) = drive { angles } else { &[] };
+        Self { planes, first: window.start, size: window.len(), stores, angles }
     }
 
     /// Whether the registers of the function hold a cache line.
@@ -140,17 +156,18 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
     #[inline(always)]
     pub(crate) fn plane(&mut self, plane: usize) -> Words<'_, W> {
         let window = self.first..self.first + self.size;
-        Words { plane: self.planes[plane].part(window), stores: self.stores }
+        Words { plane: self.planes[plane].part(window), stores: self.stores, angles: self.angles }
     }
 
     /// Several planes, for writing in strips.
     #[inline(always)]
     pub(crate) fn several<const N: usize>(&mut self, planes: [usize; N]) -> [Words<'_, W>; N] {
-        let Self { first, size, stores, .. } = *self;
+        let Self { first, size, stores, angles, .. } = *self;
         let planes = self.planes.get_disjoint_mut(planes);
-        planes
-            .expect("a plan gives every output planes of its own")
-            .map(|plane| Words { plane: plane.part(first..first + size), stores })
+        planes.expect("a plan gives every output planes of its own").map(
+            #[inline(always)]
+            move |plane| Words { plane: plane.part(first..first + size), stores, angles },
+        )
     }
 
     /// The words of a plane.
@@ -164,6 +181,8 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
 pub(crate) struct Words<'a, W> {
     plane: Plane<'a, W>,
     stores: Stores,
+    /// The drive angles of the chunk, if the next ones are to be requested.
+    angles: &'a [f64],
 }
 
 impl<W: Float> Words<'_, W> {
@@ -180,7 +199,7 @@ impl<W: Float> Words<'_, W> {
 }
 
 /// Words of a strip.
-pub(crate) struct WordStrip<W>([W; STRIP]);
+pub(crate) struct WordStrip<W>(pub(super) [W; STRIP]);
 
 impl<T: Real, W: Float> SinkStrip<T> for WordStrip<W> {
     #[inline(always)]
@@ -210,13 +229,22 @@ impl<T: Real, W: Float> Sink<T> for Words<'_, W> {
     }
 
     #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
-        self.plane.bypasses_caches()
+    fn takes_strips(&self) -> bool {
+        suits_strips::<T>(self.stores) && self.plane.bypasses_caches()
     }
 
     #[inline(always)]
     fn plain(&mut self, start: usize, length: usize) -> &mut [W] {
         self.part(start, length)
+    }
+
+    #[inline(always)]
+    fn request_angles(&self, first: usize) {
+        if !self.angles.is_empty() {
+            for line in (0..STRIP).step_by(8) {
+                cardan_memory::ask(self.angles, first + self.angles.len() + line);
+            }
+        }
     }
 
     #[inline(always)]
@@ -260,13 +288,19 @@ impl<V, U, A: Sink<V>, B: Sink<U>> Sink<(V, U)> for (A, B) {
     }
 
     #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
-        self.0.bypasses_caches() || self.1.bypasses_caches()
+    fn takes_strips(&self) -> bool {
+        self.0.takes_strips() || self.1.takes_strips()
     }
 
     #[inline(always)]
     fn plain(&mut self, start: usize, length: usize) -> Self::Plain<'_> {
         (self.0.plain(start, length), self.1.plain(start, length))
+    }
+
+    // The angles are those of all planes.
+    #[inline(always)]
+    fn request_angles(&self, first: usize) {
+        self.0.request_angles(first);
     }
 
     #[inline(always)]
@@ -315,14 +349,19 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
     }
 
     #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
-        self[0].bypasses_caches()
+    fn takes_strips(&self) -> bool {
+        self[0].takes_strips()
     }
 
     #[inline(always)]
     fn plain(&mut self, start: usize, length: usize) -> Self::Plain<'_> {
         let [x, y, z] = self;
         [x.plain(start, length), y.plain(start, length), z.plain(start, length)]
+    }
+
+    #[inline(always)]
+    fn request_angles(&self, first: usize) {
+        self[0].request_angles(first);
     }
 
     #[inline(always)]
@@ -337,149 +376,5 @@ impl<V, S: Sink<V>> Sink<[V; 3]> for [S; 3] {
         x.put(first, along_x);
         y.put(first, along_y);
         z.put(first, along_z);
-    }
-}
-
-/// A drive angle per sample, to which sinks add angle errors.
-pub(crate) trait DriveAngle: Copy {
-    /// The same for `length` samples from `start` on.
-    fn slice(self, start: usize, length: usize) -> Self;
-
-    /// The same for a strip from `start` on.
-    fn strip(self, start: usize) -> Self;
-
-    fn angle(&self, i: usize) -> DoubleDouble;
-}
-
-/// Angles from an array.
-#[derive(Clone, Copy)]
-pub(crate) struct ArrayAngle<'a>(pub(crate) &'a [f64]);
-
-impl DriveAngle for ArrayAngle<'_> {
-    #[inline(always)]
-    fn slice(self, start: usize, length: usize) -> Self {
-        Self(&self.0[start..start + length])
-    }
-
-    #[inline(always)]
-    fn strip(self, start: usize) -> Self {
-        self.slice(start, STRIP)
-    }
-
-    #[inline(always)]
-    fn angle(&self, i: usize) -> DoubleDouble {
-        DoubleDouble::exact(self.0[i])
-    }
-}
-
-/// The angles of a sweep from this sample on.
-#[derive(Clone, Copy)]
-pub(crate) struct SweepAngle<'a>(pub(crate) &'a Sweep, pub(crate) usize);
-
-impl DriveAngle for SweepAngle<'_> {
-    #[inline(always)]
-    fn slice(self, start: usize, _: usize) -> Self {
-        Self(self.0, self.1 + start)
-    }
-
-    #[inline(always)]
-    fn strip(self, start: usize) -> Self {
-        self.slice(start, STRIP)
-    }
-
-    #[inline(always)]
-    fn angle(&self, i: usize) -> DoubleDouble {
-        self.0.angle(sample_number(self.1, i))
-    }
-}
-
-/// The same from one angle of the sweep and a table of the angles of whole steps.
-#[derive(Clone, Copy)]
-pub(crate) struct SteppedAngle<'a> {
-    sweep: &'a Sweep,
-    first: usize,
-    begin: DoubleDouble,
-    turns: View<'a, DoubleDouble>,
-}
-
-impl<'a> SteppedAngle<'a> {
-    /// Begins at sample `first`; slices may be as long as `turns`.
-    #[inline(always)]
-    pub(crate) fn new(sweep: &'a Sweep, first: usize, turns: View<'a, DoubleDouble>) -> Self {
-        Self { sweep, first, begin: sweep.angle(first as f64), turns }
-    }
-}
-
-impl DriveAngle for SteppedAngle<'_> {
-    #[inline(always)]
-    fn slice(self, start: usize, length: usize) -> Self {
-        Self::new(self.sweep, self.first + start, self.turns.cut(length))
-    }
-
-    #[inline(always)]
-    fn strip(self, start: usize) -> Self {
-        Self { turns: self.turns.part(start, STRIP), ..self }
-    }
-
-    #[inline(always)]
-    fn angle(&self, i: usize) -> DoubleDouble {
-        self.begin + self.turns.get(i)
-    }
-}
-
-/// Adds drive angles to angle errors.
-pub(crate) struct AngleSink<'a, D, W>(pub(crate) D, pub(crate) Words<'a, W>);
-
-/// The same, one by one.
-pub(crate) struct PlainAngleSink<'a, D, W>(D, &'a mut [W]);
-
-/// The angles of a strip.
-pub(crate) struct AngleStrip<D, W>(D, [W; STRIP]);
-
-impl<T: Number, D: DriveAngle, W: Float> SinkStrip<T> for AngleStrip<D, W> {
-    #[inline(always)]
-    fn set(&mut self, i: usize, error: T) {
-        self.1[i] = error.after(self.0.angle(i));
-    }
-}
-
-impl<T: Number, D: DriveAngle, W: Float> PlainSink<T> for PlainAngleSink<'_, D, W> {
-    #[inline(always)]
-    fn store(&mut self, i: usize, error: T) {
-        self.1[i] = error.after(self.0.angle(i));
-    }
-}
-
-impl<T: Number, D: DriveAngle, W: Float> Sink<T> for AngleSink<'_, D, W> {
-    type Plain<'a>
-        = PlainAngleSink<'a, D, W>
-    where
-        Self: 'a;
-
-    type Strip = AngleStrip<D, W>;
-
-    #[inline(always)]
-    fn length(&self) -> usize {
-        self.1.plane.len()
-    }
-
-    #[inline(always)]
-    fn bypasses_caches(&self) -> bool {
-        self.1.plane.bypasses_caches()
-    }
-
-    #[inline(always)]
-    fn plain(&mut self, start: usize, length: usize) -> PlainAngleSink<'_, D, W> {
-        PlainAngleSink(self.0.slice(start, length), self.1.part(start, length))
-    }
-
-    #[inline(always)]
-    fn strip(&self, first: usize) -> AngleStrip<D, W> {
-        AngleStrip(self.0.strip(first), [W::default(); STRIP])
-    }
-
-    #[inline(always)]
-    fn put(&mut self, first: usize, strip: &AngleStrip<D, W>) {
-        self.1.plane.put(self.1.stores, first, &strip.1);
     }
 }

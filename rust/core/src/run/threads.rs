@@ -38,6 +38,9 @@ const LONGEST: usize = 4 * BLOCK;
 /// cache when they are read.
 const PAST_CACHES: usize = 48 << 20;
 
+/// The fewest bytes of results for which the allocator of glibc always gets new pages.
+const NEW_PAGES: usize = 32 << 20;
+
 /// Whether a run over this number of samples may use several threads.
 pub fn uses_threads(samples: usize) -> bool {
     samples >= THREADED
@@ -152,8 +155,11 @@ impl<'a, 's> Run<'a, 's> {
         let one = table.geometry_variation() == GeometryVariation::One;
         let usable = one && routes.splits() == arrays.splits();
         let folded = folded.filter(|_| usable).and_then(T::folded);
-        let bytes = table.samples().saturating_mul(size_of::<W>()).saturating_mul(plan.planes + 1);
-        let past_caches = bytes >= PAST_CACHES;
+        let of_plane = table.samples().saturating_mul(size_of::<W>());
+        // The system clears a new page at the first store to it, which leaves its lines in the
+        // caches: stores past them would write these back first.
+        let new_pages = execution.new_memory && of_plane.saturating_mul(plan.planes) >= NEW_PAGES;
+        let past_caches = of_plane.saturating_mul(plan.planes + 1) >= PAST_CACHES && !new_pages;
         let fresh_pins = T::PRECISION.costs().fresh_pins
             && has_wide_registers(level)
             && one
