@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -15,6 +14,7 @@ from cardan.equivalent import EquivalentJoint
 from cardan.finding import VERDICTS, Finding, counted
 from cardan.limits import CATALOGUE, Limits, limits_of
 from cardan.quantities import MOTION_QUANTITIES
+from cardan.wrapping import wrap
 
 _INDENT = " " * 4
 
@@ -106,7 +106,7 @@ class Check:
         lines += ["", "Sources of the limits:"]
         for source, names in sources.items():
             text = f"- {'; '.join(names)}: {source}"
-            lines += textwrap.wrap(text, 79, subsequent_indent="  ", break_on_hyphens=False)
+            lines += wrap(text, 79, subsequent_indent="  ", break_on_hyphens=False)
         return "\n".join(lines)
 
     def _lines(self) -> list[str]:
@@ -121,9 +121,7 @@ class Check:
             lines.append(f"- {finding.name}: {finding.value_text}")
             more += [f"largest {finding.largest_text}"] * bool(finding.largest_text)
             for words in (verdict_words, *more):
-                lines += textwrap.wrap(
-                    words, 79, initial_indent=_INDENT, subsequent_indent=_INDENT + "  "
-                )
+                lines += wrap(words, 79, initial_indent=_INDENT, subsequent_indent=_INDENT + "  ")
         return lines
 
     def _repr_html_(self) -> str:

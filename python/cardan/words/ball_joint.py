@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator
 
 from cardan.figures.ball_joint import BallJointFigures, Part, ball_joint_figures
 from cardan.scene.ball_joint import BallJointCase, Material
 from cardan.words.summary import aligned, figure_text
+from cardan.wrapping import fill
 
 _MPA = 1e-6
 
@@ -17,7 +17,7 @@ def ball_joint_text(case: BallJointCase, *, radians: bool = False) -> str:
     """Return the figures of a ball joint and its verdict as plain text, 79 characters wide."""
     found = ball_joint_figures(case)
     lines = ball_joint_lines(case, found, radians=radians)
-    words = (textwrap.fill(text, 79) for text in verdict_text(case, found))
+    words = (fill(text, 79) for text in verdict_text(case, found))
     return "\n".join(["Ball joint", aligned(lines, indent="  "), "", *words])
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator
 
 from cardan.figures.drive_speed import SHARE, SOURCE, DriveSpeed
 from cardan.words.phrases import rounded_up
 from cardan.words.summary import figure_text
+from cardan.wrapping import wrap
 
 _HEADINGS = {
     "fair": "a fair assumption",
@@ -20,7 +20,7 @@ def drive_speed_text(found: DriveSpeed) -> str:
     """Return the finding as plain text, 79 characters wide."""
     lines = [heading_text(found)]
     for words in sentences(found):
-        lines += textwrap.wrap(f"- {words}", 79, subsequent_indent="    ")
+        lines += wrap(f"- {words}", 79, subsequent_indent="    ")
     return "\n".join(lines)
 
 

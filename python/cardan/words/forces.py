@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator
 
 from cardan.figures.scene_forces import Force, SceneForces
 from cardan.words.summary import angle_text, figure_text
+from cardan.wrapping import wrap
 
 HEADINGS = ("largest", "at", "mean", "order 2", "order 4")
 """What the figures of a row are."""
@@ -27,7 +27,7 @@ def forces_text(found: SceneForces, *, radians: bool = False) -> str:
     if found.forces and found.refused:
         lines.append("")
     for words in reasons(found):
-        lines += textwrap.wrap(words, 79)
+        lines += wrap(words, 79)
     return "\n".join(lines)
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Mapping
 from typing import Any
 
 from cardan.words.summary import aligned, figure_text
+from cardan.wrapping import fill
 
 # A recording whose purity is farther from 1 shows something beside the joints.
 _PURE = 0.2
@@ -51,7 +51,7 @@ def identification_text(data: Mapping[str, Any], *, radians: bool = False) -> st
         ("purity", "unknown" if purity is None else figure_text(purity)),
         ("not explained, rms", size(joint[f"residual{ending}"])),
     ]
-    notes = "\n\n".join(textwrap.fill(note, 79) for note in _notes(joint, sign, bool(two)))
+    notes = "\n\n".join(fill(note, 79) for note in _notes(joint, sign, bool(two)))
     return f"{data['title']}\n\n{aligned(lines)}\n\n{notes}"
 
 

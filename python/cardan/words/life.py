@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from cardan.figures.life import AgainstLimit, JointLife, LifeFigures, SizeLife
 from cardan.figures.tubes import TubeFigures
 from cardan.words.summary import aligned, figure_text
+from cardan.wrapping import fill
 
 STEP_HEADS = ("Step", "Share", "Speed [rpm]", "Torque [N m]", "Bends [deg]")
 """Headings of the table of the duty cycle."""
@@ -238,4 +239,4 @@ def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _filled(texts: Iterator[str] | Sequence[str]) -> str:
-    return "\n".join(textwrap.fill(text, 79, break_on_hyphens=False) for text in texts)
+    return "\n".join(fill(text, 79, break_on_hyphens=False) for text in texts)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import Any
 
 from cardan.figures.optimise import Optimised, unit_of, variable_data
@@ -11,6 +10,7 @@ from cardan.scene.optimise import Variable
 from cardan.words.phrases import listed
 from cardan.words.summary import figure_text
 from cardan.workshop import VIEW
+from cardan.wrapping import fill
 
 _WIDTH = 79
 
@@ -192,6 +192,6 @@ def _number(value: float) -> str:
 def _wrapped(line: str) -> str:
     if len(line) <= _WIDTH or not line.startswith("- "):
         return line
-    return textwrap.fill(
+    return fill(
         line, _WIDTH, subsequent_indent="  ", break_on_hyphens=False, break_long_words=False
     )

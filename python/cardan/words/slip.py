@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator
 
 from cardan.figures.slip import End, Limited, SlipFigures
 from cardan.words.summary import aligned, figure_text
+from cardan.wrapping import fill
 
 
 def slip_text(found: SlipFigures) -> str:
     """Return the figures of a spline and what follows from them as plain text, 79 wide."""
     lines = aligned(slip_lines(found), indent="  ")
-    words = [textwrap.fill(text, 79) for text in slip_sentences(found)]
+    words = [fill(text, 79) for text in slip_sentences(found)]
     return "\n".join([f"Spline of shaft {found.slip.shaft}", lines, "", *words])
 
 

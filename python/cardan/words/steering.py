@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator
 
 from cardan.figures.steering import OnCentre, SteeringFigures
 from cardan.words.advice import SHOWN
 from cardan.words.summary import aligned, figure_text
+from cardan.wrapping import fill
 
 HEADINGS = ("ratio", "slope per rad", "off symmetry", "nearest")
 """What the figures of a row are."""
@@ -16,7 +16,7 @@ HEADINGS = ("ratio", "slope per rad", "off symmetry", "nearest")
 def steering_text(found: SteeringFigures) -> str:
     """Return the figures of a steering column and what follows from them, 79 wide."""
     heading = f"Steering, straight ahead at a drive angle of {found.centre_deg:.6g}°"
-    sentences = [textwrap.fill(words, 79) for words in steering_sentences(found)]
+    sentences = [fill(words, 79) for words in steering_sentences(found)]
     return "\n".join([heading, *_lines(found), "", *sentences])
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -12,6 +11,7 @@ import numpy as np
 from cardan.figures.extremes import End, Extremes, StudyTable, extremes
 from cardan.figures.rounding import alike
 from cardan.words.summary import aligned, angles_text, figure_text, range_ends
+from cardan.wrapping import fill, wrap
 
 
 def study_text(table: StudyTable, drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
@@ -32,7 +32,7 @@ def study_text(table: StudyTable, drive_angles: Mapping[str, Any], *, radians: b
             text += " at the driven angles of the scene."
         else:
             text += f", drive angles {angles_text(drive_angles, radians=radians)}."
-        parts.append(textwrap.fill(text, 79))
+        parts.append(fill(text, 79))
     return "\n\n".join(part for part in parts if part)
 
 
@@ -80,8 +80,8 @@ def _best(found: Sequence[Extremes]) -> str:
             places.setdefault(place_text(each.least), []).append(each.name)
     lines = []
     for place, names in places.items():
-        lines += textwrap.wrap(f"by {', '.join(names)}:", 77, **_WRAPPED)
-        lines += textwrap.wrap(place, 75, **_WRAPPED, initial_indent="  ", subsequent_indent="  ")
+        lines += wrap(f"by {', '.join(names)}:", 77, **_WRAPPED)
+        lines += wrap(place, 75, **_WRAPPED, initial_indent="  ", subsequent_indent="  ")
     heading = f"Best driveline{'s' if len(places) > 1 else ''}"
     return "\n".join([heading, *(f"  {line}" for line in lines)]) if lines else ""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import sys
-import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
@@ -12,6 +11,7 @@ from typing import Any
 
 from cardan.figures.summary import SummaryRow
 from cardan.outputs import OUTPUTS
+from cardan.wrapping import fill
 
 FEWEST = 36
 """Samples per turn below which the largest of them may be far from the largest of the turn."""
@@ -62,7 +62,7 @@ def over_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
         )
     known = drive_angles["samples"] - drive_angles["missing_samples"]
     text = f"In these {known} samples, {angles_text(drive_angles, radians=radians)}"
-    return textwrap.fill(text, 79, subsequent_indent="  ")
+    return fill(text, 79, subsequent_indent="  ")
 
 
 def angles_text(drive_angles: Mapping[str, Any], *, radians: bool = False) -> str:
@@ -99,13 +99,13 @@ def notes_text(
         )
         if drive_angles["source"] == "sweep":
             text += f" Each extreme recurs every {half}."
-        yield textwrap.fill(text, 79)
+        yield fill(text, 79)
     if drive_angles.get("angle_of") == "driven":
         text = (
             "The scene gives angles of the driven shaft; the drive angles follow from them: "
             f"{angles_text(drive_angles, radians=radians)}."
         )
-        yield textwrap.fill(text, 79)
+        yield fill(text, 79)
     if _is_short(drive_angles):
         yield "An extreme that the sweep does not reach has no angle."
     if any(row.quantity == "acceleration_at_steady_drive" for row in found):
@@ -203,7 +203,7 @@ def aligned(lines: Iterable[tuple[str, str]], width: int = 0, indent: str = "") 
 
 def _filled(lines: Iterable[tuple[str, str]], width: int, indent: str) -> Iterator[str]:
     for label, text in lines:
-        yield textwrap.fill(
+        yield fill(
             text,
             width=79,
             initial_indent=f"{indent + label:{width}}",

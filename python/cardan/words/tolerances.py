@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterable, Iterator, Sequence
 
 from cardan.figures.tolerances import (
@@ -13,6 +12,7 @@ from cardan.figures.tolerances import (
     ToleranceState,
 )
 from cardan.words.summary import aligned, figure_text
+from cardan.wrapping import fill
 
 # Shares below this are not worth a line; at least so many are listed.
 _SMALL, _FEWEST, _MOST = 0.01, 3, 8
@@ -38,7 +38,7 @@ def tolerance_verdicts_text(found: ToleranceFigures) -> str:
 
 
 def _filled(texts: Iterable[str]) -> str:
-    return "\n".join(textwrap.fill(text, 79, break_on_hyphens=False) for text in texts)
+    return "\n".join(fill(text, 79, break_on_hyphens=False) for text in texts)
 
 
 def given_lines(found: ToleranceFigures) -> list[tuple[str, str]]:

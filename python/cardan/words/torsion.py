@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator
 
 from cardan.figures.torsion import CriticalSpeed, LargestTorque, TorsionFigures
@@ -12,6 +11,7 @@ from cardan.figures.torsion_stability import SpeedRange
 from cardan.scene.units import RPM
 from cardan.words.phrases import listed, rounded_up, short
 from cardan.words.summary import aligned, figure_text
+from cardan.wrapping import fill, wrap
 
 RESONANCE_SOURCE = "D. Thoma, 1920: joints bring new critical speeds"
 RULE_SOURCE = "first region of the Whittaker-Hill equation, one compliant shaft"
@@ -42,12 +42,12 @@ def torsion_check_text(found: TorsionBasics) -> str:
     """Return the advice on torsional vibration as plain text, 79 wide; "" if there is none."""
     lines = []
     for sentence in torsion_advice(found):
-        lines += textwrap.wrap(f"- {sentence}", 79, subsequent_indent="    ")
+        lines += wrap(f"- {sentence}", 79, subsequent_indent="    ")
     return "\n".join(["Torsional vibration", *lines]) if lines else ""
 
 
 def _filled(texts: Iterator[str]) -> str:
-    return "\n".join(textwrap.fill(text, 79, break_on_hyphens=False) for text in texts)
+    return "\n".join(fill(text, 79, break_on_hyphens=False) for text in texts)
 
 
 # --- tables ------------------------------------------------------------------------------------

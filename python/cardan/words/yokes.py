@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable
 from typing import Any
 
@@ -14,6 +13,7 @@ from cardan.words.advice import (
     turn_text,
 )
 from cardan.workshop import ARROW, SAME_YOKE, VIEW, both_senses
+from cardan.wrapping import fill
 
 _WIDTH = 79
 _COLUMNS = {"present": "now", "best": "best", "on_teeth": "on teeth"}
@@ -118,6 +118,6 @@ def _wrapped(line: str) -> str:
     if line.startswith(("In the scene", " ")) or len(line) <= _WIDTH:
         return line
     indent = "  " if line.startswith("- ") else ""
-    return textwrap.fill(
+    return fill(
         line, _WIDTH, subsequent_indent=indent, break_on_hyphens=False, break_long_words=False
     )
