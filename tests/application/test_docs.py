@@ -17,6 +17,7 @@ import pytest
 from click.testing import CliRunner
 
 import cardan
+from cardan import torsion
 from cardan.command import commands
 
 ROOT = Path(__file__).parents[2]
@@ -137,6 +138,7 @@ def test_the_reference_has_every_public_name() -> None:
     names = names - adapters | {name.replace("cardan.", "cardan.interop.") for name in adapters}
     names |= {f"cardan.scene.{name}" for name in ("SceneResult", "StudyResult", "stream")}
     names |= {"cardan.interop.lazy.LazyDriveline", "cardan.files.map_parquet"}
+    names |= {f"cardan.torsion.{name}" for name in set(torsion.__all__) - set(cardan.__all__)}
     names |= {f"cardan.scene.cluster.{name}" for name in ("connect", "write_study", "Written")}
     assert {name for name in names if not re.search(rf"{re.escape(name)}\b", pages)} == set()
 

@@ -188,6 +188,7 @@ OBJECTS = [
     BATCH.transmission(1).motion(0.3),
     BATCH.harmonics([2, 4]),
     LINE.steering(0.3),
+    LINE.slides(driving_pin=0.001),
     LINE.losses(LOAD, friction=0.01, pin_radius=0.01, arm=0.03),
     LINE.life(cardan.Load(drive_torque=1.0, speed=1.0), rating=100.0),
     LINE.tolerances(bends=0.01, samples=100, seed=1),

@@ -29,7 +29,7 @@ NATURAL = float(LIGHT.natural_frequencies()[0])
 
 def test_three_orbits_exist_beside_the_folds() -> None:
     # The small orbit ends at 0.49 and begins again at 0.515 of the natural frequency; there it
-    # meets the unstable one. The large one is alone far from neither side.
+    # meets the unstable one. Far from the resonance there is one orbit only.
     speeds = np.array([0.4, 0.489, 0.495, 0.52, 0.6]) * NATURAL
     found = LIGHT.coexisting(speeds)
     assert found.count[[0, 1, 3, 4]].tolist() == [1, 3, 3, 1]

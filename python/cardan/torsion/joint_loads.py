@@ -21,7 +21,7 @@ from cardan.load import absorbing
 from cardan.outputs import OUTPUTS, checked
 from cardan.request import Axes, Items, Reduction
 from cardan.result import Result
-from cardan.torsion.parameters import Parameters
+from cardan.torsion.parameters import TorsionParameters
 from cardan.torsion.results import Orbit
 
 _TILTS = ("tilt_driving", "tilt_driven")
@@ -29,7 +29,7 @@ _TILTS = ("tilt_driving", "tilt_driven")
 
 def evaluated(
     line: Driveline,
-    parameters: Parameters,
+    parameters: TorsionParameters,
     orbit: Orbit,
     outputs: str | Iterable[str],
     shafts: Items,
@@ -76,7 +76,7 @@ def evaluated(
 
 
 def _torques(
-    parameters: Parameters, orbit: Orbit, ratios: FloatArray
+    parameters: TorsionParameters, orbit: Orbit, ratios: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the torque that enters shaft 0, and what each shaft absorbs, ``(..., n + 1)``."""
     last = ratios.shape[-1] - 1

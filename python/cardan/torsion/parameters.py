@@ -16,7 +16,7 @@ _RULE = "; it must be finite and not negative"
 
 
 @dataclass(frozen=True, eq=False)
-class Parameters:
+class TorsionParameters:
     """What the shafts of a batch of systems have, all broadcast to the shape of the batch.
 
     Attributes:
@@ -96,7 +96,7 @@ class Parameters:
         load = [self.load_torque, self.load_damping]
         return [array.ravel() for array in shafts], [array.ravel() for array in load]
 
-    def with_ratios(self, ratios: ArrayLike, lowest: FloatArray, joints: int) -> Parameters:
+    def with_ratios(self, ratios: ArrayLike, lowest: FloatArray, joints: int) -> TorsionParameters:
         """Return the parameters with dampings from damping ratios."""
         given = _per_shaft("damping_ratios", ratios, joints + 1)
         _check_not_negative("damping_ratios", given)

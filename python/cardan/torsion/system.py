@@ -15,7 +15,7 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.torsion.arguments import checked_orders, checked_tolerance, positive_integer
 from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
-from cardan.torsion.parameters import Parameters
+from cardan.torsion.parameters import TorsionParameters
 from cardan.torsion.results import Coexisting, Orbit, Stability
 from cardan.torsion.steady_state import SteadyState
 from cardan.torsion.transient import Event, Method, Transient, integrated
@@ -86,7 +86,7 @@ class TorsionalSystem:
                 "dampings", "and damping_ratios are both given; give one of them"
             )
         self._line = line
-        self._parameters = Parameters.checked(
+        self._parameters = TorsionParameters.checked(
             line, inertias, stiffnesses, dampings, load_torque, load_damping
         )
         self._core = self._native()
@@ -414,7 +414,7 @@ class TorsionalSystem:
         return shape, full, records.reshape(*shape, each), failures.reshape(shape)
 
 
-def _restored(line: Driveline, parameters: Parameters) -> TorsionalSystem:
+def _restored(line: Driveline, parameters: TorsionParameters) -> TorsionalSystem:
     return TorsionalSystem(
         line,
         inertias=parameters.inertias,
