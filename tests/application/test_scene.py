@@ -603,8 +603,18 @@ axes = "shaft"
     assert np.array_equal(found, wanted)
     forces = text.replace('["moment"]', '["moment", "joint_force"]')
     forces = forces.replace("bends_deg = [20, 30]", "bends_deg = [20]\nlengths_mm = [300, 900]")
-    with pytest.raises(SceneError, match=r"line 8: \[output\] axes is .*; joint_force has"):
-        Scene.parse(forces)
+    forces += (
+        "[[bearing]]\nshaft = 0\nposition_mm = 100\n[[bearing]]\nshaft = 1\nposition_mm = 600\n"
+    )
+    scene = Scene.parse(forces)
+    joint = Driveline.from_bends([20], degrees=True)
+    joint = joint.with_bearings([(0, 0.1), (1, 0.6)], [0.3, 0.9])
+    space, turning = (
+        joint.evaluate(scene.angle, "joint_force", load=load, axes=axes).joint_force
+        for axes in ("space", "shaft")
+    )
+    assert np.array_equal(scene.run().values["joint_force"], turning)
+    assert np.max(np.abs(turning - space)) > 1.0
     with pytest.raises(ValueError, match=r"\[output\] axes is 'shafts'; did you mean 'shaft'"):
         Scene.parse(text.replace('"shaft"', '"shafts"'))
 
