@@ -603,12 +603,11 @@ axes = "shaft"
     assert np.array_equal(found, wanted)
     forces = text.replace('["moment"]', '["moment", "joint_force"]')
     forces = forces.replace("bends_deg = [20, 30]", "bends_deg = [20]\nlengths_mm = [300, 900]")
-    forces += (
-        "[[bearing]]\nshaft = 0\nposition_mm = 100\n[[bearing]]\nshaft = 1\nposition_mm = 600\n"
-    )
+    for shaft, position in ((0, 100), (0, 200), (1, 600)):
+        forces += f"[[bearing]]\nshaft = {shaft}\nposition_mm = {position}\n"
     scene = Scene.parse(forces)
     joint = Driveline.from_bends([20], degrees=True)
-    joint = joint.with_bearings([(0, 0.1), (1, 0.6)], [0.3, 0.9])
+    joint = joint.with_bearings([(0, 0.1), (0, 0.2), (1, 0.6)], [0.3, 0.9])
     space, turning = (
         joint.evaluate(scene.angle, "joint_force", load=load, axes=axes).joint_force
         for axes in ("space", "shaft")
