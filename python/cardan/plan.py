@@ -294,9 +294,9 @@ class Plan:
     def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
         """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
 
-        This is what an optimiser needs (reverse mode): it costs little more than the value,
-        whatever the number of joints, and stores nothing per sample. The results do not depend on
-        the number of threads.
+        This is what an optimiser needs (reverse mode): one pass gives the derivatives by all
+        parameters, whatever their number, and stores nothing per sample. The results do not depend
+        on the number of threads.
 
         Args:
             angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
