@@ -146,6 +146,7 @@ class Samples:
         level: str | None,
     ) -> None:
         """Broadcast the angles; ``level`` forces an instruction set."""
+        _refuse_turning_forces(request)
         self._level = level
         line: Any = request.line
         self.request, self.places, self.line = request, places, line
@@ -239,6 +240,15 @@ class Samples:
         ndim = len(places)
         axes = [*range(before), *(before + places), *range(before + ndim, array.ndim)]
         return array.transpose(axes)
+
+
+def _refuse_turning_forces(request: Request) -> None:
+    """Refuse what needs the derivatives of the axes themselves, which only moments do without."""
+    forces = [name for name in request.names if OUTPUTS[name].unit == "N"]
+    if request.axes == "shaft" and forces:
+        raise ArgumentValueError(
+            "axes", f"is 'shaft'; derivatives of {forces[0]} are known in 'space' only"
+        )
 
 
 def gradient(

@@ -277,7 +277,8 @@ class Plan:
         Raises:
             TypeError: angles that are not real numbers, variables that are not names.
             ValueError: an unknown variable, points of a driveline that was not made from points,
-                a torque, lengths or positions that there are not, the angle of reduced outputs.
+                a torque, lengths or positions that there are not, the angle of reduced outputs,
+                components of forces with ``axes="shaft"``.
 
         >>> import cardan
         >>> plan = cardan.Driveline.from_bends([0.5]).plan("speed_ratio")
@@ -293,9 +294,9 @@ class Plan:
     def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
         """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
 
-        This is what an optimiser needs (reverse mode): it costs little more than the value,
-        whatever the number of joints, and stores nothing per sample. The results do not depend on
-        the number of threads.
+        This is what an optimiser needs (reverse mode): one pass gives the derivatives by all
+        parameters, whatever their number, and stores nothing per sample. The results do not depend
+        on the number of threads.
 
         Args:
             angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
@@ -308,7 +309,8 @@ class Plan:
 
         Raises:
             TypeError: angles or weights that are not real numbers, weights that are no mapping.
-            ValueError: weights of something that is not an output of the plan or of a wrong shape.
+            ValueError: weights of something that is not an output of the plan or of a wrong shape,
+                components of forces with ``axes="shaft"``.
 
         >>> import cardan
         >>> line = cardan.Driveline.from_bends([0.3, 0.2], phases=0.1)

@@ -156,8 +156,8 @@ def nearest_quantity(name: str, known: Iterable[str] = MOTION_QUANTITIES) -> str
         known: the names that are possible, besides those of reduced outputs.
     """
     return (
-        f"{nearest(name, known)}, or an output with the number of its shaft, joint or bearing and "
-        "its reduction, as 'support_moment_1_peak'"
+        f"{nearest(name, known)} (an output has the number of its shaft, joint or bearing and its "
+        "reduction, as 'support_moment_1_peak')"
     )
 
 

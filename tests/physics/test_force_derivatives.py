@@ -159,6 +159,19 @@ def test_moments_in_turning_axes(name: str, loaded: str) -> None:
                 start += count
 
 
+@pytest.mark.parametrize("reduce", [None, "rms"])
+@pytest.mark.parametrize("name", FORCES)
+def test_forces_in_turning_axes_are_refused(name: str, reduce: Any) -> None:  # noqa: ANN401
+    (bends, twists, phases), bearings, lengths = CHAINS["truck"]
+    line = Driveline.from_bends(bends, twists, phases).with_bearings(bearings, lengths)
+    load = Load(**LOADS["output"])
+    plan = line.plan(("speed_ratio", name), load=load, axes="shaft", reduce=reduce)
+    with pytest.raises(ValueError, match=f"axes is 'shaft'; derivatives of {name} are known in"):
+        plan.derivatives(ANGLES, "phases")
+    with pytest.raises(ValueError, match=f"axes is 'shaft'; derivatives of {name} are known in"):
+        plan.gradient(ANGLES, {"speed_ratio": 1.0})
+
+
 def test_moments_in_turning_axes_are_smooth_by_points_at_straight_joints() -> None:
     points: list[list[float]] = [[0, 0, 0], [1, 0.25, 0], [2, 0.25, 0.5], [3, 0.25, 1], [4, 0.5, 1]]
     phases, names = [0.5, 2.0], ("moment", "support_moment")

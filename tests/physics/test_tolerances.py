@@ -783,7 +783,7 @@ def test_a_reduced_output_has_one_name(name: str, bare: dict[str, Any]) -> None:
         ("support_moment_1_rms", ValueError, "of a vector it needs the 'peak'"),
         ("torque_9_peak", IndexError, "shaft of torque is 9; there are 4, counted from 0"),
         ("bearing_force_0_peak", IndexError, "bearing of bearing_force is 0; there are 0"),
-        ("torque_1", ValueError, "did you mean 'torque'?, or an output with the number"),
+        ("torque_1", ValueError, "did you mean 'torque'? (an output has the number"),
     ],
 )
 def test_names_of_reduced_outputs_are_checked(of: str, error: Any, message: str) -> None:  # noqa: ANN401

@@ -171,7 +171,7 @@ def many_of(lines: object, count: int) -> Driveline:
     """
     if not isinstance(lines, Driveline):
         raise ArgumentTypeError(
-            "lines_of", f"returned a {type(lines).__name__}; it must return a Driveline"
+            "lines_of", f"returned {type(lines).__name__}; it must return a Driveline"
         )
     if len(lines.shape) != 2 or lines.shape[0] != count or 0 in lines.shape:
         raise ArgumentValueError(
@@ -190,7 +190,7 @@ def states_of(line: object) -> Driveline:
     """
     if not isinstance(line, Driveline):
         raise ArgumentTypeError(
-            "lines_of", f"returned a {type(line).__name__}; it must return a Driveline"
+            "lines_of", f"returned {type(line).__name__}; it must return a Driveline"
         )
     if len(line.shape) > 1 or 0 in line.shape:
         raise ArgumentValueError(

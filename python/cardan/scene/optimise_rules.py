@@ -166,8 +166,8 @@ class Keep(Rule):
             if not kept_quantity(key):
                 hint = nearest(key, KEPT)
                 raise own.error(
-                    f"is no quantity; {hint}, or an output with its number, reduction and unit, as "
-                    "support_moment_1_peak_Nm"
+                    f"is no quantity; {hint} (an output has its number, reduction and unit, as "
+                    "support_moment_1_peak_Nm)"
                 )
             limits[key] = KEPT.get(key, Number(0, above=True)).read(own, given)
         return limits
