@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.figures.torsion_modes import TorsionBasics, torsion_basics
+from cardan.figures.torsion_orbits import SideBySide, side_by_side
 from cardan.figures.torsion_stability import SpeedRange, UnstableRange, ranges, unstable_regions
 from cardan.scene.scene import Scene
 from cardan.scene.torsion import TorsionCase
@@ -92,6 +93,8 @@ class TorsionFigures(TorsionBasics):
         largest: of each compliant shaft.
         unstable: where small deviations grow.
         missing: speeds without a periodic motion, and why.
+        motions: the periodic motions at the critical speeds, at the speeds of the largest torques
+            and amid the unstable ranges; ``response`` has one at each speed.
     """
 
     critical_speeds: tuple[CriticalSpeed, ...]
@@ -100,6 +103,7 @@ class TorsionFigures(TorsionBasics):
     largest: tuple[LargestTorque, ...]
     unstable: tuple[UnstableRange, ...]
     missing: tuple[tuple[SpeedRange, str], ...]
+    motions: tuple[SideBySide, ...]
 
     @property
     def verdict(self) -> TorsionVerdict:
@@ -126,6 +130,10 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
         (SpeedRange(float(speed[first]), float(speed[last])), str(reasons[first]))
         for first, last in ranges(~response.found)
     ]
+    largest = tuple(_largest(basics, critical_speeds, speed, response))
+    searched = [part.speed for part in critical_speeds if part.inside and part.order % 2 == 0]
+    searched += [part.speed for part in largest]
+    searched += [0.5 * (part.start + part.stop) for part in regions]
     return TorsionFigures(
         given,
         basics.modes,
@@ -133,9 +141,10 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
         critical_speeds,
         speed,
         response,
-        tuple(_largest(basics, critical_speeds, speed, response)),
+        largest,
         regions,
         tuple(missing),
+        tuple(side_by_side(system, searched)),
     )
 
 
