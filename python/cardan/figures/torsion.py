@@ -93,8 +93,8 @@ class TorsionFigures(TorsionBasics):
         largest: of each compliant shaft.
         unstable: where small deviations grow.
         missing: speeds without a periodic motion, and why.
-        motions: the periodic motions at the critical speeds, at the speeds of the largest torques
-            and amid the unstable ranges; ``response`` has one at each speed.
+        motions: the periodic motions at the worst critical speed, at the speed of the largest
+            torque and amid the most unstable range; ``response`` has one at each speed.
     """
 
     critical_speeds: tuple[CriticalSpeed, ...]
@@ -131,9 +131,6 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
         for first, last in ranges(~response.found)
     ]
     largest = tuple(_largest(basics, critical_speeds, speed, response))
-    searched = [part.speed for part in critical_speeds if part.inside and part.order % 2 == 0]
-    searched += [part.speed for part in largest]
-    searched += [0.5 * (part.start + part.stop) for part in regions]
     return TorsionFigures(
         given,
         basics.modes,
@@ -144,8 +141,27 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
         largest,
         regions,
         tuple(missing),
-        tuple(side_by_side(system, searched)),
+        tuple(side_by_side(system, _worst(critical_speeds, largest, regions))),
     )
+
+
+def _worst(
+    critical_speeds: Sequence[CriticalSpeed],
+    largest: Sequence[LargestTorque],
+    regions: Sequence[UnstableRange],
+) -> Iterator[float]:
+    """The worst critical speed, that of the largest torque, and amid the most unstable range.
+
+    There are no more than these, because a search takes seconds with eight compliant shafts.
+    """
+    inside = [part for part in critical_speeds if part.inside and part.order % 2 == 0]
+    if inside:
+        yield max(inside, key=lambda part: float(np.nan_to_num(part.amplitude))).speed
+    if largest:
+        yield max(largest, key=lambda part: part.size).speed
+    if regions:
+        region = max(regions, key=lambda part: part.multiplier)
+        yield 0.5 * (region.start + region.stop)
 
 
 def needed_torsion(scene: Scene) -> TorsionFigures:

@@ -247,8 +247,9 @@ TORSION_SCHEMA = answer_schema(
                     "largest_Nm": _MAYBE,
                 }
             ),
-            "how many periodic motions a search found at critical speeds, at the speeds of the "
-            "largest torques and amid the unstable ranges; the other parts have one at each speed",
+            "how many periodic motions a search found at the worst critical speed, at the speed of "
+            "the largest torque and amid the most unstable range; the other parts have one at each "
+            "speed",
         ),
         "bend_rules": _RULES,
         "response": record(
