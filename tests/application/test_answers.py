@@ -184,6 +184,7 @@ KEYS = {
         *("natural_frequencies", "natural_frequency", "frequency_Hz", "shares", "share"),
         *("amplitude_Nm", "torques", "least_Nm", "largest_Nm", "mean_Nm", "reversals"),
         *("unstable", "multiplier", "missing", "reason", "response", "shafts", "orders"),
+        *("periodic_motions", "count", "stable", "smallest_Nm"),
     },
     "phase": {
         *("answer", "version", "title", "view", "arrangement", "cause", "catalogue", "fork_signs"),

@@ -298,6 +298,40 @@ def test_a_resonance_without_damping_is_said() -> None:
     assert np.isfinite(damped.largest[0].size)
 
 
+def test_several_motions_at_a_critical_speed_are_said() -> None:
+    # Two joints of 30 degrees and little damping: the peak leans, beside it three orbits exist.
+    found = figures(
+        """
+        [driveline]
+        bends_deg = [30, 30]
+        [torsion]
+        inertias_kgm2 = [0, [0, 0.004], [0.1, 0]]
+        stiffnesses_Nm_per_rad = ["rigid", 9000, "rigid"]
+        damping_ratio = 0.013
+        load_torque_Nm = 20
+        orders = 2
+        speed_rpm = {from = 1200, to = 1600, steps = 5}
+        """
+    )
+    (critical,) = found.critical_speeds
+    at_critical = next(part for part in found.motions if part.speed == critical.speed)
+    orbits = found.torsion.system.coexisting(critical.speed)
+    assert at_critical.count == orbits.count == 3
+    assert at_critical.stable == np.count_nonzero(orbits.stable) == 2
+    sizes = np.fmax(-orbits.torque_min, orbits.torque_max)[0, :3]
+    ends = (at_critical.smallest, at_critical.largest)
+    assert ends == pytest.approx((sizes.min(), sizes.max()), rel=1e-4)
+    sentences = "\n".join(torsion_sentences(found))
+    assert "3 periodic motions were found, 2 of them stable: the largest torque of" in sentences
+    data = torsion_data("", found)
+    ANSWERS.validate(data)
+    assert {part["count"] for part in data["periodic_motions"]} >= {3}
+    # With more damping one motion is left, and nothing is said.
+    alone = figures(JOINT.replace("speed_rpm", "damping_ratio = 0.1\nspeed_rpm"))
+    assert [part.count for part in alone.motions] == [1] * len(alone.motions)
+    assert "motions" not in " ".join(torsion_sentences(alone))
+
+
 def test_verdicts() -> None:
     rig = RIG.read_text(encoding="utf-8")
     assert figures(rig).verdict == "unstable"
@@ -338,6 +372,16 @@ def test_the_command(tmp_path: Path) -> None:
     assert data == torsion_data("Truck with a two-piece propeller shaft", found)
     assert data["critical_speeds"][0]["speed_rpm"] == pytest.approx(2514.0, rel=1e-3)
     assert max(data["response"]["shafts"][0]["largest_Nm"]) <= data["torques"][0]["largest_Nm"]
+
+
+@pytest.mark.parametrize("section", ["states", "study"])
+def test_the_command_says_what_it_does_not_evaluate(section: str, tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(JOINT, encoding="utf-8")
+    assert "not evaluated" not in command("torsion", scene).stdout
+    scene.write_text(f"{JOINT}[{section}]\nbends_deg.0 = [20, 30]\n", encoding="utf-8")
+    said = command("torsion", scene).stdout
+    assert said.endswith(f"[driveline]; the section [{section}] is not evaluated.\n")
 
 
 def test_the_command_writes_a_whole_picture_or_none(

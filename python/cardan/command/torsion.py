@@ -37,5 +37,8 @@ def run(path: Path, output: Path | None, picture: str | None, *, as_json: bool) 
     if scene.title:
         say(f"{scene.title}\n")
     say(torsion_text(found))
+    if scene.states or scene.study:
+        left_out = "states" if scene.states else "study"
+        say(f"\nThis is the driveline of [driveline]; the section [{left_out}] is not evaluated.")
     if output is not None:
         say(f"\nwrote {output}")

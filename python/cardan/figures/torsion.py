@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.figures.torsion_modes import TorsionBasics, torsion_basics
+from cardan.figures.torsion_orbits import SideBySide, side_by_side
 from cardan.figures.torsion_stability import SpeedRange, UnstableRange, ranges, unstable_regions
 from cardan.scene.scene import Scene
 from cardan.scene.torsion import TorsionCase
@@ -92,6 +93,8 @@ class TorsionFigures(TorsionBasics):
         largest: of each compliant shaft.
         unstable: where small deviations grow.
         missing: speeds without a periodic motion, and why.
+        motions: the periodic motions at the worst critical speed, at the speed of the largest
+            torque and amid the most unstable range; ``response`` has one at each speed.
     """
 
     critical_speeds: tuple[CriticalSpeed, ...]
@@ -100,6 +103,7 @@ class TorsionFigures(TorsionBasics):
     largest: tuple[LargestTorque, ...]
     unstable: tuple[UnstableRange, ...]
     missing: tuple[tuple[SpeedRange, str], ...]
+    motions: tuple[SideBySide, ...]
 
     @property
     def verdict(self) -> TorsionVerdict:
@@ -126,6 +130,7 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
         (SpeedRange(float(speed[first]), float(speed[last])), str(reasons[first]))
         for first, last in ranges(~response.found)
     ]
+    largest = tuple(_largest(basics, critical_speeds, speed, response))
     return TorsionFigures(
         given,
         basics.modes,
@@ -133,10 +138,30 @@ def torsion_figures(scene: Scene) -> TorsionFigures | None:
         critical_speeds,
         speed,
         response,
-        tuple(_largest(basics, critical_speeds, speed, response)),
+        largest,
         regions,
         tuple(missing),
+        tuple(side_by_side(system, _worst(critical_speeds, largest, regions))),
     )
+
+
+def _worst(
+    critical_speeds: Sequence[CriticalSpeed],
+    largest: Sequence[LargestTorque],
+    regions: Sequence[UnstableRange],
+) -> Iterator[float]:
+    """The worst critical speed, that of the largest torque, and amid the most unstable range.
+
+    There are no more than these, because a search takes seconds with eight compliant shafts.
+    """
+    inside = [part for part in critical_speeds if part.inside and part.order % 2 == 0]
+    if inside:
+        yield max(inside, key=lambda part: float(np.nan_to_num(part.amplitude))).speed
+    if largest:
+        yield max(largest, key=lambda part: part.size).speed
+    if regions:
+        region = max(regions, key=lambda part: part.multiplier)
+        yield 0.5 * (region.start + region.stop)
 
 
 def needed_torsion(scene: Scene) -> TorsionFigures:

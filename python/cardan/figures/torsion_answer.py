@@ -59,6 +59,17 @@ def torsion_data(title: str, found: TorsionFigures, files: Sequence[str] = ()) -
             for region in found.unstable
         ],
         missing=[{**_range(part), "reason": reason} for part, reason in found.missing],
+        periodic_motions=[
+            {
+                "speed_rpm": motions.speed / RPM,
+                "count": motions.count,
+                "stable": motions.stable,
+                "shaft": motions.shaft,
+                "smallest_Nm": finite_or_none(motions.smallest),
+                "largest_Nm": finite_or_none(motions.largest),
+            }
+            for motions in found.motions
+        ],
         bend_rules=[_rule(rule) for rule in found.rules],
         response=_response(found),
         files=list(files),
@@ -222,6 +233,24 @@ TORSION_SCHEMA = answer_schema(
             "where small deviations grow; the multiplier is that of half a turn",
         ),
         "missing": _list(record({**_ENDS, "reason": _TEXT}), "speeds without a periodic motion"),
+        "periodic_motions": _list(
+            record(
+                {
+                    "speed_rpm": _NUMBER,
+                    "count": _COUNT,
+                    "stable": {**_COUNT, "description": "how many of them are stable"},
+                    "shaft": {**_COUNT, "description": "the shaft with the largest torque"},
+                    "smallest_Nm": {
+                        **_MAYBE,
+                        "description": "its largest torque in the motion in which that is least",
+                    },
+                    "largest_Nm": _MAYBE,
+                }
+            ),
+            "how many periodic motions a search found at the worst critical speed, at the speed of "
+            "the largest torque and amid the most unstable range; the other parts have one at each "
+            "speed",
+        ),
         "bend_rules": _RULES,
         "response": record(
             {

@@ -139,8 +139,25 @@ def torsion_sentences(found: TorsionFigures) -> Iterator[str]:
     yield from _largest(found)
     if not found.unstable and not found.missing:
         yield "The motion is stable at all speeds of the range."
+    yield from _side_by_side(found)
     for part, reason in found.missing:
         yield f"{_between(part)} the torques are not known: {reason}."
+
+
+def _side_by_side(found: TorsionFigures) -> Iterator[str]:
+    several = [motions for motions in found.motions if motions.count > 1]
+    for motions in several:
+        yield (
+            f"At {_rpm(motions.speed)} {motions.count} periodic motions were found, "
+            f"{motions.stable or 'none'} of them stable: the largest torque of shaft "
+            f"{motions.shaft} is {figure_text(motions.smallest)} to "
+            f"{figure_text(motions.largest)} N m."
+        )
+    if several:
+        yield (
+            "Tables and curves have one of these motions. Where several are stable, the past "
+            "decides which of them occurs."
+        )
 
 
 def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
