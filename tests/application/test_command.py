@@ -191,8 +191,8 @@ def test_examples_of_the_help_work(
         with Path("shaft.toml").open("a") as scene:
             scene.write("\n[tolerances]\nphases_deg = 1\n")
     if name == "life":
-        for file in ("conveyor.toml", "joint_sizes.csv"):
-            shutil.copy(EXAMPLES[0].with_name(file), ".")
+        for needed in ("conveyor.toml", "joint_sizes.csv"):
+            shutil.copy(EXAMPLES[0].with_name(needed), ".")
     if name == "torsion":
         with Path("shaft.toml").open("a") as scene:
             scene.write(TORSION)
