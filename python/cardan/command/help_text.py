@@ -151,7 +151,7 @@ LIFE = """\
 Say how long the joints of a driveline last, how hot they run and which size would suffice.
 
 The section [joints] of the scene describes the joints, or names a table of sizes; [life] gives the
-steps of the duty cycle. The life is the one that 90 % of the joints reach, by the load of their
+steps of the duty cycle. The answer is the life that 90 % of the joints reach, by the load of their
 pins over the turn and by the law of the catalogues. With [tubes], stress and critical bending speed
 of the shafts follow. The exit status does not depend on the verdict.
 
