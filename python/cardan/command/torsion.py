@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cardan.command.files import check_output
-from cardan.command.terminal import as_json_text, say
+from cardan.command.terminal import say_answer
 from cardan.figures.torsion import needed_torsion
 from cardan.figures.torsion_answer import torsion_data
 from cardan.plots.style import save
@@ -31,14 +31,17 @@ def run(path: Path, output: Path | None, picture: str | None, *, as_json: bool) 
     found = needed_torsion(scene)
     if output is not None:
         save(plot_torsion(found, picture or "response", scene.title), output)
-    if as_json:
-        say(as_json_text(torsion_data(scene.title, found, [] if output is None else [str(output)])))
-        return
-    if scene.title:
-        say(f"{scene.title}\n")
-    say(torsion_text(found))
-    if scene.states or scene.study:
-        left_out = "states" if scene.states else "study"
-        say(f"\nThis is the driveline of [driveline]; the section [{left_out}] is not evaluated.")
-    if output is not None:
-        say(f"\nwrote {output}")
+    files = [] if output is None else [str(output)]
+    left_out = "states" if scene.states else "study" if scene.study else ""
+
+    def text() -> str:
+        note = f"This is the driveline of [driveline]; the section [{left_out}] is not evaluated."
+        return torsion_text(found) + (f"\n\n{note}" if left_out else "")
+
+    say_answer(
+        scene.title,
+        text,
+        lambda: torsion_data(scene.title, found, files),
+        output,
+        as_json=as_json,
+    )
