@@ -139,7 +139,7 @@ proptest! {
         let want = bits(&run(&line, &array, &[60], precision, plain, None));
         for (name, level) in level::available() {
             for workers in [Some(1), Some(3)] {
-                let execution = Execution { level: Some(level), workers, stop: None };
+                let execution = Execution { level: Some(level), workers, ..Execution::default() };
                 let got = run(&line, &array, &[60], precision, execution, None);
                 prop_assert_eq!(&bits(&got), &want, "{}", name);
             }
@@ -153,7 +153,7 @@ proptest! {
         let count = 110_000;
         let sweep = Angles::Sweep(Sweep::new(start, start + step * count as f64, count).unwrap());
         let [one, three] = [1, 3].map(|workers| {
-            let execution = Execution { level: None, workers: Some(workers), stop: None };
+            let execution = Execution { workers: Some(workers), ..Execution::default() };
             run(&line, &sweep, &[count], Precision::Double, execution, None)
         });
         prop_assert_eq!(bits(&one), bits(&three));
@@ -161,7 +161,7 @@ proptest! {
         for (reduction, plain) in
             [(Reduction::Min, f64::min as fn(f64, f64) -> f64), (Reduction::Max, f64::max)]
         {
-            let execution = Execution { level: None, workers: Some(2), stop: None };
+            let execution = Execution { workers: Some(2), ..Execution::default() };
             let precision = Precision::Double;
             let found = run(&line, &sweep, &[count], precision, execution, Some(reduction));
             for (plane, found) in one.iter().zip(&found) {
