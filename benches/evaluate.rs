@@ -76,7 +76,7 @@ impl Case {
             load: None,
         };
         let mut planes: Vec<&mut [f64]> = self.planes.iter_mut().map(Vec::as_mut_slice).collect();
-        let execution = Execution { level: Some(level), workers, stop: None };
+        let execution = Execution { level: Some(level), workers, ..Execution::default() };
         let planes = Planes::Double(&mut planes);
         self.plan.run(&samples, None, self.precision, planes, execution).expect("the arrays fit");
         black_box(&mut self.planes);

@@ -165,7 +165,7 @@ proptest! {
             let total: usize = shape.iter().product();
             let mut planes = vec![vec![f64::NAN; total]; plan.planes()];
             let mut views: Vec<&mut [f64]> = planes.iter_mut().map(Vec::as_mut_slice).collect();
-            let execution = Execution { level, workers: Some(3), stop: None };
+            let execution = Execution { level, workers: Some(3), ..Execution::default() };
             plan.run(&samples, None, Precision::Double, Planes::Double(&mut views), execution).unwrap();
             planes
         };

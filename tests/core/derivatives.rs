@@ -202,7 +202,8 @@ fn bits_depend_neither_on_threads_nor_on_the_instruction_set() {
     let expected = gradient(&Parameters::new(), samples, wanted, alone);
     for (_, level) in level::available() {
         for workers in [1, 2, 3] {
-            let how = Execution { level: Some(level), workers: Some(workers), stop: None };
+            let how =
+                Execution { level: Some(level), workers: Some(workers), ..Execution::default() };
             assert_eq!(gradient(&Parameters::new(), samples, wanted, how), expected);
         }
     }
