@@ -32,7 +32,7 @@ RULES = {
     "svg.hashsalt": "cardan",
 }
 
-Box = tuple[float, float, float, float]  # left, bottom, right, top
+Bounds = tuple[float, float, float, float]  # left, bottom, right, top
 
 
 class Point(NamedTuple):
@@ -133,7 +133,7 @@ def name(ax: Axes, points: Sequence[Point]) -> None:
     frame = ax.get_window_extent(renderer)
     at = {each: ax.transData.transform((each.error, each.time)) for each in points}
     room = 3.0 * point
-    dots: dict[Point, Box] = {
+    dots: dict[Point, Bounds] = {
         each: (x - room, y - room, x + room, y + room) for each, (x, y) in at.items()
     }
     taken = list(dots.values())
@@ -182,7 +182,7 @@ def places(width: float) -> Iterator[tuple[float, float]]:
             yield -width - away, sign * dy
 
 
-def overlap(a: Box, b: Box) -> bool:
+def overlap(a: Bounds, b: Bounds) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 

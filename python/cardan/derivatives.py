@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core, threads
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.arrays.planes import Place, components_first
+from cardan.arrays.planes import PlanePlace, components_first
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, nearest
@@ -131,7 +131,7 @@ class Gradient:
         self.__dict__.update(state)
 
 
-class Samples:
+class DerivativeSamples:
     """The samples of one call: for each driveline the same number, one after another.
 
     The axes of the batch come first and the others behind them, whatever the order in which they
@@ -141,7 +141,7 @@ class Samples:
     def __init__(
         self,
         request: Request,
-        places: Mapping[str, Place],
+        places: Mapping[str, PlanePlace],
         angle: Any,  # noqa: ANN401 - angles or a sweep
         level: str | None,
     ) -> None:
@@ -253,13 +253,13 @@ def _refuse_turning_forces(request: Request) -> None:
 
 def gradient(
     request: Request,
-    places: Mapping[str, Place],
+    places: Mapping[str, PlanePlace],
     angle: ArrayLike | Sweep,
     weights: Mapping[str, ArrayLike],
     level: str | None,
 ) -> Gradient:
     """Return a weighted sum and its derivatives at drive angles, as ``Plan.gradient`` does."""
-    samples = Samples(request, places, angle, level)
+    samples = DerivativeSamples(request, places, angle, level)
     line = samples.line
     by = ["value", "bends", "twists", "phases"]
     if line.has_points:
@@ -282,7 +282,7 @@ def gradient(
 
 def derivatives(
     request: Request,
-    places: Mapping[str, Place],
+    places: Mapping[str, PlanePlace],
     angle: ArrayLike | Sweep,
     by: str | Iterable[str],
     level: str | None,
@@ -291,7 +291,7 @@ def derivatives(
     line: Any = request.line
     names = checked_variables(line, by)
     _check_load(request.load, names)
-    samples = Samples(request, places, angle, level)
+    samples = DerivativeSamples(request, places, angle, level)
     total = math.prod(samples.shape)
     planes = sum((items or 1) * (3 if vector else 1) for _, items, vector in places.values())
     columns = [*_columns(names, line)]
@@ -325,7 +325,7 @@ def _columns(
         at += math.prod(shape)
 
 
-def _planes(samples: Samples, weights: Mapping[str, ArrayLike]) -> Iterator[FloatArray]:
+def _planes(samples: DerivativeSamples, weights: Mapping[str, ArrayLike]) -> Iterator[FloatArray]:
     full = checked_weights(weights, samples.places, samples.shape)
     for name, place in samples.places.items():
         _, items, vector = place
@@ -340,7 +340,7 @@ def _planes(samples: Samples, weights: Mapping[str, ArrayLike]) -> Iterator[Floa
 
 
 def checked_weights(
-    weights: Mapping[str, ArrayLike], places: Mapping[str, Place], shape: tuple[int, ...]
+    weights: Mapping[str, ArrayLike], places: Mapping[str, PlanePlace], shape: tuple[int, ...]
 ) -> dict[str, FloatArray]:
     """Return the weights, each in the shape of its output for samples of this shape.
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray, common_shape
-from cardan.arrays.planes import Place
+from cardan.arrays.planes import PlanePlace
 from cardan.equivalent import equivalent
 from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 from cardan.order_sums import OrderSums, Repeatable, order_sums
@@ -141,7 +141,7 @@ _CLOSED = {
 
 
 def _closed(
-    request: Request, place: Place, name: str, rows: tuple[int, ...], order: NDArray[np.int64]
+    request: Request, place: PlanePlace, name: str, rows: tuple[int, ...], order: NDArray[np.int64]
 ) -> OrderSums:
     """The series of a shaft's motion.
 

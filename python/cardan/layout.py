@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from cardan import outputs
-from cardan.arrays.planes import Place
+from cardan.arrays.planes import PlanePlace
 from cardan.request import Items, Reduction, checked_reduction, is_index, item_indices
 
 # Lists of the joints of longer drivelines would take too much memory to be remembered.
@@ -32,7 +32,7 @@ class Layout:
     shafts: list[int]
     joints: list[int]
     shown: tuple[int | list[int], int | list[int]]
-    places: Mapping[str, Place]
+    places: Mapping[str, PlanePlace]
     planes: int
     scalar_outputs: bool
 
@@ -87,7 +87,7 @@ def _layout(
     shaft_items = [n] if shafts is None else item_indices("shafts", shafts, n + 1)
     joint_items = [*range(n)] if joints is None else item_indices("joints", joints, n)
     checked_reduction(reduce)
-    places: dict[str, Place] = {}
+    places: dict[str, PlanePlace] = {}
     first, alone = 0, True
     for name in listed:
         output = outputs.OUTPUTS[name]

@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, common_shape, positive
-from cardan.errors import ArgumentTypeError, ArgumentValueError
-from cardan.load import Load
+from cardan.errors import ArgumentValueError
+from cardan.load import Load, require_load
 from cardan.pins import Pins, means_over_turn, pins_at
 
 SMALLEST_BEND = math.radians(3.0)
@@ -76,10 +76,7 @@ def life(
     angle: ArrayLike | None = None,
 ) -> Life:
     """Find the lives as ``Driveline.life`` does."""
-    if not isinstance(load, Load):
-        raise ArgumentTypeError(
-            "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
-        )
+    require_load(load)
     n = line.n_joints
     rated = positive("rating", rating)
     if rated.ndim and rated.shape[-1] not in (1, n):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64
-from cardan.errors import ArgumentValueError, wrong_element
+from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 
 _RAD_S_PER_RPM = np.pi / 30.0
 
@@ -105,6 +105,18 @@ class Load:
         for name, value in state.items():
             kept = np.array(value) if isinstance(value, np.ndarray) else value
             object.__setattr__(self, name, kept)
+
+
+def require_load(load: object) -> None:
+    """Raise an error unless ``load`` is a ``Load``.
+
+    Raises:
+        ArgumentTypeError: anything else.
+    """
+    if not isinstance(load, Load):
+        raise ArgumentTypeError(
+            "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
+        )
 
 
 def absorbing(drive_torque: FloatArray, torques: FloatArray, ratios: FloatArray) -> Load:

@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, common_shape, not_negative, positive, scalar_or_array
 from cardan.cross import cross_axes, dot
-from cardan.errors import ArgumentTypeError, ArgumentValueError
-from cardan.load import Load
+from cardan.errors import ArgumentValueError
+from cardan.load import Load, require_load
 from cardan.pins import Pins, means_over_turn, pins_at
 
 
@@ -180,10 +180,7 @@ def losses(
     seal_torque: ArrayLike = 0.0,
 ) -> Losses:
     """Find the losses as ``Driveline.losses`` does."""
-    if not isinstance(load, Load):
-        raise ArgumentTypeError(
-            "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
-        )
+    require_load(load)
     n = line.n_joints
     given = {"friction": friction, "pin_radius": pin_radius, "arm": arm, "seal_torque": seal_torque}
     of_joints = {name: _of_joints(name, value, n) for name, value in given.items()}

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.arrays.planes import Place
+from cardan.arrays.planes import PlanePlace
 from cardan.equivalent import equivalent
 from cardan.errors import wrong_element
 from cardan.outputs import OUTPUTS
@@ -49,7 +49,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 class Repeatable(Protocol):
     """What sums need of a plan."""
 
-    places: Mapping[str, Place]
+    places: Mapping[str, PlanePlace]
 
     @property
     def request(self) -> Request:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, get_args
 
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.outputs import nearest
@@ -12,10 +12,7 @@ Parameters: TypeAlias = Literal["bends", "twists", "phases", "points"]
 """The parameters of the geometry."""
 
 Variables: TypeAlias = Literal[
-    "bends",
-    "twists",
-    "phases",
-    "points",
+    Parameters,
     "angle",
     "drive_torque",
     "output_torque",
@@ -25,16 +22,8 @@ Variables: TypeAlias = Literal[
 ]
 """Everything by which an output can be differentiated."""
 
-PARAMETERS: tuple[Parameters, ...] = ("bends", "twists", "phases", "points")
-VARIABLES: tuple[Variables, ...] = (
-    *PARAMETERS,
-    "angle",
-    "drive_torque",
-    "output_torque",
-    "inertias",
-    "lengths",
-    "positions",
-)
+PARAMETERS: tuple[Parameters, ...] = get_args(Parameters)
+VARIABLES: tuple[Variables, ...] = get_args(Variables)
 
 
 def checked_parameters(line: Any, by: str) -> Parameters:  # noqa: ANN401 - a driveline

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cardan import _core, threads
 from cardan._core import Sweep as NativeSweep
 from cardan.arrays import FloatArray, adapter, array_namespace_of, as_float64
-from cardan.arrays.planes import Place, components_first, planes_of, view
+from cardan.arrays.planes import PlanePlace, components_first, planes_of, view
 from cardan.derivatives import Derivatives, Gradient, derivatives, gradient
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.harmonics import Harmonics, harmonics
 from cardan.layout import layout_of
-from cardan.load import Load
+from cardan.load import Load, require_load
 from cardan.reduced_derivatives import reduced_derivatives, reduced_gradient
 from cardan.request import (
     DOUBLE,
@@ -76,10 +76,8 @@ class Plan:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
         n, shape = line.n_joints, line.shape
         layout = layout_of(names, n, shafts, joints, reduce, line.n_bearings)
-        if load is not None and not isinstance(load, Load):
-            raise ArgumentTypeError(
-                "load", f"is {load!r}; it must be a cardan.Load, as cardan.Load(output_torque=100)"
-            )
+        if load is not None:
+            require_load(load)
         # In the order of this method, for pickling. A ``Request`` costs a fifth of a small call.
         arguments = (line, layout.names, shafts, joints, load, reduce, dtype, tolerance, workers)
         self._arguments: tuple[Any, ...] = arguments
@@ -398,7 +396,7 @@ class Plan:
             raise ArgumentValueError("reduce", f"finds no samples in the last axis of {shape}")
         return shape[:-1]
 
-    def _shape(self, place: Place, rows: tuple[int, ...]) -> tuple[int, ...]:
+    def _shape(self, place: PlanePlace, rows: tuple[int, ...]) -> tuple[int, ...]:
         _, items, vector = place
         lead = () if items is None else (items,)
         return lead + rows + ((3,) if vector else ())

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray
-from cardan.arrays.planes import Place
+from cardan.arrays.planes import PlanePlace
 from cardan.derivatives import Derivatives, Gradient, checked_weights
 from cardan.errors import ArgumentValueError
 
@@ -22,7 +22,7 @@ from cardan.errors import ArgumentValueError
 def reduced_gradient(
     whole: Any,  # noqa: ANN401 - a plan
     reduce: str,
-    places: Mapping[str, Place],
+    places: Mapping[str, PlanePlace],
     angle: Any,  # noqa: ANN401 - angles or a sweep
     weights: Mapping[str, ArrayLike],
 ) -> Gradient:

@@ -100,7 +100,7 @@ class Shafts:
 
 
 @dataclass(frozen=True)
-class Motion:
+class ShaftMotion:
     """How one shaft turns at one drive angle.
 
     Attributes:
@@ -349,7 +349,9 @@ def mean_offset(shafts: Shafts, shaft: int = -1) -> float:
     return math.fsum(_lead(_joints(shafts, angle)[:stop]) for angle in angles) / count
 
 
-def motion(shafts: Shafts, angle: float, shaft: int = -1, *, offset: float | None = None) -> Motion:
+def motion(
+    shafts: Shafts, angle: float, shaft: int = -1, *, offset: float | None = None
+) -> ShaftMotion:
     """Return how a shaft turns when the drive stands at ``angle``.
 
     Args:
@@ -372,7 +374,7 @@ def motion(shafts: Shafts, angle: float, shaft: int = -1, *, offset: float | Non
     stop = _index(shafts, shaft)
     joints = _joints(shafts, angle)[:stop]
     error = _lead(joints) - (mean_offset(shafts, stop) if offset is None else offset)
-    return Motion(angle + error, error, *_rates(joints)[stop])
+    return ShaftMotion(angle + error, error, *_rates(joints)[stop])
 
 
 def tilts(shafts: Shafts, angle: float) -> tuple[tuple[float, float], ...]:

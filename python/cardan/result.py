@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cardan import notebook
 from cardan.arrays import adapter, import_optional
 from cardan.arrays.libraries import picture_of
-from cardan.arrays.planes import Place, view
+from cardan.arrays.planes import PlanePlace, view
 from cardan.outputs import OUTPUTS
 from cardan.sweep import Sweep
 
@@ -50,7 +50,7 @@ class Result(Mapping[str, NDArray[Any]]):
 
     def __init__(
         self,
-        arrays: Mapping[str, NDArray[Any]] | Mapping[str, Place],
+        arrays: Mapping[str, NDArray[Any]] | Mapping[str, PlanePlace],
         labels: Labels | None = None,
         angle: Any = None,  # noqa: ANN401 - an array of any library, or a sweep
         planes: NDArray[Any] | None = None,

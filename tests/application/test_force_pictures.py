@@ -217,7 +217,7 @@ def report(tmp_path: Path, text: str = TEXT) -> str:
 
 def scaled(view: dict[str, Any], axis: str) -> tuple[float, float]:
     """Slope and offset from places in a drawing to newtons, by its first and last tick."""
-    (first, low), *_, (last, high) = view[f"{axis}_ticks"]
+    (first, *_, low), *_, (last, *_, high) = view[f"{axis}_ticks"]
     values = [float(text.replace("\N{MINUS SIGN}", "-")) for text in (low, high)]
     slope = (values[1] - values[0]) / (float(last) - float(first))
     return slope, values[0] - slope * float(first)

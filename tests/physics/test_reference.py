@@ -23,7 +23,7 @@ import pytest
 
 from cardan import reference
 from cardan.reference import Shafts, Vector
-from oracle import ExactJoint, Turn
+from oracle import ExactJoint, ExactTurn
 
 DATA = Path(__file__).parents[1] / "data"
 EPS = 2.0**-52
@@ -121,7 +121,7 @@ def test_jerk_of_a_single_joint(bend: float) -> None:
     for i in range(200):
         angle = 0.0321 * i - 3.0
         got = reference.motion(shafts, angle, offset=0.0)
-        want = joint.jerk_ratio(Turn.by(angle))
+        want = joint.jerk_ratio(ExactTurn.by(angle))
         assert abs(float(got.jerk_ratio - want)) <= 8 * EPS * math.tan(bend) ** 2 / c**2
 
 
@@ -454,7 +454,7 @@ def test_carried_normal_stays_across_a_shaft_that_differs_by_rounding() -> None:
 
 def test_drive_shaft_turns_with_the_drive() -> None:
     shafts = reference.from_bends([0.8])
-    assert reference.motion(shafts, 7.5, 0) == reference.Motion(7.5, 0.0, 1.0, 0.0, 0.0)
+    assert reference.motion(shafts, 7.5, 0) == reference.ShaftMotion(7.5, 0.0, 1.0, 0.0, 0.0)
     assert reference.motion(shafts, 7.5, -2) == reference.motion(shafts, 7.5, 0)
     assert reference.motion(shafts, 7.5) == reference.motion(shafts, 7.5, 1)
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 import cardan
-from cardan.torsion import Motion
+from cardan.torsion import TorsionalMotion
 
 integrate = pytest.importorskip("scipy.integrate")
 
@@ -109,7 +109,7 @@ def test_a_run_up_is_that_of_the_formula_of_one_joint() -> None:
     assert 190.0 < found.drive_speed[np.abs(found.torque[0]).argmax()] < 240.0
 
 
-def energy(system: cardan.TorsionalSystem, at: Motion, drive_inertia: float) -> Any:  # noqa: ANN401
+def energy(system: cardan.TorsionalSystem, at: TorsionalMotion, drive_inertia: float) -> Any:  # noqa: ANN401
     """Kinetic energy of all shaft ends and of the drive, and energy of the springs."""
     kinetic = 0.5 * np.tensordot(INERTIAS, at.speed**2, axes=2)
     kinetic = kinetic + 0.5 * drive_inertia * at.drive_speed**2
@@ -190,10 +190,10 @@ def test_a_stop_ends_at_rest() -> None:
 
 
 def test_events_are_found() -> None:
-    def reached(motion: Motion) -> float:
+    def reached(motion: TorsionalMotion) -> float:
         return float(motion.drive_speed) - 50.0
 
-    def turned(motion: Motion) -> float:
+    def turned(motion: TorsionalMotion) -> float:
         return float(np.sin(motion.drive_angle))
 
     turned.direction = 1.0  # type: ignore[attr-defined]

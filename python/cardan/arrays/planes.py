@@ -7,12 +7,12 @@ from typing import Any, TypeAlias
 
 from numpy.typing import NDArray
 
-Place: TypeAlias = tuple[int, int | None, bool]
+PlanePlace: TypeAlias = tuple[int, int | None, bool]
 """The first plane of an output, how many items it has (``None``: one without an axis for it),
 and whether it is a vector."""
 
 
-def view(planes: NDArray[Any], place: Place) -> Any:  # noqa: ANN401 - an array or a scalar
+def view(planes: NDArray[Any], place: PlanePlace) -> Any:  # noqa: ANN401 - an array or a scalar
     """Return an output as a view of the planes of a result, a vector's components last."""
     first, items, vector = place
     if items is None and not vector:
@@ -34,7 +34,7 @@ def planes_of(array: NDArray[Any], axes: int) -> NDArray[Any]:
     return array.reshape(math.prod(array.shape[:before]), *array.shape[before:])
 
 
-def components_first(array: NDArray[Any], place: Place) -> NDArray[Any]:
+def components_first(array: NDArray[Any], place: PlanePlace) -> NDArray[Any]:
     """Return an output plane by plane: a vector's components before the samples."""
     return _moved(array, -1, 0 if place[1] is None else 1) if place[2] else array
 

@@ -2,7 +2,7 @@
 
 M. Marcus, "Beitrag zur Berechnung eines Kugelgelenks", Schweizerische Bauzeitung 39/40 (1902),
 Heft 6, takes the normal compression of ball and seat as proportional to the pressure, ``(alpha_1 +
-alpha_2) N`` in his (1). A ball that sinks by the approach ``zeta`` into a seat of its own shape is
+alpha_2) N`` in his (1). A ball that sinks by the approach ``zeta`` into a seat that it fits is
 compressed by ``zeta cos(theta)`` at the angle ``theta`` from the load, his (2), so that ``N = N_0
 cos(theta)``, his (9). A seat that ends before the equator keeps the law and only bounds the
 integral of the load, his (7), which in print has lost its ``d psi``.

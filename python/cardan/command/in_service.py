@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from cardan.command.files import check_output
-from cardan.command.terminal import as_json_text, say
+from cardan.command.terminal import say_answer
 from cardan.figures.life import life_figures, needed_life
 from cardan.figures.life_answer import life_data
 from cardan.figures.tubes import tube_figures
@@ -28,14 +28,13 @@ def run(path: Path, picture: Path | None, *, as_json: bool) -> None:
     if picture is not None:
         check_output(scene, picture)
         write_life(found, picture)
-    if as_json:
-        say(as_json_text(life_data(scene)))
-        return
-    if scene.title:
-        say(f"{scene.title}\n")
-    say(life_text(found, tube_figures(scene)))
-    if picture is not None:
-        say(f"\nwrote {picture}")
+    say_answer(
+        scene.title,
+        lambda: life_text(found, tube_figures(scene)),
+        lambda: life_data(scene),
+        picture,
+        as_json=as_json,
+    )
 
 
 def verdicts(scene: Scene) -> Iterator[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from cardan.command.files import check_output
-from cardan.command.terminal import as_json_text, say
+from cardan.command.terminal import say_answer
 from cardan.figures.tolerance_answers import tolerances_data
 from cardan.figures.tolerances import needed_tolerances, permitted_tolerances
 from cardan.plots.tolerances import write_tolerances
@@ -23,15 +23,15 @@ def run(path: Path, output: Path | None, *, as_json: bool) -> None:
     """
     loaded = Scene.load(path)
     found = needed_tolerances(loaded)
-    assert loaded.tolerances
+    tolerances = loaded.tolerances
+    assert tolerances
     if output is not None:
         check_output(loaded, output)
-        write_tolerances(loaded.tolerances, output)
-    if as_json:
-        say(as_json_text(tolerances_data(loaded)))
-        return
-    if loaded.title:
-        say(f"{loaded.title}\n")
-    say(tolerances_text(found, permitted_tolerances(loaded.tolerances)))
-    if output is not None:
-        say(f"\nwrote {output}")
+        write_tolerances(tolerances, output)
+    say_answer(
+        loaded.title,
+        lambda: tolerances_text(found, permitted_tolerances(tolerances)),
+        lambda: tolerances_data(loaded),
+        output,
+        as_json=as_json,
+    )

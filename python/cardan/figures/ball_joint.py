@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -13,12 +13,8 @@ from cardan.arrays import FloatArray
 from cardan.ball_joint import BallJoint
 from cardan.figures.answers import ANGLE, one_of, record
 from cardan.figures.extremes import finite_or_none
+from cardan.figures.limit_verdict import LimitVerdict, worst_of
 from cardan.scene.ball_joint import BallJointCase, Material
-
-Verdict = Literal["within", "beyond", "not judged"]
-"""The verdict on a pressure: ``not judged`` without an allowable one."""
-
-_VERDICTS = ("within", "beyond", "not judged")
 
 # A ball that is sized reaches the allowable pressure itself, and the pressure at the rim of a
 # hemisphere is 0, to rounding.
@@ -41,7 +37,7 @@ class Part:
     """
 
     material: Material
-    verdict: Verdict
+    verdict: LimitVerdict
     approach: float | None
 
     @property
@@ -79,7 +75,7 @@ class BallJointFigures:
     edge: float
     projected: float
     contact_angle: float
-    verdict: Verdict
+    verdict: LimitVerdict
     parts: tuple[Part, Part]
     allowable: float | None
     smallest_radius: float | None
@@ -112,14 +108,13 @@ def ball_joint_figures(case: BallJointCase) -> BallJointFigures:
     edge = float(joint.pressure(contact_angle, load))
     rim = float(joint.radius) * math.sin(float(joint.half_angle))
     one, other = (_part(material, peak) for material in case.materials)
-    verdicts = {one.verdict, other.verdict}
     friction = case.friction
     return BallJointFigures(
         peak=peak,
         edge=edge if edge > _ROUNDING * peak else 0.0,
         projected=load / (math.pi * rim**2),
         contact_angle=contact_angle,
-        verdict=next(v for v in ("beyond", "within", "not judged") if v in verdicts),
+        verdict=worst_of((one.verdict, other.verdict)),
         parts=(one, other),
         allowable=allowable,
         smallest_radius=None if allowable is None else _smallest(case, allowable),
@@ -133,7 +128,7 @@ def ball_joint_figures(case: BallJointCase) -> BallJointFigures:
 
 
 def _part(material: Material, peak: float) -> Part:
-    verdict: Verdict = "not judged"
+    verdict: LimitVerdict = "not judged"
     if material.allowable_pressure is not None:
         bears = peak <= (1.0 + _ROUNDING) * material.allowable_pressure
         verdict = "within" if bears else "beyond"
@@ -223,7 +218,7 @@ def _scaled(value: float | None, factor: float) -> float | None:
 
 
 _FIGURE = {"type": ["number", "null"]}
-_VERDICT = {"enum": list(_VERDICTS)}
+_VERDICT = {"enum": ["within", "beyond", "not judged"]}
 
 BALL_JOINT_SCHEMA: Mapping[str, Any] = one_of(
     {

@@ -27,7 +27,7 @@ SHARE = 0.1
 SOURCE = "rule of this program"
 """Where the share comes from."""
 
-Verdict = Literal["fair", "not fair", "no drive inertia"]
+SpeedVerdict = Literal["fair", "not fair", "no drive inertia"]
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class DriveSpeed:
             figures belong.
     """
 
-    verdict: Verdict
+    verdict: SpeedVerdict
     variation: float
     shaft: int
     shaft_variation: float
@@ -87,7 +87,7 @@ def drive_speed(scene: Scene) -> DriveSpeed | None:
     shaft_variation = varying[shaft]
     free = line.free_running(inertias)
     needed = float(free.drive_inertia_for(SHARE * shaft_variation))
-    verdict: Verdict = "no drive inertia"
+    verdict: SpeedVerdict = "no drive inertia"
     if inertias[0] > 0.0:
         verdict = "fair" if free.variation <= SHARE * shaft_variation else "not fair"
     return DriveSpeed(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -46,10 +46,12 @@ class End:
     Attributes:
         value: the value; NaN where the figure has no numbers.
         at: the values of the keys on which it depends there, by key.
+        state: over states, the name of the one in which it is so.
     """
 
     value: float
-    at: dict[str, float]
+    at: Mapping[str, float]
+    state: str = ""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,8 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.figures.answers import record
-from cardan.figures.extremes import finite_or_none
+from cardan.figures.extremes import End, finite_or_none
+from cardan.figures.limit_verdict import LimitVerdict, worst_of
 from cardan.figures.rounding import alike
 from cardan.figures.turn_extremes import peak
 from cardan.load import Load
@@ -19,26 +20,8 @@ from cardan.scene.scene import Scene
 from cardan.scene.slip import Slip
 from cardan.scene.study import Study
 
-Verdict = Literal["within", "beyond", "not judged"]
-"""The verdict on a limit of the spline: ``not judged`` where the scene gives none."""
-
 # A shaft without a spline may change its length by this much, in mm: less than any play.
 _FIXED_MM = 0.01
-
-
-@dataclass(frozen=True)
-class End:
-    """A figure of the study that is least or largest at a driveline.
-
-    Attributes:
-        value: the figure.
-        at: the keys of the study on which it depends, and their values there.
-        state: over states, the name of the one in which it is so.
-    """
-
-    value: float
-    at: Mapping[str, float]
-    state: str = ""
 
 
 @dataclass(frozen=True)
@@ -85,7 +68,7 @@ class Limited:
 
     value: float | None
     limit: float | None
-    verdict: Verdict
+    verdict: LimitVerdict
 
 
 @dataclass(frozen=True)
@@ -123,18 +106,14 @@ class SlipFigures:
     others: tuple[tuple[int, float], ...]
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> LimitVerdict:
         """The worst of the limits."""
-        found = {part.verdict for part in (self.travel, self.engaged, self.push_in)}
-        return next(v for v in _VERDICTS if v in found)
+        return worst_of(part.verdict for part in (self.travel, self.engaged, self.push_in))
 
     @property
     def passes(self) -> bool:
         """Whether no limit is exceeded."""
         return self.verdict != "beyond"
-
-
-_VERDICTS: tuple[Verdict, ...] = ("beyond", "within", "not judged")
 
 
 def slip_figures(scene: Scene) -> SlipFigures | None:
@@ -338,7 +317,7 @@ def _end_data(end: End, unit: str) -> dict[str, Any]:
 
 _NUMBER = {"type": ["number", "null"]}
 _COUNT = {"type": "integer", "minimum": 0}
-_VERDICT = {"enum": list(_VERDICTS)}
+_VERDICT = {"enum": ["beyond", "within", "not judged"]}
 _LIMITED = record({"value_mm": _NUMBER, "limit_mm": _NUMBER, "verdict": _VERDICT})
 
 

@@ -12,10 +12,8 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.figures.answers import ANGLE, one_of
+from cardan.figures.limit_verdict import LimitVerdict
 from cardan.scene.scene import Scene
-
-Verdict = Literal["within", "beyond", "not judged"]
-"""The verdict on the distance from symmetry: ``not judged`` where the scene gives no limit."""
 
 # Beyond its limit only by more than rounding.
 _ROUNDING = 1e-9
@@ -65,7 +63,7 @@ class SteeringFigures:
         return max(self.each, key=lambda one: abs(one.offset_deg))
 
     @property
-    def verdict(self) -> Verdict:
+    def verdict(self) -> LimitVerdict:
         """Whether the worst is within the limit."""
         if self.limit_deg is None:
             return "not judged"

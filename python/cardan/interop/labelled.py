@@ -183,7 +183,7 @@ def _long_name(name: str) -> str:
     return name.replace("_", " ")
 
 
-class Column(NamedTuple):
+class LabelledColumn(NamedTuple):
     """Values of all samples in a row, with a name."""
 
     name: str
@@ -218,7 +218,7 @@ def table(result: Result) -> pyarrow.Table:
     return pyarrow.table(arrays, schema=pyarrow.schema(fields))
 
 
-def columns_of(result: Result) -> tuple[list[Column], list[Column]]:
+def columns_of(result: Result) -> tuple[list[LabelledColumn], list[LabelledColumn]]:
     """Return what tells the samples apart, and the outputs, as columns of one length."""
     result = result.compute()
     samples = _Samples.of(result)
@@ -226,19 +226,21 @@ def columns_of(result: Result) -> tuple[list[Column], list[Column]]:
     for k, dim in enumerate(samples.dims):
         if dim == "reduction":
             names = _spread(np.array(samples.reductions), (dim,), samples)
-            index.append(Column(dim, names, "1", "reduction over the drive angle"))
+            index.append(LabelledColumn(dim, names, "1", "reduction over the drive angle"))
         if dim.startswith("driveline"):
             number = _spread(np.arange(samples.shape[k]), (dim,), samples)
-            index.append(Column(dim, number, "1", f"{_long_name(dim)}, counted from 0"))
+            index.append(LabelledColumn(dim, number, "1", f"{_long_name(dim)}, counted from 0"))
     if samples.angle is not None:
         spread = _spread(samples.angle, samples.angle_dims, samples)
-        index.append(Column("drive_angle", spread, result.units["drive_angle"], "drive angle"))
+        index.append(
+            LabelledColumn("drive_angle", spread, result.units["drive_angle"], "drive angle")
+        )
     figures = []
     for name, array in result.items():
         output = OUTPUTS[name]
         for part, values in _parts(output, np.asarray(array), samples):
             flat = values.reshape(-1)
-            figures.append(Column(part, flat, result.units[name], _long_name(part)))
+            figures.append(LabelledColumn(part, flat, result.units[name], _long_name(part)))
     return index, figures
 
 

@@ -14,7 +14,7 @@ from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.figures.places import bearing_places, shaft_lengths
-from cardan.plots.labels import Labels
+from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import DEPTH, View, tube, wedge, yoke
 from cardan.plots.style import THIN, drawing, legend_above, number
 
@@ -254,7 +254,7 @@ class _Sketch:
     def _names(self) -> None:
         # A grid of two points is fine enough for labels, and much less to search.
         drawn = 2.0 * np.unique(np.round(np.concatenate(self.drawn) / 2.0), axis=0)
-        labels = Labels(self.axes, self.box, drawn)
+        labels = PlacedLabels(self.axes, self.box, drawn)
         away = self.size * self.scale + 3.0
         self._ends(labels)
         self._directions(labels)
@@ -281,7 +281,7 @@ class _Sketch:
             text = f"shaft {shaft}\nphase {number(float(f'{turned:.4g}') + 0.0)}°"
             labels.beside(at, text, 0.34 * away + 1.0, above=False)
 
-    def _ends(self, labels: Labels) -> None:
+    def _ends(self, labels: PlacedLabels) -> None:
         """Name the ends of the driveline, with arrows along the power flow."""
         for end, along, name in (
             (0, self.line.directions[0], "drive"),
@@ -303,7 +303,7 @@ class _Sketch:
             free = (rise for rise in rises if not labels.covers(x, y + rise, name))
             labels.at(x, y + next(free, aside), name, "center")
 
-    def _directions(self, labels: Labels) -> None:
+    def _directions(self, labels: PlacedLabels) -> None:
         """Show the axes, and from where the senses of turn are meant."""
         start = np.array([13.0, 11.0])
         for name, axis in zip("xyz", self.view.axes[:2].T, strict=True):

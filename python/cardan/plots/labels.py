@@ -13,7 +13,7 @@ from cardan.plots.style import text_width
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-Box = tuple[float, float, float, float]  # left, bottom, right, top
+Bounds = tuple[float, float, float, float]  # left, bottom, right, top
 
 _ROOM = 2.0  # points around a label
 _NEAR, _FAR = 8, 30  # points from which, and to which, a line connects a label to its point
@@ -21,7 +21,7 @@ _LINE = 1.25  # height of a line over the size of its font
 
 
 @dataclass
-class Labels:
+class PlacedLabels:
     """What is taken of a drawing, in points from its lower left corner.
 
     Attributes:
@@ -34,7 +34,7 @@ class Labels:
     axes: Axes
     size: tuple[float, float]
     drawn: FloatArray
-    boxes: list[Box] = field(default_factory=list)
+    boxes: list[Bounds] = field(default_factory=list)
 
     def beside(self, anchor: FloatArray, text: str, away: float, *, above: bool) -> bool:
         """Write above or below a point, and return whether there is room for it.
@@ -85,10 +85,10 @@ class Labels:
         return max(text_width(line, size) for line in lines), _LINE * size * len(lines)
 
     @staticmethod
-    def _box(x: float, y: float, width: float, height: float) -> Box:
+    def _box(x: float, y: float, width: float, height: float) -> Bounds:
         return x - width / 2.0, y - height / 2.0, x + width / 2.0, y + height / 2.0
 
-    def _is_free(self, box: Box) -> bool:
+    def _is_free(self, box: Bounds) -> bool:
         left, low, right, high = box
         left, low, right, high = left - _ROOM, low - _ROOM, right + _ROOM, high + _ROOM
         if left < 0.0 or low < 0.0 or right > self.size[0] or high > self.size[1]:

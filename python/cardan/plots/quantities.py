@@ -27,7 +27,7 @@ _KINDS = {"N m": "moments", "N": "forces"}
 
 
 @dataclass(frozen=True, eq=False)
-class Quantity:
+class DrawnQuantity:
     """A panel.
 
     Attributes:
@@ -71,7 +71,7 @@ class Quantity:
             legend_above(axes, ncols=MOST, **{**place, "handlelength": 1.6, "columnspacing": 0.5})
 
 
-def quantities(result: SceneResult) -> list[Quantity]:
+def quantities(result: SceneResult) -> list[DrawnQuantity]:
     """Return the panels of a scene: one per quantity, three for one that is a vector.
 
     The speed and acceleration of a drive that was recorded over time come first.
@@ -95,7 +95,7 @@ def quantities(result: SceneResult) -> list[Quantity]:
     return panels
 
 
-def _drive(result: SceneResult) -> Iterator[Quantity]:
+def _drive(result: SceneResult) -> Iterator[DrawnQuantity]:
     scene = result.scene
     if not scene.speed_recorded or scene.load_case is None:
         return
@@ -103,7 +103,7 @@ def _drive(result: SceneResult) -> Iterator[Quantity]:
         ("drive speed [rpm]", scene.load_case.speed / RPM),
         ("drive acceleration [rad/s²]", scene.load_case.acceleration),
     ):
-        yield Quantity(heading, "shaft", (0,), (values,), heading)
+        yield DrawnQuantity(heading, "shaft", (0,), (values,), heading)
 
 
 def _panel(
@@ -113,7 +113,7 @@ def _panel(
     curves: Sequence[FloatArray],
     component: str,
     scale: str,
-) -> Quantity:
+) -> DrawnQuantity:
     heading, size = f"{output.label}{component}", 1.0
     in_unit = [panel.in_unit(output, values)[0] for values in curves]
     unit = panel.in_unit(output, np.empty(0))[1]
@@ -129,7 +129,7 @@ def _panel(
         heading += f", {output.per} {items[0]}"
     elif len(items) > len(shown):
         heading += f", {len(shown)} of {len(items)} {output.per}s"
-    return Quantity(
+    return DrawnQuantity(
         heading + unit,
         output.per,
         tuple(items[i] for i in shown),

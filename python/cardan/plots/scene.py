@@ -13,7 +13,7 @@ from cardan.figures.summary import summary
 from cardan.plots.abscissa import Abscissa, Over, abscissa
 from cardan.plots.driveline import plot_driveline
 from cardan.plots.key_figures import key_figures
-from cardan.plots.quantities import MOST, Quantity, quantities
+from cardan.plots.quantities import MOST, DrawnQuantity, quantities
 from cardan.plots.states import height_mm, plot_states
 from cardan.plots.study import plot_study
 from cardan.plots.style import MM, STYLE, WIDTH, matplotlib, number, save, text_width, value_ticks
@@ -176,7 +176,7 @@ def _key_figures(figure: Figure, result: SceneResult, top: float, height: float)
 
 def _panels(
     figure: Figure,
-    drawn: Sequence[Quantity],
+    drawn: Sequence[DrawnQuantity],
     along: Abscissa,
     top: float,
     foot: float,
@@ -212,7 +212,7 @@ def _panels(
             axes.set_ylim(min(low for low, _ in limits), max(high for _, high in limits))
 
 
-def _notes(figure: Figure, scene: Scene, drawn: Sequence[Quantity], along: Abscissa) -> float:
+def _notes(figure: Figure, scene: Scene, drawn: Sequence[DrawnQuantity], along: Abscissa) -> float:
     """Write what the panels cannot say; return the height above it."""
     said = []
     if scene.line.shape:

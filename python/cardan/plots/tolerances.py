@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 _BINS, _POINTS = 40, 400
 
-# Bars that are narrower than this have no line of their own.
+# Parameters beyond this many share one bar.
 _MOST_BARS = 8
 
 _LIMIT: Mapping[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.4}

@@ -63,7 +63,11 @@ def _view(path: ForcePath) -> dict[str, Any]:
         "x_label": "force to the right [N]",
         "y_label": f"force upwards, towards {path.up} [N]",
         "x_ticks": [(_text(at((t, 0.0))[0]), number(t)) for t in _within(*ends[:, 0])],
-        "y_ticks": [(_text(at((0.0, t))[1]), number(t)) for t in _within(*ends[:, 1])],
+        "y_ticks": [
+            (_text(y), _text(y + 4.0), number(t))
+            for t in _within(*ends[:, 1])
+            for y in (at((0.0, t))[1],)
+        ],
         "zero": [_text(value) for value in at(np.zeros(2))],
         "path": " ".join(f"{x:.1f},{y:.1f}" for x, y in places),
         "arrow": _arrow(at(np.zeros(2)), largest),

@@ -68,7 +68,7 @@ class Panel:
 
 
 @dataclass(frozen=True, eq=False)
-class Peak:
+class PeakSample:
     """Where a quantity of a shaft or joint is largest.
 
     Attributes:
@@ -136,7 +136,7 @@ class Samples:
         )
 
     @cached_property
-    def peaks(self) -> list[Peak]:
+    def peaks(self) -> list[PeakSample]:
         """The largest magnitudes of the loads and other quantities of every shaft and joint.
 
         They are those of a whole turn and of all states, found between the samples; of a recording
@@ -144,7 +144,7 @@ class Samples:
         """
         return list(self._peaks())
 
-    def _peaks(self) -> Iterator[Peak]:
+    def _peaks(self) -> Iterator[PeakSample]:
         for output, item, values in self.result.curves():
             # An angle grows without end.
             if output.name in (*_MOTION, "angle"):
@@ -156,7 +156,7 @@ class Samples:
             vector = np.where(np.abs(there) > noise, there, 0.0) if output.vector else None
             if size <= noise:
                 size, angle, state = 0.0, None, ""
-            yield Peak(output, item, size, angle, vector, state)
+            yield PeakSample(output, item, size, angle, vector, state)
 
     def _peak(
         self, output: Output, item: int, values: FloatArray
@@ -191,7 +191,7 @@ class Samples:
             for i, name in enumerate(scene.states.names)
         ]
 
-    def support_peaks(self) -> list[Peak]:
+    def support_peaks(self) -> list[PeakSample]:
         """Return the peak of every shaft's support moment."""
         return [peak for peak in self.peaks if peak.output.name == "support_moment"]
 

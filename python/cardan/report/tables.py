@@ -14,7 +14,7 @@ from cardan.figures.catalogue import fork_signs
 from cardan.figures.rounding import is_cancelled
 from cardan.figures.states import forces_of
 from cardan.figures.summary import within_turn
-from cardan.report.samples import Peak, Samples
+from cardan.report.samples import PeakSample, Samples
 from cardan.scene.bearings import has_lengths
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
@@ -215,7 +215,7 @@ def _largest(samples: Samples, per: str) -> Table:
     return _table(f"Loads of the {per}s, largest {over}{samples.assumed}", columns)
 
 
-def _cells(peak: Peak, *, states: bool) -> list[tuple[str, str]]:
+def _cells(peak: PeakSample, *, states: bool) -> list[tuple[str, str]]:
     size, unit = in_degrees(np.array(peak.size), peak.output.unit)
     name = f"Largest {peak.output.label}"
     cells = [(f"{name} [{unit}]" if unit else name, _figure(size))]

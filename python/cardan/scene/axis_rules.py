@@ -100,7 +100,7 @@ def _places(item: Schema) -> Schema:
 
 
 @dataclass(frozen=True)
-class Axis(Rule):
+class AxisValues(Rule):
     """What varies a number: the values, under no place."""
 
     def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
@@ -120,7 +120,7 @@ class ListAxes(Rule):
     def read(self, where: Location, value: object) -> dict[str, Spread | list[float]]:
         """Return the values by place: ``""``, ``"1"`` or ``"0-1"``."""
         if not isinstance(value, dict) or not _by_place(value):
-            return Axis().read(where, value)
+            return AxisValues().read(where, value)
         return {
             index: Values().read(_entries(where, index), entry) for index, entry in value.items()
         }

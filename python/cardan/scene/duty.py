@@ -13,7 +13,7 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.outputs import nearest
-from cardan.scene.layout import Layout
+from cardan.scene.layout import SceneLayout
 from cardan.scene.states import States
 from cardan.scene.units import RPM
 
@@ -65,7 +65,7 @@ def duty_cycle(
     values: Mapping[str, Any],
     line: Driveline,
     load: Load | None,
-    layout: Layout | None,
+    layout: SceneLayout | None,
     states: States | None,
 ) -> DutyCycle:
     """Return the duty cycle that the keys of the section describe.
@@ -138,7 +138,11 @@ def _load(values: Mapping[str, Any], steps: int, load: Load | None) -> Load:
 
 
 def _lines(
-    values: Mapping[str, Any], steps: int, line: Driveline, layout: Layout, states: States | None
+    values: Mapping[str, Any],
+    steps: int,
+    line: Driveline,
+    layout: SceneLayout,
+    states: States | None,
 ) -> Driveline:
     if "states" in values:
         if states is None:

@@ -19,7 +19,7 @@ from cardan.scene.parts import make_driveline
 
 
 @dataclass(frozen=True, eq=False)
-class Layout:
+class SceneLayout:
     """How a scene describes its driveline.
 
     Attributes:

@@ -20,7 +20,7 @@ from cardan.quantities import MOTION_QUANTITIES
 from cardan.scene.axes import Axis, axes_of
 from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT
-from cardan.scene.layout import Layout
+from cardan.scene.layout import SceneLayout
 from cardan.scene.optimise_rules import kept_quantity
 from cardan.scene.optimise_section import OPTIMISE
 from cardan.scene.parts import largest_speed
@@ -87,7 +87,7 @@ class Optimisation:
     over: Literal["largest", "rms"]
     keep: Mapping[str, float]
     starts: int
-    layout: Layout
+    layout: SceneLayout
     states: States | None
     load: Load | None
 
@@ -238,7 +238,7 @@ def _place(axis: Axis) -> tuple[Any, ...]:
 
 def optimisation_of(
     given: Mapping[str, Any] | None,
-    layout: Layout | None,
+    layout: SceneLayout | None,
     states: States | None,
     load: Load | None,
     teeth: Sequence[int],
@@ -284,7 +284,7 @@ def optimisation_of(
     return found
 
 
-def _axes(ranges: Mapping[str, Any], layout: Layout) -> tuple[Axis, ...]:
+def _axes(ranges: Mapping[str, Any], layout: SceneLayout) -> tuple[Axis, ...]:
     paths: dict[str, dict[str, list[float]]] = {}
     known = FORMAT["study"].keys
     for name, places in nested({path: [0.0] for path in ranges}).items():
@@ -297,12 +297,12 @@ def _axes(ranges: Mapping[str, Any], layout: Layout) -> tuple[Axis, ...]:
     return axes_of(paths, layout.driveline, None, "an optimisation")
 
 
-def _there(layout: Layout) -> str:
+def _there(layout: SceneLayout) -> str:
     return ", ".join(layout.driveline)
 
 
 def _variable(
-    axis: Axis, ends: tuple[float, float] | None, layout: Layout, teeth: Sequence[int]
+    axis: Axis, ends: tuple[float, float] | None, layout: SceneLayout, teeth: Sequence[int]
 ) -> Variable:
     low, high = (-math.inf, math.inf) if ends is None else ends
     values = np.asarray(layout.driveline[axis.name], dtype=np.float64)

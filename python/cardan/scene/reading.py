@@ -23,7 +23,7 @@ from cardan.scene.bearings import Mounting, lengths_of
 from cardan.scene.document import Document
 from cardan.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.scene.forms import TEETH, Form
-from cardan.scene.layout import Layout
+from cardan.scene.layout import SceneLayout
 from cardan.scene.optimise import optimisation_of
 from cardan.scene.parts import (
     check_load,
@@ -135,7 +135,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         ball_joint = ball_joint_case(given["ball_joint"]) if "ball_joint" in given else None
     layout = None
     if angle.bends is None:
-        layout = Layout(described.form, described.keys, loaded.keys, described.mounting)
+        layout = SceneLayout(described.form, described.keys, loaded.keys, described.mounting)
     states = None
     with document.within("states"):
         if "states" in given:

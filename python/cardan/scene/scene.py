@@ -26,7 +26,7 @@ from cardan.scene.ball_joint_scene import BallJointScene, is_alone
 from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.help_text import describe
-from cardan.scene.layout import Layout
+from cardan.scene.layout import SceneLayout
 from cardan.scene.optimise import Optimisation
 from cardan.scene.parts import (
     at_samples,
@@ -110,7 +110,7 @@ class Scene:
     slip: Slip | None = None
     time: FloatArray | None = None
     signals: tuple[Signal, ...] = ()
-    layout: Layout | None = None
+    layout: SceneLayout | None = None
     states: States | None = None
     steering: SteeringColumn | None = None
     optimisation: Optimisation | None = None

@@ -12,7 +12,7 @@ from cardan.load import Load
 from cardan.scene.document import Document
 from cardan.scene.duty import DutyCycle, duty_cycle
 from cardan.scene.joints import Joints, joints_of
-from cardan.scene.layout import Layout
+from cardan.scene.layout import SceneLayout
 from cardan.scene.states import States
 from cardan.scene.tubes import Tubes, tubes_of
 
@@ -37,7 +37,7 @@ def service_of(
     folder: Path,
     line: Driveline,
     load: Load | None,
-    layout: Layout | None,
+    layout: SceneLayout | None,
     states: States | None,
 ) -> Service:
     """Return what a scene says of its driveline in service.

@@ -18,7 +18,7 @@ from cardan.scene.axes import Axis, axes_of
 from cardan.scene.axis_rules import Spread
 from cardan.scene.errors import StatePointError
 from cardan.scene.format import FORMAT, OF_STATES
-from cardan.scene.layout import Layout
+from cardan.scene.layout import SceneLayout
 from cardan.scene.parts import make_load
 from cardan.scene.study import Study, StudyResult
 
@@ -41,7 +41,7 @@ class States:
     names: tuple[str, ...]
     weights: FloatArray
     axes: tuple[Axis, ...]
-    layout: Layout
+    layout: SceneLayout
 
     @property
     def count(self) -> int:
@@ -200,7 +200,7 @@ def with_states(
     return {**{key: given[key] for key in given if key in FORMAT["load"].keys}, **load}
 
 
-def states_of(given: Mapping[str, Any], layout: Layout) -> States:
+def states_of(given: Mapping[str, Any], layout: SceneLayout) -> States:
     """Return the states that the section describes, each of them checked.
 
     Args:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from cardan import tolerances
 from cardan.files import columns, pictures, recording
 from cardan.outputs import OUTPUTS
-from cardan.scene.axis_rules import Axis, BearingAxes, ListAxes, VectorAxes
+from cardan.scene.axis_rules import AxisValues, BearingAxes, ListAxes, VectorAxes
 from cardan.scene.limit_rules import LimitRule, Preset, Source
 from cardan.scene.material_rules import MaterialRule
 from cardan.scene.optimise_rules import Keep, Vary
@@ -105,7 +105,7 @@ TABLE_FILE = Kind("table file", FileName(columns.SUFFIXES))
 PICTURE_FILE = Kind("picture file", FileName(pictures.SUFFIXES))
 RECORDING = Kind("file", FileName(recording.SUFFIXES, folders=True))
 COLUMNS = Kind("texts", ListOf(Text(), "texts", distinct=True))
-AXIS = Kind("values", Axis())
+AXIS = Kind("values", AxisValues())
 AXES = Kind("values", ListAxes())
 SOURCE = Kind("text", Source())
 PRESET = Kind("name", Preset())

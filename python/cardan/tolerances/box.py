@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.errors import ArgumentValueError, wrong_element
 from cardan.geometry import Geometry
-from cardan.tolerances.chain import Deviations, Nominal, Place
+from cardan.tolerances.chain import Deviations, Nominal, ParameterPlace
 
 GROUPS = ("bends", "twists", "phases", "points")
 """The groups of parameters that can have tolerances."""
@@ -56,12 +56,12 @@ class Box:
     """
 
     nominal: Nominal
-    halves: Mapping[Place, float]
-    teeth: Mapping[Place, float]
+    halves: Mapping[ParameterPlace, float]
+    teeth: Mapping[ParameterPlace, float]
     normal: bool
 
     @cached_property
-    def places(self) -> tuple[Place, ...]:
+    def places(self) -> tuple[ParameterPlace, ...]:
         """The parameters, in the order of ``sizes``."""
         return tuple(self.halves)
 
@@ -105,7 +105,7 @@ class Box:
     def scaled(self, group: str, factor: float) -> Box:
         """Return the box with the tolerances of one group multiplied; half a tooth stays."""
 
-        def size(place: Place, half: float) -> float:
+        def size(place: ParameterPlace, half: float) -> float:
             tooth = self.teeth.get(place, 0.0)
             return tooth + factor * (half - tooth) if place[0] == group else half
 
@@ -303,7 +303,7 @@ def _nominals(geometry: Geometry, by_points: bool) -> Iterator[Nominal]:
         yield Nominal(bends, twists, phases, points)
 
 
-def _positive(group: str, array: FloatArray) -> dict[Place, float]:
+def _positive(group: str, array: FloatArray) -> dict[ParameterPlace, float]:
     """The tolerances above 0 by place."""
     return {
         (group, tuple(map(int, place))): float(array[tuple(place)])

@@ -24,7 +24,7 @@ from cardan.arrays import FloatArray
 
 ComplexArray = NDArray[np.complex128]
 
-Place: TypeAlias = tuple[str, tuple[int, ...]]
+ParameterPlace: TypeAlias = tuple[str, tuple[int, ...]]
 """One parameter: its group, such as ``"bends"``, and its place there."""
 
 # A number for all samples, or one for each.
@@ -58,7 +58,7 @@ class Nominal:
         return Nominal(self.bends[::-1], self.twists[::-1], self.phases[::-1], points)
 
 
-Deviations: TypeAlias = Mapping[Place, FloatArray]
+Deviations: TypeAlias = Mapping[ParameterPlace, FloatArray]
 """By how much parameters deviate in each sample, ``(samples,)``; those left out do not."""
 
 

@@ -1,6 +1,6 @@
 """Torsional vibration of drivelines with compliant shafts."""
 
-from cardan.torsion.equations import Motion
+from cardan.torsion.equations import TorsionalMotion
 from cardan.torsion.results import Coexisting, Orbit, Stability
 from cardan.torsion.steady_state import SteadyState
 from cardan.torsion.system import TorsionalSystem
@@ -9,10 +9,10 @@ from cardan.torsion.tube import Tube, tube
 
 __all__ = [
     "Coexisting",
-    "Motion",
     "Orbit",
     "Stability",
     "SteadyState",
+    "TorsionalMotion",
     "TorsionalSystem",
     "Transient",
     "Tube",

@@ -20,7 +20,7 @@ OfTimeAndSpeed: TypeAlias = float | Callable[[float, float], float]
 
 
 @dataclass(frozen=True, eq=False)
-class Motion:
+class TorsionalMotion:
     """What a system does at some times; ``...`` is their shape.
 
     Attributes:
@@ -140,7 +140,7 @@ class Equations:
             slopes[1] = (driven - torque) / (self.drive_inertia + inertia)
         return slopes
 
-    def motion(self, times: FloatArray, states: FloatArray) -> Motion:
+    def motion(self, times: FloatArray, states: FloatArray) -> TorsionalMotion:
         """Return the motion in states ``(variables, ...)``."""
         shape, shafts = times.shape, self.system.line.n_joints + 1
         if self.free:
@@ -150,7 +150,7 @@ class Equations:
         rows = np.stack([states[0], speeds, *states[self.first :]], axis=-1)
         found = self.system._core.motion(np.ascontiguousarray(rows.ravel()))
         records = np.moveaxis(found.reshape(*shape, 4 * shafts + len(self.compliant)), -1, 0)
-        return Motion(
+        return TorsionalMotion(
             time=times,
             drive_angle=states[0],
             drive_speed=speeds,

@@ -18,7 +18,7 @@ from cardan.torsion.equations import Equations, OfTime, OfTimeAndSpeed
 from cardan.torsion.parameters import TorsionParameters
 from cardan.torsion.results import Coexisting, Orbit, Stability
 from cardan.torsion.steady_state import SteadyState
-from cardan.torsion.transient import Event, Method, Transient, integrated
+from cardan.torsion.transient import Event, IntegrationMethod, Transient, integrated
 
 _Records = Callable[..., tuple[FloatArray, NDArray[np.uint8]]]
 
@@ -341,7 +341,7 @@ class TorsionalSystem:
         breaks: ArrayLike = (),
         events: Event | Sequence[Event] = (),
         tolerance: float = 1e-9,
-        method: Method = "DOP853",
+        method: IntegrationMethod = "DOP853",
     ) -> Transient:
         """Return the motion in time: a run-up, a step of the load, a stop, a drive that gives way.
 
@@ -366,8 +366,9 @@ class TorsionalSystem:
                 angle is 0 at the beginning, or goes on.
             breaks: times in s at which the functions or their slopes jump; the integration begins
                 anew there.
-            events: functions of a ``Motion`` at one time. Their zeros are found. Attributes
-                ``terminal`` and ``direction`` of a function have the meaning of ``solve_ivp``.
+            events: functions of a ``TorsionalMotion`` at one time. Their zeros are found. The
+                attributes ``terminal`` and ``direction`` of a function mean what they do in
+                ``solve_ivp``.
             tolerance: permitted error of each step relative to angles and speeds, from 1e-12 to
                 1e-3.
             method: integrator of ``solve_ivp``: ``"DOP853"``, ``"RK45"``, ``"Radau"``, ``"BDF"``

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 
 from cardan.arrays import FloatArray, as_float64, import_optional
 from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
-from cardan.torsion.equations import Equations, Motion
+from cardan.torsion.equations import Equations, TorsionalMotion
 
-Method: TypeAlias = Literal["DOP853", "RK45", "Radau", "BDF", "LSODA"]
-METHODS: tuple[Method, ...] = ("DOP853", "RK45", "Radau", "BDF", "LSODA")
+IntegrationMethod: TypeAlias = Literal["DOP853", "RK45", "Radau", "BDF", "LSODA"]
+METHODS: tuple[IntegrationMethod, ...] = ("DOP853", "RK45", "Radau", "BDF", "LSODA")
 """The integrators of ``scipy.integrate.solve_ivp`` that are offered."""
 
-Event: TypeAlias = Callable[[Motion], float]
+Event: TypeAlias = Callable[[TorsionalMotion], float]
 
 # Permitted absolute errors relative to the tolerance: of an angle in rad, and of a speed relative
 # to the lowest natural frequency.
@@ -25,7 +25,7 @@ _SMALL = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Transient(Motion):
+class Transient(TorsionalMotion):
     """A motion in time, at the times that were asked for.
 
     Attributes:
@@ -38,7 +38,7 @@ class Transient(Motion):
     _equations: Equations = field(repr=False)
     _path: _Path = field(repr=False)
 
-    def at(self, time: ArrayLike) -> Motion:
+    def at(self, time: ArrayLike) -> TorsionalMotion:
         """Return the motion at any times between the first and the last one.
 
         The integrator's own interpolation is used, with nearly the accuracy of its steps.
@@ -90,7 +90,7 @@ def integrated(
     breaks: ArrayLike,
     events: Event | Sequence[Event],
     tolerance: float,
-    method: Method,
+    method: IntegrationMethod,
 ) -> Transient:
     """Return the motion from the first to the last time.
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from cardan.figures.slip import End, Limited, SlipFigures
+from cardan.figures.extremes import End
+from cardan.figures.slip import Limited, SlipFigures
+from cardan.words.study import place_text
 from cardan.words.summary import aligned, figure_text
 from cardan.wrapping import fill
 
@@ -125,8 +127,7 @@ def _placed(end: End) -> str:
 def _at(end: End) -> str:
     if end.state:
         return f" in {end.state}"
-    places = ", ".join(f"{key} = {value:.6g}" for key, value in end.at.items())
-    return f" at {places}" if places else ""
+    return f" at {place_text(end)}" if end.at else ""
 
 
 def _mm(value: float) -> str:
