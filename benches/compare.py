@@ -19,8 +19,8 @@ import numpy as np
 
 import picture
 import report
-from job import JOBS, Call, Case, Job, Method, recorded_angles
-from judge import Judge, Verdict
+from job import JOBS, Call, Job, JobRun, Method, recorded_angles
+from judge import Judge, WorstErrors
 from peers import PEERS, methods
 from row import ComparisonRow
 
@@ -72,9 +72,9 @@ def _case(
 ) -> list[ComparisonRow]:
     words = {method.word for method in found}
     planes = {word: np.empty((job.planes, num), word) for word in words}
-    case = Case(job, num, threads, recorded_angles(num), planes)
+    case = JobRun(job, num, threads, recorded_angles(num), planes)
     judge = Judge(case, 200)
-    calls: list[tuple[Method, Call, Verdict]] = []
+    calls: list[tuple[Method, Call, WorstErrors]] = []
     for method in found:
         call = method.prepare(case)
         if call is None:

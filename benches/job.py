@@ -133,7 +133,7 @@ JOBS = (
 
 
 @dataclass(frozen=True)
-class Case:
+class JobRun:
     """A job at one size on some threads, with the arrays to read and to fill.
 
     ``angles`` are doubles; a sweep has none, but ``num`` angles from 0 to ``SWEEP_STOP`` with both
@@ -165,7 +165,7 @@ class Method(NamedTuple):
 
     peer: str
     name: str
-    prepare: Callable[[Case], Call | None]
+    prepare: Callable[[JobRun], Call | None]
     word: type = np.float64
     permitted: float = 1e-13  # error relative to the largest magnitude, beyond which it is wrong
     note: str = ""

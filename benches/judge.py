@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from job import SWEEP_STOP, TORQUE, Case
+from job import SWEEP_STOP, TORQUE, JobRun
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
-from oracle import Exact, ExactJoint, Fold, Turn, mp
+from oracle import Exact, ExactJoint, ExactTurn, Fold, mp
 
 
-class Verdict(NamedTuple):
+class WorstErrors(NamedTuple):
     """Worst errors over the sample and all outputs.
 
     ``relative`` is relative to the largest magnitude of the output, ``ulp`` in units of the last
@@ -28,7 +28,7 @@ class Verdict(NamedTuple):
 class Judge:
     """Exact results at a sample of a case's angles."""
 
-    def __init__(self, case: Case, count: int) -> None:
+    def __init__(self, case: JobRun, count: int) -> None:
         rng = np.random.default_rng(1939)
         places = rng.integers(0, case.num, count)
         if not case.job.sweep:
@@ -42,14 +42,14 @@ class Judge:
         self._vector = job.outputs == ("moment",)
 
     @staticmethod
-    def _exact(case: Case, i: int) -> list[Any]:
+    def _exact(case: JobRun, i: int) -> list[Any]:
         job = case.job
         if job.sweep:
             angle = mp.mpf(SWEEP_STOP) * i / (case.num - 1)
             cosine, sine = mp.cos_sin(angle)
-            at = Turn(angle, sine, cosine)
+            at = ExactTurn(angle, sine, cosine)
         else:
-            at = Turn.by(float(case.angles[i]))
+            at = ExactTurn.by(float(case.angles[i]))
         if job.outputs == ("moment",):
             return [TORQUE * x for x in ExactJoint.bent(job.bends[0]).moment(at)]
         fold = Fold.of(job.bends, job.twists, job.phases)
@@ -60,7 +60,7 @@ class Judge:
         }
         return [of[name]() for name in job.outputs]
 
-    def __call__(self, planes: Any) -> Verdict:
+    def __call__(self, planes: Any) -> WorstErrors:
         relative = ulp = 0.0
         unit = np.max([exact.ulp for exact in self._planes], axis=0) if self._vector else None
         for exact, plane in zip(self._planes, planes, strict=True):
@@ -69,7 +69,7 @@ class Judge:
             largest = np.max(np.abs(exact.high)) if not self._vector else self._length()
             relative = max(relative, float(np.max(off) / largest))
             ulp = max(ulp, float(np.max(off / (exact.ulp if unit is None else unit))))
-        return Verdict(relative, ulp)
+        return WorstErrors(relative, ulp)
 
     def _length(self) -> float:
         return float(max(np.max(np.abs(exact.high)) for exact in self._planes))

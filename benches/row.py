@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from job import Job, Method
-from judge import Verdict
+from judge import WorstErrors
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class ComparisonRow:
     method: Method
     best: float  # ns per angle
     median: float
-    verdict: Verdict
+    verdict: WorstErrors
 
     @property
     def wrong(self) -> bool:

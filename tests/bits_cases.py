@@ -16,7 +16,7 @@ from cardan import Driveline, Load, Sweep, _core
 from cardan.plan import Plan
 
 Arrays: TypeAlias = Mapping[str, NDArray[Any]]
-Case: TypeAlias = tuple[str, Arrays]
+BitsCase: TypeAlias = tuple[str, Arrays]
 
 SHAFT_MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio")
 SHAFT_LOADS = ("torque", "support_moment")
@@ -121,7 +121,7 @@ def loads(joints: int, samples: int) -> dict[str, Load]:
     }
 
 
-def case(name: str, line: Driveline, angle: Any, names: Any = OUTPUTS, **options: Any) -> Case:  # noqa: ANN401
+def case(name: str, line: Driveline, angle: Any, names: Any = OUTPUTS, **options: Any) -> BitsCase:  # noqa: ANN401
     """One evaluation, under full load and of every shaft unless the options say otherwise."""
     full = loads(line.n_joints, 1)["driven inertias"]
     settings = {"shafts": slice(None), "load": full, **options}
@@ -129,7 +129,7 @@ def case(name: str, line: Driveline, angle: Any, names: Any = OUTPUTS, **options
     return name, Plan(line, names, **settings)(angle, out)
 
 
-def of_lines() -> Iterator[Case]:
+def of_lines() -> Iterator[BitsCase]:
     """Every driveline at every tier, all outputs together and each alone."""
     for line, own in LINES.items():
         for tier, options in TIERS.items():
@@ -142,7 +142,7 @@ def of_lines() -> Iterator[Case]:
                 yield case(f"{line}, alone, {tier}", own, MANY[:99], name, **TIERS[tier])
 
 
-def of_angles() -> Iterator[Case]:
+def of_angles() -> Iterator[BitsCase]:
     """Angles in every form."""
     for line in SOME:
         for angle, values in {**ANGLES, **SWEEPS}.items():
@@ -150,7 +150,7 @@ def of_angles() -> Iterator[Case]:
                 yield case(f"{line}, {angle}, {tier}", LINES[line], values, **TIERS[tier])
 
 
-def of_reductions() -> Iterator[Case]:
+def of_reductions() -> Iterator[BitsCase]:
     rows, three = batch(3, (5, 1), 2), LINES["3 spatial"]
     samples = {**ANGLES, **SWEEPS}
     del samples["no angle"], samples["one angle"]
@@ -166,7 +166,7 @@ def of_reductions() -> Iterator[Case]:
             yield case(f"batch, {how}, {tier}", rows, MANY, reduce=how, **options)
 
 
-def of_loads() -> Iterator[Case]:
+def of_loads() -> Iterator[BitsCase]:
     loaded = (*SHAFT_LOADS, *JOINT_LOADS)
     for line in SOME:
         own = LINES[line]
@@ -179,7 +179,7 @@ def of_loads() -> Iterator[Case]:
             yield case(name, own, FULL_TURNS, loaded, load=values, reduce="peak")
 
 
-def of_batches() -> Iterator[Case]:
+def of_batches() -> Iterator[BitsCase]:
     for joints in (1, 2, 3, 5):
         rows, each = batch(joints, (4, 1), joints), batch(joints + 10, (600,), joints)
         for tier, options in TIERS.items():
@@ -192,7 +192,7 @@ def of_batches() -> Iterator[Case]:
         yield case(f"{joints}, table", table, MANY[:120].reshape(3, 40)[:, ::-1])
 
 
-def of_choices() -> Iterator[Case]:
+def of_choices() -> Iterator[BitsCase]:
     """Combinations of outputs, shafts, joints, arrays to fill, threads and instruction sets."""
     few, turns = ("angle", "speed_ratio", "moment"), Sweep.revolutions(30, 4001)
     for line in SOME:
@@ -222,7 +222,7 @@ def of_choices() -> Iterator[Case]:
             yield case(f"{line}, filled, {word}", own, MANY[:99], tuple(out), out=out, dtype=word)
 
 
-def of_closed_forms() -> Iterator[Case]:
+def of_closed_forms() -> Iterator[BitsCase]:
     """What is found without samples."""
     lines = {**LINES, "points": Driveline.from_points(POINTS, 0.2)}
     lines |= {f"batch of {joints}": batch(joints, (7, 3), joints) for joints in (1, 2, 3, 4, 5)}
@@ -241,7 +241,7 @@ def digits(arrays: Arrays) -> Arrays:
     return {name: np.vectorize("{:.11e}".format)(array) for name, array in arrays.items()}
 
 
-def of_jerk() -> Iterator[Case]:
+def of_jerk() -> Iterator[BitsCase]:
     """The jerk ratio alone and with the rest of the motion, and the transmissions to one shaft."""
     names = (*SHAFT_MOTION, "jerk_ratio")
     for line, own in LINES.items():
@@ -262,7 +262,7 @@ def of_jerk() -> Iterator[Case]:
         yield f"{line}, gradient", transmission.gradient(EIGHT)._asdict()
 
 
-def of_forces() -> Iterator[Case]:
+def of_forces() -> Iterator[BitsCase]:
     """A floating shaft, one bearing on every shaft, and two on every shaft."""
     arrangements = {
         "floating": [(0, 0.3), (0, 0.9), (1, 0.7), (3, 0.2), (3, 1.1)],

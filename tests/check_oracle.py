@@ -21,51 +21,51 @@ mp = mpmath.mp.clone()
 mp.dps = 120
 LIMIT = mp.mpf(2) ** -92
 # mpmath carries no types; these are its numbers.
-Number: TypeAlias = Any
-Vector: TypeAlias = tuple[Number, Number, Number]
+MpNumber: TypeAlias = Any
+MpVector: TypeAlias = tuple[MpNumber, MpNumber, MpNumber]
 
 
-def dot(a: Vector, b: Vector) -> Number:
+def dot(a: MpVector, b: MpVector) -> MpNumber:
     return sum(x * y for x, y in zip(a, b, strict=True))
 
 
-def cross(a: Vector, b: Vector) -> Vector:
+def cross(a: MpVector, b: MpVector) -> MpVector:
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
-def add(a: Vector, b: Vector, factor: Number = 1) -> Vector:
+def add(a: MpVector, b: MpVector, factor: MpNumber = 1) -> MpVector:
     x, y, z = (p + factor * q for p, q in zip(a, b, strict=True))
     return x, y, z
 
 
-def times(a: Vector, factor: Number) -> Vector:
+def times(a: MpVector, factor: MpNumber) -> MpVector:
     return a[0] * factor, a[1] * factor, a[2] * factor
 
 
-def unit(a: Vector) -> Vector:
+def unit(a: MpVector) -> MpVector:
     return times(a, 1 / mp.sqrt(dot(a, a)))
 
 
-def error(bend: Number, angle: Number) -> Number:
+def error(bend: MpNumber, angle: MpNumber) -> MpNumber:
     """Angle error of one joint: the driven angle, less the drive's, without its branch."""
     s, c = mp.sin(angle), mp.cos(angle)
     cosine = mp.cos(bend)
     return mp.atan2(s * c * (1 - cosine), c * c * cosine + s * s)
 
 
-def rates(bend: Number, angle: Number) -> tuple[Number, Number]:
+def rates(bend: MpNumber, angle: MpNumber) -> tuple[MpNumber, MpNumber]:
     """First and second derivative of ``atan(tan(angle)/cos(bend))``."""
     s, c, cosine = mp.sin(angle), mp.cos(angle), mp.cos(bend)
     across = (c * cosine) ** 2 + s * s
     return cosine / across, -2 * cosine * mp.sin(bend) ** 2 * s * c / across**2
 
 
-def jerk(bend: Number, angle: Number) -> Number:
+def jerk(bend: MpNumber, angle: MpNumber) -> MpNumber:
     """Third derivative of the angle, by differences with four times the digits."""
     return mp.diff(lambda x: error(bend, x), angle, 3)
 
 
-def jerk_term(bend: Number, angle: Number) -> Number:
+def jerk_term(bend: MpNumber, angle: MpNumber) -> MpNumber:
     """Return the larger of the two terms whose difference the third derivative is."""
     s2, c2, cosine = mp.sin(angle) ** 2, mp.cos(angle) ** 2, mp.cos(bend)
     sine2 = mp.sin(bend) ** 2
@@ -73,7 +73,7 @@ def jerk_term(bend: Number, angle: Number) -> Number:
     return 2 * cosine * sine2 * larger / (cosine**2 * c2 + s2) ** 3
 
 
-def joint(bend: Number, angle: Number) -> dict[str, Number]:
+def joint(bend: MpNumber, angle: MpNumber) -> dict[str, MpNumber]:
     """Everything that one joint does."""
     u, v = (mp.mpf(1), mp.mpf(0), mp.mpf(0)), (mp.cos(bend), mp.sin(bend), mp.mpf(0))
     driving = (mp.mpf(0), mp.cos(angle), mp.sin(angle))
@@ -109,8 +109,8 @@ def joint(bend: Number, angle: Number) -> dict[str, Number]:
 
 
 def chain(
-    bends: list[Number], twists: list[Number], phases: list[Number], angle: Number
-) -> dict[str, Number]:
+    bends: list[MpNumber], twists: list[MpNumber], phases: list[MpNumber], angle: MpNumber
+) -> dict[str, MpNumber]:
     """Motion behind the last joint, joint after joint."""
     turn, ratio, acceleration, third, part = angle, mp.mpf(1), mp.mpf(0), mp.mpf(0), mp.mpf(0)
     errors, start = mp.mpf(0), mp.mpf(0)
@@ -148,16 +148,16 @@ def chain(
 
 
 def forces(
-    bends: list[Number],
-    twists: list[Number],
-    phases: list[Number],
-    angle: Number,
-    mounted: list[list[Number]],
-) -> dict[str, Number]:
+    bends: list[MpNumber],
+    twists: list[MpNumber],
+    phases: list[MpNumber],
+    angle: MpNumber,
+    mounted: list[list[MpNumber]],
+) -> dict[str, MpNumber]:
     """Forces of the joints, then of the bearings, from the equilibrium of all shafts."""
     (torque,), supported, lengths, shafts, positions = mounted
-    u: Vector = (mp.mpf(1), mp.mpf(0), mp.mpf(0))
-    normal: Vector = (mp.mpf(0), mp.mpf(0), mp.mpf(1))
+    u: MpVector = (mp.mpf(1), mp.mpf(0), mp.mpf(0))
+    normal: MpVector = (mp.mpf(0), mp.mpf(0), mp.mpf(1))
     driving = turned(cross(normal, u), u, angle)
     directions, moments = [u], []
     for j, bend in enumerate(bends):
@@ -179,18 +179,18 @@ def forces(
     return dict(zip(names, in_order, strict=True))
 
 
-def turned(vector: Vector, axis: Vector, angle: Number) -> Vector:
+def turned(vector: MpVector, axis: MpVector, angle: MpNumber) -> MpVector:
     """Turn a vector about a unit vector across it."""
     return add(times(vector, mp.cos(angle)), cross(axis, vector), mp.sin(angle))
 
 
-def numbers(words: Iterable[str]) -> list[Number]:
+def numbers(words: Iterable[str]) -> list[MpNumber]:
     return [mp.mpf(float.fromhex(word)) for word in words]
 
 
-def judged(lines: Iterable[str]) -> Iterator[tuple[str, Number]]:
+def judged(lines: Iterable[str]) -> Iterator[tuple[str, MpNumber]]:
     """Yield each name with its error."""
-    want: dict[str, Number] = {}
+    want: dict[str, MpNumber] = {}
     angle, where, steepness = mp.mpf(0), "", mp.mpf(0)
     for line in lines:
         first, *rest = line.split()
@@ -220,7 +220,7 @@ def judged(lines: Iterable[str]) -> Iterator[tuple[str, Number]]:
 
 
 def main() -> int:
-    worst: dict[str, Number] = {}
+    worst: dict[str, MpNumber] = {}
     count = 0
     for name, off in judged(sys.stdin):
         count += 1

@@ -10,30 +10,42 @@ from typing import Any
 import numpy as np
 
 from equilibrium import assignments, system
-from oracle import Fold, Number, Turn, mp
-from vectors import Frames, Loads, Vector, across, cross, dot, length, plus, scaled, turned, unit
+from oracle import ExactTurn, Fold, MpNumber, mp
+from vectors import (
+    ExactLoads,
+    Frames,
+    MpVector,
+    across,
+    cross,
+    dot,
+    length,
+    plus,
+    scaled,
+    turned,
+    unit,
+)
 
 STEP = mp.mpf(10) ** -20
-X_AXIS: Vector = (mp.mpf(1), mp.mpf(0), mp.mpf(0))
-Z_AXIS: Vector = (mp.mpf(0), mp.mpf(0), mp.mpf(1))
+X_AXIS: MpVector = (mp.mpf(1), mp.mpf(0), mp.mpf(0))
+Z_AXIS: MpVector = (mp.mpf(0), mp.mpf(0), mp.mpf(1))
 
 
-def numbers(values: Any) -> list[Number]:  # noqa: ANN401 - a nested list of numbers
+def numbers(values: Any) -> list[MpNumber]:  # noqa: ANN401 - a nested list of numbers
     return [mp.mpf(x) for x in np.asarray(values, float).ravel().tolist()]
 
 
 def from_angles(
-    bends: Sequence[Number],
-    twists: Sequence[Number],
-    phases: Sequence[Number],
-    first: Vector = X_AXIS,
-    normal: Vector = Z_AXIS,
+    bends: Sequence[MpNumber],
+    twists: Sequence[MpNumber],
+    phases: Sequence[MpNumber],
+    first: MpVector = X_AXIS,
+    normal: MpVector = Z_AXIS,
 ) -> Frames:
     directions, normals = [unit(first)], [unit(across(normal, unit(first)))]
     for j, bend in enumerate(bends):
         if j > 0:
-            normals.append(turned(normals[-1], directions[-1], Turn.by(twists[j - 1])))
-        directions.append(turned(directions[-1], normals[-1], Turn.by(bend)))
+            normals.append(turned(normals[-1], directions[-1], ExactTurn.by(twists[j - 1])))
+        directions.append(turned(directions[-1], normals[-1], ExactTurn.by(bend)))
     folds = [
         Fold.of(bends[:i], twists[: max(i - 1, 0)], phases[: max(i - 1, 0)])
         for i in range(len(bends) + 1)
@@ -41,8 +53,8 @@ def from_angles(
     return Frames(list(bends), list(phases), directions, normals, folds)
 
 
-def from_points(points: Sequence[Number], phases: Sequence[Number]) -> Frames:
-    corners: list[Vector] = [
+def from_points(points: Sequence[MpNumber], phases: Sequence[MpNumber]) -> Frames:
+    corners: list[MpVector] = [
         (points[i], points[i + 1], points[i + 2]) for i in range(0, len(points), 3)
     ]
     along = [unit(plus(b, scaled(-1, a))) for a, b in pairwise(corners)]
@@ -63,14 +75,14 @@ def from_points(points: Sequence[Number], phases: Sequence[Number]) -> Frames:
 
 
 @dataclass(frozen=True)
-class Mounting:
+class BearingPlaces:
     """Where bearings carry the shafts: the shaft of each, its position, and the shafts' lengths."""
 
     shafts: Sequence[int]
-    positions: Sequence[Number]
-    lengths: Sequence[Number]
+    positions: Sequence[MpNumber]
+    lengths: Sequence[MpNumber]
 
-    def forces(self, frames: Frames, moments: Sequence[Vector]) -> dict[str, list[Number]]:
+    def forces(self, frames: Frames, moments: Sequence[MpVector]) -> dict[str, list[MpNumber]]:
         """Return the forces by solving the equilibrium of all shafts at once."""
         counts = [list(self.shafts).count(shaft) for shaft in range(len(moments) + 1)]
         (way,) = assignments(len(moments), counts)
@@ -81,7 +93,9 @@ class Mounting:
         return {"bearing_force": both[:split], "joint_force": both[split:]}
 
 
-def turning(frames: Frames, at: Turn, vectors: Sequence[Vector], first: int) -> list[Number]:
+def turning(
+    frames: Frames, at: ExactTurn, vectors: Sequence[MpVector], first: int
+) -> list[MpNumber]:
     """Return vectors on shafts from ``first`` on, along each shaft, its pin and their product."""
     pins = frames.pins(at)
     along = [pins[0][0], *(driven for _, driven in pins)][first:]
@@ -92,27 +106,27 @@ def turning(frames: Frames, at: Turn, vectors: Sequence[Vector], first: int) -> 
     ]
 
 
-def drive_angle(fold: Fold, angle: Number, start: float) -> Number:
+def drive_angle(fold: Fold, angle: MpNumber, start: float) -> MpNumber:
     """Return the drive angle at which a shaft has this angle, by Newton's method."""
     found = mp.mpf(start)
     for _ in range(12):
-        at = Turn.by(found)
+        at = ExactTurn.by(found)
         found -= (fold.angle(at) - angle) / fold.speed_ratio(at)
     return found
 
 
 def outputs(
     frames: Frames,
-    angle: Number,
+    angle: MpNumber,
     load: Mapping[str, Any] | None,
-    mounting: Mounting | None = None,
-) -> dict[str, list[Number]]:
+    mounting: BearingPlaces | None = None,
+) -> dict[str, list[MpNumber]]:
     """Return every output of all shafts and joints, item by item and component by component.
 
     Moments in the axes of their shafts have the names ``turning_moment`` and so on.
     """
-    at = Turn.by(angle)
-    found: dict[str, list[Number]] = {
+    at = ExactTurn.by(angle)
+    found: dict[str, list[MpNumber]] = {
         name: [getattr(fold, name)(at) for fold in frames.folds]
         for name in ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
     }
@@ -124,7 +138,7 @@ def outputs(
         tilts.append((mp.atan(mp.tan(bend) * sine), mp.asin(mp.sin(bend) * cosine)))
     found["tilt_driving"], found["tilt_driven"] = ([t[i] for t in tilts] for i in (0, 1))
     if load is not None:
-        loads = Loads.of(frames, at, **load)
+        loads = ExactLoads.of(frames, at, **load)
         for name in ("torque", "bending_driving", "bending_driven"):
             found[name] = getattr(loads, name)
         for name in ("moment", "support_moment"):
@@ -137,10 +151,10 @@ def outputs(
 
 
 def differences(
-    of: Callable[[list[Number]], dict[str, list[Number]]], at: list[Number]
+    of: Callable[[list[MpNumber]], dict[str, list[MpNumber]]], at: list[MpNumber]
 ) -> dict[str, np.ndarray[Any, np.dtype[np.float64]]]:
     """Return the derivatives of every output by a list of numbers, on the last axis."""
-    columns: list[dict[str, list[Number]]] = []
+    columns: list[dict[str, list[MpNumber]]] = []
     for i in range(len(at)):
         ahead, behind = ([*at[:i], at[i] + step, *at[i + 1 :]] for step in (STEP, -STEP))
         ends = of(ahead), of(behind)

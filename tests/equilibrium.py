@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Rows: TypeAlias = list[list[Any]]
-Bearing: TypeAlias = tuple[int, Any]
+BearingPlace: TypeAlias = tuple[int, Any]
 Doubles: TypeAlias = NDArray[np.float64]
 
 
@@ -45,7 +45,7 @@ def system(
     directions: Sequence[Sequence[Any]],
     lengths: Sequence[Any],
     moments: Sequence[Sequence[Any]],
-    bearings: Sequence[Bearing],
+    bearings: Sequence[BearingPlace],
     supported: Sequence[int | None],
 ) -> tuple[Rows, list[Any]]:
     """Return the equations ``rows @ x = right`` for the forces of the bearings, then of the joints.
@@ -122,7 +122,7 @@ def forces(
     directions: Doubles,
     lengths: Doubles,
     moments: Doubles,
-    bearings: Sequence[Bearing],
+    bearings: Sequence[BearingPlace],
     supported: Sequence[int | None],
 ) -> tuple[Doubles, Doubles]:
     """Return the forces of the bearings and of the joints in doubles, each ``(items, 3)``."""

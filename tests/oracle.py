@@ -29,7 +29,7 @@ PI = Fraction("3.14159265358979323846264338327950288419716939937510582")
 Doubles: TypeAlias = NDArray[np.float64]
 
 # mpmath carries no types; this is one of its numbers.
-Number: TypeAlias = Any
+MpNumber: TypeAlias = Any
 
 mp = mpmath.mp.clone()
 mp.dps = 60
@@ -125,7 +125,7 @@ class Exact:
     low: Doubles
 
     @classmethod
-    def of(cls, numbers: Iterable[Number]) -> Exact:
+    def of(cls, numbers: Iterable[MpNumber]) -> Exact:
         high, low = [], []
         for x in numbers:
             nearest = float(x)
@@ -152,15 +152,15 @@ class Exact:
 
 
 @dataclass(frozen=True)
-class Turn:
+class ExactTurn:
     """Sine and cosine of the exact value of a double."""
 
-    angle: Number
-    sine: Number
-    cosine: Number
+    angle: MpNumber
+    sine: MpNumber
+    cosine: MpNumber
 
     @classmethod
-    def by(cls, angle: float) -> Turn:
+    def by(cls, angle: float) -> ExactTurn:
         # mpmath reduces with as many digits as the double's size and nearness to a multiple of
         # pi/2 ask for.
         cosine, sine = mp.cos_sin(mp.mpf(angle))
@@ -171,39 +171,39 @@ class Turn:
 class ExactJoint:
     """One joint with the exact value of a double for its bend."""
 
-    bend: Number
-    sine: Number
-    cosine: Number
-    versine: Number
+    bend: MpNumber
+    sine: MpNumber
+    cosine: MpNumber
+    versine: MpNumber
 
     @classmethod
     def bent(cls, bend: float) -> ExactJoint:
-        at = Turn.by(bend)
+        at = ExactTurn.by(bend)
         # 1 - cos without cancellation.
         return cls(at.angle, at.sine, at.cosine, 2 * mp.sin(at.angle / 2) ** 2)
 
-    def denominator(self, at: Turn) -> Number:
+    def denominator(self, at: ExactTurn) -> MpNumber:
         return (at.cosine * self.cosine) ** 2 + at.sine**2
 
-    def angle_error(self, at: Turn) -> Number:
+    def angle_error(self, at: ExactTurn) -> MpNumber:
         s, c = at.sine, at.cosine
         return mp.atan2(self.versine * s * c, c * c * self.cosine + s * s)
 
-    def speed_ratio(self, at: Turn) -> Number:
+    def speed_ratio(self, at: ExactTurn) -> MpNumber:
         return self.cosine / self.denominator(at)
 
-    def acceleration_ratio(self, at: Turn) -> Number:
+    def acceleration_ratio(self, at: ExactTurn) -> MpNumber:
         sc = at.sine * at.cosine
         return -2 * self.cosine * self.sine**2 * sc / self.denominator(at) ** 2
 
-    def jerk_ratio(self, at: Turn) -> Number:
+    def jerk_ratio(self, at: ExactTurn) -> MpNumber:
         """Differentiate the speed ratio twice, by the rule of the quotient."""
         s, c, length = at.sine, at.cosine, self.denominator(at)
         slope = 2 * self.sine**2 * s * c / length
         curvature = 2 * self.sine**2 * (c - s) * (c + s) / length
         return self.speed_ratio(at) * (2 * slope**2 - curvature)
 
-    def jerk_term(self, at: Turn) -> Number:
+    def jerk_term(self, at: ExactTurn) -> MpNumber:
         """Return the larger of the two terms whose difference is the jerk ratio.
 
         They are those of ``sin^4 a + 3 sin^2 b sin^2 a cos^2 a - cos^2 b cos^4 a`` times what
@@ -213,23 +213,23 @@ class ExactJoint:
         larger = max(s2 * (s2 + 3 * self.sine**2 * c2), (self.cosine * c2) ** 2)
         return 2 * self.cosine * self.sine**2 * larger / self.denominator(at) ** 3
 
-    def moment(self, at: Turn) -> tuple[Number, Number, Number]:
+    def moment(self, at: ExactTurn) -> tuple[MpNumber, MpNumber, MpNumber]:
         """Return the moment per unit drive torque, shaft 0 along x, normal along z."""
         tangent = self.sine / self.cosine
         return (mp.mpf(1), tangent * at.sine**2, -tangent * at.sine * at.cosine)
 
     @property
-    def k(self) -> Number:
+    def k(self) -> MpNumber:
         return mp.tan(self.bend / 2) ** 2
 
     @property
-    def max_acceleration_ratio(self) -> Number:
+    def max_acceleration_ratio(self) -> MpNumber:
         if self.bend == 0:
             return mp.mpf(0)
         with mp.extradps(60):
             p = (2 - self.sine**2) / self.sine**2
             cosine = (-p + mp.sqrt(p * p + 8)) / 2
-            at = Turn(None, -mp.sqrt((1 - cosine) / 2), mp.sqrt((1 + cosine) / 2))
+            at = ExactTurn(None, -mp.sqrt((1 - cosine) / 2), mp.sqrt((1 + cosine) / 2))
         return self.acceleration_ratio(at)
 
 
@@ -237,9 +237,9 @@ class ExactJoint:
 class Fold:
     """The map ``w -> a w + b conj(w)`` of a chain, and ``|a|**2 - |b|**2``."""
 
-    a: Number
-    b: Number
-    complement: Number
+    a: MpNumber
+    b: MpNumber
+    complement: MpNumber
 
     @classmethod
     def of(cls, bends: Sequence[float], twists: Sequence[float], phases: Sequence[float]) -> Fold:
@@ -255,7 +255,7 @@ class Fold:
         return cls(a, b, complement)
 
     @property
-    def k(self) -> Number:
+    def k(self) -> MpNumber:
         return abs(self.b / self.a)
 
     def past_shaft(self, twist: float, phase: float) -> Fold:
@@ -263,7 +263,7 @@ class Fold:
         turn = mp.expj(mp.mpf(phase) - mp.mpf(twist)) * mp.mpc(0, 1)
         return Fold(self.a * turn, self.b * turn, self.complement)
 
-    def tilts(self, bend: float, at: Turn) -> tuple[Number, Number]:
+    def tilts(self, bend: float, at: ExactTurn) -> tuple[MpNumber, MpNumber]:
         """Return the tilts of the cross of a joint that the map drives: Grossmann (3) and (5)."""
         joint, w = ExactJoint.bent(bend), mp.mpc(at.cosine, at.sine)
         v = self.a * w + self.b * mp.conj(w)
@@ -272,25 +272,25 @@ class Fold:
         driving = mp.atan2(joint.sine * mp.im(v), joint.cosine)
         return driving, mp.atan2(joint.sine * mp.re(v), along)
 
-    def angle(self, at: Turn) -> Number:
+    def angle(self, at: ExactTurn) -> MpNumber:
         return at.angle + self.angle_error(at)
 
-    def angle_error(self, at: Turn) -> Number:
+    def angle_error(self, at: ExactTurn) -> MpNumber:
         w = mp.mpc(at.cosine, at.sine)
         return mp.arg(1 + self.b / self.a * mp.conj(w) ** 2)
 
-    def speed_ratio(self, at: Turn) -> Number:
+    def speed_ratio(self, at: ExactTurn) -> MpNumber:
         w = mp.mpc(at.cosine, at.sine)
         return self.complement / abs(self.a * w + self.b * mp.conj(w)) ** 2
 
-    def acceleration_ratio(self, at: Turn) -> Number:
+    def acceleration_ratio(self, at: ExactTurn) -> MpNumber:
         w = mp.mpc(at.cosine, at.sine)
         v = self.a * w + self.b * mp.conj(w)
         # |v|^2 differentiated: v' = i (a w - b conj w).
         rate = 2 * mp.re(mp.conj(v) * mp.mpc(0, 1) * (self.a * w - self.b * mp.conj(w)))
         return -self.complement * rate / abs(v) ** 4
 
-    def jerk_ratio(self, at: Turn) -> Number:
+    def jerk_ratio(self, at: ExactTurn) -> MpNumber:
         w = mp.mpc(at.cosine, at.sine)
         v, rate = self.a * w + self.b * mp.conj(w), 1j * (self.a * w - self.b * mp.conj(w))
         # |v|^2 differentiated once and, as v'' = -v, twice.
@@ -298,7 +298,7 @@ class Fold:
         curvature = 2 * (abs(rate) ** 2 / abs(v) ** 2 - 1)
         return self.speed_ratio(at) * (2 * slope**2 - curvature)
 
-    def jerk_term(self, at: Turn) -> Number:
+    def jerk_term(self, at: ExactTurn) -> MpNumber:
         """Return the larger of the two terms whose difference the jerk ratio is.
 
         They are those of the equivalent joint, whose driving angle the product of ``a w`` and the
@@ -311,4 +311,4 @@ class Fold:
         bend = 2 * mp.atan(mp.sqrt(k))
         least = self.complement / abs(self.a) ** 2 / (1 + k) ** 2
         joint = ExactJoint(bend, 2 * mp.sqrt(k) / (1 + k), least, 2 * k / (1 + k))
-        return joint.jerk_term(Turn(mp.nan, sine, cosine))
+        return joint.jerk_term(ExactTurn(mp.nan, sine, cosine))

@@ -14,41 +14,41 @@ from itertools import pairwise
 from typing import TypeAlias
 
 from cardan import Driveline
-from oracle import Fold, Number, Turn, mp
+from oracle import ExactTurn, Fold, MpNumber, mp
 
-Vector: TypeAlias = tuple[Number, Number, Number]
+MpVector: TypeAlias = tuple[MpNumber, MpNumber, MpNumber]
 
 
-def dot(v: Vector, w: Vector) -> Number:
+def dot(v: MpVector, w: MpVector) -> MpNumber:
     return v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
 
 
-def cross(v: Vector, w: Vector) -> Vector:
+def cross(v: MpVector, w: MpVector) -> MpVector:
     return (v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0])
 
 
-def scaled(s: Number, v: Vector) -> Vector:
+def scaled(s: MpNumber, v: MpVector) -> MpVector:
     return (s * v[0], s * v[1], s * v[2])
 
 
-def plus(v: Vector, w: Vector) -> Vector:
+def plus(v: MpVector, w: MpVector) -> MpVector:
     return (v[0] + w[0], v[1] + w[1], v[2] + w[2])
 
 
-def length(v: Vector) -> Number:
+def length(v: MpVector) -> MpNumber:
     return mp.sqrt(dot(v, v))
 
 
-def across(v: Vector, u: Vector) -> Vector:
+def across(v: MpVector, u: MpVector) -> MpVector:
     """Return the part of ``v`` perpendicular to the unit vector ``u``."""
     return plus(v, scaled(-dot(v, u), u))
 
 
-def unit(v: Vector) -> Vector:
+def unit(v: MpVector) -> MpVector:
     return scaled(1 / length(v), v)
 
 
-def turned(v: Vector, axis: Vector, at: Turn) -> Vector:
+def turned(v: MpVector, axis: MpVector, at: ExactTurn) -> MpVector:
     """Turn a vector about a unit vector perpendicular to it."""
     return plus(scaled(at.cosine, v), scaled(at.sine, cross(axis, v)))
 
@@ -59,8 +59,8 @@ class Frames:
 
     bends: list[float]
     phases: list[float]
-    directions: list[Vector]
-    normals: list[Vector]
+    directions: list[MpVector]
+    normals: list[MpVector]
     folds: list[Fold]
 
     @classmethod
@@ -74,13 +74,13 @@ class Frames:
         normals = [unit(across(normal, directions[0]))]
         for j, bend in enumerate(bends):
             if j > 0:
-                normals.append(turned(normals[-1], directions[-1], Turn.by(twists[j - 1])))
-            directions.append(turned(directions[-1], normals[-1], Turn.by(bend)))
+                normals.append(turned(normals[-1], directions[-1], ExactTurn.by(twists[j - 1])))
+            directions.append(turned(directions[-1], normals[-1], ExactTurn.by(bend)))
         n = range(len(bends) + 1)
         folds = [Fold.of(bends[:i], twists[: max(i - 1, 0)], phases[: max(i - 1, 0)]) for i in n]
         return cls(bends, phases, directions, normals, folds)
 
-    def pins(self, at: Turn) -> list[tuple[Vector, Vector]]:
+    def pins(self, at: ExactTurn) -> list[tuple[MpVector, MpVector]]:
         """Return the driving and the driven pin of each joint."""
         driving = turned(cross(self.normals[0], self.directions[0]), self.directions[0], at)
         pins = []
@@ -89,32 +89,32 @@ class Frames:
             assert abs(dot(driving, before)) < 1e-40
             pins.append((driving, driven))
             if j < len(self.phases):
-                driving = turned(driven, after, Turn.by(self.phases[j]))
+                driving = turned(driven, after, ExactTurn.by(self.phases[j]))
         return pins
 
 
 @dataclass(frozen=True)
-class Loads:
+class ExactLoads:
     """The loads of a driveline at one drive angle, by the names of the outputs."""
 
-    torque: list[Number]
-    moment: list[Vector]
-    support_moment: list[Vector]
-    bending_driving: list[Number]
-    bending_driven: list[Number]
+    torque: list[MpNumber]
+    moment: list[MpVector]
+    support_moment: list[MpVector]
+    bending_driving: list[MpNumber]
+    bending_driven: list[MpNumber]
 
     @classmethod
     def of(
         cls,
         frames: Frames,
-        at: Turn,
+        at: ExactTurn,
         *,
         drive_torque: float | None = None,
         output_torque: float | None = None,
         inertias: Sequence[float] = (),
         speed: float = 0.0,
         acceleration: float = 0.0,
-    ) -> Loads:
+    ) -> ExactLoads:
         ratios = [fold.speed_ratio(at) for fold in frames.folds]
         absorbed = [
             mp.mpf(inertia)
@@ -138,7 +138,7 @@ class Loads:
             along = cross(a, b)
             torsion = power[j + 1] / ratios[j]
             moments.append(scaled(torsion / dot(along, frames.directions[j]), along))
-        none: Vector = (mp.mpf(0), mp.mpf(0), mp.mpf(0))
+        none: MpVector = (mp.mpf(0), mp.mpf(0), mp.mpf(0))
         return cls(
             [p / r for p, r in zip(power, ratios, strict=False)],
             moments,

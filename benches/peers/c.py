@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from job import Array, Call, Case, Method
+from job import Array, Call, JobRun, Method
 
 KERNELS = ("angle", "motion", "moment", "chain", "sweep")
 
@@ -30,14 +30,14 @@ def methods() -> list[Method]:
     ]
 
 
-def fast(case: Case, word: type, *defines: str) -> Call:
+def fast(case: JobRun, word: type, *defines: str) -> Call:
     """Prepare with vector functions, which gcc uses only where it may reorder sums."""
     real = "double" if word is np.float64 else "float"
     library = built(("-ffast-math", *defines), work=real, store=real)
     return prepare(case, library, word)
 
 
-def _extended(case: Case) -> Call | None:
+def _extended(case: JobRun) -> Call | None:
     if case.num > 100_000:
         return None  # seconds a call
     return prepare(case, built(work="long double"), np.float64, np.longdouble)
@@ -63,7 +63,7 @@ def _gcc(*arguments: object) -> None:
         raise ImportError(f"gcc fails: {done.stderr.strip().splitlines()[-1]}")
 
 
-def prepare(case: Case, library: ctypes.CDLL, word: type, work: type | None = None) -> Call:
+def prepare(case: JobRun, library: ctypes.CDLL, word: type, work: type | None = None) -> Call:
     job = case.job
     planes = case.planes[word]
     constants: Array = job.constants.astype(work or word)

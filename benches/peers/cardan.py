@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import cardan
-from job import SWEEP_STOP, TORQUE, Call, Case, Method
+from job import SWEEP_STOP, TORQUE, Call, JobRun, Method
 
 
 def methods() -> list[Method]:
@@ -23,7 +23,7 @@ def methods() -> list[Method]:
     ]
 
 
-def _prepare(case: Case, options: dict[str, Any]) -> Call:
+def _prepare(case: JobRun, options: dict[str, Any]) -> Call:
     job = case.job
     moment = job.outputs == ("moment",)
     word = np.dtype(options.get("dtype", np.float64)).type

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from job import Call, Case, Method
+from job import Call, JobRun, Method
 from peers import c, load
 
 # Names of the accuracies, suffixes of SVML's functions, and modes of VML.
@@ -46,7 +46,7 @@ def _svml(defines: tuple[str, ...]) -> object:
     return lambda case: c.fast(case, np.float64, *defines)
 
 
-def _vml(case: Case, mkl: ctypes.CDLL) -> Call:
+def _vml(case: JobRun, mkl: ctypes.CDLL) -> Call:
     library = c.built(("-ffast-math", "-DVML=1"))
     address = ctypes.c_void_p
     library.use.argtypes = [address, address, ctypes.c_long]

@@ -10,7 +10,7 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 
-from job import Call, Case, Method
+from job import Call, JobRun, Method
 
 # Doubles must be asked for.
 jax.config.update("jax_enable_x64", True)
@@ -66,7 +66,7 @@ def _use(threads: int) -> None:
                 os.sched_setaffinity(thread, cores)
 
 
-def _prepare(case: Case) -> Call | None:
+def _prepare(case: JobRun) -> Call | None:
     job = case.job
     constants = job.chain if job.kernel == "chain" else job.one
     num, step = case.num, case.step

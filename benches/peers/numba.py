@@ -8,7 +8,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from job import Call, Case, Method
+from job import Call, JobRun, Method
 
 
 def methods() -> list[Method]:
@@ -73,7 +73,7 @@ LOOPS = {"angle": _angle, "motion": _motion, "moment": _moment, "chain": _chain,
 _compiled: dict[tuple[str, bool], Any] = {}
 
 
-def _prepare(case: Case) -> Call:
+def _prepare(case: JobRun) -> Call:
     job = case.job
     planes = case.planes[np.float64]
     key = ("sweep" if job.sweep else job.kernel, case.threads > 1)

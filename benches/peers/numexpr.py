@@ -7,7 +7,7 @@ from typing import Any
 import numexpr
 import numpy as np
 
-from job import Call, Case, Method
+from job import Call, JobRun, Method
 
 BLOCK = 1 << 16
 
@@ -32,7 +32,7 @@ def methods() -> list[Method]:
     return [Method("numexpr", "numexpr", _prepare, note=f"numexpr {numexpr.__version__}")]
 
 
-def _prepare(case: Case) -> Call:
+def _prepare(case: JobRun) -> Call:
     job = case.job
     planes = case.planes[np.float64]
     names: dict[str, Any]

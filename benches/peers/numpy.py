@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from job import Array, Call, Case, Method
+from job import Array, Call, JobRun, Method
 
 BLOCK = 8192
 
@@ -28,7 +28,7 @@ def methods() -> list[Method]:
     ]
 
 
-def _plain(case: Case) -> Call | None:
+def _plain(case: JobRun) -> Call | None:
     """Textbook formulas over whole arrays, joint by joint, one thread."""
     if case.threads > 1:
         return None
@@ -79,7 +79,7 @@ def _mean_lead(bends: Any, twists: Any, phases: Any) -> float:
     return float(np.mean(angle - turn))
 
 
-def _blocks(case: Case, word: type) -> Call:
+def _blocks(case: JobRun, word: type) -> Call:
     job = case.job
     planes = case.planes[word]
     angles, step = case.angles, case.step

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import torch
 
-from job import Call, Case, Method
+from job import Call, JobRun, Method
 
 
 def methods() -> list[Method]:
@@ -49,7 +49,7 @@ def _chain(a: Any, o: Any, k: Any) -> None:
 FORMULAS = {"angle": _angle, "motion": _motion, "moment": _moment, "chain": _chain}
 
 
-def _prepare(case: Case) -> Call:
+def _prepare(case: JobRun) -> Call:
     job = case.job
     formulas = FORMULAS[job.kernel]
     constants = job.chain if job.kernel == "chain" else job.one

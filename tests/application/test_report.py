@@ -87,7 +87,7 @@ def written(of: Scene, folder: Path) -> str:
     return (folder / "a.html").read_text(encoding="utf-8")
 
 
-class Text(HTMLParser):
+class PageText(HTMLParser):
     """The text of a page as it is shown and its elements, by the standard library's parser."""
 
     def __init__(self, page: str) -> None:
@@ -239,16 +239,16 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
 
 def test_head_names_file_date_and_version(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
-    said = Text(written(scene(Z_SHAFT), tmp_path)).text
+    said = PageText(written(scene(Z_SHAFT), tmp_path)).text
     assert f"Scene file a.toml. Report of 1970-01-02 by cardan {__version__}." in said
     monkeypatch.delenv("SOURCE_DATE_EPOCH")
     before = time.strftime("%Y-%m-%d")
-    said = Text(written(scene(Z_SHAFT), tmp_path)).text
+    said = PageText(written(scene(Z_SHAFT), tmp_path)).text
     assert f"Report of {before} by" in said or f"Report of {time.strftime('%Y-%m-%d')} by" in said
 
 
 def test_answers_are_the_librarys(tmp_path: Path) -> None:
-    said = Text(written(scene(Z_SHAFT), tmp_path)).text
+    said = PageText(written(scene(Z_SHAFT), tmp_path)).text
     found = LINE.check(50.0 * np.pi)
     assert f"No. {found.heading}" in said
     assert found.heading == "The driveline is beyond the limits."
@@ -316,17 +316,17 @@ def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
 def test_remedies_for_a_single_joint(tmp_path: Path) -> None:
     for bend, said in ((8.5, True), (2.5, False)):
         text = f"[driveline]\nbends_deg = [{bend}]\n"
-        page = Text(written(scene(text), tmp_path)).text
+        page = PageText(written(scene(text), tmp_path)).text
         assert ("make joint 0 at most 3.00°, or add a second joint" in page) == said
         text += "[limits]\nequivalent_bend_deg = 2\n"
-        page = Text(written(scene(text), tmp_path)).text
+        page = PageText(written(scene(text), tmp_path)).text
         assert "make joint 0 at most 2.00°, or add a second joint" in page
 
 
 def test_yokes_on_splines(tmp_path: Path) -> None:
     """What the teeth cost, and the phases that they allow."""
     text = Z_SHAFT.replace("phases_deg = [20]", "phases_deg = [20]\nteeth = 16")
-    said = Text(written(scene(text), tmp_path)).text
+    said = PageText(written(scene(text), tmp_path)).text
     # From 20 deg in steps of 22.5 deg; the best would be -10 deg.
     line = Driveline.from_bends([12, 9], [170], [-2.5], degrees=True)
     left = np.degrees(line.equivalent().bend)
@@ -348,7 +348,7 @@ def test_catalogue_rule_beside_the_exact_bend(signs: list[int], tmp_path: Path) 
     exact, rule = np.degrees([line.equivalent().bend, line.catalogue_bend(signs)])
     # Wrong signs would be far off.
     assert abs(exact - rule) < 0.05
-    said = Text(written(scene(text), tmp_path)).text
+    said = PageText(written(scene(text), tmp_path)).text
     written_signs = " ".join("+" if sign > 0 else "\N{MINUS SIGN}" for sign in signs)
     row = f"as in the scene{exact:.4f}{rule:.4f}{rule - exact:.4f}0.0000{written_signs}"
     assert row in said
@@ -359,7 +359,7 @@ def test_without_a_load_moments_are_for_a_stated_torque(tmp_path: Path) -> None:
     drive = "[driveline]\nbends_deg = [20]\n"
     for load in ("", "[load]\nspeed_rpm = 10\n", "[load]\nspeed_rpm = 0\ninertias_kgm2 = [0, 1]\n"):
         page = written(scene(drive + load), tmp_path)
-        said = Text(page).text
+        said = PageText(page).text
         peak = NOMINAL_TORQUE * np.tan(np.radians(20.0))
         assumed = f"for an assumed drive torque of {NOMINAL_TORQUE:g} N m"
         assert f"What loads the bearings, {assumed}?" in said
@@ -368,14 +368,14 @@ def test_without_a_load_moments_are_for_a_stated_torque(tmp_path: Path) -> None:
         assert len(of_loads) >= 7
         assert all(assumed in words.replace("\N{NO-BREAK SPACE}", " ") for words in of_loads)
         assert f"shaft 0: up to {figure_text(peak)} N m" in said
-    assert "assumed" not in Text(written(scene(Z_SHAFT), tmp_path)).text
+    assert "assumed" not in PageText(written(scene(Z_SHAFT), tmp_path)).text
 
 
 def test_a_study_answers_for_all_of_it(tmp_path: Path) -> None:
     of = scene(
         "[driveline]\nbends_deg = [5, 5]\n[study]\nbends_deg.0 = {from = 0, to = 10, steps = 11}\n"
     )
-    said = Text(written(of, tmp_path)).text
+    said = PageText(written(of, tmp_path)).text
     bends = np.stack([np.arange(11.0), np.full(11, 5.0)], -1)
     within = np.count_nonzero(Driveline.from_bends(bends, degrees=True).check().passes)
     assert 0 < within < 11
@@ -404,7 +404,7 @@ closed_forms = ["equivalent_bend", "max_speed_ratio"]
 def test_a_study_names_its_best_driveline(tmp_path: Path) -> None:
     """That which uses least of its tightest limit: two joints of 6 deg at the lower speed."""
     page = written(scene(GRID), tmp_path)
-    said = Text(page).text
+    said = PageText(page).text
     assert "bend, joint 0: 6 deg; phase, shaft 1: 0 deg; speed: 1000 rpm" in said
     best = Driveline.from_bends([6, 6], [180], [0], degrees=True).check(1000.0 * np.pi / 30.0)
     section = said[said.index("Best driveline") : said.index("What varies")]
@@ -412,7 +412,7 @@ def test_a_study_names_its_best_driveline(tmp_path: Path) -> None:
     assert "equivalent bend 0°: within the 3° limit by 3°" in section
     # Among equals the first, and how many there are.
     equal = GRID.replace("speed_rpm = [2000, 1000]", "output_torque_Nm = [100, 200]")
-    said = Text(written(scene(equal), tmp_path)).text
+    said = PageText(written(scene(equal), tmp_path)).text
     assert "(the first of 2 that are as good)" in said
 
 
@@ -438,9 +438,9 @@ def test_a_study_says_what_its_figures_are(tmp_path: Path) -> None:
     assert list(dict.fromkeys(row[0] for row in found["Extremes"][1:])) == figures
     study = page[page.index('id="study"') : page.index('id="pictures"')]
     assert re.findall("<figcaption>(.*?)</", study) == figures
-    assert not re.search(r"[a-z]_[a-z]", Text(study).text)
+    assert not re.search(r"[a-z]_[a-z]", PageText(study).text)
     # The third key is held where the best driveline has it.
-    assert "Drawn for the best driveline's speed: 1000 rpm." in Text(study).text
+    assert "Drawn for the best driveline's speed: 1000 rpm." in PageText(study).text
 
 
 def test_names_of_keys_and_figures() -> None:
@@ -564,7 +564,7 @@ def test_every_example_has_a_page_that_needs_nothing_else(path: Path, tmp_path: 
     page = written(Scene.load(path), tmp_path)
     assert page == written(Scene.load(path), tmp_path)
     assert len(page) < 1_000_000
-    for tag, attributes in Text(page).elements:
+    for tag, attributes in PageText(page).elements:
         assert tag not in ("link", "img", "iframe", "object", "embed", "base", "form")
         assert not {"src", "srcset", "style"} & set(attributes)
         assert not any(name.startswith("on") for name in attributes)
@@ -575,7 +575,7 @@ def test_every_example_has_a_page_that_needs_nothing_else(path: Path, tmp_path: 
 
 def test_title_is_escaped(tmp_path: Path) -> None:
     page = written(scene(ODD["hostile"]), tmp_path)
-    parsed = Text(page)
+    parsed = PageText(page)
     assert sum(tag == "script" for tag, _ in parsed.elements) == 2
     assert parsed.text.count(HOSTILE) == 2
     script, style = (
@@ -593,7 +593,7 @@ def test_names_of_files_are_escaped(tmp_path: Path) -> None:
     angles = "".join(f"{key} = {json.dumps(value)}\n" for key, value in given.items())
     path = tmp_path / f"{name}.toml"
     path.write_text(f"[driveline]\nbends_deg = [5]\n[angles]\n{angles}", encoding="utf-8")
-    parsed = Text(written(Scene.load(path), tmp_path))
+    parsed = PageText(written(Scene.load(path), tmp_path))
     assert parsed.text.count(f"{name}.toml") == 3
     assert f"Recording{name}.npz" in parsed.text
     assert "b" not in [tag for tag, _ in parsed.elements]
@@ -621,7 +621,7 @@ def test_no_text_changes_the_page(
     """Whatever Python hands to the templates stays text: the elements are the same."""
     paths = {path.stem: path for path in EXAMPLES}
     of = Scene.load(paths[name]) if name in paths else scene(ODD[name])
-    tame = Text(written(of, tmp_path))
+    tame = PageText(written(of, tmp_path))
     render, given = jinja2.Template.render, dict[str, Any]()
 
     def tampered(self: jinja2.Template, first: dict[str, Any], **more: Any) -> str:  # noqa: ANN401
@@ -631,7 +631,7 @@ def test_no_text_changes_the_page(
 
     monkeypatch.setattr(jinja2.Template, "render", tampered)
     page = written(of, tmp_path)
-    wild = Text(page)
+    wild = PageText(page)
     assert [(tag, list(has)) for tag, has in wild.elements] == [
         (tag, list(has)) for tag, has in tame.elements
     ]
@@ -1082,6 +1082,6 @@ def test_print(browser: webdriver.Chrome, folder: Path) -> None:
 def test_twists_lie_within_half_a_turn(tmp_path: Path) -> None:
     """A twist of -180 deg is printed as the 180 deg that cardan run prints."""
     text = "[driveline]\nbends_deg = [8, 8]\ntwists_deg = [-180]\nphases_deg = [350]\n"
-    said = Text(written(scene(text), tmp_path)).text
+    said = PageText(written(scene(text), tmp_path)).text
     assert "-180" not in said
     assert "350" not in said

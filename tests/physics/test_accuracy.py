@@ -31,7 +31,7 @@ import pytest
 from cardan import Driveline, Load, Result, _core
 from cardan.plan import Plan
 from limits import limits
-from oracle import EPS, Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
+from oracle import EPS, Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, mp
 
 # --- one joint -------------------------------------------------------------------------------
 
@@ -178,8 +178,8 @@ class Grid:
     def exact(self, name: str) -> Exact:
         return Exact.of(self._exact(name))
 
-    def _exact(self, name: str) -> Iterator[Number]:
-        turns = [Turn.by(angle) for angle in self.angles]
+    def _exact(self, name: str) -> Iterator[MpNumber]:
+        turns = [ExactTurn.by(angle) for angle in self.angles]
         torques = [mp.mpf(float(torque)) for torque in self.torque]
         for joint in map(ExactJoint.bent, self.bends):
             for at, torque in zip(turns, torques, strict=True):
@@ -202,7 +202,7 @@ class Grid:
 
     def exact_moment(self) -> list[Exact]:
         """Return the moment per unit drive torque, a component at a time."""
-        turns = [Turn.by(angle) for angle in self.angles]
+        turns = [ExactTurn.by(angle) for angle in self.angles]
         moments = [j.moment(at) for j in map(ExactJoint.bent, self.bends) for at in turns]
         return [Exact.of(component) for component in zip(*moments, strict=True)]
 
@@ -468,7 +468,7 @@ def test_chains(kind: str, n: int) -> None:
     line, folds = case.line, case.folds
     k = Exact.of(fold.k for fold in folds)
     angle = np.random.default_rng(n).uniform(-4, 4, 8)
-    turns = [Turn.by(x) for x in angle.tolist()]
+    turns = [ExactTurn.by(x) for x in angle.tolist()]
     apart = Driveline.from_bends(line.bends[:, None], line.twists[:, None], line.phases[:, None])
     result = apart.evaluate(angle, tuple(POWERS)[1:])
     total = np.minimum(1.0, (np.tan(line.bends / 2) ** 2).sum(axis=-1))

@@ -20,7 +20,7 @@ import pytest
 from cardan import ball_joint
 from cardan.ball_joint import BallJoint, layer_compliance, layers
 from limits import TABLE
-from oracle import EPS, Doubles, Exact, Number, mp, radians, read
+from oracle import EPS, Doubles, Exact, MpNumber, mp, radians, read
 
 DATA = read("ball_joint.json")
 RIGHT = math.pi / 2
@@ -311,7 +311,7 @@ def test_friction_of_a_small_contact() -> None:
 LIMITS = TABLE["ball_joint"]
 
 
-def judge(law: str, name: str, got: Doubles, want: Sequence[Number], at: Sequence[Any]) -> None:
+def judge(law: str, name: str, got: Doubles, want: Sequence[MpNumber], at: Sequence[Any]) -> None:
     ulps = Exact.of(want).ulps(np.asarray(got))
     worst = int(ulps.argmax())
     report = f"{law}: {name} is {ulps[worst]:.2f} ulp off at {at[worst]}"
@@ -331,7 +331,7 @@ def half_angles() -> Doubles:
 def test_accuracy_of_cut_seats() -> None:
     angle = half_angles()
     seats = BallJoint(1.0, angle)
-    exact: dict[str, list[Number]] = {name: [] for name in LIMITS["cut"]}
+    exact: dict[str, list[MpNumber]] = {name: [] for name in LIMITS["cut"]}
     with mp.workdps(60):
         for theta in map(mp.mpf, angle.tolist()):
             c, s = mp.cos(theta), mp.sin(theta)
@@ -351,11 +351,11 @@ def test_accuracy_of_cut_seats() -> None:
         judge("cut", name, got[name], want, angle.tolist())
 
 
-def exact_approach(case: Sequence[float]) -> Number:
+def exact_approach(case: Sequence[float]) -> MpNumber:
     """Return the approach that balances the load, by secants from what the library found."""
     radius, seat, clearance, compliance, load = map(mp.mpf, case)
 
-    def excess(approach: Number) -> Number:
+    def excess(approach: MpNumber) -> MpNumber:
         # The integral of ((approach + clearance) cos - clearance)/compliance over the contact.
         c = max(mp.cos(seat), clearance / (approach + clearance))
         rest = (approach + clearance) * (1 - c**3) / 3 - clearance * (1 - c**2) / 2
@@ -388,7 +388,7 @@ def test_accuracy_of_contacts_with_clearance(kind: str) -> None:
     cases = loose_cases(kind)
     radius, seat, clearance, compliance, load = cases.T
     joint = BallJoint(radius, seat).with_clearance(clearance, compliance=compliance)
-    want: dict[str, list[Number]] = {"approach": [], "peak": [], "angle": []}
+    want: dict[str, list[MpNumber]] = {"approach": [], "peak": [], "angle": []}
     with mp.workdps(700):  # 1 - c is 1e-150, and squared
         for case in cases.tolist():
             approach = exact_approach(case)
@@ -412,7 +412,9 @@ def test_accuracy_of_contacts_with_clearance(kind: str) -> None:
         ("tilting", lambda theta: 2 / mp.pi * mp.ellipe(mp.sin(theta) ** 2)),
     ],
 )
-def test_accuracy_of_friction_with_clearance(name: str, arm: Callable[[Number], Number]) -> None:
+def test_accuracy_of_friction_with_clearance(
+    name: str, arm: Callable[[MpNumber], MpNumber]
+) -> None:
     found, want, at = [], [], []
     for free in (1e-70, 1e-8, 1e-3, 0.1, 0.5, 1.0, 1.3, 1.5, 1.55, 1.57, 1.5707):
         for part in (1.0, 0.999, 0.5, 1e-3):
@@ -426,14 +428,14 @@ def test_accuracy_of_friction_with_clearance(name: str, arm: Callable[[Number], 
                 load = float(2 * mp.pi * rest)
             with mp.workdps(30):
 
-                def weight(x: Number, edge: Number = cut, tip: float = free) -> Number:
+                def weight(x: MpNumber, edge: MpNumber = cut, tip: float = free) -> MpNumber:
                     theta = edge * x
                     fall = mp.sin((tip + theta) / 2) * mp.sin((tip - theta) / 2)
                     return fall / mp.sin(mp.mpf(tip) / 2) ** 2 * mp.sin(theta) / edge
 
                 def turn(
-                    x: Number, edge: Number = cut, f: Callable[..., Number] = weight
-                ) -> Number:
+                    x: MpNumber, edge: MpNumber = cut, f: Callable[..., MpNumber] = weight
+                ) -> MpNumber:
                     return f(x) * arm(edge * x) / (edge if name == "friction" else 1)
 
                 top = mp.quad(turn, [0, 0.5, 1])

@@ -20,7 +20,7 @@ import pytest
 
 from cardan import Driveline, Sweep
 from limits import limits
-from oracle import Doubles, Exact, ExactJoint, Fold, Number, Turn, mp
+from oracle import Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, mp
 
 DIGITS = 260
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
@@ -55,7 +55,7 @@ class SteepChain:
             return fold.past_shaft(self.twists[cut], self.phases[cut])
 
     @cached_property
-    def zeros(self) -> list[Number]:
+    def zeros(self) -> list[MpNumber]:
         """Drive angles at quarter turns of the equivalent joint and at a zero of the angle."""
         with mp.workdps(DIGITS):
             product = self.fold.b * mp.conj(self.fold.a)
@@ -76,7 +76,7 @@ class SteepChain:
         return [*map(float, random), *map(float, beside), 0.0]
 
 
-Kind = Callable[[np.random.Generator], Iterator[SteepChain]]
+ChainKind = Callable[[np.random.Generator], Iterator[SteepChain]]
 
 
 def chain(rng: np.random.Generator, bends: Doubles) -> SteepChain:
@@ -133,14 +133,14 @@ def first_straight(rng: np.random.Generator) -> Iterator[SteepChain]:
         yield SteepChain((0.0, bend), (0.25,), (1e14,))
 
 
-KINDS: dict[str, Kind] = {
+KINDS: dict[str, ChainKind] = {
     kind.__name__: kind
     for kind in (ordinary, near_straight, one_steep, steepest, compensated, first_straight)
 }
 
 
 @dataclass(frozen=True)
-class Samples:
+class ChainSamples:
     """Chains of a kind, angles for each, and the exact results."""
 
     kind: str
@@ -170,10 +170,10 @@ class Samples:
 
 
 @cache
-def samples(kind: str) -> Samples:
+def samples(kind: str) -> ChainSamples:
     rng = np.random.default_rng([7, *kind.encode()])
     chains = list(KINDS[kind](rng))
-    return Samples(kind, chains, [chain.angles(rng) for chain in chains])
+    return ChainSamples(kind, chains, [chain.angles(rng) for chain in chains])
 
 
 @cache
@@ -181,7 +181,7 @@ def exact(kind: str, name: str) -> list[Exact]:
     of = samples(kind)
     with mp.workdps(DIGITS):
         return [
-            Exact.of(getattr(chain.fold, name)(Turn.by(x)) for x in angles)
+            Exact.of(getattr(chain.fold, name)(ExactTurn.by(x)) for x in angles)
             for chain, angles in zip(of.chains, of.angles, strict=True)
         ]
 
@@ -229,7 +229,7 @@ def test_long_sweeps_are_faithful(kind: str) -> None:
         with mp.workdps(DIGITS):
             start, stop = mp.mpf(zero - 0.2), mp.mpf(zero + 0.3)
             exact = [start + i * (stop - start) / 4999 for i in picked]
-            turns = [Turn(x, mp.sin(x), mp.cos(x)) for x in exact]
+            turns = [ExactTurn(x, mp.sin(x), mp.cos(x)) for x in exact]
         for name in ("speed_ratio", "jerk_ratio"):
             with mp.workdps(DIGITS):
                 want = Exact.of(getattr(chain.fold, name)(at) for at in turns)
@@ -258,7 +258,7 @@ def test_tilts_are_faithful(kind: str) -> None:
             ]
         got = chain.line.evaluate(angles, TILTS, joints=last, tolerance=0)
         with mp.workdps(DIGITS):
-            exact = [before.tilts(chain.bends[last], Turn.by(x)) for x in angles]
+            exact = [before.tilts(chain.bends[last], ExactTurn.by(x)) for x in angles]
         for name, column in zip(TILTS, zip(*exact, strict=True), strict=True):
             want = Exact.of(column)
             ulps = np.where(np.abs(want.high) > 1e-280, want.ulps(got[name]), 0.0)
@@ -325,7 +325,7 @@ def test_large_phases_and_twists_keep_their_difference() -> None:
         chain = SteepChain((0.9, 0.7, 0.5), (twist, 0.1), (phase, 0.4))
         angles = rng.uniform(-4, 4, 20).tolist()
         with mp.workdps(DIGITS):
-            want = Exact.of(chain.fold.speed_ratio(Turn.by(x)) for x in angles)
+            want = Exact.of(chain.fold.speed_ratio(ExactTurn.by(x)) for x in angles)
         for tolerance in (None, 0):
             got = chain.line.evaluate(angles, "speed_ratio", tolerance=tolerance).speed_ratio
             assert want.distance(got).max() < 1e-14

@@ -17,8 +17,8 @@ import pytest
 
 from cardan import Driveline, Load, Result, Sweep
 from limits import OUTPUTS, TABLE
-from oracle import Doubles, Exact, ExactJoint, Turn, mp
-from vectors import Frames, Loads
+from oracle import Doubles, Exact, ExactJoint, ExactTurn, mp
+from vectors import ExactLoads, Frames
 
 LIMITS: dict[str, float] = {name: row["tolerance_0"] for name, row in TABLE["chain"].items()}
 NAMES = tuple(LIMITS)
@@ -31,12 +31,12 @@ def evaluated(line: Driveline, angle: Any, load: dict[str, Any], **options: Any)
 
 
 def errors(
-    line: Driveline, got: Mapping[str, Doubles], at: Iterable[Turn], load: dict[str, Any]
+    line: Driveline, got: Mapping[str, Doubles], at: Iterable[ExactTurn], load: dict[str, Any]
 ) -> Doubles:
     """Return the largest errors over all shafts or joints, by sample and output."""
     frames, rows = Frames.of(line), []
     for sample, turn in enumerate(at):
-        exact = Loads.of(frames, turn, **load)
+        exact = ExactLoads.of(frames, turn, **load)
         row = []
         for name in NAMES:
             worst = 0.0
@@ -52,7 +52,7 @@ def errors(
 
 
 def judge(line: Driveline, angles: list[float], load: dict[str, Any]) -> None:
-    off = errors(line, evaluated(line, angles, load), map(Turn.by, angles), load)
+    off = errors(line, evaluated(line, angles, load), map(ExactTurn.by, angles), load)
     for name, column in zip(NAMES, off.T, strict=True):
         where = f"{line.bends.tolist()}, {line.twists.tolist()}, {line.phases.tolist()}"
         report = (
@@ -174,7 +174,7 @@ def test_sweeps() -> None:
         for turns, per_turn in ((1, 36), (3, 7200)):
             samples = rng.integers(turns * per_turn, size=5).tolist()
             angles = [2 * mp.pi * sample / per_turn for sample in samples]
-            at = [Turn(angle, mp.sin(angle), mp.cos(angle)) for angle in angles]
+            at = [ExactTurn(angle, mp.sin(angle), mp.cos(angle)) for angle in angles]
             got = evaluated(line, Sweep.revolutions(turns, per_turn), load)
             picked = {name: got[name][:, samples] for name in NAMES}
             off = errors(line, picked, at, load).max(axis=0)
@@ -193,7 +193,7 @@ def test_batches() -> None:
             ({name: each[name][:, [i]] for name in NAMES}, angles[[i]]),
             ({name: rows[name][:, i] for name in NAMES}, angles[:2]),
         ):
-            off = errors(lines[i], got, map(Turn.by, at.tolist()), load).max(axis=0)
+            off = errors(lines[i], got, map(ExactTurn.by, at.tolist()), load).max(axis=0)
             assert np.all(off <= list(LIMITS.values())), f"{off} ulp"
 
 
@@ -203,7 +203,7 @@ def test_drive_and_inertia_that_nearly_cancel() -> None:
     bends, angles = rng.uniform(0, RIGHT - 1e-3, 300), rng.uniform(-4, 4, 300)
     speed, inertia = rng.uniform(0.5, 3, 300), rng.uniform(0.1, 1, 300)
     terms = [
-        mp.mpf(w) ** 2 * mp.mpf(i) * ExactJoint.bent(bend).acceleration_ratio(Turn.by(angle))
+        mp.mpf(w) ** 2 * mp.mpf(i) * ExactJoint.bent(bend).acceleration_ratio(ExactTurn.by(angle))
         for bend, angle, w, i in zip(
             *(x.tolist() for x in (bends, angles, speed, inertia)), strict=True
         )

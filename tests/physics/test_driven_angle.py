@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep
-from oracle import Fold, Number, Turn, mp
+from oracle import ExactTurn, Fold, MpNumber, mp
 
 LINE = Driveline.from_bends([0.4, 0.3], 0.2, 0.7)
 BATCH = Driveline.from_bends([[[0.4, 0.3]], [[0.1, 0.9]], [[0.0, 0.0]]], 0.2, 0.7)
@@ -25,7 +25,7 @@ def chain(random: np.random.Generator, joints: int, largest: float) -> Driveline
     return Driveline.from_bends(random.uniform(0.0, largest, joints), *between)
 
 
-def ulps(line: Driveline, driven: Number, drive: float) -> float:
+def ulps(line: Driveline, driven: MpNumber, drive: float) -> float:
     """How far a drive angle is from that of an angle of the last shaft, in ulp.
 
     The exact chain turns the drive angle forward, and the speed ratio tells how much the difference
@@ -33,7 +33,7 @@ def ulps(line: Driveline, driven: Number, drive: float) -> float:
     """
     fold, at = (
         Fold.of(*(x.tolist() for x in (line.bends, line.twists, line.phases))),
-        Turn.by(drive),
+        ExactTurn.by(drive),
     )
     off = (fold.angle(at) - driven) / fold.speed_ratio(at)
     return float(abs(off) / np.spacing(abs(drive)))

@@ -11,7 +11,7 @@ import pytest
 
 from cardan import Driveline, Load
 from derivative_oracle import (
-    Mounting,
+    BearingPlaces,
     differences,
     drive_angle,
     from_angles,
@@ -85,7 +85,9 @@ def test_forces_by_everything(name: str, loaded: str) -> None:
         def of(x: list[Any]) -> dict[str, list[Any]]:
             b, t, p, a, d, inertias, spans, places = split(x, counts)
             changed = {**load, torque: d[0], "inertias": inertias}
-            return outputs(from_angles(b, t, p), a[0], changed, Mounting(shafts, places, spans))
+            return outputs(
+                from_angles(b, t, p), a[0], changed, BearingPlaces(shafts, places, spans)
+            )
 
         places = [at for _, at in bearings]
         whole = [*bends, *twists, *phases, angle, load[torque], *load["inertias"]]
@@ -122,7 +124,9 @@ def test_forces_by_points(loaded: str) -> None:
                 mp.sqrt(sum((q - p) ** 2 for p, q in zip(*ends, strict=True)))
                 for ends in pairwise(corners)
             ]
-            mounting = Mounting([s for s, _ in places], numbers([at for _, at in places]), spans)
+            mounting = BearingPlaces(
+                [s for s, _ in places], numbers([at for _, at in places]), spans
+            )
             return outputs(from_points(x, numbers(phases)), mp.mpf(a), load, mounting)
 
         want = differences(of, numbers(points))
@@ -214,7 +218,7 @@ def test_derivatives_at_angles_of_the_last_shaft(loaded: str) -> None:
             frames = from_angles(b, t, p)
             drive = drive_angle(frames.folds[-1], a[0], start)
             changed = {**load, torque: d[0], "inertias": inertias}
-            return outputs(frames, drive, changed, Mounting(shafts, places, spans))
+            return outputs(frames, drive, changed, BearingPlaces(shafts, places, spans))
 
         whole = [*bends, *twists, *phases, angle, load[torque], *load["inertias"], *lengths]
         want = differences(of, numbers([*whole, *(at for _, at in bearings)]))

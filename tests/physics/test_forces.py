@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
-from equilibrium import Bearing, assignments, forces, system
+from equilibrium import BearingPlace, assignments, forces, system
 from limits import TABLE
-from oracle import Doubles, Exact, Turn, mp
-from vectors import Frames, Loads
+from oracle import Doubles, Exact, ExactTurn, mp
+from vectors import ExactLoads, Frames
 
 ANGLES = np.linspace(-3.0, 4.0, 7)
 
-Way: TypeAlias = tuple[int | None, ...]
+Assignment: TypeAlias = tuple[int | None, ...]
 """Which shaft each joint supports."""
 
 
@@ -157,7 +157,11 @@ LIMITS = TABLE["force"]
 
 
 def exact(
-    line: Driveline, frames: Frames, loads: Loads, bearings: Sequence[Bearing], way: Way
+    line: Driveline,
+    frames: Frames,
+    loads: ExactLoads,
+    bearings: Sequence[BearingPlace],
+    way: Assignment,
 ) -> dict[str, list[list[Any]]]:
     lengths = [mp.mpf(x) for x in line._geometry.lengths.tolist()]
     places = [(shaft, mp.mpf(at)) for shaft, at in bearings]
@@ -167,7 +171,7 @@ def exact(
     return {"bearing_force": both[: len(bearings)], "joint_force": both[len(bearings) :]}
 
 
-def shortest_span(line: Driveline, bearings: Sequence[Bearing], way: Way) -> float:
+def shortest_span(line: Driveline, bearings: Sequence[BearingPlace], way: Assignment) -> float:
     """Return the smallest distance between the two supports of a shaft."""
     places: list[list[float]] = [[] for _ in range(line.n_joints + 1)]
     for shaft, position in bearings:
@@ -180,8 +184,8 @@ def shortest_span(line: Driveline, bearings: Sequence[Bearing], way: Way) -> flo
 
 def errors(
     line: Driveline,
-    bearings: Sequence[Bearing],
-    way: Way,
+    bearings: Sequence[BearingPlace],
+    way: Assignment,
     angles: list[float],
     load: dict[str, Any],
     tolerance: float | None,
@@ -197,7 +201,7 @@ def errors(
     frames, span = Frames.of(line), mp.mpf(shortest_span(line, bearings, way))
     worst = dict.fromkeys(names, 0.0)
     for sample, angle in enumerate(angles):
-        loads = Loads.of(frames, Turn.by(angle), **load)
+        loads = ExactLoads.of(frames, ExactTurn.by(angle), **load)
         wanted = exact(line, frames, loads, bearings, way)
         vectors = {
             name: [Exact.of(x if abs(x) > 1e-40 else mp.mpf(0) for x in v) for v in wanted[name]]

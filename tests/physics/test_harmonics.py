@@ -21,8 +21,8 @@ from cardan import (
     Sweep,
     order_sums,
 )
-from oracle import Fold, Number, Turn, mp
-from vectors import Frames, Loads
+from oracle import ExactTurn, Fold, MpNumber, mp
+from vectors import ExactLoads, Frames
 
 MOTION = ("angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 VECTORS = ("moment", "support_moment")
@@ -34,7 +34,7 @@ LINE = Driveline.from_bends([0.4, 0.3, 0.5], [0.3, -1.0], [0.7, 0.2])
 LOAD = Load(drive_torque=3.0, speed=2.0, acceleration=0.5, inertias=[0.1, 0.02, 0.03, 0.04])
 
 
-def series(values: list[Number], orders: np.ndarray[Any, Any]) -> list[Number]:
+def series(values: list[MpNumber], orders: np.ndarray[Any, Any]) -> list[MpNumber]:
     """Mean and complex amplitudes of exact samples of a whole turn."""
     count = len(values)
     turns = [mp.expj(-2 * mp.pi * i / count) for i in range(count)]
@@ -45,7 +45,7 @@ def series(values: list[Number], orders: np.ndarray[Any, Any]) -> list[Number]:
     ]
 
 
-def check(found: Harmonics, name: str, wanted: list[Number], *index: int) -> None:
+def check(found: Harmonics, name: str, wanted: list[MpNumber], *index: int) -> None:
     """The error is within the bound, except for the rounding of the exact numbers."""
     got = [float(found.mean[name][index]), *found.complex_amplitude[name][index].tolist()]
     error = max(float(abs(mp.mpmathify(x) - c)) for x, c in zip(got, wanted, strict=True))
@@ -53,9 +53,9 @@ def check(found: Harmonics, name: str, wanted: list[Number], *index: int) -> Non
     assert error <= bound + 1e-50, (name, index, error, bound)
 
 
-def turns(count: int) -> list[Turn]:
+def turns(count: int) -> list[ExactTurn]:
     angles = [2 * mp.pi * i / count for i in range(count)]
-    return [Turn(angle, mp.sin(angle), mp.cos(angle)) for angle in angles]
+    return [ExactTurn(angle, mp.sin(angle), mp.cos(angle)) for angle in angles]
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_loads_against_exact_samples(load: dict[str, Any]) -> None:
     plan = LINE.plan(("torque", *VECTORS), shafts=slice(None), load=Load(**load))
     found = plan.harmonics(ORDERS)
     frames = Frames.of(LINE)
-    exact = [Loads.of(frames, at, **load) for at in turns(samples)]
+    exact = [ExactLoads.of(frames, at, **load) for at in turns(samples)]
     for shaft in range(4):
         check(found, "torque", series([at.torque[shaft] for at in exact], ORDERS), shaft)
         for axis in range(3):

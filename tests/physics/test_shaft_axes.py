@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, axes
-from oracle import Turn, mp
-from vectors import Frames, Loads, Vector, cross, dot, length
+from oracle import ExactTurn, mp
+from vectors import ExactLoads, Frames, MpVector, cross, dot, length
 
 NAMES = ("moment", "support_moment")
 LOADS: dict[str, dict[str, Any]] = {
@@ -35,13 +35,13 @@ def of_line(load: dict[str, Any], line: Driveline) -> dict[str, Any]:
     return {**load, **inertias}
 
 
-def exact(line: Driveline, angle: float, load: dict[str, Any]) -> dict[str, list[Vector]]:
+def exact(line: Driveline, angle: float, load: dict[str, Any]) -> dict[str, list[MpVector]]:
     """The vectors along each shaft, its pin and their cross product."""
-    frames, at = Frames.of(line), Turn.by(angle)
-    loads, pins = Loads.of(frames, at, **load), frames.pins(at)
+    frames, at = Frames.of(line), ExactTurn.by(angle)
+    loads, pins = ExactLoads.of(frames, at, **load), frames.pins(at)
     along = [pins[0][0], *(driven for _, driven in pins)]
 
-    def components(vector: Vector, shaft: int) -> Vector:
+    def components(vector: MpVector, shaft: int) -> MpVector:
         u, pin = frames.directions[shaft], along[shaft]
         return (dot(vector, u), dot(vector, pin), dot(vector, cross(u, pin)))
 
@@ -233,7 +233,7 @@ def test_forces_are_turned_to_shaft_and_pin(joints: int, tolerance: float | None
         space = line.evaluate(angle, names, **options)
         turned = line.evaluate(angle, names, **options, axes="shaft")
         frames = Frames.of(line)
-        pins = frames.pins(Turn.by(angle))
+        pins = frames.pins(ExactTurn.by(angle))
         along = [pins[0][0], *(driven for _, driven in pins)]
         shafts = {"joint_force": range(1, joints + 1), "bearing_force": [s for s, _ in bearings]}
         largest = max(np.linalg.norm(space[name], axis=-1).max() for name in names)

@@ -12,13 +12,13 @@ import pytest
 
 from cardan import OUTPUTS, Driveline, Load
 from limits import limits
-from oracle import Exact, ExactJoint, Number, Turn, mp, read
+from oracle import Exact, ExactJoint, ExactTurn, MpNumber, mp, read
 
 CASES = read("worst_cases.json")["cases"]
 LIMITS = {"tolerance=0": limits("tolerance_0"), "default": limits("worst")}
 
 
-def exact(name: str, joint: ExactJoint, at: Turn, torque: Number) -> list[Number]:
+def exact(name: str, joint: ExactJoint, at: ExactTurn, torque: MpNumber) -> list[MpNumber]:
     """Return the components of an output for a torque or, with a flywheel, an inertia."""
     _, y, z = joint.moment(at)
     in_plane = joint.sine * at.cosine**2
@@ -83,7 +83,7 @@ def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
         load = Load(drive_torque=torque)
     tier = case["tier"]
     limit = LIMITS[tier][name]
-    joint, at = ExactJoint.bent(bend), Turn.by(angle)
+    joint, at = ExactJoint.bent(bend), ExactTurn.by(angle)
     want = Exact.of(exact(name, joint, at, mp.mpf(torque)))
     term = Exact.of([joint.jerk_term(at)]) if name == "jerk_ratio" else want
     unit = term.ulp[abs(term.high).argmax()]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Motion
-from oracle import EPS, Fold, Number, Turn, mp
+from oracle import EPS, ExactTurn, Fold, MpNumber, mp
 
 CHAINS: list[tuple[list[float], list[float], list[float]]] = [
     ([0.5], [], []),
@@ -26,16 +26,16 @@ ANGLES = [-7.3, -1.0, -1e-9, 0.0, 0.3, 0.7853, 1.5707, 2.2, 3.0, 100.0]
 BATCH = Driveline.from_bends([[0.3, 0.2], [0.1, 0.9], [0.0, 0.0]], 0.4, -1.1)
 
 
-def exact_q(chain: tuple[list[float], list[float], list[float]]) -> Number:
+def exact_q(chain: tuple[list[float], list[float], list[float]]) -> MpNumber:
     """Return ``B/A`` of the chain's map, times what takes its angle off: a joint has ``-k``."""
     fold = Fold.of(*chain)
     return fold.b / fold.a
 
 
-def motion_of(q: Number, angle: Number) -> tuple[Number, ...]:
+def motion_of(q: MpNumber, angle: MpNumber) -> tuple[MpNumber, ...]:
     """Return the motion by differentiating ``arg(1 + q u)`` as often as needed, with 50 digits."""
 
-    def error(x: Number) -> Number:
+    def error(x: MpNumber) -> MpNumber:
         return mp.im(mp.log(1 + q * mp.expj(-2 * x)))
 
     return (error(angle), 1 + mp.diff(error, angle), *(mp.diff(error, angle, n) for n in (2, 3)))
@@ -91,10 +91,10 @@ def test_gradients_are_differences_by_q(
     got = transmission.gradient(ANGLES)
     step = mp.mpf(10) ** -20
     for i, angle in enumerate(ANGLES):
-        u = Turn.by(angle)
+        u = ExactTurn.by(angle)
         u = mp.mpc(u.cosine, -u.sine) ** 2
 
-        def motion(q: Number, u: Number = u) -> tuple[Number, ...]:
+        def motion(q: MpNumber, u: MpNumber = u) -> tuple[MpNumber, ...]:
             z = q * u
             g = 1 / (1 + z)
             third = mp.re(8 * z * (1 - z) * g**3)
