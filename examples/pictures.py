@@ -159,6 +159,12 @@ best = optimised(scene)
 assert best is not None
 save("optimise", plots.plot_optimise(best))
 
+# How the equivalent bend of a shaft scatters, and which tolerance makes it scatter.
+scene = cardan.Scene.load(Path(__file__).with_name("workshop.toml"))
+assert scene.tolerances is not None
+plots.write_tolerances(scene.tolerances, folder / "tolerances.svg")
+print("wrote tolerances.svg")
+
 # Torques of a truck's shafts over the speed, and the natural frequencies with the orders.
 scene = cardan.Scene.load(Path(__file__).with_name("truck_torsion.toml"))
 vibration = torsion_figures(scene)
