@@ -67,7 +67,7 @@ def test_a_step_of_the_load_is_that_of_an_oscillator() -> None:
     system, ratio, natural, step = oscillator(), 0.1, 400.0, 50.0
     times = np.linspace(0.0, 0.1, 101)
     found = system.transient(
-        times, speed=30.0, load_torque=lambda t: step if t >= 0.02 else 0.0, breaks=0.02
+        times, speed=30.0, torque=lambda t: step if t >= 0.02 else 0.0, breaks=0.02
     )
     after = np.maximum(times - 0.02, 0.0)
     decay, damped = ratio * natural, natural * np.sqrt(1.0 - ratio**2)

@@ -82,7 +82,7 @@ class Equations:
         self,
         system: Vibrating,
         speed: OfTime,
-        load_torque: OfTime | None,
+        torque: OfTime | None,
         drive_torque: OfTimeAndSpeed | None,
         drive_inertia: float,
     ) -> None:
@@ -112,8 +112,8 @@ class Equations:
         self.first = 2 if self.free else 1
         self.size = self.first + 2 * len(self.compliant)
         self._speed = _checked("speed", speed)
-        load = float(system.load_torque) if load_torque is None else load_torque
-        self._load = _checked("load_torque", load)
+        load = float(system.load_torque) if torque is None else torque
+        self._load = _checked("torque", load)
         self._driven = _checked("drive_torque", 0.0 if drive_torque is None else drive_torque)
 
     def speed(self, time: float) -> float:
@@ -122,7 +122,7 @@ class Equations:
 
     def load_torque(self, time: float) -> float:
         """The torque that brakes the last shaft."""
-        return _value("load_torque", self._load, time)
+        return _value("torque", self._load, time)
 
     def __call__(self, time: float, state: FloatArray) -> FloatArray:
         """Return the time derivative of the state."""

@@ -334,7 +334,7 @@ class TorsionalSystem:
         time: ArrayLike,
         *,
         speed: OfTime,
-        load_torque: OfTime | None = None,
+        torque: OfTime | None = None,
         drive_torque: OfTimeAndSpeed | None = None,
         drive_inertia: float = math.inf,
         start: Literal["rigid", "steady"] | Transient = "rigid",
@@ -353,7 +353,7 @@ class TorsionalSystem:
                 is the beginning.
             speed: of the drive in rad/s, a number or a function of the time. Of a drive of finite
                 inertia it is the speed at the beginning.
-            load_torque: torque in N m that brakes the last shaft, a number or a function of the
+            torque: load torque in N m that brakes the last shaft, a number or a function of the
                 time; by default that of the system. Its sign does not follow the motion: it
                 accelerates a shaft that turns backwards.
             drive_torque: torque in N m on a drive of finite inertia, a number or a function of time
@@ -394,7 +394,7 @@ class TorsionalSystem:
         >>> float(run_up.drive_speed[peak].round()), float(run_up.torque[0, peak].round())
         (214.0, -4453.0)
         """
-        system = Equations(self, speed, load_torque, drive_torque, drive_inertia)
+        system = Equations(self, speed, torque, drive_torque, drive_inertia)
         permitted = checked_tolerance(tolerance)
         return integrated(system, time, start, breaks, events, permitted, method)
 
