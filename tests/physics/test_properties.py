@@ -267,7 +267,7 @@ def test_every_path_gives_the_same_bits(line: Driveline, tolerance: float | None
         got = rows[name][(slice(None),) * lead + (1,)]
         assert np.array_equal(got, want[name]), name
     # Per sample the inverse tangent, and with error terms the formulas, are those for any chain of
-    # such bends: both keep their limit. Numbers of steep chains carry error terms by default as well.
+    # such bends: both keep their limit. Steep chains carry error terms by default as well.
     terms = "with error terms" in plan.explain()
     error = np.abs(want.angle_error[1])
     limit = {None: 2 * 6, 0: 2, 1e-6: 2 * 6}[tolerance]
