@@ -67,7 +67,7 @@ type SteppedLoad<'py> =
     (PyBackedStr, Stepped<'py>, Stepped<'py>, Stepped<'py>, Vec<(usize, Stepped<'py>)>);
 
 #[derive(FromPyObject)]
-pub(crate) enum SteppedAngle<'py> {
+pub(crate) enum AngleInput<'py> {
     Sweep(PyRef<'py, DriveSweep>),
     Array(Stepped<'py>),
 }
@@ -85,7 +85,7 @@ pub(crate) fn differentiate<'py>(
     lines: &Lines,
     outputs: Vec<(PyBackedStr, Vec<usize>)>,
     samples: usize,
-    angle: SteppedAngle<'py>,
+    angle: AngleInput<'py>,
     load: Option<SteppedLoad<'py>>,
     weights: Option<Vec<PyReadonlyArray1<'py, f64>>>,
     wanted: Vec<PyBackedStr>,
@@ -101,8 +101,8 @@ pub(crate) fn differentiate<'py>(
     let name = |(name, items): (PyBackedStr, Vec<usize>)| Ok((quantity(&name)?, items));
     let outputs = outputs.into_iter().map(name).collect::<PyResult<Vec<_>>>()?;
     let angle = match &angle {
-        SteppedAngle::Sweep(sweep) => SpreadAngles::Sweep(sweep.sweep()),
-        SteppedAngle::Array(stepped) => SpreadAngles::Array(spread("angle", stepped)?),
+        AngleInput::Sweep(sweep) => SpreadAngles::Sweep(sweep.sweep()),
+        AngleInput::Array(stepped) => SpreadAngles::Array(spread("angle", stepped)?),
     };
     let load = load.as_ref().map(|load| spread_load(load, joints)).transpose()?;
     let weights = match &weights {

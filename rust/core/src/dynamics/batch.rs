@@ -8,7 +8,7 @@ use nalgebra::Complex;
 use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, Orbit};
 use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
-use crate::dynamics::search::Wanted;
+use crate::dynamics::search::OrbitGoal;
 use crate::dynamics::system::{PieceState, TorsionalSystem};
 use crate::mechanics::phasing::is_set;
 use crate::run::execution::Execution;
@@ -83,9 +83,9 @@ pub fn steady_of_batch(
     let (m, ends) = (first.unknowns(), 2 * first.shafts());
     let record = 3 * m + 2 * orders.len() * (m + ends);
     let order = orders.iter().copied().max().unwrap_or(0);
-    let wanted = Wanted { tolerance: runs.tolerance, order, stability: false };
+    let goal = OrbitGoal { tolerance: runs.tolerance, order, stability: false };
     runs.each(results, record, failures, execution, |system, speed, out| {
-        let orbit = system.search(speed, wanted)?;
+        let orbit = system.search(speed, goal)?;
         let mut equation = MotionEquation::new(system, speed);
         let roots = roots_of_unity(orbit.intervals);
         let (torques, rest) = out.split_at_mut(3 * m);
@@ -132,9 +132,9 @@ pub fn multipliers_of_batch(
 ) {
     let Some(first) = runs.systems.first() else { return };
     let record = 4 * first.unknowns();
-    let wanted = Wanted { tolerance: runs.tolerance, order: 0, stability: true };
+    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0, stability: true };
     runs.each(results, record, failures, execution, |system, speed, out| {
-        let orbit = system.search(speed, wanted)?;
+        let orbit = system.search(speed, goal)?;
         for (place, x) in out.chunks_exact_mut(2).zip(multipliers(&orbit)) {
             place.copy_from_slice(&[x.re, x.im]);
         }
@@ -170,9 +170,9 @@ pub fn orbits_of_batch(
 ) {
     let Some(first) = runs.systems.first() else { return };
     let (m, ends) = (first.unknowns(), 2 * first.shafts());
-    let wanted = Wanted { tolerance: runs.tolerance, order: 0, stability: false };
+    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0, stability: false };
     runs.each(results, samples * (3 * ends + m + 1), failures, execution, |system, speed, out| {
-        let orbit = system.search(speed, wanted)?;
+        let orbit = system.search(speed, goal)?;
         let mut equation = MotionEquation::new(system, speed);
         let roots = roots_of_unity(orbit.intervals);
         let through = |of: &dyn Fn(usize) -> f64| FourierSeries::through(of, &roots);

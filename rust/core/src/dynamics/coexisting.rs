@@ -4,7 +4,7 @@ use crate::dynamics::batch::{Runs, multipliers};
 use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, Orbit};
 use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
-use crate::dynamics::search::{Wanted, refined};
+use crate::dynamics::search::{OrbitGoal, refined};
 use crate::dynamics::system::TorsionalSystem;
 use crate::run::execution::Execution;
 
@@ -31,9 +31,9 @@ pub fn coexisting_of_batch(
     let Some(first) = runs.systems.first() else { return };
     let m = first.unknowns();
     let each = coexisting_record(m);
-    let wanted = Wanted { tolerance: runs.tolerance, order: 0, stability: true };
+    let goal = OrbitGoal { tolerance: runs.tolerance, order: 0, stability: true };
     runs.each(results, 1 + most * each, failures, execution, |system, speed, out| {
-        let orbits = system.search_all(speed, wanted)?;
+        let orbits = system.search_all(speed, goal)?;
         let mut equation = MotionEquation::new(system, speed);
         let mut records: Vec<(f64, Vec<f64>)> = orbits
             .iter()
@@ -63,8 +63,8 @@ pub fn coexisting_of_batch(
 
 impl TorsionalSystem {
     /// The orbit that `search` finds, and all others from the starts of `oscillations`.
-    fn search_all(&self, speed: f64, wanted: Wanted) -> Result<Vec<Orbit>, Failure> {
-        let mut orbits = vec![self.search(speed, wanted)?];
+    fn search_all(&self, speed: f64, goal: OrbitGoal) -> Result<Vec<Orbit>, Failure> {
+        let mut orbits = vec![self.search(speed, goal)?];
         let mut equation = MotionEquation::new(self, speed);
         let continued = self.continued(speed).into_iter();
         let mut found: Vec<_> = continued.collect();
@@ -74,7 +74,7 @@ impl TorsionalSystem {
             if orbits.iter().any(known) {
                 continue;
             }
-            if let Ok(fine) = refined(coarse, &mut equation, wanted)
+            if let Ok(fine) = refined(coarse, &mut equation, goal)
                 && orbits.iter().all(|orbit| orbit.differs(&fine, DIFFERENT))
             {
                 orbits.push(fine);

@@ -36,7 +36,7 @@ pub(super) struct EquationRow {
     pub(super) residual: f64,
     /// Derivative by the unknown's own second derivative.
     pub(super) by_acceleration: f64,
-    /// Derivatives by the slopes of the unknown before, of its own and of the one behind.
+    /// Derivatives by the slopes of the unknown before, of the unknown itself and of the one behind.
     pub(super) by_slope: [f64; 3],
     /// Derivatives by these unknowns themselves.
     pub(super) by_angle: [f64; 3],

@@ -39,7 +39,7 @@ pub(super) struct Orbit {
 
 /// A step of Newton's method.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
+pub(super) struct NewtonStep {
     /// The largest change of an unknown in rad.
     pub(super) change: f64,
     /// The largest twist before the step of the compliant shaft that twists least, in rad: the unit
@@ -147,7 +147,7 @@ impl Orbit {
     }
 
     /// One step of Newton's method; `None` if the linear equations have no solution.
-    pub(super) fn improve(&mut self, equation: &mut MotionEquation<'_>) -> Option<Step> {
+    pub(super) fn improve(&mut self, equation: &mut MotionEquation<'_>) -> Option<NewtonStep> {
         let m = self.unknowns;
         let mut product = DMatrix::<f64>::identity(2 * m, 2 * m);
         let mut constant = DVector::<f64>::zeros(2 * m);
@@ -191,7 +191,7 @@ impl Orbit {
         let springs = equation.system.springs.iter().zip(&scratch.torques);
         let twist = springs.map(|(spring, torque)| torque / spring.stiffness);
         let twist = twist.fold(f64::INFINITY, f64::min);
-        size.is_finite().then_some(Step { change: size, twist })
+        size.is_finite().then_some(NewtonStep { change: size, twist })
     }
 
     /// Solves the linearised equations of an interval for the changes of its accelerations.

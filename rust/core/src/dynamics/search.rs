@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::dynamics::motion_equation::MotionEquation;
-use crate::dynamics::orbit::{Failure, Orbit, Step};
+use crate::dynamics::orbit::{Failure, NewtonStep, Orbit};
 use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
 use crate::dynamics::system::TorsionalSystem;
 
@@ -24,9 +24,9 @@ const COARSE: f64 = 1e-6;
 /// A change of an unknown in rad that is rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// Which accuracy is wanted of an orbit.
+/// The accuracy that an orbit must have, and what is found with it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
+pub(super) struct OrbitGoal {
     /// Permitted error relative to the largest value.
     pub(super) tolerance: f64,
     /// The highest order of the drive's rotation that the mesh must resolve.
@@ -37,7 +37,7 @@ pub(super) struct Wanted {
 
 impl TorsionalSystem {
     /// The periodic orbit at a speed of the drive in rad/s.
-    pub(super) fn search(&self, speed: f64, wanted: Wanted) -> Result<Orbit, Failure> {
+    pub(super) fn search(&self, speed: f64, goal: OrbitGoal) -> Result<Orbit, Failure> {
         if !(speed > 0.0 && speed < f64::INFINITY) {
             return Err(Failure::Speed);
         }
@@ -46,7 +46,7 @@ impl TorsionalSystem {
             .coarse(&mut equation)
             .or_else(|| self.continued(speed))
             .or_else(|| self.large(&mut equation));
-        refined(coarse.ok_or(Failure::NotFound)?, &mut equation, wanted)
+        refined(coarse.ok_or(Failure::NotFound)?, &mut equation, goal)
     }
 
     /// An orbit on the coarsest mesh on which Newton's method converges, from rigid shafts, or from
@@ -173,7 +173,7 @@ fn converged(
     const SAFETY: f64 = 10.0;
     let mut before: Option<f64> = None;
     for _ in 0..STEPS {
-        let Step { change, twist } = orbit.improve(equation)?;
+        let NewtonStep { change, twist } = orbit.improve(equation)?;
         if let Some(before) = before {
             contraction = Some(change / (before * before));
         }
@@ -191,27 +191,27 @@ fn converged(
 pub(super) fn refined(
     found: Found,
     equation: &mut MotionEquation<'_>,
-    wanted: Wanted,
+    goal: OrbitGoal,
 ) -> Result<Orbit, Failure> {
     // Halving divides the error at least by the first, and by the second if that was observed.
     const GAINS: (f64, f64) = (16.0, 128.0);
     let Found { mut orbit, mut contraction, .. } = found;
     let mut before = [f64::NAN; 2];
     while 2 * orbit.intervals <= MOST {
-        let fine = converged(orbit.halved(), equation, wanted.tolerance, Some(contraction))
+        let fine = converged(orbit.halved(), equation, goal.tolerance, Some(contraction))
             .ok_or(Failure::NotFound)?;
         let scales = [fine.twist, fine.orbit.monodromy.amax().max(1.0)];
         let change = [
             difference(&orbit, &fine.orbit),
-            if wanted.stability { maps_differ(&orbit, &fine.orbit) } else { 0.0 },
+            if goal.stability { maps_differ(&orbit, &fine.orbit) } else { 0.0 },
         ];
         let settled = (0..2).all(|i| {
             // NaN, at first, counts as no gain.
             let gain = (before[i] / change[i]).max(GAINS.0).min(GAINS.1);
-            change[i] <= (gain * wanted.tolerance * scales[i]).max(10.0 * ROUNDING)
+            change[i] <= (gain * goal.tolerance * scales[i]).max(10.0 * ROUNDING)
         });
         (orbit, contraction, before) = (fine.orbit, fine.contraction, change);
-        if settled && orbit.intervals > wanted.order && resolved(&orbit, equation, wanted) {
+        if settled && orbit.intervals > goal.order && resolved(&orbit, equation, goal) {
             return Ok(orbit);
         }
     }
@@ -232,13 +232,13 @@ fn difference(coarse: &Orbit, fine: &Orbit) -> f64 {
 }
 
 /// Whether the torques at the ends of the intervals resolve their own harmonics.
-fn resolved(orbit: &Orbit, equation: &mut MotionEquation<'_>, wanted: Wanted) -> bool {
+fn resolved(orbit: &Orbit, equation: &mut MotionEquation<'_>, goal: OrbitGoal) -> bool {
     let roots = roots_of_unity(orbit.intervals);
     let torques = orbit.torques(equation);
     equation.system.springs.iter().zip(&torques).all(|(spring, torques)| {
         let series = FourierSeries::through(|k| torques[k], &roots);
         let largest = series.amplitudes.iter().fold(series.mean.abs(), |x, y| x.max(y.norm()));
-        let permitted = wanted.tolerance * largest;
+        let permitted = goal.tolerance * largest;
         series.tail() <= permitted.max(10.0 * ROUNDING * spring.stiffness)
     })
 }
