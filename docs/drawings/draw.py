@@ -1,4 +1,4 @@
-"""Draw the angles of the conventions: running this writes the drawings beside it."""
+"""Draw the angles of the conventions: the script writes them into its folder."""
 
 from __future__ import annotations
 

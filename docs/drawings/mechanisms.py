@@ -1,4 +1,4 @@
-"""Draw double joints and joints with offsets: running this writes the drawings beside it."""
+"""Draw double joints and joints with offsets: the script writes them into its folder."""
 
 from __future__ import annotations
 

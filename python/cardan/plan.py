@@ -292,7 +292,7 @@ class Plan:
     def gradient(self, angle: ArrayLike | Sweep, weights: Mapping[str, ArrayLike]) -> Gradient:
         """Return ``sum(weights * outputs)`` and its derivatives by all parameters, in one pass.
 
-        This is what an optimiser needs (reverse mode): one pass gives the derivatives by all
+        Optimisers need this sum (reverse mode): one pass gives the derivatives by all
         parameters, whatever their number, and stores nothing per sample. The results do not depend
         on the number of threads.
 

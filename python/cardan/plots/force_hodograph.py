@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 _MARKS = np.arange(0, 180, 30) * PER_DEGREE
 _COLUMNS, _PANEL = 3, (56.0, 58.0)  # mm
-# A path smaller than this share of its distance from 0 has no room for drive angles beside it.
+# A path that is smaller than this share of its distance from 0 has no room for drive angles.
 _SMALL = 0.15
 # Points from a mark to its drive angle, and beside an axis if the angle would lie on it.
 _AWAY, _ASIDE, _ON_AXIS = 10.0, 6.0, 0.2

@@ -21,7 +21,7 @@ _SCALAR = re.compile(r"[^\s,\]}#]+(?: \d\d:[\d:.Z+-]+)?")
 
 @dataclass(frozen=True)
 class Span:
-    """Where a value stands in a text.
+    """The place of a value in a text.
 
     Attributes:
         start: its first character.

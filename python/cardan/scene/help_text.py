@@ -16,7 +16,7 @@ key bearing moves bearings: bearing.0.position_mm.\
 _PATHS_HELP = {
     "study": _STUDY_HELP,
     "states": "Give keys of [driveline] or [load] their values in each state, as in [study]; all "
-    "lists have one entry per state. Paths may stand in quotes.",
+    "lists have one entry per state. Paths may be in quotes.",
 }
 
 

@@ -115,8 +115,8 @@ impl<T: Real> SinkStrip<T> for NumberStrip<T> {
     }
 }
 
-/// Whether loops over this number type may go by strips. Numbers with error terms take longer than
-/// memory, and so do two registers of single-precision numbers to a cache line.
+/// Whether loops over this number type may work strip by strip. Numbers with error terms take more
+/// time than memory does, and so do two registers of single-precision numbers per cache line.
 #[inline(always)]
 fn suits_strips<T: Real>(stores: Stores) -> bool {
     let is_single = size_of::<T>() == size_of::<f32>();
