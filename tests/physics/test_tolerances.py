@@ -307,17 +307,71 @@ def test_samples_depend_on_the_seed_alone() -> None:
     assert np.array_equal(copy.sampled, fresh.sampled)
 
 
-def test_memory_is_eight_bytes_per_sample() -> None:
-    line, beside = Driveline.from_points(TRUCK), []
-    for samples in (300_000, 1_500_000):
-        tracemalloc.start()
-        try:
-            _ = line.tolerances(points=1e-3, seed=1, samples=samples).sampled
-            beside.append(tracemalloc.get_traced_memory()[1] - 8 * samples)
-        finally:
-            tracemalloc.stop()
-    # Not even one byte per further sample.
-    assert beside[1] < beside[0] + 1_000_000 + 0.3 * beside[0]
+def peak_beyond_the_samples(line: Driveline, samples: int, **given: Any) -> float:  # noqa: ANN401
+    """Bytes of memory at most, less 8 for each sample and figure."""
+    tracemalloc.start()
+    try:
+        found = line.tolerances(seed=1, samples=samples, **given)
+        found.quantile([0.5, 0.95, 0.99])
+        _ = found.passing
+        return tracemalloc.get_traced_memory()[1] - 8.0 * len(given["of"]) * samples
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("of", [("equivalent_bend",), ("equivalent_bend", "max_angle_error")])
+def test_memory_is_eight_bytes_per_sample_and_figure(of: tuple[str, ...]) -> None:
+    line = Driveline.from_bends([0.2, 0.1])
+    few, many = (
+        peak_beyond_the_samples(line, samples, of=of, phases=0.01, workers=1)
+        for samples in (200_000, 2_000_000)
+    )
+    # Not even one byte per further sample; the arrays of a chunk are small against a copy.
+    assert few < 8e6
+    assert many < few + 1_000_000
+
+
+def test_memory_of_toleranced_points_is_eight_bytes_per_sample() -> None:
+    line = Driveline.from_points(TRUCK)
+    few, many = (
+        peak_beyond_the_samples(line, samples, of=("equivalent_bend",), points=1e-3)
+        for samples in (300_000, 1_500_000)
+    )
+    # The threads of the pool hold more or fewer chunks at the same time.
+    assert many < few + 1_000_000 + 0.3 * few
+
+
+@pytest.mark.parametrize("drawn_first", [False, True])
+@pytest.mark.parametrize("samples", [1, 2, 1001])
+def test_quantiles_and_the_passing_share_are_those_of_the_samples(
+    samples: int, drawn_first: bool
+) -> None:
+    heights = np.repeat(TRUCK[np.newaxis], 6, axis=0).reshape(3, 2, *TRUCK.shape)
+    heights[..., 2, 1] += np.linspace(-0.1, 0.1, 6).reshape(3, 2)
+    line = Driveline.from_points(heights)
+    of = ("equivalent_bend", "non_uniformity")
+    found = line.tolerances(points=1e-3, of=of, seed=1, samples=samples)
+    sampled = found.sampled if drawn_first else None
+    shares = np.array([[0.0, 0.123, 0.5], [0.95, 0.999, 1.0]])
+    got, passing = found.quantile(shares), found.passing
+    again = line.tolerances(points=1e-3, of=of, seed=1, samples=samples).sampled
+    for name, values in (sampled or found.sampled).items():
+        np.testing.assert_array_equal(values, again[name])
+        np.testing.assert_array_equal(found.ascending[name], np.sort(values, axis=-1))
+        want = np.moveaxis(np.quantile(values, shares, axis=-1), (0, 1), (-2, -1))
+        np.testing.assert_allclose(got[name], want, rtol=1e-14)
+        np.testing.assert_array_equal(passing[name], np.mean(values <= found.limit[name], axis=-1))
+        with pytest.raises(ValueError, match="read-only"):
+            found.ascending[name][0, 0, 0] = 0.0
+
+
+def test_a_driveline_at_its_limit_passes() -> None:
+    found = Driveline.from_bends([0.04, 0.02], [0.3]).tolerances(phases=0.1, seed=1, samples=9)
+    value = found.ascending[4]
+    same = Driveline.from_bends([0.04, 0.02], [0.3]).tolerances(
+        phases=0.1, seed=1, samples=9, limit=value
+    )
+    assert same.passing == 5 / 9
 
 
 @st.composite
