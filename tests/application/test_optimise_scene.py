@@ -20,7 +20,6 @@ from cardan.figures.schema import answers_schema
 from cardan.optimisation.arguments import parameters_of
 from cardan.optimisation.problem import Problem
 from cardan.plots import plot_optimise, plot_optimised_states, plot_over_variable
-from cardan.reduced_quantities import reduced_quantity
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.edit import map_of, with_values
@@ -156,14 +155,6 @@ def test_exact_derivatives_are_those_of_differences(text: str, vary: str, quanti
         step = 1e-4 * np.eye(len(x))[i]
         difference = (magnitudes(x + step) - magnitudes(x - step)) / 2e-4
         np.testing.assert_allclose(slopes[..., i], difference, atol=2e-6 * np.max(np.abs(slopes)))
-
-
-def test_quantities_without_exact_derivatives_have_differences() -> None:
-    """Forces, whose derivatives are not known, and the smallest of a vector."""
-    for name in ("joint_force_1_peak", "support_moment_1_min"):
-        found = reduced_quantity(name)
-        assert found
-        assert not found.differentiable
 
 
 @pytest.mark.parametrize("slopes", ["slopes_vertical_deg = [-3, -7, -4]"])

@@ -52,7 +52,7 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         ValueError: a batch, a figure that was not asked for.
     """
     name = _checked(found, of)
-    values = np.sort(np.asarray(in_figure_units(found, name, found.sampled), dtype=float))
+    values = np.asarray(in_figure_units(found, name, found.ascending), dtype=float)
     figure = figure_of(found, name)
     with drawing(ax, height_mm=55.0) as axes:
         counts, edges = np.histogram(values, _BINS)

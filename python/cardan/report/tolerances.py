@@ -81,7 +81,7 @@ def _class(figure: ToleranceFigure) -> str:
 
 def _scatter(figure: ToleranceFigure, of: Tolerances) -> dict[str, Any]:
     """The share of the drivelines up to each value, with the limit as a step."""
-    sampled = np.sort(np.asarray(in_figure_units(of, figure.name, of.sampled), dtype=float))
+    sampled = np.asarray(in_figure_units(of, figure.name, of.ascending), dtype=float)
     high = max(float(sampled[-1]), figure.worst, figure.limit or 0.0)
     x = np.linspace(float(sampled[0]), high if high > sampled[0] else sampled[0] + 1.0, _POINTS)
     if figure.limit is not None:
