@@ -301,3 +301,12 @@ def test_many_shares_are_summed() -> None:
     assert len(labels) == 9
     assert labels[-1] == "the other 9"
     assert sum(bar.get_width() for bar in axes.containers[0]) == pytest.approx(100.0)
+
+
+def test_a_small_share_is_not_none() -> None:
+    line = cardan.Driveline.from_bends([0.1, 0.1, 0.1])
+    found = line.tolerances(bends=[1e-3, 1e-6, 0.0], phases=[0.0, 1e-2], samples=10)
+    axes = plot_tolerance_shares(found)
+    assert found.shares["bends"][1] < 5e-4
+    texts = [text.get_text() for text in axes.texts]
+    assert texts[2:] == ["< 0.1 %", "0.0 %", "0.0 %"]

@@ -9,7 +9,6 @@ from cardan.figures.tolerances import (
     Permitted,
     ToleranceFigure,
     ToleranceFigures,
-    ToleranceState,
 )
 from cardan.words.summary import aligned, figure_text
 from cardan.wrapping import fill
@@ -91,25 +90,23 @@ def _of_states(figure: ToleranceFigure) -> str:
     return f", largest of {len(figure.states)} states" if figure.states else ""
 
 
-STATE_HEADS = ("as drawn", "worst", "bound", "within the limit")
-"""What ``state_row`` says of a state."""
-
-
-def state_row(figure: ToleranceFigure, state: ToleranceState) -> list[str]:
-    """Return the values of a figure in one state as texts; "" for what is not known."""
-    values = (_rounded(state.nominal, state.worst), state.worst, state.guaranteed)
-    texts = ["" if value is None else with_unit(value, figure.unit) for value in values]
-    return [*texts, "" if state.passing is None else percent(state.passing)]
+def state_rows(figure: ToleranceFigure) -> list[list[str]]:
+    """Return the figure in each state as rows of texts, the heads first; without empty columns."""
+    rows = [["state", "as drawn", "worst", "bound", "within the limit"]]
+    for state in figure.states:
+        values = (_rounded(state.nominal, state.worst), state.worst, state.guaranteed)
+        texts = ["" if value is None else with_unit(value, figure.unit) for value in values]
+        passing = "" if state.passing is None else percent(state.passing)
+        rows.append([state.name, *texts, passing])
+    known = [i for i, cells in enumerate(zip(*rows[1:], strict=True)) if any(cells)]
+    return [[row[i] for i in known] for row in rows]
 
 
 def _table(figure: ToleranceFigure) -> Iterator[str]:
     """The figure in each state, a line each."""
-    rows = [["state", *STATE_HEADS]]
-    rows += [[state.name, *state_row(figure, state)] for state in figure.states]
-    known = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
-    widths = [max(len(row[i]) for row in rows) for i in known]
-    for row in rows:
-        first, *others = (row[i] for i in known)
+    rows = state_rows(figure)
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    for first, *others in rows:
         cells = (cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True))
         yield "  ".join([f"  {first:{widths[0]}}", *cells]).rstrip()
 
