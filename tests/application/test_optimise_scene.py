@@ -23,7 +23,7 @@ from cardan.plots import plot_optimise, plot_optimised_states, plot_over_variabl
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.edit import map_of, with_values
-from cardan.words.optimise import change_lines
+from cardan.words.optimise import change_lines, table_of
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "examples" / "truck_heights.toml").read_text("utf-8")
@@ -374,6 +374,16 @@ def test_values_are_changed_in_place() -> None:
     document = tomllib.loads(added)
     assert document["load"] == {"speed_rpm": 15, "drive_torque_Nm": 2}
     assert document["driveline"]["twists_deg"] == [0.5]
+
+
+def test_rounding_counts_as_nothing_in_the_table() -> None:
+    # Straight ahead the joints cancel before and after, but for rounding.
+    found = optimised(Scene.load(ROOT / "examples" / "pto_shaft.toml"))
+    assert found is not None
+    assert 0.0 < max(found.best.per_state_before[0], found.best.per_state[0]) < 1e-8
+    _, ((_, *straight), *turns) = table_of(found)
+    assert straight == ["0", "0"]
+    assert all(float(value) > 0.01 for _, *row in turns for value in row)
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.toml")), ids=lambda p: p.stem)
