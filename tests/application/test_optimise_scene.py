@@ -379,6 +379,16 @@ def test_values_are_changed_in_place() -> None:
     assert document["driveline"]["twists_deg"] == [0.5]
 
 
+def test_rounding_counts_as_nothing_in_the_table() -> None:
+    # Straight ahead the joints cancel before and after, but for rounding.
+    found = optimised(Scene.load(ROOT / "examples" / "pto_shaft.toml"))
+    assert found is not None
+    assert 0.0 < max(found.best.per_state_before[0], found.best.per_state[0]) < 1e-8
+    _, ((_, *straight), *turns) = table_of(found)
+    assert straight == ["0", "0"]
+    assert all(float(value) > 0.01 for _, *row in turns for value in row)
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.toml")), ids=lambda p: p.stem)
 def test_examples_are_read_as_toml_reads_them(path: Path) -> None:
     text = path.read_text("utf-8")

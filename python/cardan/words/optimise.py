@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from cardan.figures.optimise import Optimised, unit_of, variable_data
 from cardan.quantities import label
 from cardan.scene.optimise import Variable
@@ -158,7 +160,9 @@ def table_of(found: Optimised) -> tuple[list[str], list[list[str]]]:
     for i, state in enumerate(found.asked.names):
         row = [state]
         for _, _, before, after in columns:
-            row += [figure_text(float(before[i])), figure_text(float(after[i]))]
+            # What rounding leaves of joints that compensate each other counts as 0.
+            least = 1e-8 * max(np.max(before), np.max(after))
+            row += [figure_text(float(x[i]) if x[i] > least else 0.0) for x in (before, after)]
         rows.append(row)
     return headings, rows
 

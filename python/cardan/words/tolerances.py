@@ -117,7 +117,7 @@ def _in(state: str) -> str:
 
 
 def verdict_texts(found: ToleranceFigures) -> list[str]:
-    """Return the verdict on each figure in one sentence."""
+    """Return the verdict on each figure: as drawn, then with the tolerances."""
     several = len(found.figures) > 1
     return [verdict_text(figure, named=several) for figure in found.figures]
 
@@ -128,7 +128,7 @@ def permitted_texts(found: ToleranceFigures, permitted: Sequence[Permitted]) -> 
 
 
 def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
-    """Return the verdict on one figure in one sentence."""
+    """Return the verdict on one figure: as drawn, then with the tolerances."""
     name = f"{figure.label.capitalize()}: " if named else ""
     worst = f"the worst has {with_unit(figure.worst, figure.unit)}{_in(figure.worst_in)}"
     if figure.shares and figure.shares[0].share > 0.0:
@@ -142,14 +142,13 @@ def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
     limit, share = f"the {limit_text(figure)} limit", percent(figure.passing)
     every = " in every state" if figure.states else ""
     if figure.nominal <= figure.limit * (1.0 + 1e-9):
-        text = f"within {limit}{every}; with these tolerances {share} of the drivelines are"
+        drawn = f"within {limit}{every}"
     else:
-        text = (
-            f"beyond {limit}{_in(figure.nominal_in)}; with these tolerances {share} of the "
-            f"drivelines are within it{every}"
-        )
-    text = f"{text}, {worst}."
-    return f"{name}{text}" if named else text[0].upper() + text[1:]
+        drawn = f"beyond {limit}{_in(figure.nominal_in)}"
+    return (
+        f"{name}{'as' if named else 'As'} drawn, the driveline is {drawn}. With these tolerances, "
+        f"{share} of all drivelines are within it{every}; {worst}."
+    )
 
 
 def _permitted(part: Permitted, found: ToleranceFigures) -> str:
