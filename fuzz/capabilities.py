@@ -22,6 +22,8 @@ from cases import main
 
 BY = ("bends", "twists", "phases", "points", "angle", "drive_torque", "output_torque", "inertias")
 FIGURES = ("equivalent_bend", "non_uniformity", "max_angle_error", "torsional_excitation")
+MANY = 6
+"""Drivelines of a batch that is searched one by one."""
 same = np.testing.assert_array_equal
 
 
@@ -184,6 +186,8 @@ def torsion(given: Input) -> None:
 def tolerances(given: Input) -> None:
     """Compare worst case, bound and random drivelines; threads and seeds."""
     line = mounted(given)
+    if line.size > MANY:
+        return
     groups = ["phases", "bends", "twists"] if not line.has_points else ["points", "phases"]
     sizes: Any = {name: given.often(0.01, given.array()) for name in groups if given.ConsumeBool()}
     figures = [name for name in FIGURES if given.ConsumeBool()]
@@ -204,7 +208,8 @@ def tolerances(given: Input) -> None:
             if one.distribution == "uniform":
                 assert np.all(~(drawn[name].max(axis=-1) > bound * (1 + 1e-9) + 1e-12)), name
         middle = one.quantile([0.0, 0.5, 1.0])[name]
-        assert np.all(np.diff(middle, axis=-1) >= 0.0)
+        # Of torques near the largest double nothing is finite.
+        assert np.all(~(np.diff(middle, axis=-1) < 0.0))
     for share in one.shares.values() if len(figures) > 1 else [one.shares]:
         assert share is not None
     for name in sizes if line.shape == () and len(figures) == 1 else ():
