@@ -326,6 +326,31 @@ def test_another_file(tmp_path: Path) -> None:
     assert run(tmp_path, TRUCK + VARY, "--to", str(tmp_path / "a.csv")).exit_code == 2
 
 
+@pytest.mark.parametrize(
+    ("section", "given"),
+    [
+        ("joints", '[joints]\nsizes = "a.csv"\nsize = "1480"\n[life]\noutput_torque_Nm = 9\n'),
+        ("angles", '[angles]\nfile = "b.csv"\nangle_column_deg = "drive"\n'),
+    ],
+)
+def test_a_scene_that_names_files_stays_in_their_folder(
+    tmp_path: Path, section: str, given: str
+) -> None:
+    sizes = (ROOT / "examples" / "joint_sizes.csv").read_text("utf-8")
+    (tmp_path / "a.csv").write_text(sizes, encoding="utf-8")
+    (tmp_path / "b.csv").write_text("drive\n0\n90\n180\n", encoding="utf-8")
+    (tmp_path / "other").mkdir()
+    text = f"{given}[driveline]\nbends_deg = [8, 6]\n[load]\nspeed_rpm = 900\n" + (
+        '[optimise]\nvary = {"bends_deg.1" = [-3, 3]}\n'
+    )
+    elsewhere = run(tmp_path, text, "--to", str(tmp_path / "other" / "better.toml"))
+    assert elsewhere.exit_code == 2
+    assert f"in the folder of the scene, from which [{section}] names its file" in elsewhere.output
+    assert list((tmp_path / "other").iterdir()) == []
+    assert run(tmp_path, text, "--to", str(tmp_path / "better.toml")).exit_code == 0
+    assert Scene.load(tmp_path / "better.toml").line.bends_deg[1] == pytest.approx(8.0, abs=1e-6)
+
+
 def test_a_scene_without_the_section(tmp_path: Path) -> None:
     result = run(tmp_path, TRUCK)
     assert result.exit_code == 2
