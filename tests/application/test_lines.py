@@ -28,7 +28,7 @@ _NAME = re.compile(r"[\w-]+([._][\w-]+)+")
 
 def normal(label: str) -> str:
     """A label without numbers of shafts and joints, states, units and values."""
-    label = re.sub(r", in .*| \[.*?\]| \(.*\)$|, (?:before|after)$", "", label)
+    label = re.sub(r", in .*| \[.*?\]| \(.*\)$|, (?:before|after)$|, at most .*", "", label)
     label = re.sub(r"^(?:a )?critical speeds? lies? .*", "critical speeds lie within", label)
     label = re.sub(rf", {_ITEM}", "", label)
     label = re.sub(_ITEM, r"\1", label)
