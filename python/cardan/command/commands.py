@@ -85,7 +85,7 @@ def commands() -> click.Group:
                     give_up_output()
                 message = f"{error.filename or 'output'}: {error.strerror or error}"
             except MemoryError:
-                message = "not enough memory; a smaller samples_per_turn or study needs less"
+                message = "not enough memory; fewer samples or a smaller study need less"
             except (ValueError, ImportError) as error:
                 message = str(error)
             else:
