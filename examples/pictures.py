@@ -19,6 +19,7 @@ from cardan import plots
 from cardan.figures.life import needed_life
 from cardan.figures.optimise import optimised
 from cardan.figures.scene_forces import scene_force_paths
+from cardan.figures.slides import drawn_slides
 from cardan.figures.torsion import torsion_figures
 
 matplotlib.use("agg")
@@ -64,6 +65,11 @@ save("hodograph", plots.plot_hodograph(joint))
 # The paths of the forces in a truck's driveline over the turn.
 scene = cardan.Scene.load(Path(__file__).with_name("bearings.toml"))
 save("forces", plots.plot_forces(scene_force_paths(scene), scene.title))
+
+# The axial travel of a shaft whose axes miss each other.
+scene = cardan.Scene.load(Path(__file__).with_name("axial_travel.toml"))
+plots.write_slides(drawn_slides(scene), folder / "axial_travel.svg", scene.title)
+print("wrote axial_travel.svg")
 
 # Thoma's moments of a flywheel, exact and for small bends.
 figure, axes = panels(3)

@@ -255,6 +255,8 @@ def optimum(given: Input) -> None:
 def service(given: Input) -> None:
     """Losses, life, slides, play of a spline and a drive that runs freely."""
     line = mounted(given)
+    if line.size > MANY:
+        return
     load = load_of(given, line)
     what = given.ConsumeIntInRange(0, 4)
     three: Any = {"friction": 0.05, "pin_radius": 0.008, "arm": 0.03}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, identify, identify_two_joints, reference
+from cardan import Driveline, Identification, identify, identify_two_joints, reference
 from cardan.arrays import FloatArray
 
 RNG = np.random.default_rng(13)
@@ -116,13 +116,15 @@ def test_what_is_no_joint_shows_in_the_purity() -> None:
 @pytest.mark.parametrize("of", ["angle", "speed_ratio"])
 def test_the_noise_of_the_purity_is_known(of: str) -> None:
     noise, motion = 2e-3, Driveline.from_bends([25.0], degrees=True).evaluate(ANGLES, of)[of]
-    found = [
-        identify(ANGLES, **{of: motion + RNG.normal(0.0, noise, ANGLES.size)}) for _ in range(100)
-    ]
-    spread = np.std([one.purity for one in found])
-    assert found[0].std_purity == pytest.approx(spread, rel=0.3)
-    clean = identify(ANGLES, **{of: motion})
-    assert clean.std_purity < 1e-9
+
+    def found(values: FloatArray) -> Identification:
+        recorded: dict[str, Any] = {of: values}
+        return identify(ANGLES, **recorded)
+
+    noisy = [found(motion + RNG.normal(0.0, noise, ANGLES.size)) for _ in range(100)]
+    spread = np.std([one.purity for one in noisy])
+    assert noisy[0].std_purity == pytest.approx(spread, rel=0.3)
+    assert found(motion).std_purity < 1e-9
 
 
 def test_eccentric_encoders_do_not_reach_the_bend() -> None:

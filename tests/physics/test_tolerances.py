@@ -903,6 +903,31 @@ def test_forces_have_shares_and_a_linear_worst_case(by: str, name: str) -> None:
         np.testing.assert_array_equal(bare.linear, found.linear)
 
 
+def test_the_worst_of_many_parameters_is_not_below_their_corners() -> None:
+    """A peak has kinks: the linear worst case is below random drivelines here."""
+    points = np.array(
+        [[0, 0, 0], [420, -15, 0], [1480, -60, 10], [2630, -260, 25], [2990, -275, 25]]
+    )
+    bearings = [(0, 0.1), (0, 0.3), (1, 0.98), (3, 0.06), (3, 0.25)]
+    load = Load(output_torque=220.0)
+    sizes = np.zeros((5, 3))
+    sizes[1:4, 1:], sizes[4] = 1e-3, 1e-3
+    sizes[0, 1:] = 2e-3
+    phases = [0.087, -0.209]
+    line = Driveline.from_points(1e-3 * points, phases).with_bearings(bearings)
+    found = line.tolerances(points=sizes, of="joint_force_1_peak", load=load, seed=1)
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=11)))
+    moved = np.repeat(1e-3 * points[np.newaxis], len(signs), axis=0)
+    moved[:, sizes > 0.0] += signs * sizes[sizes > 0.0]
+    lines = Driveline.from_points(moved, phases).with_bearings(bearings)
+    turn = np.linspace(0.0, math.pi, 180, endpoint=False)
+    plan = lines[:, np.newaxis].plan("joint_force", joints=1, load=load, reduce="peak")
+    corners = np.asarray(plan(turn)["joint_force"])
+    assert found.worst_kind == "linear"
+    assert found.linear < found.sampled.max() < found.worst
+    assert found.worst == pytest.approx(corners.max(), rel=1e-9)
+
+
 def test_reduced_outputs_keep_bearings_and_points() -> None:
     line = Driveline.from_points(TRUCK).with_bearings([(1, 0.4)])
     load = Load(output_torque=100.0)

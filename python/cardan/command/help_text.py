@@ -78,7 +78,8 @@ Examples:
 "--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
 one key, a map over two.
 With "--forces" the picture has the path of each force vector over a turn, of joints and
-bearings, seen along their shafts.
+bearings, seen along their shafts. With "--slides" it has the axial travel of shafts whose axes
+do not meet, over the turn and by order; the scene needs [offsets].
 """
 
 CHECK = """\
