@@ -30,7 +30,7 @@ def normal(label: str) -> str:
     """A label without numbers of shafts and joints, states, units and values."""
     label = re.sub(r", in .*| \[.*?\]| \(.*\)$|, (?:before|after)$|, at most .*", "", label)
     label = re.sub(r"^(?:a )?critical speeds? lies? .*", "critical speeds lie within", label)
-    label = re.sub(rf", {_ITEM}", "", label)
+    label = re.sub(rf", {_ITEM}(?=,|$)", "", label)
     label = re.sub(_ITEM, r"\1", label)
     label = re.sub(r", order \d+$", ", order", label)
     label = re.sub(r"^point, [xz]$", "point, y", label)
