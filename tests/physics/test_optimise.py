@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
+from cardan.optimisation.local import _Program
 from cardan.optimisation.measures import QuantityLike, measure_of
 from cardan.optimisation.problem import Problem
 
@@ -465,6 +466,54 @@ def test_a_start_beyond_a_limit_is_left_for_a_worse_one_within() -> None:
     )
     assert best.value > best.before
     assert best.x[0] == pytest.approx(0.3, rel=1e-5)
+
+
+def test_a_root_mean_square_leaves_a_start_beyond_a_limit() -> None:
+    """The goal alone leads farther beyond it."""
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([[x[0]], [0.2]]),
+        [0.5],
+        [(0.0, 1.0)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        over="rms",
+        keep={"equivalent_bend": 0.3},
+        starts=1,
+    )
+    assert best.x[0] == pytest.approx(0.3, rel=1e-5)
+
+
+@pytest.mark.parametrize("rms", [False, True])
+@pytest.mark.parametrize("excess", [0.0, 0.5])
+def test_the_solver_has_the_slopes_of_what_it_gets(rms: bool, excess: float) -> None:
+    """Against differences, with two vectors per state and unequal weights."""
+    goal, kept = (
+        measure_of("minimise", name, 3, None) for name in ("inertia_excitation", "non_uniformity")
+    )
+    x, weights = np.array([-60.0, 20.0, -7.0]), np.arange(1.0, 10.0) / 45.0
+    problem = Problem(
+        *(truck, LOW, HIGH, HIGH - LOW, goal, (kept,), np.array([0.01]), rms, weights, None, True)
+    )
+    program = _Program(problem, x, 0.02, excess, np.array([True, False, True]))
+    y = np.array([0.01, -0.02] if program.rms else [0.01, -0.02, 0.7])
+    vectors = goal.vectors(truck(program.moved(y)))
+    sums = np.abs(vectors) ** 2 / 0.02**2
+    squared = float(weights @ np.mean(sums, axis=-1)) if rms else float(np.max(sums))
+    assert problem.size([vectors]) == pytest.approx(0.02 * np.sqrt(squared))
+    if program.rms:
+        assert program.goal(y) == pytest.approx(float(weights @ np.mean(sums, axis=-1)))
+    elif excess:
+        assert np.min(program.margins(y)) < 0.7 - np.max(program.terms(y)[0][1]) + 1e-12
+    else:
+        assert np.min(program.margins(y)[: sums.size]) == pytest.approx(0.7 - np.max(sums))
+    for i, step in enumerate(1e-6 * np.eye(len(y))):
+        ends = [
+            (program.goal(y + sign * step), program.margins(y + sign * step)) for sign in (1, -1)
+        ]
+        slope = (ends[0][0] - ends[1][0]) / 2e-6
+        assert program.goal_slope(y)[i] == pytest.approx(slope, rel=1e-5, abs=1e-8)
+        slopes = (ends[0][1] - ends[1][1]) / 2e-6
+        scale = max(1.0, float(np.max(np.abs(slopes))))
+        np.testing.assert_allclose(program.margin_slopes(y)[:, i], slopes, atol=1e-6 * scale)
 
 
 def test_several_starts_leave_a_local_optimum() -> None:
