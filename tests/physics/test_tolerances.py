@@ -15,13 +15,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 import cardan
 from cardan import Driveline, Load, Sweep, installed
+from cardan.tolerances import deviating
 from cardan.tolerances.box import boxes
 from cardan.tolerances.chain import Deviations, Nominal, joints_and_turns, q_of
 from cardan.tolerances.guaranteed import _displacement, bound_parts
-from cardan.tolerances.worst import zonotope_radius
+from cardan.tolerances.worst import largest_in_box, largest_of_corners, zonotope_radius
 from oracle import Fold
 
 TRUCK = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.02], [2.4, -0.25, 0.03], [2.8, -0.3, 0.04]])
@@ -728,6 +730,45 @@ def test_the_bound_of_a_shaft_is_the_sum_of_the_sides_before_it() -> None:
     straight = math.acos(math.cos(0.3) * math.cos(0.2))
     assert found.guaranteed == pytest.approx(straight, rel=1e-12)
     assert found.worst == pytest.approx(straight, rel=1e-9)
+
+
+def test_a_search_follows_a_ridge_and_several_starts() -> None:
+    def ridge(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """With its top inside the box, away from all corners and middles."""
+        return np.asarray(-4.0 * (x[0] - x[1]) ** 2 - (x[0] + x[1] - 0.7) ** 2)
+
+    value, at = largest_in_box(ridge, 2)
+    assert value == pytest.approx(0.0, abs=1e-6)
+    assert at == pytest.approx([0.35, 0.35], abs=1e-3)
+
+    def hill(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Higher than the best corner, but not from there."""
+        apart = (x[0] + 0.5) ** 2 + (x[1] + 1.0) ** 2
+        return np.asarray(np.where(x[0] + x[1] > 1.9, 1.0, 2.0 * np.exp(-9.0 * apart)))
+
+    value, at = largest_in_box(hill, 2)
+    assert value == pytest.approx(2.0)
+    assert at == pytest.approx([-0.5, -1.0], abs=1e-3)
+
+
+def test_corners_are_followed_to_the_last() -> None:
+    def below(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Each end counts once those before it are right."""
+        right = np.cumprod(x > 0.0, axis=0)
+        return np.asarray(np.sum(right, axis=0, dtype=np.float64))
+
+    assert largest_of_corners(below, -np.ones(5)) == 5.0
+
+
+def test_blocks_of_outputs_are_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for block in (2048, 100):
+        monkeypatch.setattr(deviating, "_BLOCK", block)
+        asked = three().tolerances(
+            bends=0.01, of="torque_2_peak", load=Load(drive_torque=9.0), samples=250, seed=1
+        )
+        found.append(asked.sampled)
+    np.testing.assert_array_equal(*found)
 
 
 def test_a_limit_of_a_ratio_has_no_degrees() -> None:
