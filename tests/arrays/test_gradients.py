@@ -249,3 +249,18 @@ TORQUE = Load(output_torque=1.0)
 def test_refusals(call: Any, error: type[Exception], message: str) -> None:  # noqa: ANN401
     with pytest.raises(error, match=message):
         call()
+
+
+def test_axes_of_a_batch_behind_those_of_the_angles() -> None:
+    bends = np.random.default_rng(3).uniform(0.1, 0.6, (2, 3, 2))
+    line, angle = Driveline.from_bends(bends), np.linspace(0.2, 2.9, 4).reshape(4, 1, 1)
+    found = line.plan(("speed_ratio", "moment"), load=Load(drive_torque=3.0)).derivatives(
+        angle, ("bends", "angle")
+    )
+    for place in np.ndindex(2, 3):
+        plan = line[place].plan(("speed_ratio", "moment"), load=Load(drive_torque=3.0))
+        alone = plan.derivatives(angle.ravel(), ("bends", "angle"))
+        for name, before in (("speed_ratio", 0), ("moment", 1)):
+            for by in ("bends", "angle"):
+                where = (*(slice(None),) * (before + 1), *place)
+                np.testing.assert_array_equal(found[name][by][where], alone[name][by])
