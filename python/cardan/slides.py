@@ -141,8 +141,9 @@ def slides(
     driven_pin: ArrayLike,
     shafts: ArrayLike,
     blocked: str | Iterable[str],
+    unit: str = "",
 ) -> Slides:
-    """Find the slides as ``Driveline.slides`` does."""
+    """Find the slides as ``Driveline.slides`` does; errors have the unit behind lengths."""
     n = line.n_joints
     given = {"driving_pin": driving_pin, "cross": cross, "driven_pin": driven_pin, "shafts": shafts}
     offsets = {name: _of_joints(name, value, n) for name, value in given.items()}
@@ -160,8 +161,9 @@ def slides(
             raise ArgumentValueError(
                 "blocked",
                 f"has {name!r}, but the offsets of joint {place[0]} make it slide by "
-                f"{travel[place]:.4g} in a turn; where it cannot slide, shafts and bearings yield "
-                "or the joint binds, which depends on their stiffness and not on the geometry",
+                f"{travel[place]:.4g}{unit} in a turn; where it cannot slide, shafts and bearings "
+                "yield or the joint binds, which depends on their stiffness and not on the "
+                "geometry",
             )
     return found
 

@@ -78,6 +78,7 @@ SLIP = {
     *("axial_force_N", "supports", "side", "axial_N", "transverse_N"),
     *("other_shafts", "travel_mm", "key", "value", "bearings", "bearing", "force_N"),
 }
+SLIDES = {"slides", "joint", "slide", "travel_mm", "orders", "order", "amplitude_mm", "state"}
 STEERING = {
     *("steering", "verdict", "on_centre", "state", "ratio", "slope", "nearest"),
     *("centre_deg", "limit_deg", "offset_deg", "turn_to_quick_deg", "turn_to_slow_deg"),
@@ -118,6 +119,7 @@ KEYS = {
         *BALL_JOINT,
         *FORCES,
         *SLIP,
+        *SLIDES,
         *STATES,
         *STEERING,
         *("answer", "version", "title", "drive_angles", "rows", "study", "files"),
@@ -138,6 +140,7 @@ KEYS = {
         *BALL_JOINT,
         *FORCES,
         *SLIP,
+        *SLIDES,
         *STEERING,
         *("states", "state", "verdicts", "equivalent_bend_deg", "verdict", "worst_in"),
         *TOLERANCES,
@@ -163,7 +166,7 @@ KEYS = {
         *("equivalent_joint", "equivalent_bend_deg", "equivalent_bend_rad"),
         *("standard_deviation_deg", "standard_deviation_rad", "detected"),
         *("detection_limit_deg", "detection_limit_rad", "angle_offset_deg", "angle_offset_rad"),
-        *("purity", "residual", "residual_deg", "residual_rad"),
+        *("purity", "purity_standard_deviation", "residual", "residual_deg", "residual_rad"),
         *("orders", "order", "amplitude", "amplitude_deg", "amplitude_rad"),
         *("two_joints", "joints", "joint", "bend_deg", "bend_rad"),
         *("phase_less_twist_deg", "phase_less_twist_rad"),

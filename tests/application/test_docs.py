@@ -91,7 +91,7 @@ def test_there_is_something_to_run() -> None:
     assert languages.count("text") >= 35
 
 
-@pytest.mark.parametrize("script", ["draw", "mechanisms"])
+@pytest.mark.parametrize("script", ["draw", "mechanisms", "machines"])
 def test_the_drawings_are_those_of_the_scripts(
     script: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

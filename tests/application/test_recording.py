@@ -5,16 +5,28 @@ from __future__ import annotations
 import re
 import sys
 import zipfile
+from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from cardan.files.recording import place_of, read_columns
+from cardan.files import plain
+from cardan.files.recording import place_of, read_chunks, read_columns
 
 ANGLE, BEND = [0.0, 0.5, -1e-3], [5.0, 6.25, 7.0]
 
 
+@pytest.fixture(params=["cell by cell", "plain"])
+def csv_reader(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both readers of CSV files; the one for large files from the first byte on."""
+    if request.param == "plain":
+        monkeypatch.setattr(plain, "_LARGE", 0)
+        monkeypatch.setattr(plain, "_BLOCK", 4096)
+
+
+@pytest.mark.usefixtures("csv_reader")
 def test_csv(tmp_path: Path) -> None:
     path = tmp_path / "a.csv"
     for text in (
@@ -125,6 +137,7 @@ def test_parquet(tmp_path: Path) -> None:
         ("angle,bend\n" + "1" * 200_000 + ",0\n", "line 2: not CSV: field larger than field limit"),
     ],
 )
+@pytest.mark.usefixtures("csv_reader")
 def test_csv_messages(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "a.csv"
     path.write_text(text, encoding="utf-8")
@@ -151,6 +164,7 @@ def test_csv_messages(tmp_path: Path, text: str, message: str) -> None:
         ("1,2,3", "has 3 cells, the header 2; every row must have as many cells as the header"),
     ],
 )
+@pytest.mark.usefixtures("csv_reader")
 def test_long_csv(tmp_path: Path, row: int, cells: str, read: list[float] | str) -> None:
     """A cell is read alike wherever it is, and the first wrong one is named."""
     path = tmp_path / "a.csv"
@@ -166,6 +180,51 @@ def test_long_csv(tmp_path: Path, row: int, cells: str, read: list[float] | str)
     want = np.arange(10_000.0)[:, np.newaxis] * [1, -1]
     want[row] = read
     np.testing.assert_array_equal(np.stack(read_columns(path, ["angle", "bend"]), -1), want)
+
+
+@pytest.mark.parametrize("rows", [None, 100, 5000])
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+def test_plain_numbers_have_the_same_bits(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, rows: int | None, end: str, mark: str
+) -> None:
+    """Those that PyArrow reads are those of Python's ``float``."""
+    rng = np.random.default_rng(3)
+    numbers = rng.normal(size=(4000, 2)) * 10.0 ** rng.integers(-320, 300, (4000, 2))
+    numbers[5, 0] = np.nan
+    texts = [[f"{a!r}", "text", f"{b:.25e}"] for a, b in numbers.tolist()]
+    texts[7][2] = ""
+    path = tmp_path / "a.csv"
+    lines = [mark.join(('"a"', "words", " b ")), *map(mark.join, texts)]
+    path.write_bytes(f"{end.join(lines)}{end}".encode())
+    monkeypatch.setattr(plain, "_LARGE", 0)
+    monkeypatch.setattr(plain, "_BLOCK", 4096)
+    found = [chunk.columns for chunk in read_chunks(path, ["b", "a", "b"], rows)]
+    b, a, again = map(np.concatenate, zip(*found, strict=True))
+    np.testing.assert_array_equal(a, [float(text[0]) for text in texts])
+    np.testing.assert_array_equal(b, [float(text[2] or "nan") for text in texts])
+    np.testing.assert_array_equal(again, b)
+    assert max(len(columns[0]) for columns in found) <= (rows or 4000)
+    done, whole = 0, False
+
+    def count() -> Generator[Any]:
+        nonlocal done, whole
+        done, whole = yield from plain.plain_blocks(path, ["a"], rows)
+
+    assert len(list(count())) > 1
+    assert (done, whole) == (4000, True)
+
+
+@pytest.mark.parametrize("odd", ["nan(1),2", '"1",2', "1,2\r3,4", "1,inf", "1,1e999"])
+def test_what_pyarrow_reads_otherwise_is_not_plain(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, odd: str
+) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(b"a,b\n" + b"1,2\n" * 5000 + odd.encode() + b"\n" + b"3,4\n" * 5000)
+    monkeypatch.setattr(plain, "_LARGE", 0)
+    monkeypatch.setattr(plain, "_BLOCK", 4096)
+    blocks = list(plain.plain_blocks(path, ["a", "b"], None))
+    assert 0 < sum(len(block[0]) for block in blocks) <= 5000
 
 
 def test_decimal_commas_in_a_single_column(tmp_path: Path) -> None:

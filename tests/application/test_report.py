@@ -718,6 +718,26 @@ def test_what_varies_by_rounding_alone_is_flat() -> None:
     assert len({point.split(",")[1] for point in line.attrib["points"].split()}) == 1
 
 
+@pytest.mark.parametrize("slope", [1.0, 0.0])
+def test_a_curve_has_gaps_where_it_has_no_values(slope: float) -> None:
+    values = 2.0 + slope * np.arange(10.0)
+    values[[0, 4, 5]] = np.nan
+    figure = drawn(Panel("ratio", "", (Curve("one", values),)), np.arange(10.0), "x")
+    pieces = [line.attrib["points"].split() for line in figure.iter("polyline")]
+    assert [len(piece) for piece in pieces] == [3, 4]
+    assert {line.attrib["class"] for line in figure.iter("polyline")} == {"curve c0"}
+    heights = [float(point.split(",")[1]) for piece in pieces for point in piece]
+    assert np.all(np.diff(heights) < 0.0) == bool(slope)
+    assert (len(set(heights)) == 1) != bool(slope)
+
+
+def test_what_is_counted_has_whole_numbers() -> None:
+    values = np.array([1.0, 2.0, 4.0])
+    figure = drawn(Panel("a", "", (Curve("one", values),)), np.arange(3.0), "state, counted from 0")
+    lines = [line for line in figure[1] if line.get("class") == "grid"]
+    assert len([line for line in lines if line.get("x1") == line.get("x2")]) == 3
+
+
 def run(*arguments: str | Path) -> tuple[int, str]:
     done = CliRunner().invoke(commands(), [str(argument) for argument in arguments])
     return done.exit_code, done.output

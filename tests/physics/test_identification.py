@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from cardan import Driveline, identify, identify_two_joints, reference
+from cardan import Driveline, Identification, identify, identify_two_joints, reference
 from cardan.arrays import FloatArray
 
 RNG = np.random.default_rng(13)
@@ -111,6 +111,20 @@ def test_what_is_no_joint_shows_in_the_purity() -> None:
     assert oval.purity < 1e-6
     both = MOTION.angle[1] + 0.01 * np.sin(4.0 * ANGLES)
     assert identify(ANGLES, angle=both).purity > 10.0
+
+
+@pytest.mark.parametrize("of", ["angle", "speed_ratio"])
+def test_the_noise_of_the_purity_is_known(of: str) -> None:
+    noise, motion = 2e-3, Driveline.from_bends([25.0], degrees=True).evaluate(ANGLES, of)[of]
+
+    def found(values: FloatArray) -> Identification:
+        recorded: dict[str, Any] = {of: values}
+        return identify(ANGLES, **recorded)
+
+    noisy = [found(motion + RNG.normal(0.0, noise, ANGLES.size)) for _ in range(100)]
+    spread = np.std([one.purity for one in noisy])
+    assert noisy[0].std_purity == pytest.approx(spread, rel=0.3)
+    assert found(motion).std_purity < 1e-9
 
 
 def test_eccentric_encoders_do_not_reach_the_bend() -> None:

@@ -16,6 +16,7 @@ from cardan.command.terminal import (
 from cardan.figures.advice import scene_advice
 from cardan.figures.drive_speed import drive_speed
 from cardan.figures.limits import check_data, check_scene, passes
+from cardan.figures.slides import scene_slides
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
 from cardan.figures.steering import steering_figures
@@ -29,6 +30,7 @@ from cardan.words.ball_joint import ball_joint_text
 from cardan.words.drive_speed import drive_speed_text
 from cardan.words.forces import forces_text
 from cardan.words.limits import check_text
+from cardan.words.slides import slides_text
 from cardan.words.slip import slip_text
 from cardan.words.states import verdicts_text
 from cardan.words.steering import steering_text
@@ -70,6 +72,8 @@ def _further(scene: Scene) -> Iterator[str]:
         yield forces_text(forces)
     if slip := slip_figures(scene):
         yield slip_text(slip)
+    if moved := scene_slides(scene):
+        yield slides_text(moved)
     if steered := steering_figures(scene):
         yield steering_text(steered)
     if toleranced := tolerance_figures(scene):

@@ -32,10 +32,11 @@ from cardan.errors import ArgumentValueError
 from cardan.figures.identification import identification_data
 from cardan.figures.scene_forces import scene_force_paths
 from cardan.figures.schema import answers_schema
+from cardan.figures.slides import drawn_slides
 from cardan.figures.summary import recorded_angles
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
-from cardan.plots import plot_forces, save, write_picture
+from cardan.plots import plot_forces, save, write_picture, write_slides
 from cardan.plots.abscissa import Over
 from cardan.plots.torsion import PICTURES
 from cardan.report import write_report
@@ -200,24 +201,37 @@ def commands() -> click.Group:
         help="Draw over this; default: the time where it was recorded, else the turns.",
     )
     @click.option("--forces", is_flag=True, help="Draw the paths of the force vectors instead.")
+    @click.option("--slides", is_flag=True, help="Draw the axial travel of offset axes instead.")
     def plot(
-        scene: Path, output: Path | None, study: str | None, over: Over | None, forces: bool
+        scene: Path,
+        output: Path | None,
+        study: str | None,
+        over: Over | None,
+        forces: bool,
+        slides: bool,
     ) -> None:
         if study is not None and over is not None:
             raise click.UsageError("--over does not go with --study")
         if forces and (study is not None or over is not None):
             raise click.UsageError("--forces does not go with --study or --over")
+        if slides and (forces or study is not None or over is not None):
+            raise click.UsageError("--slides does not go with --forces, --study or --over")
         path = output or Path(f"{scene.stem}.svg")
         loaded = load_scene(scene)
         if isinstance(loaded, BallJointScene):
-            if forces:
-                raise ValueError(f"{loaded.name}: a ball joint alone has no forces over a turn")
+            if forces or slides:
+                what = "forces" if forces else "slides"
+                raise ValueError(f"{loaded.name}: a ball joint alone has no {what} over a turn")
             ball_joint.plot(loaded, path, study)
             say(f"wrote {path}")
             return
         check_output(loaded, path)
         if forces:
             save(plot_forces(scene_force_paths(loaded), loaded.title), path)
+            say(f"wrote {path}")
+            return
+        if slides:
+            write_slides(drawn_slides(loaded), path, loaded.title)
             say(f"wrote {path}")
             return
         with progress_bar() as progress:
@@ -273,7 +287,7 @@ def commands() -> click.Group:
     def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
         optimising.run(scene, to, picture, as_json=as_json)
 
-    @cardan.command(help=help_text.TOLERANCES, short_help="Say what tolerances do.")
+    @cardan.command(help=help_text.TOLERANCES, short_help="Say how much tolerances matter.")
     @scene_argument
     @output_option("Picture to write as well.")
     @as_json

@@ -7,7 +7,7 @@ from cardan.scene.help_text import describe
 from cardan.scene.starters import STARTERS
 
 HELP = """\
-Motion and moments of universal joints and drivelines.
+Motion, loads and life of universal joints and drivelines.
 
 A short TOML file, a scene, describes a driveline, its load and the results you want. Start with one
 that is ready to run:
@@ -78,7 +78,8 @@ Examples:
 "--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
 one key, a map over two.
 With "--forces" the picture has the path of each force vector over a turn, of joints and
-bearings, seen along their shafts.
+bearings, seen along their shafts. With "--slides" it has the axial travel of shafts whose axes
+do not meet, over the turn and by order; the scene needs [offsets].
 """
 
 CHECK = """\

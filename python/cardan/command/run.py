@@ -24,6 +24,7 @@ from cardan.command.terminal import (
 )
 from cardan.figures.extremes import StudyTable
 from cardan.figures.run import run_data
+from cardan.figures.slides import scene_slides
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of
 from cardan.figures.steering import steering_figures
@@ -35,6 +36,7 @@ from cardan.scene.states import StatesResult
 from cardan.words.ball_joint import ball_joint_text
 from cardan.words.forces import forces_text
 from cardan.words.signals import signals_text
+from cardan.words.slides import slides_text
 from cardan.words.slip import slip_text
 from cardan.words.states import OF_DRIVELINE, states_text
 from cardan.words.steering import steering_text
@@ -109,6 +111,8 @@ def run(
         say_before_files(f"\n{forces_text(forces, radians=radians)}")
     if slip := slip_figures(whole):
         say_before_files(f"\n{slip_text(slip)}")
+    if moved := scene_slides(whole):
+        say_before_files(f"\n{slides_text(moved)}")
     if steered := steering_figures(whole):
         say_before_files(f"\n{steering_text(steered)}")
     if whole.ball_joint:

@@ -25,6 +25,7 @@ from cardan.figures.life import life_figures
 from cardan.figures.life_answer import LIFE_PART, life_part
 from cardan.figures.rounding import alike
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
+from cardan.figures.slides import SLIDES_SCHEMA, scene_slides, slides_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import VERDICTS_SCHEMA, forces_of, verdicts_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
@@ -133,6 +134,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
         more["forces"] = forces_data(forces)
     if slip := slip_figures(scene):
         more["slip"] = slip_data(slip)
+    if moved := scene_slides(scene):
+        more["slides"] = slides_data(moved)
     if steered := steering_figures(scene):
         more["steering"] = steering_data(steered)
     if scene.states:
@@ -275,6 +278,7 @@ CHECK_SCHEMA = answers_with(
         "drive_speed": DRIVE_SPEED_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
+        "slides": SLIDES_SCHEMA,
         "steering": STEERING_SCHEMA,
         "states": VERDICTS_SCHEMA,
         "tolerances": TOLERANCES_PART,

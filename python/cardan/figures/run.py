@@ -9,6 +9,7 @@ from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
 from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
+from cardan.figures.slides import SLIDES_SCHEMA, scene_slides, slides_data
 from cardan.figures.slip import SLIP_SCHEMA, slip_data, slip_figures
 from cardan.figures.states import STATES_SCHEMA, forces_of, states_data
 from cardan.figures.steering import STEERING_SCHEMA, steering_data, steering_figures
@@ -48,6 +49,8 @@ def run_data(
         data["forces"] = forces_data(forces, radians=radians)
     if slip := slip_figures(scene):
         data["slip"] = slip_data(slip)
+    if moved := scene_slides(scene):
+        data["slides"] = slides_data(moved)
     if steered := steering_figures(scene):
         data["steering"] = steering_data(steered, radians=radians)
     if scene.ball_joint:
@@ -176,6 +179,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
     },
     optional={
         "forces": FORCES_SCHEMA,
+        "slides": SLIDES_SCHEMA,
         "slip": SLIP_SCHEMA,
         "steering": STEERING_SCHEMA,
         "states": STATES_SCHEMA,

@@ -33,6 +33,7 @@ from cardan.plots.life import plot_heat, plot_pin_load, plot_sizes, write_life
 from cardan.plots.optimise import plot_optimise, plot_optimised_states, plot_over_variable
 from cardan.plots.result import plot_result
 from cardan.plots.scene import plot_scene, write_picture
+from cardan.plots.slides import plot_slide_orders, plot_slides, write_slides
 from cardan.plots.states import plot_states
 from cardan.plots.study import plot_study
 from cardan.plots.style import STYLE, save
@@ -74,6 +75,8 @@ __all__ = [
     "plot_seat_pressure",
     "plot_seat_section",
     "plot_sizes",
+    "plot_slide_orders",
+    "plot_slides",
     "plot_small_angle",
     "plot_stability",
     "plot_states",
@@ -86,6 +89,7 @@ __all__ = [
     "save",
     "write_life",
     "write_picture",
+    "write_slides",
     "write_tolerances",
     "yoke_pins",
 ]

@@ -16,6 +16,7 @@ from cardan import __version__
 from cardan.arrays import FloatArray
 from cardan.figures.life import life_figures
 from cardan.figures.limits import check_scene
+from cardan.figures.slides import scene_slides
 from cardan.figures.slip import slip_figures
 from cardan.figures.steering import steering_figures
 from cardan.figures.tolerances import tolerance_figures
@@ -33,6 +34,7 @@ from cardan.report.life import life
 from cardan.report.limits import limits_table
 from cardan.report.optimise import optimise
 from cardan.report.samples import Panel, Samples, evaluated
+from cardan.report.slides import slides_section
 from cardan.report.slip import slip
 from cardan.report.states import states
 from cardan.report.steering import steering
@@ -63,6 +65,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
     joint = ball_joint(scene.ball_joint) if scene.ball_joint else None
     spline, table, steered = slip_figures(scene), result.study, steering_figures(scene)
     toleranced, vibration = tolerance_figures(scene), torsion_figures(scene)
+    moved = scene_slides(scene)
     over_states = table if isinstance(table, StatesResult) else None
     return template.render(
         answer(scene, samples, found, yokes),
@@ -87,6 +90,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         ],
         force_paths=force_views(scene),
         ball_joint=joint,
+        slides=slides_section(scene, moved) if moved else None,
         slip=slip(spline) if spline else None,
         steering=steering(steered) if steered else None,
         torsion=torsion(vibration) if vibration else None,

@@ -15,6 +15,7 @@ from cardan.scene.driveline_section import DRIVELINE, LOAD
 from cardan.scene.forms import TEETH
 from cardan.scene.joints import JOINTS
 from cardan.scene.life_section import LIFE
+from cardan.scene.offsets import OFFSETS
 from cardan.scene.optimise_section import OPTIMISE
 from cardan.scene.reductions import CLOSED_FORMS, REDUCTIONS
 from cardan.scene.sections import Key, Section
@@ -159,6 +160,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
         "slip": SLIP,
         "steering": STEERING,
         "joints": JOINTS,
+        "offsets": OFFSETS,
         "life": LIFE,
         "tubes": TUBES,
         "torsion": TORSION,

@@ -1,4 +1,4 @@
-"""A scene's driveline in service: its joints, its duty cycle and its tubes."""
+"""A scene's driveline in service: its joints, its duty cycle, its tubes and what is out of line."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from cardan.scene.document import Document
 from cardan.scene.duty import DutyCycle, duty_cycle
 from cardan.scene.joints import Joints, joints_of
 from cardan.scene.layout import SceneLayout
+from cardan.scene.offsets import AxisOffsets, offsets_of
 from cardan.scene.states import States
 from cardan.scene.tubes import Tubes, tubes_of
 
@@ -25,11 +26,13 @@ class Service:
         joints: sizes and bearings.
         duty: the duty cycle: that of [life], or the load as its only step.
         tubes: the round sections of shafts.
+        offsets: distances of axes that should meet.
     """
 
     joints: Joints | None = None
     duty: DutyCycle | None = None
     tubes: Tubes | None = None
+    offsets: AxisOffsets | None = None
 
 
 def service_of(
@@ -52,10 +55,10 @@ def service_of(
 
     Raises:
         OSError: the table of sizes cannot be read.
-        ValueError: what ``joints_of``, ``duty_cycle`` and ``tubes_of`` refuse.
+        ValueError: what ``joints_of``, ``duty_cycle``, ``tubes_of`` and ``offsets_of`` refuse.
     """
     given = document.sections
-    joints = duty = tubes = None
+    joints = duty = tubes = offsets = None
     with document.within("joints", "sizes"):
         if "joints" in given:
             joints = joints_of(given["joints"], line.n_joints, folder)
@@ -65,9 +68,14 @@ def service_of(
     with document.within("tubes"):
         if "tubes" in given:
             tubes = tubes_of(given["tubes"], line)
+    with document.within("offsets"):
+        if "offsets" in given:
+            if layout is None:
+                raise ValueError("it does not go with recorded bends, which differ by sample")
+            offsets = offsets_of(given["offsets"], states.drivelines() if states else line)
     if duty is None and (joints or tubes) and layout and load is not None and _is_one_step(load):
         duty = duty_cycle({}, line, load, layout, states)
-    return Service(joints, duty, tubes)
+    return Service(joints, duty, tubes, offsets)
 
 
 def _is_one_step(load: Load) -> bool:

@@ -26,6 +26,7 @@ from cardan.scene.rules import (
     Whole,
 )
 from cardan.scene.torsion_rules import EndInertias, ShaftStiffness, SpeedValues
+from cardan.slides import NAMES as SLIDE_NAMES
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +136,8 @@ TORQUES = Kind("number(s)", OneOrEach(ListOf(Number(), "numbers")))
 STEP_BENDS = Kind(
     "numbers", ListOf(OneOrEach(ListOf(_BEND, "numbers")), "bends, one entry per step")
 )
+DISTANCES = Kind("number(s)", OneOrEach(ListOf(Number(-1e3, 1e3, unit="mm"), "numbers")))
+SLIDES = Kind("name or names", OneOrMore(_names(SLIDE_NAMES)))
 SIZES_FILE = Kind("file", FileName((".csv",), folders=True))
 SIZE_NAMES = Kind("text(s)", OneOrEach(ListOf(Text(), "texts")))
 STATE_NAMES = Kind("texts", ListOf(Text(), "texts"))

@@ -12,14 +12,20 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.geometry import Geometry
 from cardan.load import Load
+from cardan.parameters import PARAMETERS
 from cardan.quantities import Amplitude, MotionQuantity
 from cardan.reduced_quantities import ReducedQuantity
 from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
 from cardan.tolerances.chain import ComplexArray, Deviations
-from cardan.tolerances.deviating import in_blocks
+from cardan.tolerances.deviating import as_drawn, in_blocks
 from cardan.tolerances.guaranteed import largest_modulus
-from cardan.tolerances.worst import MOST_CORNERS, largest_in_box, zonotope_radius
+from cardan.tolerances.worst import (
+    MOST_CORNERS,
+    largest_in_box,
+    largest_of_corners,
+    zonotope_radius,
+)
 
 Quantity: TypeAlias = MotionQuantity | ReducedQuantity
 
@@ -100,15 +106,19 @@ class Case:
         return len(self.box.places) <= most
 
     def worst(self, quantity: Quantity) -> float:
-        """Return the worst figure; the linear one is never more than the guaranteed bound."""
+        """Return the worst figure.
+
+        With many parameters the linear one, which is never more than the guaranteed bound. Of an
+        output it is not less than at the corners of the box to which the slopes point.
+        """
         if self.searched(quantity):
             return self._search(quantity)[0]
         linear = self.linear(quantity)
-        return (
-            linear
-            if isinstance(quantity, ReducedQuantity)
-            else min(linear, self.guaranteed(quantity))
-        )
+        if isinstance(quantity, MotionQuantity):
+            return min(linear, self.guaranteed(quantity))
+        # A peak has kinks, beyond which it grows faster than its slope says.
+        signs = np.where(self._slopes_of_output(quantity) < 0.0, -1.0, 1.0)
+        return max(linear, largest_of_corners(self._of_units(quantity), signs))
 
     def worst_at(self, quantity: Quantity) -> FloatArray:
         """Return the deviations of the worst driveline, ``(parameters,)``."""
@@ -141,26 +151,21 @@ class Case:
 
     def _slopes(self, kind: Amplitude) -> ComplexArray:
         """The derivatives of an amplitude by each parameter."""
-        units = self._steps
+        steps = np.diag(np.full(len(self.box.places), _STEP))
+        units = np.concatenate([steps, -steps], axis=1)
         by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])
         found = amplitude(kind, self.box.nominal, by_place, self.shaft)
-        slopes: ComplexArray = self._differences(np.broadcast_to(found, units.shape[1]))
-        return slopes
+        plus, minus = np.split(np.broadcast_to(found, units.shape[1]), 2)
+        return np.asarray((plus - minus) / (2.0 * _STEP * self.box.sizes))
 
     def _slopes_of_output(self, quantity: ReducedQuantity) -> FloatArray:
         """The derivatives of a reduced output by each parameter."""
-        slopes: FloatArray = self._differences(self._of_units(quantity)(self._steps))
-        return slopes
-
-    @property
-    def _steps(self) -> FloatArray:
-        """Deviations in units of the tolerances: one parameter forward each, then one back."""
-        steps = np.diag(np.full(len(self.box.places), _STEP))
-        return np.concatenate([steps, -steps], axis=1)
-
-    def _differences(self, values: Any) -> Any:  # noqa: ANN401 - real or complex
-        plus, minus = np.split(values, 2)
-        return (plus - minus) / (2.0 * _STEP * self.box.sizes)
+        line = self.line_of(as_drawn(self.geometry, self.box.nominal))
+        used = {group for group, _ in self.box.places}
+        wanted = [group for group in PARAMETERS if group in used]
+        found = quantity.derivatives(line, self.load, wanted)
+        by: dict[str, FloatArray] = {group: own[0] for group, own in found.items()}
+        return np.array([by[group][place] for group, place in self.box.places])
 
     def _linear_modulus(self, kind: Amplitude) -> float:
         """The largest magnitude of an amplitude to first order."""

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 
 from cardan.figures.scene_forces import Force, SceneForces
+from cardan.words.phrases import table_text
 from cardan.words.summary import angle_text, figure_text
 from cardan.wrapping import wrap
 
@@ -20,10 +21,7 @@ def forces_text(found: SceneForces, *, radians: bool = False) -> str:
         over = "states and turn" if found.forces[0].state else "a turn"
         table: list[tuple[str, ...]] = [(f"Forces over {over} [N]", *HEADINGS)]
         table += [(f"  {label}", *figures) for label, *figures in force_rows(found, radians)]
-        widths = [max(map(len, column)) for column in zip(*table, strict=True)]
-        for label, *figures in table:
-            right = (figure.rjust(width) for figure, width in zip(figures, widths[1:], strict=True))
-            lines.append("  ".join((label.ljust(widths[0]), *right)))
+        lines.append(table_text(table))
     if found.forces and found.refused:
         lines.append("")
     for words in reasons(found):

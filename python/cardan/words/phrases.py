@@ -26,3 +26,13 @@ def short(value: float) -> str:
     """Return four significant digits without zeros at the end."""
     text = figure_text(value)
     return text.rstrip("0").rstrip(".") if "." in text and "e" not in text else text
+
+
+def table_text(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows as lines: what each is about to the left, its figures in columns to the right."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = []
+    for label, *figures in rows:
+        right = (figure.rjust(width) for figure, width in zip(figures, widths[1:], strict=True))
+        lines.append("  ".join((label.ljust(widths[0]), *right)))
+    return "\n".join(lines)
