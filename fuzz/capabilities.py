@@ -258,6 +258,8 @@ def service(given: Input) -> None:
     if line.size > MANY:
         return
     load = load_of(given, line)
+    if max(load.torque.size, load.speed.size) > MANY:
+        return
     what = given.ConsumeIntInRange(0, 4)
     three: Any = {"friction": 0.05, "pin_radius": 0.008, "arm": 0.03}
     three = {name: given.often(value, given.array()) for name, value in three.items()}

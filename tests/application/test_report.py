@@ -695,6 +695,22 @@ def test_curves_stand_where_the_axes_say() -> None:
         assert np.max(np.abs(np.polyval(y_axis, points[:, 1]) - values)) < 0.01
 
 
+@pytest.mark.parametrize(
+    ("span", "step"),
+    [
+        *[(4, 1), (9, 2), (25, 5), (40, 10), (60, 15), (140, 30), (200, 45), (900, 180)],
+        *[(1500, 360), (1800, 360), (1900, 720), (5000, 1080)],
+    ],
+)
+def test_degrees_divide_the_turn(span: float, step: float) -> None:
+    """At most six ticks, at multiples of a step that divides a turn or of whole turns."""
+    x = np.linspace(0.0, span, 50)
+    made = chart(Panel("a", "", (Curve("one", x),)), x, "drive angle [deg]")
+    marks = [float(text) for _, text in made["x_ticks"]]
+    assert marks == list(np.arange(0.0, span + 1e-9, step))
+    assert len(marks) <= 6
+
+
 def test_what_varies_by_rounding_alone_is_flat() -> None:
     noise = 1.0 + 1e-15 * np.random.default_rng(1).uniform(-1.0, 1.0, 50)
     figure = drawn(Panel("ratio", "", (Curve("one", noise),)), np.arange(50.0), "x")
@@ -1110,3 +1126,9 @@ def test_twists_lie_within_half_a_turn(tmp_path: Path) -> None:
     said = PageText(written(scene(text), tmp_path)).text
     assert "-180" not in said
     assert "350" not in said
+
+
+def test_a_straight_driveline_loads_no_bearing(tmp_path: Path) -> None:
+    said = PageText(written(scene("[driveline]\nbends_deg = [0, 0]\n"), tmp_path)).text
+    assert "No joint is bent, so the joints put no moment on the bearings." in said
+    assert "Highest bending reaction" not in said
