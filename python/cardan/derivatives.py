@@ -162,10 +162,11 @@ class DerivativeSamples:
             if load.inertias is not None:
                 shapes["inertias"] = load.inertias.shape[:-1]
         self.shape = common_shape(**shapes)
-        own = common_shape(driveline=line.shape, angle=self._angle.shape)
-        if self.shape != own:
-            # As for a call of the plan, whose results have the shape of driveline and angle.
-            raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
+        if load is not None:
+            own = common_shape(driveline=line.shape, angle=self._angle.shape)
+            if self.shape != own:
+                # As for a call of the plan, whose results have the shape of driveline and angle.
+                raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
         padded = (1,) * (len(self.shape) - len(line.shape)) + line.shape
         self._lines = [axis for axis, length in enumerate(padded) if length != 1]
         rest = [axis for axis in range(len(self.shape)) if axis not in self._lines]
@@ -177,6 +178,8 @@ class DerivativeSamples:
         """Return an array that broadcasts to the samples, flat, with its two steps."""
         if array.size == 1:
             return array.reshape(-1), 0, 0
+        if not self._lines and array.shape == self.shape:
+            return np.ascontiguousarray(array).reshape(-1), 0, 1
         padded = array.reshape((1,) * (len(self.shape) - array.ndim) + array.shape)
         moved = padded.transpose(self._order)
         own, split = moved.shape, len(self._lines)
@@ -335,8 +338,8 @@ def _planes(samples: DerivativeSamples, weights: Mapping[str, ArrayLike]) -> Ite
             yield from (zeros for _ in range(count))
             continue
         planes = components_first(full[name], place).reshape(count, *samples.shape)
-        for plane in planes:
-            yield np.ascontiguousarray(plane.transpose(samples._order)).reshape(-1)
+        moved = planes.transpose(0, *(axis + 1 for axis in samples._order))
+        yield from np.ascontiguousarray(moved).reshape(count, -1)
 
 
 def checked_weights(
@@ -367,6 +370,9 @@ def checked_weights(
         array = as_float64("weights", given)
         _, items, vector = places[name]
         wanted = (*(() if items is None else (items,)), *shape, *((3,) if vector else ()))
+        if array.shape == wanted:
+            full[name] = array
+            continue
         try:
             full[name] = np.broadcast_to(array, wanted)
         except ValueError:

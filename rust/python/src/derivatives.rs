@@ -1,5 +1,7 @@
 //! Derivatives of outputs and of transmissions by the parameters of drivelines.
 
+use std::sync::atomic::AtomicBool;
+
 use cardan::{
     Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted, q_derivatives,
 };
@@ -11,10 +13,13 @@ use pyo3::pybacked::PyBackedStr;
 use crate::convert::{argument_error, slice};
 use crate::lines::Lines;
 use crate::plan::{DriveSweep, end, named_level, quantity};
-use crate::watch::{reserve, run_released};
+use crate::watch::{reserve, run_released, threads};
 
-/// The fewest joints or samples in all that are interruptible.
+/// The fewest joints in all whose derivatives are interruptible.
 const MIN_INTERRUPTIBLE: usize = 1 << 14;
+
+/// The fewest samples of a motion in all that are interruptible, which take a millisecond.
+const MIN_INTERRUPTIBLE_MOTIONS: usize = 1 << 19;
 
 /// The derivatives of `q` of a shaft by all `"bends"`, `"twists"`, `"phases"` or `"points"` of each
 /// driveline, one driveline after another.
@@ -147,14 +152,24 @@ pub(crate) fn differentiate<'py>(
         let mut out = vec![];
         reserve(&mut out, count)?;
         out.resize(count, 0.0);
-        let brief = total.saturating_mul(joints) < MIN_INTERRUPTIBLE;
-        run_released(py, brief, workers, &mut |workers, stop| {
+        let mut run = |workers: Option<usize>, stop: Option<&AtomicBool>| {
             let execution = Execution { level, workers, stop, ..Execution::default() };
             match &weights {
                 Some(weights) => task.gradient(weights, wanted, &mut out, execution),
                 None => task.derivatives(wanted, &mut out, execution),
             }
-        })?;
+        };
+        let sums_of_motions = weights.is_some() && task.only_motion() && !driven;
+        let few = lines.bends.len() < MIN_INTERRUPTIBLE;
+        if sums_of_motions && few && total.saturating_mul(task.planes()) < MIN_INTERRUPTIBLE_MOTIONS
+        {
+            // The pool is not made for what one thread does.
+            let workers = if task.is_parallel() { threads(workers) } else { Some(1) };
+            py.detach(|| run(workers, None));
+        } else {
+            let brief = total.saturating_mul(joints) < MIN_INTERRUPTIBLE;
+            run_released(py, brief, workers, &mut run)?;
+        }
         Ok(out.into_pyarray(py))
     })
 }
