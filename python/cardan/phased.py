@@ -65,6 +65,7 @@ class Phased(InService):
         bends, twists, present, *_ = self._geometry.flat()
         best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
         phases = best.reshape(self.phases.shape)
+        self._geometry.check_ideal("best phases in closed form exist")
         if not (states is weights is teeth is fixed is None):
             phases = common_phases(self, phases, states, weights, teeth, fixed)
         return np.degrees(phases) if degrees else phases

@@ -63,6 +63,7 @@ impl Arrays {
             normals: &self.normals,
             lengths: &self.lengths,
             positions: &self.positions,
+            deviations: &[],
         }
     }
 }
@@ -128,6 +129,7 @@ fn value(given: &Parameters) -> f64 {
         load: Some(End::Output),
         inertias: &[0, 1, 2, 3],
         bearings: Some(&BEARINGS),
+        as_built: false,
     })
     .unwrap();
     let angles = angles(SAMPLES);

@@ -32,6 +32,7 @@ pub(crate) fn dq<'py>(
         return Err(PyIndexError::new_err(problem));
     }
     let by = parameters(by)?;
+    lines.check_ideal("q and its derivatives are")?;
     lines.with(py, |lines| {
         let count = lines.bends.len() / joints;
         if by == Parameters::Points && lines.lengths.len() != count * (joints + 1) {
@@ -112,6 +113,7 @@ pub(crate) fn differentiate<'py>(
         }
         None => None,
     };
+    lines.check_ideal("exact derivatives are")?;
     lines.with(py, |lines| {
         let task = Differentiated {
             joints,

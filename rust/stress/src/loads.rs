@@ -182,6 +182,7 @@ pub(crate) fn evaluate(
         load: Some(loading.end),
         inertias: &heavy,
         bearings: layout.map(|own| &own.bearings[..]),
+        as_built: false,
     })?;
     let given = [loading.torque, loading.speed, loading.acceleration];
     let constant = |i: usize| Source { data: &given[i..=i], strides: &[0] };

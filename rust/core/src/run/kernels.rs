@@ -20,7 +20,7 @@ use crate::run::fold::Folded;
 use crate::run::level::{Compiled, Level, compiled_for};
 use crate::run::scratch::Scratch;
 use crate::run::sink::Outputs;
-use crate::run::{load, motion, sines};
+use crate::run::{as_built, load, motion, sines};
 use crate::sincos::array::DriveAngles;
 use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
@@ -98,6 +98,31 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
             )
         },
     )
+}
+
+/// [`as_built::run_motion`].
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
+pub(crate) fn run_motion_as_built<T: Number + Compiled, W: Float>(
+    level: Level,
+    plan: &Plan,
+    drive: DriveAngles<'_>,
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [Plane<'_, W>],
+    window: Range<usize>,
+    row_offset: usize,
+) {
+    T::run(
+        level,
+        #[inline(always)]
+        |compact, stores| {
+            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores, drive));
+            as_built::run_motion(
+                plan, drive, folded, geometry, scratch, row_offset, outputs, size, compact,
+            );
+        },
+    );
 }
 
 /// [`motion::repeat_angle`].

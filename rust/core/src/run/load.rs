@@ -8,10 +8,11 @@ use crate::mechanics::turning::Turning;
 use crate::number::Number;
 use crate::number::float::Float;
 use crate::number::reduction::LargeAngleFlag;
-use crate::number::storage::{Column, View, ViewMut, views, views_mut};
-use crate::number::strips::{At, Same, Strips, mapped};
+use crate::number::storage::{Column, View, ViewMut, views_mut};
+use crate::number::strips::{At, Same, Strips};
 use crate::plan::output::Output;
-use crate::plan::steps::{End, JointStep, LoadStep, Plan, Station, Support};
+use crate::plan::steps::{End, JointStep, LoadStep, Plan, Station};
+use crate::run::as_built;
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
 use crate::run::forces::{ForceBuffers, run_forces};
@@ -19,6 +20,7 @@ use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
+use crate::run::supports::run_supports;
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
 
@@ -42,7 +44,17 @@ pub(crate) fn run_load<T: Number, W: Float>(
 ) -> bool {
     let too_large = Cell::new(LargeAngleFlag::for_quadrants());
     let Scratch {
-        gathered, pins, wide_pins, rates, power, torsion, parts, support, forces, ..
+        gathered,
+        pins,
+        wide_pins,
+        rates,
+        power,
+        torsion,
+        parts,
+        support,
+        forces,
+        as_built: built,
+        ..
     } = scratch;
     let column = |index: usize| &gathered[index][..size];
     let is_wide = T::LOW && plan.has_wide_loads();
@@ -85,7 +97,13 @@ pub(crate) fn run_load<T: Number, W: Float>(
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
             let buffers = (&mut *parts, &mut *support, &mut *forces);
-            if T::PRECISION.costs().fresh_pins
+            if plan.as_built {
+                let (constants, buffers) = (&folded.as_built, (buffers.0, buffers.1));
+                as_built::run_joint(
+                    joint, step, poses, constants, geometry, built, torsion, buffers, outputs,
+                    size, compact,
+                );
+            } else if T::PRECISION.costs().fresh_pins
                 && outputs.has_wide_registers()
                 && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
                     (fresh, drive, geometry)
@@ -220,56 +238,5 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     if let Some(plane) = step.planes.get(Output::Moment) {
         let out = outputs.several(axes.map(|axis| plane + axis));
         map::moment::<PLANAR, T>(at, pins, torsion, out);
-    }
-}
-
-/// The joint's contribution to the support moments of its shafts, from the parts of its torsion.
-#[inline(always)]
-fn run_supports<const PLANAR: bool, T: Number, W: Float>(
-    step: &JointStep,
-    at: impl Strips<Value = Pose<T>>,
-    axes: [usize; 3],
-    parts: &[Column<T>; 3],
-    support: &mut [Column<T>; 3],
-    outputs: &mut Outputs<'_, '_, W>,
-    size: usize,
-) {
-    // The shaft that the load leaves is completed before the contribution to the next is stored.
-    for step in step.support.iter().flatten() {
-        let [sine2, cosine2, product] = views(parts, size);
-        let numbers = [if step.driving { sine2 } else { cosine2 }, product];
-        let [x, y, z] = axes;
-        run_support::<PLANAR, 0, T, W>(step, at, x, numbers, &mut support[x], outputs);
-        run_support::<PLANAR, 1, T, W>(step, at, y, numbers, &mut support[y], outputs);
-        run_support::<PLANAR, 2, T, W>(step, at, z, numbers, &mut support[z], outputs);
-    }
-}
-
-/// One component of that contribution, along the axis `axis` of space.
-#[inline(always)]
-fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
-    step: &Support,
-    at: impl Strips<Value = Pose<T>>,
-    axis: usize,
-    numbers: [View<'_, T>; 2],
-    stored: &mut Column<T>,
-    outputs: &mut Outputs<'_, '_, W>,
-) {
-    let &Support { driving, plane, first, last } = step;
-    let (size, none) = (numbers[0].len(), Same(None));
-    match (first, last) {
-        (true, true) => {
-            let out = outputs.plane(plane + axis);
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out);
-        }
-        (true, false) => {
-            let stored = stored.view_mut(size);
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, stored);
-        }
-        (false, _) => {
-            let previous = mapped(stored.view(size), Some);
-            let out = outputs.plane(plane + axis);
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, previous, out);
-        }
     }
 }
