@@ -268,15 +268,18 @@ def test_harmonics_are_those_of_exact_samples() -> None:
 
 
 def test_harmonics_of_loads() -> None:
-    turn = np.arange(256) * 2 * np.pi / 256
+    # Driven yokes that lean round off the kinks of bending moments.
+    driving, cross, _ = LINE.deviations.T
+    line = LINE.with_deviations(driving, cross, [0.02, -0.03, 0.02])
+    turn = np.arange(8192) * 2 * np.pi / 8192
     names = ("moment", "bending_driven", "torque")
-    samples = LINE.evaluate(turn, names, load=LOAD)
-    found = LINE.harmonics([1, 2, 3], outputs=names, load=LOAD)
+    samples = line.evaluate(turn, names, load=LOAD)
+    found = line.harmonics([1, 2, 3], outputs=names, load=LOAD)
     for name in names:
         axis = -2 if name == "moment" else -1
-        spectrum = np.fft.rfft(samples[name], axis=axis) * 2 / 256
+        spectrum = np.fft.rfft(samples[name], axis=axis) * 2 / 8192
         wanted = np.moveaxis(spectrum, axis, -1)[..., 1:4]
-        np.testing.assert_allclose(found.complex_amplitude[name], wanted, rtol=0, atol=1e-9)
+        np.testing.assert_allclose(found.complex_amplitude[name], wanted, rtol=0, atol=1e-12)
 
 
 def test_reversing_inverts_the_motion() -> None:
@@ -365,7 +368,6 @@ def test_wrong_deviations_are_refused(arguments: dict[str, Any], message: str) -
         lambda line: line.free_running([1.0] * 4),
         lambda line: line.losses(LOAD, friction=0.1, pin_radius=0.01, arm=0.03),
         lambda line: line.life(LOAD, rating=100.0),
-        lambda line: line.plan("angle").derivatives(0.3),
         lambda line: line.evaluate(0.3, "moment", load=LOAD, axes="shaft"),
         lambda line: line.evaluate(0.3, angle_of="driven"),
         lambda line: TorsionalSystem(
@@ -447,7 +449,7 @@ def test_wind_up_is_the_deviation_that_the_moment_makes() -> None:
         (lambda: LINE.with_play(0.1, 0.0), "arm is 0.0"),
         (lambda: LINE.with_play([0.1, 0.1], 1.0), "radial has shape (2,)"),
         (lambda: LINE.wind_up(0.0, LOAD, [1.0, 0.0, 1.0]), "stiffness[1] is 0.0"),
-        (lambda: LINE.with_play(30.0, 30.0), "cannot turn"),
+        (lambda: LINE.with_play(20.0, 30.0), "cannot turn"),
     ],
 )
 def test_wrong_play_and_stiffness_are_refused(use: Callable[[], object], message: str) -> None:

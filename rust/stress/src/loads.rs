@@ -172,6 +172,7 @@ pub(crate) fn evaluate(
         normals: &normals,
         lengths: layout.map_or(&[], |own| &own.lengths),
         positions: layout.map_or(&[], |own| &own.positions),
+        deviations: &[],
     };
     let heavy = loading.heavy();
     let plan = Plan::new(&Request {

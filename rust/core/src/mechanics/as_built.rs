@@ -60,30 +60,9 @@ pub(crate) struct JointAsBuilt<T = f64> {
 impl JointAsBuilt<DoubleDouble> {
     /// A joint with a bend and deviations in rad.
     pub(crate) fn with_error_terms(bend: f64, deviations: [f64; DEVIATIONS]) -> Self {
-        let Joint { cos, sin, sin2, versine, .. } = Joint::of_chain(bend);
-        let [(s1, c1), (s2, _), (s3, c3)] =
-            deviations.map(|e| series::sin_cos(reduction::reduce_any(e)));
-        let (lean, lean_driven) = (s1 / c1, s3 / c3);
-        let (driving, driven) = (lean * sin, lean_driven * sin);
-        let cross = s2 / (c1 * c3) - lean * lean_driven * cos;
-        let square = DoubleDouble::ONE + driving.square();
-        Self {
-            cos,
-            sin,
-            sin2,
-            versine,
-            driving,
-            driven,
-            cross,
-            root: (square - cross.square()).sqrt(),
-            square,
-            linear: (cross * driven - driving * cos).scaled(2.0),
-            curved: sin2 + driven.square(),
-            leans: [lean, lean_driven],
-            along: [lean * cos, lean_driven * cos],
-            tilt_offsets: [s1 * s2 / c3, s2 * s3 / c1],
-            cosines: [c1, c3],
-        }
+        let Joint { cos, sin, versine, .. } = Joint::of_chain(bend);
+        let sin_cos = |e| series::sin_cos(reduction::reduce_any(e));
+        Self::of_parts([cos, sin, versine], deviations.map(sin_cos))
     }
 
     /// Whether the joint turns: `|C| < √V` at every angle.
@@ -129,6 +108,35 @@ struct Position<T> {
 }
 
 impl<T: Real> JointAsBuilt<T> {
+    /// A joint from cosine, sine and versine of its bend, and sines and cosines of its deviations.
+    pub(crate) fn of_parts(
+        [cos, sin, versine]: [T; 3],
+        [(s1, c1), (s2, _), (s3, c3)]: [(T, T); DEVIATIONS],
+    ) -> Self {
+        let (lean, lean_driven) = (s1 / c1, s3 / c3);
+        let (driving, driven) = (lean * sin, lean_driven * sin);
+        let cross = s2 / (c1 * c3) - lean * lean_driven * cos;
+        let square = T::from_f64(1.0) + driving.square();
+        let sin2 = sin.square();
+        Self {
+            cos,
+            sin,
+            sin2,
+            versine,
+            driving,
+            driven,
+            cross,
+            root: (square - cross.square()).sqrt(),
+            square,
+            linear: (cross * driven - driving * cos).scaled(2.0),
+            curved: sin2 + driven.square(),
+            leans: [lean, lean_driven],
+            along: [lean * cos, lean_driven * cos],
+            tilt_offsets: [s1 * s2 / c3, s2 * s3 / c1],
+            cosines: [c1, c3],
+        }
+    }
+
     /// The constants rounded to a number type.
     pub(crate) fn nearest(joint: &JointAsBuilt<DoubleDouble>) -> Self {
         let near = T::from_double_double;
@@ -254,18 +262,19 @@ impl<T: Real> JointAsBuilt<T> {
         [in_plane * inverse, -(out_plane * inverse), -(normal * inverse)]
     }
 
-    /// Magnitude of the bending moment in the driving shaft for a torsion of 1.
+    /// Numerator and denominator of the tangent of [`JointAsBuilt::tilt_driving`].
     #[inline(always)]
-    pub(crate) fn bending_driving(&self, s: T, c: T) -> T {
-        let [in_plane, _, normal] = self.moments(s, c);
-        in_plane.mul_add(in_plane, normal.square()).sqrt()
+    pub(crate) fn tilt_driving_tangent(&self, s: T, c: T) -> (T, T) {
+        let Pins { sine, along_driving, .. } = self.pins(s, c);
+        let along = self.sin.mul_add(sine, self.along[1]) - self.tilt_offsets[0];
+        (along, self.cosines[0] * along_driving)
     }
 
-    /// Magnitude of the bending moment in the driven shaft for a torsion of 1 in the driving one.
+    /// Numerator and denominator of the tangent of [`JointAsBuilt::tilt_driven`].
     #[inline(always)]
-    pub(crate) fn bending_driven(&self, s: T, c: T) -> T {
-        let [_, out_plane, normal] = self.moments(s, c);
-        out_plane.mul_add(out_plane, normal.square()).sqrt()
+    pub(crate) fn tilt_driven_tangent(&self, s: T, c: T) -> (T, T) {
+        let along = self.sin.mul_add(c, self.along[0]) - self.tilt_offsets[1];
+        (along, self.cosines[1] * self.position(s, c).root)
     }
 
     /// `sin ψ`, `cos ψ` and `(p × q)·u`.
@@ -314,17 +323,16 @@ impl<T: Number> JointAsBuilt<T> {
     /// where the driven pin is normal to the driving shaft.
     #[inline(always)]
     pub(crate) fn tilt_driving(&self, s: T, c: T) -> T {
-        let Pins { sine, along_driving, .. } = self.pins(s, c);
-        let along = self.sin.mul_add(sine, self.along[1]) - self.tilt_offsets[0];
-        T::atan_any(along, self.cosines[0] * along_driving)
+        let (y, x) = self.tilt_driving_tangent(s, c);
+        T::atan_any(y, x)
     }
 
     /// Tilt of the cross against the driven shaft in rad: its angle about the driven pin, from
     /// where the driving pin is normal to the driven shaft.
     #[inline(always)]
     pub(crate) fn tilt_driven(&self, s: T, c: T) -> T {
-        let along = self.sin.mul_add(c, self.along[0]) - self.tilt_offsets[1];
-        T::atan_any(along, self.cosines[1] * self.position(s, c).root)
+        let (y, x) = self.tilt_driven_tangent(s, c);
+        T::atan_any(y, x)
     }
 }
 

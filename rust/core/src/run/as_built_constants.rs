@@ -10,49 +10,51 @@ use crate::number::storage::{Column, columns};
 use crate::plan::output::Output;
 use crate::plan::steps::{Plan, ShaftStep};
 
+/// The constants of one joint of one driveline.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stage<T> {
+    pub(super) joint: JointAsBuilt<T>,
+    /// The range of the tangents of its angle error.
+    pub(super) range: AtanRange,
+    /// Cosine and sine of the turn of the shaft behind it, if another joint follows.
+    pub(super) turn: [T; 2],
+}
+
 /// The constants of a series of drivelines of joints as built; empty for ideal ones.
 #[derive(Clone, Debug)]
 pub(crate) struct FoldedAsBuilt<T> {
     /// Per joint.
-    pub(super) joints: Vec<Vec<JointAsBuilt<T>>>,
-    /// Cosine and sine of the turn of the shaft before each joint.
-    pub(super) turns: Vec<Vec<[T; 2]>>,
+    pub(super) stages: Vec<Vec<Stage<T>>>,
     /// Per shaft: the mean of the sum of the angle errors before it, if its angle is needed.
     pub(super) means: Vec<Vec<T>>,
-    /// The range of the tangents of each joint's angle error over all drivelines.
-    pub(super) ranges: Vec<AtanRange>,
 }
 
 impl<T: Real> FoldedAsBuilt<T> {
     pub(crate) fn new(plan: &Plan) -> Self {
         let joints = if plan.as_built { plan.reach() } else { 0 };
-        Self {
-            joints: vec![vec![]; joints],
-            turns: vec![vec![]; joints],
-            means: vec![vec![]; if plan.as_built { joints + 1 } else { 0 }],
-            ranges: vec![AtanRange::Hundredth; joints],
-        }
+        let shafts = if plan.as_built { joints + 1 } else { 0 };
+        Self { stages: vec![vec![]; joints], means: vec![vec![]; shafts] }
     }
 
     /// Replaces the constants by those of the drivelines with these numbers in the batch.
     pub(crate) fn fold(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
         let n = plan.joint_count;
-        self.joints.iter_mut().for_each(Vec::clear);
-        self.turns.iter_mut().for_each(Vec::clear);
+        self.stages.iter_mut().for_each(Vec::clear);
         self.means.iter_mut().for_each(Vec::clear);
-        self.ranges.fill(AtanRange::Hundredth);
         for &line in numbers {
             let (bends, between) = (&lines.bends[line * n..][..n], line * (n - 1));
             let (twists, phases) = (&lines.twists[between..], &lines.phases[between..]);
             let deviations = lines.deviations[line * n * DEVIATIONS..].as_chunks().0;
-            for (joint, joints) in self.joints.iter_mut().enumerate() {
+            for (joint, stages) in self.stages.iter_mut().enumerate() {
                 let own = JointAsBuilt::with_error_terms(bends[joint], deviations[joint]);
-                joints.push(JointAsBuilt::nearest(&own));
-                self.ranges[joint] = self.ranges[joint].max(own.range());
-                if joint > 0 {
-                    let turn = wide_shaft_turn(phases[joint - 1], twists[joint - 1]);
-                    self.turns[joint].push([turn.re, turn.im].map(T::from_double_double));
-                }
+                let turn = if joint + 1 < n {
+                    let turn = wide_shaft_turn(phases[joint], twists[joint]);
+                    [turn.re, turn.im].map(T::from_double_double)
+                } else {
+                    [1.0, 0.0].map(T::from_f64)
+                };
+                let (joint, range) = (JointAsBuilt::nearest(&own), own.range());
+                stages.push(Stage { joint, range, turn });
             }
             for step in plan.shafts.iter().filter(|step| step.shaft > 0 && has_angle(step)) {
                 let (bends, between) = (&bends[..step.shaft], step.shaft - 1);
@@ -101,6 +103,9 @@ pub(crate) struct BuffersAsBuilt<T: Real> {
     /// Per shaft, the first for the drive: sums of angle errors, and rates up to the needed order.
     pub(super) errors: Vec<Column<T>>,
     pub(super) rates: Vec<[Column<T>; 3]>,
+    /// Per joint, if they are needed: the tilts, and the factors of [`JointAsBuilt::moments`].
+    pub(super) tilts: Vec<[Column<T>; 2]>,
+    pub(super) moments: Vec<[Column<T>; 3]>,
     /// Angle errors without their mean.
     pub(super) centred: Column<T>,
 }
@@ -108,15 +113,25 @@ pub(crate) struct BuffersAsBuilt<T: Real> {
 impl<T: Real> BuffersAsBuilt<T> {
     pub(crate) fn new(plan: &Plan, longest: usize) -> Self {
         if !plan.as_built {
-            return Self { pins: vec![], errors: vec![], rates: vec![], centred: Column::new(0) };
+            return Self {
+                pins: vec![],
+                errors: vec![],
+                rates: vec![],
+                tilts: vec![],
+                moments: vec![],
+                centred: Column::new(0),
+            };
         }
         let (needs, joints) = (Needs::of(plan), plan.reach());
         let size = |needed: bool| if needed { longest } else { 0 };
+        let steps = &plan.joints[..joints];
         let rates = || [1, 2, 3].map(|order| Column::new(size(order <= needs.rates)));
         let mut buffers = Self {
             pins: (0..joints.max(1)).map(|_| columns(longest)).collect(),
             errors: (0..=joints).map(|_| Column::new(size(needs.angle))).collect(),
             rates: (0..=joints).map(|_| rates()).collect(),
+            tilts: steps.iter().map(|step| columns(size(step.needs_tilt))).collect(),
+            moments: steps.iter().map(|step| columns(size(step.needs_torsion()))).collect(),
             centred: Column::new(size(needs.angle)),
         };
         // The drive's own motion; columns start with zeros.

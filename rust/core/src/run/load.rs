@@ -97,13 +97,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
             let buffers = (&mut *parts, &mut *support, &mut *forces);
-            if plan.as_built {
-                let (constants, buffers) = (&folded.as_built, (buffers.0, buffers.1));
-                as_built::run_joint(
-                    joint, step, poses, constants, geometry, built, torsion, buffers, outputs,
-                    size, compact,
-                );
-            } else if T::PRECISION.costs().fresh_pins
+            if T::PRECISION.costs().fresh_pins
                 && outputs.has_wide_registers()
                 && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
                     (fresh, drive, geometry)
@@ -112,11 +106,14 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 let pins = FreshPins::<T, false> { angles, turn, too_large: &too_large };
                 let geometry = GeometryIndex::Shared(index);
                 run_joint(
-                    joint, step, poses, geometry, pins, torsion, buffers, outputs, size, compact,
+                    joint, step, poses, geometry, pins, None, torsion, buffers, outputs, size,
+                    compact,
                 );
             } else {
+                let unit = plan.as_built.then(|| &built.moments[joint]);
                 run_joint(
-                    joint, step, poses, geometry, pins, torsion, buffers, outputs, size, compact,
+                    joint, step, poses, geometry, pins, unit, torsion, buffers, outputs, size,
+                    compact,
                 );
             }
         }
@@ -148,7 +145,8 @@ fn run_inertia<T: Number>(
     }
 }
 
-/// Moments of one joint and parts of its torsion.
+/// Moments of one joint and parts of its torsion. The moments of a joint as built for a torsion of 1
+/// are in `unit`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one joint")]
 fn run_joint<T: Number, W: Float>(
@@ -157,32 +155,41 @@ fn run_joint<T: Number, W: Float>(
     poses: &[Pose<T>],
     geometry: GeometryIndex,
     pins: impl SinCosBlocks<T>,
+    unit: Option<&[Column<T>; 3]>,
     torsion: View<'_, T>,
     (parts, support, forces): (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     compact: bool,
 ) {
-    with_constants!(compact, geometry, poses, at => {
-        run_bending(step, at, pins, torsion, outputs);
-        if step.needs_force {
-            let parts = views_mut(&mut forces.parts[joint], 0, size);
-            map::parts(at, pins, torsion, parts);
-        }
-        if step.needs_support() {
-            map::parts(at, pins, torsion, views_mut(parts, 0, size));
-        }
-    });
+    if let Some(unit) = unit {
+        as_built::run_moments(step, poses, geometry, unit, torsion, parts, outputs, compact);
+    } else {
+        with_constants!(compact, geometry, poses, at => {
+            run_bending(step, at, pins, torsion, outputs);
+            if step.needs_force {
+                let parts = views_mut(&mut forces.parts[joint], 0, size);
+                map::parts(at, pins, torsion, parts);
+            }
+            if step.needs_support() {
+                map::parts(at, pins, torsion, views_mut(parts, 0, size));
+            }
+        });
+    }
     // Only a driveline that all samples share is treated as planar.
     if let GeometryIndex::Shared(index) = geometry
         && let Some(axes) = poses[index].plane_axes()
     {
         let at = Same(poses[index].with_axes(axes));
-        run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
+        if unit.is_none() {
+            run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
+        }
         run_supports::<true, T, W>(step, at, axes, parts, support, outputs, size);
     } else {
         with_constants!(compact, geometry, poses, at => {
-            run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
+            if unit.is_none() {
+                run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
+            }
             run_supports::<false, T, W>(step, at, AXES, parts, support, outputs, size);
         });
     }
