@@ -183,6 +183,32 @@ scene = cardan.Scene.load(Path(__file__).with_name("conveyor.toml"))
 plots.write_life(needed_life(scene), folder / "life.svg")
 print("wrote life.svg")
 
+# The machines of the how-to pages: layouts, forces, torques and scatter.
+for name, example in (("machine_truck", "truck_centre_bearing"), ("machine_pto", "pto_shaft")):
+    best = optimised(cardan.Scene.load(Path(__file__).with_name(f"{example}.toml")))
+    assert best is not None
+    save(name, plots.plot_optimise(best))
+
+scene = cardan.Scene.load(Path(__file__).with_name("mill_spindle.toml"))
+save("machine_mill", plots.plot_forces(scene_force_paths(scene), scene.title))
+
+vibration = torsion_figures(cardan.Scene.load(Path(__file__).with_name("test_rig.toml")))
+assert vibration is not None
+save("machine_rig", plots.plot_torsion(vibration))
+
+scene = cardan.Scene.load(Path(__file__).with_name("steering_column.toml"))
+assert scene.states is not None
+columns = scene.drivelines()
+save("machine_steering", plots.plot_curves(columns, "speed_ratio", labels=scene.states.names))
+
+# The boat of the drawing after its engine was lowered.
+text = Path(__file__).with_name("ship_shaft.toml").read_text(encoding="utf-8")
+lowered = text.replace("-220, 0]", "-127.715, 0]").replace("-262, 0]", "-169.715, 0]")
+scene = cardan.Scene.parse(lowered)
+assert scene.tolerances is not None
+plots.write_tolerances(scene.tolerances, folder / "machine_ship.svg")
+print("wrote machine_ship.svg")
+
 # A double joint that is synchronous at 35 deg, and one whose pivot is worn by 0.2 mm.
 save("double_joint", plots.plot_double_joint(60.0, 35.0, wear=0.2))
 

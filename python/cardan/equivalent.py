@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from cardan import _core, threads
 from cardan.arrays import as_float64, common_shape, scalar_or_array
 from cardan.geometry import Geometry
-from cardan.parameters import Parameters, checked_parameters, parameter_shape
+from cardan.parameters import PARAMETERS, Parameters, checked_kind, parameter_shape
 from cardan.request import Plannable, item_index
 
 
@@ -202,7 +202,7 @@ class Transmission:
             ValueError: an unknown kind, points of a driveline that was not made from points.
         """
         line, index = self._arguments
-        kind = checked_parameters(line, by)
+        kind = checked_kind(line, by, PARAMETERS)
         flat = _core.dq(line._lines, index, kind, threads.at_most(None))
         return flat.reshape(*line.shape, *parameter_shape(kind, line.n_joints))
 

@@ -35,6 +35,7 @@ class Identification:
         std: standard deviation of ``bend`` in rad.
         purity: ``|order 4| / |order 2|**2`` of the speed ratio, twice that of the angle error. It
             is 1 for a chain of joints and nothing else.
+        std_purity: standard deviation of ``purity``. Above a third, the noise hides order 4.
         orders: complex amplitudes of the angle error in rad or of the speed ratio at orders 0 to 8
             of the drive's rotation; the real part of ``amplitude * exp(-i order a)`` is its part.
             Order 0 is the mean.
@@ -47,6 +48,7 @@ class Identification:
     std_q: float
     std: float
     purity: float
+    std_purity: float
     orders: NDArray[np.complex128] = field(repr=False)
     residual: float
     samples: int
@@ -272,11 +274,16 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
     orders[1:] += series[2 : 2 + _ORDERS] + 1j * series[2 + _ORDERS :]
     fourth = abs(orders[4]) * (2.0 if of_angle else 1.0)
     twice = abs(orders[2]) ** 2 * (1.0 if of_angle else 0.5)
+    k, purity = abs(q), float(fourth / twice) if twice else math.nan
+    # The noise of both orders, which have the size of k**2 and k, to first order.
+    of_fourth = std_q / k**2 * (2.0 if of_angle else 1.0) if k else math.inf
+    std_purity = math.hypot(of_fourth, 2.0 * purity * std_q / k) if k else math.inf
     return Identification(
         q=complex(q),
         std_q=std_q,
         std=_std(float(abs(q)), std_q),
-        purity=float(fourth / twice) if twice else math.nan,
+        purity=purity,
+        std_purity=std_purity,
         orders=orders,
         residual=math.sqrt(float(left @ left) / left.size),
         samples=left.size,

@@ -155,7 +155,8 @@ class Installed(AsBuilt):
             states: the axis of the batch along which one driveline takes several positions, such
                 as ride heights, with the same deviations in all of them. Each figure is then the
                 largest of the states, and the results have the shape without this axis.
-            reduce: of the outputs that are named without it.
+            reduce: of the outputs that are named without it; of a vector, the length of what it
+                makes of the components.
             shaft: the shaft of the figures, by default the last.
             shafts: for the outputs per shaft, by default the last; the largest value counts.
             joints: for the outputs per joint, by default all; the largest value counts.

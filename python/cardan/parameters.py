@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Any, Literal, TypeAlias, get_args
+from typing import Any, Literal, TypeAlias, TypeVar, get_args
 
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.outputs import nearest
 
 Parameters: TypeAlias = Literal["bends", "twists", "phases", "points"]
 """The parameters of the geometry."""
+
+LayoutVariables: TypeAlias = Literal[Parameters, "lengths", "positions"]
+"""The parameters of the geometry, and lengths and positions, on which only forces depend."""
 
 Variables: TypeAlias = Literal[
     Parameters,
@@ -24,25 +27,28 @@ Variables: TypeAlias = Literal[
 """Everything by which an output can be differentiated."""
 
 PARAMETERS: tuple[Parameters, ...] = get_args(Parameters)
+LAYOUT_VARIABLES: tuple[LayoutVariables, ...] = get_args(LayoutVariables)
 VARIABLES: tuple[Variables, ...] = get_args(Variables)
 
+_Kind = TypeVar("_Kind", bound=str)
 
-def checked_parameters(line: Any, by: str) -> Parameters:  # noqa: ANN401 - a driveline
-    """Return the kind of parameters of the geometry, which the driveline must have.
+
+def checked_kind(line: Any, by: str, kinds: tuple[_Kind, ...]) -> _Kind:  # noqa: ANN401 - a driveline
+    """Return one of some kinds of variables, which the driveline must have.
 
     Raises:
         ArgumentTypeError: something that is not a name.
-        ArgumentValueError: an unknown name, points that the driveline does not have.
+        ArgumentValueError: an unknown name, something that the driveline does not have.
     """
-    name = _known(line, by, PARAMETERS, ())
-    return next(known for known in PARAMETERS if known == name)
+    name = _known(line, by, kinds, ())
+    return next(known for known in kinds if known == name)
 
 
 def checked_variables(
     line: Any,  # noqa: ANN401 - a driveline
     by: str | Iterable[str],
 ) -> tuple[str, ...]:
-    """Return the names of the variables, each once, as ``checked_parameters`` does."""
+    """Return the names of the variables, each once, as ``checked_kind`` does."""
     listed = (by,) if isinstance(by, str) or not isinstance(by, Iterable) else tuple(by)
     for i, name in enumerate(listed):
         _known(line, name, VARIABLES, (i,))

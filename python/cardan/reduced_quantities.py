@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
-from cardan.parameters import Parameters
+from cardan.parameters import LayoutVariables
 from cardan.request import REDUCTIONS, Items, Reduction, item_index
 from cardan.sweep import Sweep
 
@@ -70,57 +72,77 @@ class ReducedQuantity:
             IndexError: a shaft, joint or bearing that does not exist.
             ValueError: as of ``Driveline.evaluate``.
         """
-        plan = self._plan(line, load, reduce=self.reduction, workers=workers)
-        values = np.asarray(plan(self._angles)[self.output.name])
-        if self.output.per == "bearing" and self.items is not None:
-            values = values[self.items]
-        if self.output.vector and self.reduction != "peak":
-            values = np.linalg.norm(values, axis=-1)
-        return np.asarray(values if values.ndim == len(line.shape) else np.max(values, axis=0))
+        each = self._each(line, load, workers)
+        return np.asarray(each if each.ndim == len(line.shape) else np.max(each, axis=0))
 
-    @property
-    def differentiable(self) -> bool:
-        """Whether ``derivatives`` are known: not of forces, nor of the ends of vectors."""
-        ends = self.output.vector and self.reduction in ("min", "max")
-        return self.output.unit != "N" and not ends
-
-    def derivatives(self, line: Any, load: Load | None, by: Parameters) -> FloatArray:  # noqa: ANN401
+    def derivatives(
+        self,
+        line: Any,  # noqa: ANN401
+        load: Load | None,
+        by: Iterable[LayoutVariables],
+    ) -> dict[LayoutVariables, FloatArray]:
         """Return the derivatives of ``of`` by parameters of each driveline.
 
-        An end of the samples changes as the sample at which it lies.
+        An end of the samples changes as the sample at which it lies, and the largest of several
+        items as that item.
 
         Args:
             line: the drivelines.
             load: as of ``of``.
-            by: ``"bends"``, ``"twists"``, ``"phases"`` or ``"points"``.
+            by: which parameters, any of ``LAYOUT_VARIABLES`` that the drivelines have.
 
         Returns:
-            in the shape of the batch, followed by that of the parameters.
+            for each of them an array in the shape of the batch, followed by that of the parameters.
         """
         plan, name = self._plan(line, load), self.output.name
         values = np.asarray(plan(self._angles)[name])
-        gradient = plan.gradient(self._angles, {name: self._weights(values)})
-        return np.asarray(np.squeeze(getattr(gradient, by), axis=len(line.shape)))
+        weights = self._weights(values)
+        if weights.ndim > len(line.shape) + (2 if self.output.vector else 1):
+            chosen = self._chosen(line, load, len(weights))
+            weights = weights * chosen.reshape(*chosen.shape, *(1,) * (weights.ndim - chosen.ndim))
+        gradient = plan.gradient(self._angles, {name: weights})
+        return {kind: np.squeeze(getattr(gradient, kind), axis=len(line.shape)) for kind in by}
+
+    def _each(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
+        """The number of each driveline, behind an axis of the items if there are several."""
+        plan = self._plan(line, load, reduce=self.reduction, workers=workers)
+        values = np.asarray(plan(self._angles)[self.output.name])
+        if self._bearing is not None:
+            values = values[self._bearing]
+        if self.output.vector and self.reduction != "peak":
+            values = np.linalg.norm(values, axis=-1)
+        return values
+
+    def _chosen(self, line: Any, load: Load | None, count: int) -> NDArray[np.bool_]:  # noqa: ANN401
+        """Whether an item is the one that counts, ``(items, *batch)``."""
+        numbers = np.arange(count).reshape(-1, *(1,) * len(line.shape))
+        if self._bearing is not None:
+            return np.asarray(numbers == self._bearing % count)
+        return np.asarray(numbers == np.argmax(self._each(line, load), axis=0))
+
+    @property
+    def _bearing(self) -> int | None:
+        """The only bearing that counts: a plan has all of them."""
+        return self.items if self.output.per == "bearing" and isinstance(self.items, int) else None
 
     def _weights(self, values: FloatArray) -> FloatArray:
-        """The derivatives of the number by the samples, ``(*batch, samples, [3])``."""
+        """The derivatives of the numbers by the samples, ``([items], *batch, samples, [3])``."""
         columns = values if self.output.vector else values[..., np.newaxis]
-        sizes = np.linalg.norm(columns, axis=-1, keepdims=True)
         count = columns.shape[-2]
         if self.reduction == "mean":
-            mean = np.mean(columns, axis=-2, keepdims=True)
-            length = np.linalg.norm(mean, axis=-1, keepdims=True)
-            # The mean of a scalar keeps its sign.
-            along = mean / np.where(length > 0.0, length, 1.0) if self.output.vector else 1.0
-            weights = np.broadcast_to(along / count, columns.shape)
+            weights = _along(np.mean(columns, axis=-2, keepdims=True), self.output.vector) / count
+            weights = np.broadcast_to(weights, columns.shape)
         elif self.reduction == "rms":
-            rms = np.sqrt(np.mean(sizes**2, axis=-2, keepdims=True))
-            weights = columns / (count * np.where(rms > 0.0, rms, 1.0))
+            squares = np.sum(columns**2, axis=-1, keepdims=True)
+            weights = columns / (count * _or_one(np.sqrt(np.mean(squares, -2, keepdims=True))))
         else:
+            sizes = np.linalg.norm(columns, axis=-1, keepdims=True)
             of = {"peak": sizes, "max": columns, "min": -columns}[self.reduction]
-            chosen = np.arange(count)[:, np.newaxis] == np.argmax(of, axis=-2)[..., np.newaxis, :]
-            along = columns / np.where(sizes > 0.0, sizes, 1.0) if self.reduction == "peak" else 1.0
-            weights = np.where(chosen, along, 0.0)
+            at = np.argmax(of, axis=-2, keepdims=True)
+            ends = np.take_along_axis(columns, at, axis=-2)
+            own = self.output.vector or self.reduction == "peak"
+            chosen = np.arange(count)[:, np.newaxis] == at
+            weights = np.where(chosen, _along(ends, own), 0.0)
         return np.asarray(weights if self.output.vector else weights[..., 0])
 
     @property
@@ -133,6 +155,18 @@ class ReducedQuantity:
         items = {} if per == "bearing" else {f"{per}s": self.items}
         at = None if load is None else load.at_any_angle()
         return line[..., np.newaxis].plan(self.output.name, load=at, **items, **options)
+
+
+def _along(columns: FloatArray, of_length: bool) -> FloatArray:
+    """The derivatives by the components of a length, or of a scalar, which keeps its sign."""
+    if not of_length:
+        return np.ones_like(columns)
+    return columns / _or_one(np.linalg.norm(columns, axis=-1, keepdims=True))
+
+
+def _or_one(lengths: FloatArray) -> FloatArray:
+    """Lengths to divide by: 1 where they vanish, and with them what is divided."""
+    return np.where(lengths > 0.0, lengths, 1.0)
 
 
 def reduced_quantity(name: str) -> ReducedQuantity | None:

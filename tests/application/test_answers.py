@@ -169,7 +169,7 @@ KEYS = {
         *("equivalent_joint", "equivalent_bend_deg", "equivalent_bend_rad"),
         *("standard_deviation_deg", "standard_deviation_rad", "detected"),
         *("detection_limit_deg", "detection_limit_rad", "angle_offset_deg", "angle_offset_rad"),
-        *("purity", "residual", "residual_deg", "residual_rad"),
+        *("purity", "purity_standard_deviation", "residual", "residual_deg", "residual_rad"),
         *("orders", "order", "amplitude", "amplitude_deg", "amplitude_rad"),
         *("two_joints", "joints", "joint", "bend_deg", "bend_rad"),
         *("phase_less_twist_deg", "phase_less_twist_rad"),

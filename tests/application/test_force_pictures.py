@@ -114,6 +114,24 @@ def test_a_page_has_the_path_of_every_force() -> None:
         np.testing.assert_allclose(np.hypot(*path_of(axes).T), sizes, rtol=1e-9, atol=1e-9)
 
 
+def test_headings_of_states_lie_within_the_page() -> None:
+    names = ["Rebound of the axle", "Bump " + "and more " * 9]
+    states = f"[states]\nnames = {json.dumps(names)}\npoints_mm.2.y = [-60, -160]\n"
+    scene = Scene.parse(TEXT + states)
+    paths = scene_force_paths(scene)
+    assert {path.state for path in paths} == set(names)
+    figure = plot_forces(paths, scene.title)
+    figure.canvas.draw()
+    for axes, path in zip(figure.axes, paths, strict=True):
+        heading = axes.get_title(loc="left")
+        assert f"\nin {path.state[:16]}" in heading
+        box = axes.get_tightbbox()
+        assert box is not None
+        assert box.x0 >= 0
+        assert box.x1 <= figure.bbox.width
+    assert any(", in Rebound" in view["heading"] for view in force_views(scene))
+
+
 def plot(tmp_path: Path, text: str, *options: str) -> tuple[int, str]:
     (tmp_path / "a.toml").write_text(text, encoding="utf-8")
     arguments = ["plot", str(tmp_path / "a.toml"), "--output", str(tmp_path / "a.svg"), *options]

@@ -1072,7 +1072,7 @@ DRAWINGS = DOCS / "drawings"
 def drawings() -> list[Any]:
     sys.path.insert(0, str(DRAWINGS))
     try:
-        modules = [importlib.import_module(name) for name in ("draw", "mechanisms")]
+        modules = [importlib.import_module(name) for name in ("draw", "mechanisms", "machines")]
         return [draw() for module in modules for draw in module.DRAWINGS]
     finally:
         sys.path.remove(str(DRAWINGS))

@@ -113,6 +113,18 @@ def test_what_is_no_joint_shows_in_the_purity() -> None:
     assert identify(ANGLES, angle=both).purity > 10.0
 
 
+@pytest.mark.parametrize("of", ["angle", "speed_ratio"])
+def test_the_noise_of_the_purity_is_known(of: str) -> None:
+    noise, motion = 2e-3, Driveline.from_bends([25.0], degrees=True).evaluate(ANGLES, of)[of]
+    found = [
+        identify(ANGLES, **{of: motion + RNG.normal(0.0, noise, ANGLES.size)}) for _ in range(100)
+    ]
+    spread = np.std([one.purity for one in found])
+    assert found[0].std_purity == pytest.approx(spread, rel=0.3)
+    clean = identify(ANGLES, **{of: motion})
+    assert clean.std_purity < 1e-9
+
+
 def test_eccentric_encoders_do_not_reach_the_bend() -> None:
     eccentric = 0.02 * np.sin(ANGLES + 1.0) + 0.005 * np.cos(3.0 * ANGLES)
     found = identify(ANGLES, angle=MOTION.angle[1] + eccentric)

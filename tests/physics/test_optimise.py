@@ -157,6 +157,77 @@ def test_parameters_give_the_derivatives() -> None:
     assert len(calls) < 0.8 * many
 
 
+def supported(x: NDArray[np.float64]) -> Driveline:
+    """A truck at three ride heights with bearings, ``(..., 3)``, in metres.
+
+    The variables are the height of the centre bearing and its distance from the joint before it.
+    """
+    points = np.zeros((*x.shape[:-1], 3, 5, 3))
+    points[..., 0] = 0.0, 0.35, 1.65, 3.15, 3.45
+    points[..., 1, 1] = -0.024
+    points[..., 2, 1] = x[..., np.newaxis, 0]
+    points[..., 3, 1] = np.array([-0.08, 0.0, 0.08]) - 0.18
+    points[..., 4, 1] = np.array([-0.08, 0.0, 0.08]) - 0.196
+    bearings: list[tuple[int, Any]] = [
+        (0, 0.1),
+        (0, 0.3),
+        (1, x[..., np.newaxis, 1]),
+        (3, 0.1),
+        (3, 0.25),
+    ]
+    return Driveline.from_points(points, [0.2, 0.1]).with_bearings(bearings)
+
+
+BY_POSITION = [("points", (2, 1)), ("positions", 2)]
+TORQUE = Load(output_torque=300.0)
+
+
+@pytest.mark.parametrize("name", ["bearing_force_2_peak", "joint_force_1_rms"])
+def test_forces_have_exact_derivatives_by_bearings_too(name: str) -> None:
+    x = np.array([-0.07, 1.1])
+    measure = measure_of("minimise", name, 3, TORQUE)
+    assert measure.derivatives
+    by = measure.derivatives(supported(x), ["points", "positions"])
+    parts = [by["points"][..., 2, 1], by["positions"][..., 2]]
+    for i, step in enumerate(1e-6 * np.eye(2)):
+        ends = [measure.vectors(supported(x + sign * step)) for sign in (1.0, -1.0)]
+        difference = (ends[0] - ends[1]) / 2e-6
+        np.testing.assert_allclose(parts[i], difference, rtol=1e-6, atol=1e-6 * np.max(ends))
+
+
+@pytest.mark.parametrize("keep", [{}, {"equivalent_bend": 0.056}])
+@pytest.mark.parametrize("name", ["bearing_force_2_peak", "bearing_force_2_rms"])
+def test_no_place_of_a_bearing_has_a_smaller_force(name: str, keep: dict[str, float]) -> None:
+    low, high = np.array([-0.15, 0.6]), np.array([0.0, 1.25])
+    bounds = np.stack([low, high], axis=-1)
+    best = cardan.optimise(
+        supported,
+        [-0.05, 0.9],
+        bounds,
+        minimise=name,
+        parameters=BY_POSITION,
+        load=TORQUE,
+        keep=keep,
+        vectorised=True,
+    )
+    axes = [np.linspace(a, b, 61) for a, b in bounds]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    lines = supported(points)
+    plan = lines[..., np.newaxis].plan("bearing_force", load=TORQUE)
+    sizes = np.linalg.norm(plan(np.linspace(0.0, np.pi, 181))["bearing_force"][2], axis=-1)
+    peaks = np.max(sizes, axis=-1)
+    forces = peaks if name.endswith("peak") else np.sqrt(np.mean(sizes[..., :-1] ** 2, axis=-1))
+    largest_force = np.max(forces, axis=-1)
+    kept = np.max(lines.equivalent().bend, axis=-1) <= keep.get("equivalent_bend", np.inf)
+    assert 0 < np.count_nonzero(kept) <= len(points)
+    assert bool(keep) == (not np.all(kept))
+    assert best.value <= np.min(largest_force[kept]) * (1.0 + 1e-9)
+    assert best.value < 0.9 * best.before or keep
+    assert best.value == pytest.approx(np.min(largest_force[kept]), rel=0.03)
+    for kept_name, limit in keep.items():
+        assert np.all(best.kept[kept_name] <= limit * (1.0 + 1e-9))
+
+
 def test_constant_velocity_is_reached() -> None:
     """There the equivalent bend has an infinite slope, and ``q`` none of that."""
     best = cardan.optimise(

@@ -273,7 +273,7 @@ def commands() -> click.Group:
     def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
         optimising.run(scene, to, picture, as_json=as_json)
 
-    @cardan.command(help=help_text.TOLERANCES, short_help="Say what tolerances do.")
+    @cardan.command(help=help_text.TOLERANCES, short_help="Say what tolerances make of a driveline.")
     @scene_argument
     @output_option("Picture to write as well.")
     @as_json

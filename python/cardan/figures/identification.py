@@ -75,6 +75,7 @@ def _joint(found: Identification, of_ratio: bool, radians: bool) -> dict[str, An
         "detected": found.detected,
         f"angle_offset_{unit}": float(angle(found.angle_offset)),
         "purity": finite_or_none(found.purity),
+        "purity_standard_deviation": finite_or_none(found.std_purity),
         f"residual{ending}": float(size(found.residual)),
         "orders": [
             {"order": order, f"amplitude{ending}": float(size(abs(found.orders[order])))}
@@ -114,6 +115,7 @@ def _listed(schema: Mapping[str, Any]) -> dict[str, Any]:
 _SHARED = {
     "detected": {"type": "boolean"},
     "purity": {"description": "1 for a chain of joints and nothing else", **_OR_NULL},
+    "purity_standard_deviation": _OR_NULL,
     "orders": _listed(one_of({"order": _COUNT}, {"amplitude": _NUMBER, **_either("amplitude")})),
 }
 _JOINT = one_of(

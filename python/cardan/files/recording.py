@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
@@ -73,7 +74,7 @@ def read_chunks(
     names: Sequence[str],
     rows: int | None,
     raster_s: float | None = None,
-) -> Iterator[Chunk]:
+) -> Generator[Chunk]:
     """Yield columns of a file in chunks of so many rows, each as ``read_columns`` does.
 
     Memory is that of a chunk, however long the file is; except for NPZ files, and MDF files with a
@@ -106,7 +107,8 @@ def read_chunks(
                     )
             _check_numbers(path, names, read, first)
             found = [
-                some or not np.isnan(column).all() for some, column in zip(found, read, strict=True)
+                some or not np.isnan(column[0]) or not np.isnan(column).all()
+                for some, column in zip(found, read, strict=True)
             ]
             yield Chunk(first, read, total)
             first += len(read[0])
@@ -130,6 +132,9 @@ def _check_numbers(
     for name, column in zip(names, read, strict=True):
         if not len(column):
             raise ValueError(f"column {name!r} has no rows")
+        # NaN and infinities show in one of them.
+        if math.isfinite(column.min()) and math.isfinite(column.max()):
+            continue
         infinite = np.isinf(column)
         if infinite.any():
             row = int(np.argmax(infinite))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import closing
 from itertools import chain
 from os import PathLike
 from pathlib import Path
@@ -12,13 +13,14 @@ from typing import Any
 from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
+from cardan.files.ahead import read_ahead, write_behind
 from cardan.files.progress import Progress
 from cardan.files.recording import read_chunks
 from cardan.files.whole_file import whole_file
 from cardan.result import Result
 
-ROWS = 1 << 20
-"""Rows of a chunk: enough to keep all threads busy, some 100 MB at most scenes."""
+ROWS = 1 << 18
+"""Rows of a chunk: enough to keep all threads busy, and few enough for the caches."""
 
 
 def map_parquet(
@@ -47,7 +49,8 @@ def map_parquet(
         OSError: a file cannot be read or written.
         ValueError: as for ``recording.read_columns``; a file that is not Parquet.
     """
-    pieces = ((function(*chunk.columns), chunk.total) for chunk in read_chunks(source, names, rows))
+    chunks = read_ahead(read_chunks(source, names, rows))
+    pieces = ((function(*chunk.columns), chunk.total) for chunk in chunks)
     return write_pieces(target, pieces, progress)
 
 
@@ -63,25 +66,25 @@ def write_pieces(
         import_optional("pyarrow", "table"),
         import_optional("pyarrow.parquet", "table"),
     )
-    done = 0
-    writer = None
-    pieces = iter(pieces)
+    tables = (
+        (piece.to_arrow() if isinstance(piece, Result) else pyarrow.table(dict(piece)), total)
+        for piece, total in pieces
+    )
     # Before the file is begun, for errors within are taken for its own.
-    first = next(pieces)
-    with whole_file(target) as file:
-        try:
-            for piece, total in chain([first], pieces):
-                if isinstance(piece, Result):
-                    table = piece.to_arrow()
-                else:
-                    table = pyarrow.table(dict(piece))
-                # Doubles that hardly repeat gain nothing from a dictionary.
-                writer = writer or parquet.ParquetWriter(file, table.schema, use_dictionary=False)
-                writer.write_table(table)
-                done += table.num_rows
-                if progress:
-                    progress(done, total)
-        finally:
-            if writer:
-                writer.close()
+    first = next(tables)
+    done = 0
+    with (
+        whole_file(target) as file,
+        # Doubles that hardly repeat gain nothing from a dictionary and little from compression.
+        parquet.ParquetWriter(
+            file, first[0].schema, use_dictionary=False, compression="none"
+        ) as writer,
+        closing(
+            write_behind(lambda piece: writer.write_table(piece[0]), chain([first], tables))
+        ) as written,
+    ):
+        for table, total in written:
+            done += table.num_rows
+            if progress:
+                progress(done, total)
     return done

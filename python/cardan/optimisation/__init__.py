@@ -156,8 +156,8 @@ def optimise(
         parameters: what each variable changes, if it changes parameters of the driveline in every
             state alike: ``("phases", 0)``, ``("points", (2, 1))`` or ``("bends", slice(0, 2),
             factor)`` with the change per unit of the variable, by default 1, in radians or the unit
-            of the points. Derivatives are then exact, also of excitations and of outputs other than
-            forces.
+            of the points. ``"twists"``, ``"lengths"`` of shafts and ``"positions"`` of bearings are
+            possible as well. Derivatives are then exact for all quantities except functions.
         load: for outputs that need one.
         speed: of the drive in rad/s for the excitations, one for all states or ``(states,)``. By
             default they are over the square of the speed, so that they have no unit.

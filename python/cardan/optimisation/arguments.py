@@ -16,7 +16,7 @@ from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 from cardan.load import Load
 from cardan.optimisation.measures import Measure, measure_of
 from cardan.optimisation.problem import Parameter
-from cardan.parameters import checked_parameters, parameter_shape
+from cardan.parameters import LAYOUT_VARIABLES, checked_kind, parameter_shape
 
 
 def checked_bounds(bounds: ArrayLike | None, start: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -118,10 +118,10 @@ def parameters_of(
     found = []
     for i, (kind, place, *factor) in enumerate(parameters):
         try:
-            of = checked_parameters(line, kind)
+            of = checked_kind(line, kind, LAYOUT_VARIABLES)
         except ArgumentValueError as error:
             raise ArgumentValueError("parameters", error.problem, (i, 0)) from None
-        shape = parameter_shape(of, line.n_joints)
+        shape = parameter_shape(of, line.n_joints, line.n_bearings)
         own = place if isinstance(place, tuple) else (place,)
         try:
             np.empty(shape)[own]

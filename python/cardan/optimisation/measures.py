@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -14,11 +14,13 @@ from cardan.arrays import FloatArray, import_optional
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.load import Load
-from cardan.parameters import Parameters
+from cardan.parameters import LayoutVariables, Parameters, parameter_shape
 from cardan.quantities import MOTION_QUANTITIES, Amplitude, MotionQuantity, nearest_quantity
 from cardan.reduced_quantities import ReducedQuantity, reduced_quantity
 
 Vectors: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
+
+VectorsBy: TypeAlias = Mapping[LayoutVariables, Vectors]
 
 QuantityLike: TypeAlias = str | Callable[[Driveline], Any]
 """A name of a quantity, or a function of a driveline with one value for each state."""
@@ -41,8 +43,8 @@ class Measure:
         vectors: of a batch of drivelines: ``(*batch, r)``, the largest of which counts.
         figure: from the length of a vector.
         length: of a vector, from the figure.
-        derivatives: of the vectors by parameters of the drivelines, ``(*batch, r, *parameters)``;
-            ``None`` if they are not known.
+        derivatives: of the vectors by each of some kinds of parameters of the drivelines,
+            ``(*batch, r, *parameters)``; ``None`` if they are not known.
         of_q: whether the vector is ``q`` of the last shaft.
         largest: what a limit must be below.
     """
@@ -52,7 +54,7 @@ class Measure:
     vectors: Callable[[Driveline], Vectors]
     figure: Callable[[Any], Any]
     length: Callable[[float], float]
-    derivatives: Callable[[Driveline, Parameters], Vectors] | None = None
+    derivatives: Callable[[Driveline, Collection[LayoutVariables]], VectorsBy] | None = None
     of_q: bool = False
     largest: float = math.inf
 
@@ -136,10 +138,12 @@ def _of_motion(argument: str, of: MotionQuantity, squared: FloatArray | None) ->
         found = [_amplitude(line, kind) for kind in of.amplitudes]
         return np.stack(found, axis=-1) * scale[:, np.newaxis]
 
-    def derivatives(line: Driveline, by: Parameters) -> Vectors:
-        found = [_amplitude_derivatives(line, kind, by) for kind in of.amplitudes]
-        every = np.stack(found, axis=len(line.shape))
-        return every * scale.reshape(-1, *(1 for _ in range(every.ndim - len(line.shape))))
+    def derivatives(line: Driveline, by: Collection[LayoutVariables]) -> VectorsBy:
+        found = {kind: _motion_derivatives(of, line, kind) for kind in by}
+        return {
+            kind: own * scale.reshape(-1, *(1 for _ in range(own.ndim - len(line.shape))))
+            for kind, own in found.items()
+        }
 
     def figure(length: Any) -> Any:  # noqa: ANN401 - a number or an array
         return common * of.ratio(length)
@@ -154,6 +158,16 @@ def _of_motion(argument: str, of: MotionQuantity, squared: FloatArray | None) ->
         return float(root(lambda k: figure(k) - value, 0.0, high, **tolerances))
 
     return Measure(of.name, unit, vectors, figure, length, derivatives, of.of_last, of.largest)
+
+
+def _motion_derivatives(of: MotionQuantity, line: Driveline, by: LayoutVariables) -> Vectors:
+    """The derivatives of the amplitudes of a quantity, ``(*batch, r, *parameters)``."""
+    if by == "lengths" or by == "positions":
+        # The motion depends on neither lengths nor bearings.
+        own = parameter_shape(by, line.n_joints, line.n_bearings)
+        return np.zeros((*line.shape, len(of.amplitudes), *own))
+    found = [_amplitude_derivatives(line, kind, by) for kind in of.amplitudes]
+    return np.stack(found, axis=len(line.shape))
 
 
 def _amplitude(line: Driveline, kind: Amplitude) -> NDArray[np.complex128]:
@@ -183,11 +197,13 @@ def _of_output(name: str, reduced: ReducedQuantity, load: Load | None) -> Measur
     def vectors(line: Driveline) -> Vectors:
         return reduced.of(line, load)[..., np.newaxis]
 
-    def derivatives(line: Driveline, by: Parameters) -> Vectors:
-        return np.expand_dims(reduced.derivatives(line, load, by), len(line.shape))
+    def derivatives(line: Driveline, by: Collection[LayoutVariables]) -> VectorsBy:
+        found = reduced.derivatives(line, load, by)
+        return {kind: np.expand_dims(own, len(line.shape)) for kind, own in found.items()}
 
-    known = derivatives if reduced.differentiable else None
-    return Measure(name, reduced.unit, vectors, lambda length: length, lambda value: value, known)
+    return Measure(
+        name, reduced.unit, vectors, lambda length: length, lambda value: value, derivatives
+    )
 
 
 def _of_function(argument: str, function: Callable[[Driveline], Any]) -> Measure:

@@ -13,7 +13,7 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.optimisation.measures import Measure, Vectors, over_states
-from cardan.parameters import Parameters
+from cardan.parameters import LayoutVariables
 
 # Steps of central differences, as a share of the scale of a variable: the third root of the
 # rounding error balances it against the error of the formula.
@@ -25,12 +25,12 @@ class Parameter:
     """What a variable changes: parameters of the driveline, in every state alike.
 
     Attributes:
-        kind: bends, twists, phases or points.
+        kind: bends, twists, phases, points, lengths or positions of bearings.
         place: which of them, an index behind the batch axes: ``(slice(0, 2),)``, ``(2, 1)``.
         factor: by how much each changes per unit of the variable.
     """
 
-    kind: Parameters
+    kind: LayoutVariables
     place: tuple[Any, ...]
     factor: float = 1.0
 
@@ -117,8 +117,7 @@ class Problem:
             if measure.derivatives is None:
                 found.append(None)
                 continue
-            kinds = {parameter.kind for parameter in self.parameters}
-            by = {kind: measure.derivatives(line, kind) for kind in kinds}
+            by = measure.derivatives(line, {parameter.kind for parameter in self.parameters})
             columns = []
             for one in self.parameters:
                 own = by[one.kind][(slice(None), slice(None), *one.place)]

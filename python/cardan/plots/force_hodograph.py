@@ -127,9 +127,9 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
     axes.set_xlabel("force to the right [N]")
     axes.set_ylabel(f"force upwards, towards {path.up} [N]")
     axes.grid(visible=True)
-    name = path.label.capitalize()
-    seen = f"seen along shaft {path.shaft}"
-    axes.set_title(f"{name}, up to {figure_text(size)} N\n{seen}", loc="left")
+    heading = f"{path.per.capitalize()} {path.item}, up to {figure_text(size)} N"
+    state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
+    axes.set_title(f"{heading}\n{state}seen along shaft {path.shaft}", loc="left")
 
 
 def _name_angles(axes: Axes, path: ForcePath) -> None:

@@ -47,9 +47,8 @@ def _view(path: ForcePath) -> dict[str, Any]:
     size = path.size
     largest = places[path.largest]
     span = float(np.max(np.ptp(forces, axis=0)))
-    heading = (
-        f"{path.label.capitalize()}, up to {figure_text(size)} N, seen along shaft {path.shaft}"
-    )
+    of = path.label[0].upper() + path.label[1:]
+    heading = f"{of}, up to {figure_text(size)} N, seen along shaft {path.shaft}"
     ends = (np.array([[_LEFT, _BOTTOM], [_RIGHT, _TOP]]) - centre) / scale * (1.0, -1.0) + middle
     return {
         "width": _WIDTH,

@@ -18,19 +18,16 @@ from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
 from cardan.tolerances import Tolerances
 from cardan.words.tolerances import (
-    STATE_HEADS,
     figure_lines,
     given_lines,
     limit_text,
     percent,
     permitted_texts,
-    state_row,
+    state_rows,
     verdict_text,
 )
 
 _POINTS, _MOST_BARS = 200, 10
-
-_HEADS = tuple(head.capitalize() for head in STATE_HEADS)
 
 
 def tolerances(found: ToleranceFigures, of: Tolerances) -> dict[str, Any]:
@@ -67,8 +64,9 @@ def _states(figure: ToleranceFigure) -> Table | None:
     """A row for each state; ``None`` without states."""
     if not figure.states:
         return None
-    rows = [(state.name, *state_row(figure, state)) for state in figure.states]
-    return Table(f"{figure.label.capitalize()} in each state", ("State", *_HEADS), rows)
+    heads, *rows = state_rows(figure)
+    title = f"{figure.label.capitalize()} in each state"
+    return Table(title, tuple(head.capitalize() for head in heads), rows)
 
 
 def _class(figure: ToleranceFigure) -> str:
@@ -81,7 +79,7 @@ def _class(figure: ToleranceFigure) -> str:
 
 def _scatter(figure: ToleranceFigure, of: Tolerances) -> dict[str, Any]:
     """The share of the drivelines up to each value, with the limit as a step."""
-    sampled = np.sort(np.asarray(in_figure_units(of, figure.name, of.sampled), dtype=float))
+    sampled = np.asarray(in_figure_units(of, figure.name, of.ascending), dtype=float)
     high = max(float(sampled[-1]), figure.worst, figure.limit or 0.0)
     x = np.linspace(float(sampled[0]), high if high > sampled[0] else sampled[0] + 1.0, _POINTS)
     if figure.limit is not None:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -147,11 +147,13 @@ def make_load(values: Mapping[str, Any], varied: Container[str] = ()) -> Load:
     values = still | dict(values)
     with _named({keys[key].argument: (key,) for key in values}):
         return Load(
-            **{
-                keys[key].argument: np.multiply(value, keys[key].factor)
-                for key, value in values.items()
-            }
+            **{keys[key].argument: _in_si(value, keys[key].factor) for key, value in values.items()}
         )
+
+
+def _in_si(value: ArrayLike, factor: float) -> ArrayLike:
+    # Recorded values are long, and in SI units.
+    return value if factor == 1.0 else np.multiply(value, factor)
 
 
 def check_not_recorded(values: Mapping[str, Any], recorded: Container[str]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
+from cardan.files.ahead import read_ahead
 from cardan.files.headings import short
 from cardan.files.recording import Chunk, place_of, read_chunks
 from cardan.scene.angles import Angles
@@ -70,7 +71,7 @@ class Recording:
         assert len(pieces) == 1
         return pieces[0][0]
 
-    def pieces(self, rows: int | None) -> Iterator[tuple[Angles, int]]:
+    def pieces(self, rows: int | None) -> Generator[tuple[Angles, int]]:
         """Yield the samples in pieces of so many, each with the number of all samples.
 
         The samples do not depend on the pieces, to the last bit.
@@ -113,7 +114,8 @@ class Recording:
     def _chunks(self, rows: int | None) -> Iterator[Chunk]:
         names = [*self._columns.values(), *self._bends.values()]
         try:
-            yield from read_chunks(self._file, names, rows, self._raster)
+            chunks = read_chunks(self._file, names, rows, self._raster)
+            yield from chunks if rows is None else read_ahead(chunks)
         except OSError as error:
             reason = error.strerror or str(error)
             problem = f"is {short(repr(str(self._file)))}; it cannot be read: {reason}"
@@ -167,6 +169,10 @@ class Recording:
                 raise self._error(first + row, name, value)
         if self._timed:
             time = rows["time_column_s"]
+            # No comparison with NaN is true.
+            if time[0] > self._last_time and (time[1:] > time[:-1]).all():
+                self._last_time = float(time[-1])
+                return
             known = np.flatnonzero(~np.isnan(time))
             behind = np.flatnonzero(np.diff(time[known], prepend=self._last_time) <= 0.0)
             if behind.size:
@@ -187,14 +193,14 @@ class Recording:
         part = {key: column[rows] for key, column in held.items()}
         known: NDArray[np.bool_] = np.ones(rows.stop - rows.start, np.bool_)
         for key in (*self._columns, *self._bends):
-            known &= ~np.isnan(part[key])
+            _leave_out_missing(known, part[key])
         load: dict[str, FloatArray] = {}
         if self._timed:
             slope, curvature = derivatives(held["time_column_s"], held[_SIGNAL], self._reach, rows)
             speed, acceleration = (part[_SIGNAL], slope) if self._speed else (slope, curvature)
             self._found_numbers |= bool(known.any())
             # Too few samples around one leave its acceleration unknown.
-            known &= ~np.isnan(acceleration)
+            _leave_out_missing(known, acceleration)
             load = {"speed_rad_s": speed, "acceleration_rad_s2": acceleration}
         if "torque_column_Nm" in part:
             load["drive_torque_Nm"] = part["torque_column_Nm"]
@@ -252,6 +258,12 @@ _MEASURED: Mapping[str, Any] = {
     **dict.fromkeys(SPEED_COLUMNS, "speed"),
     "torque_column_Nm": "drive_torque",
 }
+
+
+def _leave_out_missing(known: NDArray[np.bool_], values: FloatArray) -> None:
+    # NaN anywhere is the least: most recordings have none, and one pass says so.
+    if np.isnan(np.min(values, initial=np.inf)):
+        known &= ~np.isnan(values)
 
 
 def _extent(values: FloatArray) -> tuple[float, float]:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
+from cardan.files.ahead import read_ahead
 from cardan.files.progress import Progress
 from cardan.limits import Limits
 from cardan.load import Load
@@ -182,7 +183,7 @@ class Scene:
             for key in ("reduce", "closed_forms", "table", "picture"):
                 if key in output:
                     raise ArgumentValueError(key, "does not go with streaming; it needs all angles")
-        pieces = Recording(recorded, folder).pieces(rows)
+        pieces = read_ahead(Recording(recorded, folder).pieces(rows))
         while True:
             with document.within("angles"):
                 piece = next(pieces, None)

@@ -46,11 +46,14 @@ class Signal:
         cls, signal: Measured, column: str | None, unit: str, values: FloatArray, reach: int = 0
     ) -> Signal | None:
         """Return the extent of values, ``(samples,)``; ``None`` where all are missing."""
-        known = ~np.isnan(values)
-        if not known.any():
-            return None
-        ends = float(values[np.argmax(known)]), float(values[~np.argmax(known[::-1])])
-        extent = float(np.fmin.reduce(values)), float(np.fmax.reduce(values))
+        known = values
+        # With numbers at both ends, gaps between them do not matter here.
+        if not values.size or np.isnan(values[[0, -1]]).any():
+            known = values[~np.isnan(values)]
+            if not known.size:
+                return None
+        ends = float(known[0]), float(known[-1])
+        extent = float(np.fmin.reduce(known)), float(np.fmax.reduce(known))
         return cls(signal, column, unit, *ends, *extent, reach)
 
     def followed_by(self, later: Signal) -> Signal:

@@ -47,10 +47,13 @@ class Timing:
 
     def add(self, time: FloatArray) -> None:
         """Go on to times in s, ``(rows,)``; NaN where they are missing."""
-        known = np.flatnonzero(~np.isnan(time))
-        self._times = np.concatenate([self._times, time[known]])
-        self._rows = np.concatenate([self._rows, known + float(self._count)])
+        rows = self._count + np.arange(time.size, dtype=np.float64)
         self._count += time.size
+        if np.isnan(np.min(time, initial=np.inf)):
+            known = ~np.isnan(time)
+            time, rows = time[known], rows[known]
+        self._times = np.concatenate([self._times, time])
+        self._rows = np.concatenate([self._rows, rows])
         if self._first is None and self._times.size:
             self._first = float(self._times[0]), float(self._rows[0])
         # The last step is judged when the one after it is known.
@@ -74,8 +77,11 @@ class Timing:
         """Find the gaps among the steps that are not judged, up to one."""
         if end <= self._judged:
             return []
-        seconds, rows = np.diff(self._times), np.diff(self._rows)
-        each = seconds if self._rows[-1] - self._rows[0] == rows.size else seconds / rows
+        seconds = each = np.diff(self._times)
+        rows = np.broadcast_to(1.0, seconds.shape)
+        if self._rows[-1] - self._rows[0] != seconds.size:
+            rows = np.diff(self._rows)
+            each = seconds / rows
         # Even steps have no gaps, which is soon seen.
         if float(np.max(each)) <= _GAP * float(np.min(each)):
             return []

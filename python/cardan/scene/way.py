@@ -29,9 +29,13 @@ class Way:
         """Go on to drive angles in degrees, ``(samples,)``, none missing."""
         if not degrees.size:
             return
-        steps = np.abs(np.diff(np.concatenate([self._last, degrees])))
-        self._steps += float(np.sum(steps))
-        self._without_leaps += float(np.sum(np.minimum(steps, np.abs(steps - 360.0))))
+        steps = np.diff(np.concatenate([self._last, degrees]))
+        np.abs(steps, out=steps)
+        way = float(np.sum(steps))
+        self._steps += way
+        if np.max(steps, initial=0.0) > 180.0:
+            way = float(np.sum(np.minimum(steps, np.abs(steps - 360.0))))
+        self._without_leaps += way
         self._low = min(self._low, float(np.min(degrees)))
         self._high = max(self._high, float(np.max(degrees)))
         self._first = self._first if self._first.size else degrees[:1]

@@ -12,12 +12,13 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.geometry import Geometry
 from cardan.load import Load
+from cardan.parameters import PARAMETERS
 from cardan.quantities import Amplitude, MotionQuantity
 from cardan.reduced_quantities import ReducedQuantity
 from cardan.tolerances.amplitudes import amplitude
 from cardan.tolerances.box import Box
 from cardan.tolerances.chain import ComplexArray, Deviations
-from cardan.tolerances.deviating import in_blocks
+from cardan.tolerances.deviating import as_drawn, in_blocks
 from cardan.tolerances.guaranteed import largest_modulus
 from cardan.tolerances.worst import MOST_CORNERS, largest_in_box, zonotope_radius
 
@@ -141,26 +142,21 @@ class Case:
 
     def _slopes(self, kind: Amplitude) -> ComplexArray:
         """The derivatives of an amplitude by each parameter."""
-        units = self._steps
+        steps = np.diag(np.full(len(self.box.places), _STEP))
+        units = np.concatenate([steps, -steps], axis=1)
         by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])
         found = amplitude(kind, self.box.nominal, by_place, self.shaft)
-        slopes: ComplexArray = self._differences(np.broadcast_to(found, units.shape[1]))
-        return slopes
+        plus, minus = np.split(np.broadcast_to(found, units.shape[1]), 2)
+        return np.asarray((plus - minus) / (2.0 * _STEP * self.box.sizes))
 
     def _slopes_of_output(self, quantity: ReducedQuantity) -> FloatArray:
         """The derivatives of a reduced output by each parameter."""
-        slopes: FloatArray = self._differences(self._of_units(quantity)(self._steps))
-        return slopes
-
-    @property
-    def _steps(self) -> FloatArray:
-        """Deviations in units of the tolerances: one parameter forward each, then one back."""
-        steps = np.diag(np.full(len(self.box.places), _STEP))
-        return np.concatenate([steps, -steps], axis=1)
-
-    def _differences(self, values: Any) -> Any:  # noqa: ANN401 - real or complex
-        plus, minus = np.split(values, 2)
-        return (plus - minus) / (2.0 * _STEP * self.box.sizes)
+        line = self.line_of(as_drawn(self.geometry, self.box.nominal))
+        used = {group for group, _ in self.box.places}
+        wanted = [group for group in PARAMETERS if group in used]
+        found = quantity.derivatives(line, self.load, wanted)
+        by: dict[str, FloatArray] = {group: own[0] for group, own in found.items()}
+        return np.array([by[group][place] for group, place in self.box.places])
 
     def _linear_modulus(self, kind: Amplitude) -> float:
         """The largest magnitude of an amplitude to first order."""

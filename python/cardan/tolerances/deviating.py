@@ -39,6 +39,11 @@ def in_blocks(
     return found
 
 
+def as_drawn(own: Geometry, nominal: Nominal) -> Geometry:
+    """Return a batch of one driveline without deviations; from points if they have tolerances."""
+    return _geometry(own, nominal, {}, 1)
+
+
 def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: int) -> Geometry:
     """The drivelines of the samples, with the bearings of the one as drawn."""
 

@@ -139,8 +139,6 @@ def _quantity(
         if reduce not in REDUCTIONS:
             raise ArgumentValueError("reduce", f"is {reduce!r}; it must be one of {_LISTED}")
         found = ReducedQuantity(output, items.get(output.per), reduce)
-        if output.vector and reduce != "peak":
-            raise ArgumentValueError("reduce", f"is {reduce!r}; the vector {name!r} needs 'peak'")
     elif found is None:
         known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS])
         raise ArgumentValueError("of", f"is {name!r}; {known}", (place,))
@@ -148,8 +146,6 @@ def _quantity(
         raise ArgumentValueError(
             "of", f"is {name!r}; its reduction must be one of {_LISTED}", (place,)
         )
-    elif found.output.vector and found.reduction != "peak":
-        raise ArgumentValueError("of", f"is {name!r}; of a vector it needs the 'peak'", (place,))
     else:
         found.check_item(line)
     return found

@@ -29,6 +29,13 @@ def _in_degrees(name: str) -> Any:  # noqa: ANN401 - a property
     return property(of, doc=f"``{name}`` in degrees.")
 
 
+def _share_up_to(values: FloatArray, limit: float) -> FloatArray:
+    """Return the share of sorted values, along the last axis, that do not exceed a limit."""
+    rows = values.reshape(-1, values.shape[-1])
+    counts = [np.searchsorted(row, limit, side="right") for row in rows]
+    return np.asarray(np.reshape(counts, values.shape[:-1]) / values.shape[-1])
+
+
 class Tolerances:
     """The effect of tolerances on figures of a driveline; see ``Driveline.tolerances``.
 
@@ -186,24 +193,35 @@ class Tolerances:
 
     @cached_property
     def sampled(self) -> Any:  # noqa: ANN401
-        """The figure of each random driveline, ``(..., samples)``.
+        """The figure of each random driveline in the order drawn, ``(..., samples)``.
 
-        All drivelines of a batch have the same random numbers, so that they can be compared.
+        All drivelines of a batch have the same random numbers, and so have all figures and states,
+        so that they can be compared.
         """
-        found = {name: np.empty((len(self._designs), self.samples)) for name in self.of}
-        for i, design in enumerate(self._designs):
-            of = partial(design.values, self._quantities)
-            out = {name: values[i] for name, values in found.items()}
-            sample(design.box, self.seed, self._workers, of, out)
-        return self._named(
-            {name: values.reshape((*self.shape, self.samples)) for name, values in found.items()}
-        )
+        return self._named(self._drawn())
+
+    @cached_property
+    def ascending(self) -> Any:  # noqa: ANN401
+        """The figures of the random drivelines, sorted, ``(..., samples)``; read-only.
+
+        Quantiles and the passing share come from this array. Only ``sampled`` needs another one, of
+        8 bytes per sample and figure.
+        """
+        held = self.__dict__.get("sampled")
+        if held is None:
+            found = self._drawn()
+        else:
+            found = {name: values.copy() for name, values in self._by_name(held).items()}
+        for values in found.values():
+            values.sort(axis=-1)
+            values.flags.writeable = False
+        return self._named(found)
 
     def quantile(self, share: ArrayLike) -> Any:  # noqa: ANN401
         """Return the figure that this share of the random drivelines does not exceed.
 
         Args:
-            share: within [0, 1], any shape.
+            share: within [0, 1], any shape. Between two drivelines the figure is interpolated.
 
         Returns:
             in the shape of the batch, followed by that of ``share``.
@@ -215,16 +233,14 @@ class Tolerances:
         p = as_float64("share", share)
         if not np.all((p >= 0.0) & (p <= 1.0)):
             raise ArgumentValueError("share", f"is {share!r}; it must lie in [0, 1]")
-        found = {
-            name: scalar_or_array(np.asarray(self._quantiles(values, p)))
-            for name, values in self._sampled_by_name().items()
-        }
+        place = p * (self.samples - 1)
+        below = np.floor(place).astype(np.intp)
+        above = np.ceil(place).astype(np.intp)
+        found = {}
+        for name, values in self._by_name(self.ascending).items():
+            low, high = values[..., below], values[..., above]
+            found[name] = scalar_or_array(np.asarray(low + (place - below) * (high - low)))
         return self._named(found)
-
-    @staticmethod
-    def _quantiles(values: FloatArray, share: FloatArray) -> FloatArray:
-        found = np.asarray(np.quantile(values, share.reshape(-1), axis=-1))
-        return np.moveaxis(found, 0, -1).reshape((*values.shape[:-1], *share.shape))
 
     @cached_property
     def shares(self) -> Any:  # noqa: ANN401
@@ -248,8 +264,8 @@ class Tolerances:
             ValueError: the only figure has no limit.
         """
         found = {
-            name: scalar_or_array(np.asarray(np.mean(values <= self._limits[name], axis=-1)))
-            for name, values in self._sampled_by_name().items()
+            name: scalar_or_array(_share_up_to(values, self._limits[name]))
+            for name, values in self._by_name(self.ascending).items()
             if name in self._limits
         }
         if self._several:
@@ -310,6 +326,9 @@ class Tolerances:
     sampled_deg = _in_degrees("sampled")
     """``sampled`` in degrees."""
 
+    ascending_deg = _in_degrees("ascending")
+    """``ascending`` in degrees."""
+
     limit_deg = _in_degrees("limit")
     """``limit`` in degrees."""
 
@@ -343,10 +362,17 @@ class Tolerances:
     def _searched(self, quantity: Quantity) -> bool:
         return all(design.searched(quantity) for design in self._designs)
 
-    def _sampled_by_name(self) -> Mapping[str, FloatArray]:
-        found: Mapping[str, FloatArray] = (
-            self.sampled if self._several else {self.of[0]: self.sampled}
-        )
+    def _drawn(self) -> dict[str, FloatArray]:
+        """The figure of each random driveline by name."""
+        found = {name: np.empty((len(self._designs), self.samples)) for name in self.of}
+        for i, design in enumerate(self._designs):
+            of = partial(design.values, self._quantities)
+            out = {name: values[i] for name, values in found.items()}
+            sample(design.box, self.seed, self._workers, of, out)
+        return {name: values.reshape((*self.shape, self.samples)) for name, values in found.items()}
+
+    def _by_name(self, results: Any) -> Mapping[str, FloatArray]:  # noqa: ANN401
+        found: Mapping[str, FloatArray] = results if self._several else {self.of[0]: results}
         return found
 
     def _each(self, of: Callable[[Design, Quantity], float]) -> Any:  # noqa: ANN401

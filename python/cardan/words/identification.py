@@ -8,8 +8,10 @@ from typing import Any
 from cardan.words.summary import aligned, figure_text
 from cardan.wrapping import fill
 
-# A recording whose purity is farther from 1 shows something beside the joints.
+# A recording whose purity is farther from 1, and by more than the noise can do, shows something
+# besides the joints.
 _PURE = 0.2
+_SIGMAS = 3.0
 
 
 def identification_text(data: Mapping[str, Any], *, radians: bool = False) -> str:
@@ -46,13 +48,19 @@ def identification_text(data: Mapping[str, Any], *, radians: bool = False) -> st
     of_what = "speed ratio" if of_ratio else "angle error"
     for entry in joint["orders"]:
         lines.append((f"{of_what}, order {entry['order']}", size(entry[f"amplitude{ending}"])))
-    purity = joint["purity"]
     lines += [
-        ("purity", "unknown" if purity is None else figure_text(purity)),
+        ("purity", _purity(joint)),
         ("not explained, rms", size(joint[f"residual{ending}"])),
     ]
     notes = "\n\n".join(fill(note, 79) for note in _notes(joint, sign, bool(two)))
     return f"{data['title']}\n\n{aligned(lines)}\n\n{notes}"
+
+
+def _purity(joint: Mapping[str, Any]) -> str:
+    purity, spread = joint["purity"], joint["purity_standard_deviation"]
+    if purity is None or spread is None:
+        return "unknown"
+    return f"{figure_text(purity)}, standard deviation {figure_text(spread)}"
 
 
 def _notes(joint: Mapping[str, Any], sign: str, two: bool) -> list[str]:
@@ -62,11 +70,18 @@ def _notes(joint: Mapping[str, Any], sign: str, two: bool) -> list[str]:
     ]
     if not joint["detected"]:
         notes = ["The bend is not larger than the noise permits to detect."]
-    elif joint["purity"] is not None and abs(joint["purity"] - 1.0) > _PURE:
-        notes.append(
-            "The purity is not 1: order 4 does not fit order 2, so the recording shows something "
-            "besides universal joints, or the noise hides order 4."
-        )
+    elif joint["purity"] is not None:
+        noise = _SIGMAS * (joint["purity_standard_deviation"] or 0.0)
+        if abs(joint["purity"] - 1.0) > max(_PURE, noise):
+            notes.append(
+                "The purity is not 1: order 4 does not fit order 2, so the recording shows "
+                "something besides universal joints."
+            )
+        elif noise > 1.0:
+            notes.append(
+                "The noise hides order 4, so the purity does not tell whether order 2 comes from "
+                "joints. A longer recording, with more samples, does."
+            )
     notes.append(
         "An ovality of an encoder has order 2 as well. A recording with straight joints tells it "
         "from a bend."

@@ -1,0 +1,49 @@
+"""Work of a second thread: reading ahead and writing behind, in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing
+from typing import TypeVar
+
+_Item = TypeVar("_Item")
+
+
+def read_ahead(items: Generator[_Item]) -> Generator[_Item]:
+    """Yield the items of a generator, while a second thread makes the next one.
+
+    One item at most is ready ahead. The generator is closed with this one.
+    """
+    # After the thread has ended, because a generator that runs cannot be closed.
+    with closing(items), ThreadPoolExecutor(1, "cardan-read") as thread:
+        coming = thread.submit(_next, items)
+        while item := coming.result():
+            coming = thread.submit(_next, items)
+            yield item[0]
+
+
+def _next(items: Generator[_Item]) -> tuple[_Item] | None:
+    for item in items:
+        return (item,)
+    return None
+
+
+def write_behind(write: Callable[[_Item], None], items: Iterable[_Item]) -> Generator[_Item]:
+    """Yield the items that are written, which a second thread does while the next one is made.
+
+    One item at most is being written. Close the generator to wait for it.
+    """
+    with ThreadPoolExecutor(1, "cardan-write") as thread:
+        writing: tuple[Future[None], _Item] | None = None
+        for item in items:
+            if writing:
+                yield _written(*writing)
+            writing = thread.submit(write, item), item
+        if writing:
+            yield _written(*writing)
+
+
+def _written(writing: Future[None], item: _Item) -> _Item:
+    writing.result()
+    return item
