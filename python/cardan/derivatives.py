@@ -39,6 +39,7 @@ _COLUMNS = {
     "inertias": "inertias",
     "lengths": "lengths",
     "positions": "positions",
+    "deviations": "deviations",
 }
 
 _Stepped = tuple[FloatArray, int, int]
@@ -48,8 +49,8 @@ class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
     """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``.
 
     Those by bends, twists, phases, inertias, lengths and positions have the output's shape with one
-    more axis, those by points two, ``(n + 2, 3)``; those by the drive angle and by a torque have
-    the output's shape.
+    more axis, those by points and deviations two, ``(n + 2, 3)`` and ``(n, 3)``; those by the drive
+    angle and by a torque have the output's shape.
     """
 
     __slots__ = ("_by_output",)
@@ -82,8 +83,9 @@ class Gradient:
 
     There is one sum for each driveline of a batch. Derivatives are per radian, per unit of the
     points, per N m and per kg m². Those that the plan does not have are missing: ``points`` of a
-    driveline that was not made from points, torques and inertias without a load, lengths that are
-    unknown, positions without bearings.
+    driveline that was not made from points or has deviations, torques and inertias without a load,
+    lengths that are unknown, positions without bearings, deviations of ideal joints, which
+    ``Plan.derivatives`` gives.
 
     Attributes:
         value: ``sum(weights * outputs)`` over items, components and samples, in the shape of the
@@ -98,6 +100,8 @@ class Gradient:
             samples changes by the same amount at each.
         lengths: ``(..., n + 1)``, if the lengths of the shafts are known; all directions are held.
         positions: of the bearings, ``(..., m)``, if there are any.
+        deviations: of driving yoke, cross and driven yoke of each joint, ``(..., n, 3)``, if the
+            driveline has deviations.
     """
 
     value: NDArray[np.float64]
@@ -115,6 +119,7 @@ class Gradient:
             "inertias": "a load",
             "lengths": "the lengths of the shafts",
             "positions": "bearings",
+            "deviations": "a driveline with deviations",
         }
         if needs := wanted.get(name):
             if name in self._others:
@@ -265,7 +270,7 @@ def gradient(
     samples = DerivativeSamples(request, places, angle, level)
     line = samples.line
     by = ["value", "bends", "twists", "phases"]
-    if line.has_points:
+    if line.has_points and not line.has_deviations:
         by.append("points")
     if request.load is not None:
         by += [f"{request.load.end}_torque", "inertias"]
@@ -273,6 +278,8 @@ def gradient(
         by.append("lengths")
     if line.n_bearings:
         by.append("positions")
+    if line.has_deviations:
+        by.append("deviations")
     flat = samples.run(by, [*_planes(samples, weights)])
     rows = flat.reshape(*line.shape, -1)
     parts = {

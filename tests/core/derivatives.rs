@@ -66,6 +66,7 @@ impl Arrays {
             normals: &self.normals,
             lengths: &self.lengths,
             positions: &self.positions,
+            deviations: &[],
         }
     }
 }
@@ -131,6 +132,7 @@ fn value(given: &Parameters) -> f64 {
         load: Some(End::Output),
         inertias: &[0, 1, 2, 3],
         bearings: Some(&BEARINGS),
+        as_built: false,
     })
     .unwrap();
     let angles = angles(given, SAMPLES);

@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted, q_derivatives,
+    Differentiated, Execution, Output, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted,
+    q_derivatives,
 };
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
@@ -37,6 +38,7 @@ pub(crate) fn dq<'py>(
         return Err(PyIndexError::new_err(problem));
     }
     let by = parameters(by)?;
+    lines.check_ideal("q and its derivatives are")?;
     lines.with(py, |lines| {
         let count = lines.bends.len() / joints;
         if by == Parameters::Points && lines.lengths.len() != count * (joints + 1) {
@@ -117,6 +119,12 @@ pub(crate) fn differentiate<'py>(
         }
         None => None,
     };
+    if wanted.points {
+        lines.check_ideal("derivatives by points are")?;
+    }
+    if wanted.deviations || lines.is_as_built() {
+        check_as_built(&outputs, modes)?;
+    }
     lines.with(py, |lines| {
         let task = Differentiated {
             joints,
@@ -174,6 +182,24 @@ pub(crate) fn differentiate<'py>(
     })
 }
 
+/// Refuses what joints as built do not have.
+fn check_as_built(
+    outputs: &[(Output, Vec<usize>)],
+    (shaft_axes, driven): (bool, bool),
+) -> PyResult<()> {
+    let force = outputs.iter().find(|(output, _)| output.row().unit == "N");
+    let problem = if shaft_axes {
+        "have deviations; their moments are differentiated in the axes of space".to_owned()
+    } else if driven {
+        "have deviations; derivatives are those at drive angles".to_owned()
+    } else if let Some((output, _)) = force {
+        format!("have deviations, with which there is no {}", output.row().name)
+    } else {
+        return Ok(());
+    };
+    Err(argument_error("joints", &[], problem))
+}
+
 fn spread<'a>(name: &str, (array, per_line, per_sample): &'a Stepped<'_>) -> PyResult<Spread<'a>> {
     let data = slice(name, array)?;
     Ok(Spread { data, per_line: *per_line, per_sample: *per_sample })
@@ -212,6 +238,7 @@ fn wanted(names: &[PyBackedStr]) -> PyResult<Wanted> {
             "inertias" => &mut wanted.inertias,
             "lengths" => &mut wanted.lengths,
             "positions" => &mut wanted.positions,
+            "deviations" => &mut wanted.deviations,
             other => {
                 return Err(argument_error("by", &[], format!("is {other:?}, which is unknown")));
             }

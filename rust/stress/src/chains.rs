@@ -148,6 +148,7 @@ fn evaluate(line: &ChainAngles, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
         load: None,
         inertias: &[],
         bearings: None,
+        as_built: false,
     })
     .expect("the request is sound");
     let angle = Angles::Array(Source { data: angles, strides: &[1] });

@@ -4,6 +4,8 @@
 //! The samples of a driveline are cut into the same blocks for any number of threads, and their
 //! sums are added in order, so that results have the same bits.
 
+mod as_built;
+mod as_built_sums;
 mod blocks;
 mod forces;
 mod line;
@@ -231,6 +233,9 @@ impl Differentiated<'_> {
         if columns == 0 {
             return;
         }
+        if self.is_as_built(wanted) {
+            return self.gradient_as_built(weights, wanted, out, execution);
+        }
         let threads = threads(self.is_parallel(), execution.workers);
         let level = execution.level.unwrap_or_else(Level::new);
         let blocks = self.samples.div_ceil(BLOCK).max(1);
@@ -282,6 +287,9 @@ impl Differentiated<'_> {
         let total = lines.saturating_mul(samples);
         if columns == 0 || total == 0 {
             return;
+        }
+        if self.is_as_built(wanted) {
+            return self.derivatives_as_built(wanted, out, execution);
         }
         let mut planes = vec![];
         for (output, items) in &self.outputs {
