@@ -65,6 +65,41 @@ def test_a_batch_is_its_drivelines() -> None:
             np.testing.assert_allclose(each[name][:, :, i], paired[name], atol=1e-13 * size)
 
 
+def test_steep_drivelines() -> None:
+    # Forces of moderate drivelines are sums over powers, those of steep ones sums over joints.
+    steep = Driveline.from_points(POINTS * np.array([1.0, 6.0, 4.0])).with_bearings(BEARINGS)
+    for line, source in ((LINE, "power"), (steep, "torsion")):
+        assert (
+            f"joint 2: parts for the forces from the {source}"
+            in line.plan(NAMES, load=LOAD).explain()
+        )
+        got, want = (line.evaluate(ANGLE, NAMES, load=LOAD, tolerance=tol) for tol in (None, 0.0))
+        for name in NAMES:
+            atol = 1e-14 * np.abs(want[name]).max()
+            np.testing.assert_allclose(got[name], want[name], rtol=0, atol=atol)
+    together = Driveline.concatenate([LINE, steep])[:, None].evaluate(ANGLE, NAMES, load=LOAD)
+    for name in NAMES:
+        for i, line in enumerate((LINE, steep)):
+            want = line.evaluate(ANGLE, name, load=LOAD)[name]
+            atol = 1e-13 * np.abs(want).max()
+            np.testing.assert_allclose(together[name][:, i], want, rtol=0, atol=atol)
+
+
+def test_both_forces_of_a_shaft_past_the_caches() -> None:
+    # Within the caches the second force is a copy of the first, with the sign reversed.
+    line = Driveline.from_points(POINTS).with_bearings([(0, 0.05), (0, 0.2), (3, 0.05), (3, 0.2)])
+    load = Load(drive_torque=30.0)
+    angle = np.linspace(-40.0, 90.0, 300_000)
+    out = {name: np.empty_like(line.evaluate(angle, name, load=load)[name]) for name in NAMES}
+    line.evaluate(angle, NAMES, load=load, out=out)
+    assert sum(array.nbytes for array in out.values()) > 48_000_000
+    part = slice(123_450, 124_450)
+    few = line.evaluate(angle[part], NAMES, load=load)
+    for name in NAMES:
+        np.testing.assert_array_equal(out[name][:, part], few[name])
+    assert np.any(few.bearing_force[0])
+
+
 def test_threads_change_nothing() -> None:
     angle = np.linspace(0.0, 50.0, 300_000)
     one = LINE.evaluate(angle, NAMES, load=LOAD, workers=1)
@@ -171,9 +206,9 @@ def test_drivelines_that_are_computed_later() -> None:
 def test_the_plan_says_what_it_does() -> None:
     text = LINE.plan(NAMES, load=LOAD).explain()
     for line in (
-        "joint 2: parts for the forces from the torsion",
-        "bearing 2: force, a sum of 7 terms",
-        "joint 1: force, a sum of 4 terms",
+        "joint 0: parts for the forces from the power",
+        "bearing 2: force, a sum of 9 terms",
+        "joint 1: force, a sum of 6 terms",
     ):
         assert line in text.replace("  ", ""), text
     held = Driveline.from_points(POINTS[:3]).plan("joint_force", load=LOAD_OF_TWO).explain()

@@ -67,6 +67,12 @@ impl Stores {
         Self(Vectors::Avx512)
     }
 
+    /// Whether there are stores past the caches.
+    #[inline(always)]
+    pub fn can_bypass_caches(self) -> bool {
+        !matches!(self.0, Vectors::Ordinary)
+    }
+
     /// Whether a cache line is one register, of which there are then 32.
     #[inline(always)]
     pub fn has_wide_registers(self) -> bool {

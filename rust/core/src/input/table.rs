@@ -120,6 +120,11 @@ impl<'a> Table<'a> {
         self.shape.iter().product()
     }
 
+    /// Whether each sample of a sweep has its own driveline.
+    pub(crate) fn sweeps_drivelines(&self) -> bool {
+        self.sweep.is_some() && self.geometry_variation() == GeometryVariation::BySample
+    }
+
     /// How the geometry changes over the samples.
     pub(crate) fn geometry_variation(&self) -> GeometryVariation {
         match self.line.split_last() {

@@ -11,6 +11,17 @@
 //!
 //! `S × u` is a linear form in the torsion parts of the joints at both ends of the shaft. So is each
 //! force, and its coefficients are constants of the driveline.
+//!
+//! The torsion of a joint is the power divided by the speed of its driving shaft. Let the map of the
+//! chain before the joint take `(cos φ, sin φ)` of the drive to `ℓ (cos α, sin α)`. The shaft then has
+//! the speed ratio `d/ℓ²` with the map's determinant `d`, and with the power `P` divided by the
+//! drive's speed
+//!
+//! `D sin² α = P (ℓ sin α)²/d`,
+//!
+//! where `ℓ sin α` is a linear form in `cos φ` and `sin φ`. The torsion parts of all joints with the
+//! same power are therefore linear forms in `P sin² φ`, `P cos² φ` and `P sin φ cos φ`. Where a chain
+//! is steep their terms cancel.
 
 use crate::mechanics::moment::Pose;
 use crate::number::double_double::DoubleDouble;
@@ -103,6 +114,18 @@ impl<T: Real> Pose<T> {
             (COSINE2, self.plane_normal.map(|x| x * self.cosine)),
             (PRODUCT, self.out_plane.map(|x| x * inverse)),
         ]
+    }
+
+    /// The torsion parts as linear forms in those of the drive shaft under the same power, given the
+    /// inverse determinant of the map before the joint.
+    #[inline(always)]
+    pub(crate) fn parts_of_drive(&self, inverse: T) -> [[T; 3]; PARTS] {
+        let [cc, cs, sc, ss] = self.matrix;
+        let product = |[xc, xs]: [T; 2], [yc, ys]: [T; 2]| {
+            [xs * ys, xc * yc, xs.mul_add(yc, xc * ys)].map(|x| x * inverse)
+        };
+        let (sine, cosine) = ([sc, ss], [cc, cs]);
+        [product(sine, sine), product(cosine, cosine), product(sine, cosine)]
     }
 
     /// `u_out`.

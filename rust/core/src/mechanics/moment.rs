@@ -25,7 +25,7 @@ use crate::number::float::Real;
 pub(crate) struct Pose<T> {
     /// The map from `(cos α, sin α)` of the drive to cosine and sine of this joint's input angle,
     /// multiplied by a positive length.
-    matrix: [T; 4],
+    pub(super) matrix: [T; 4],
     /// `sin β`.
     sine: T,
     /// `cos β`.
@@ -52,6 +52,16 @@ pub(crate) struct TorsionParts<T> {
     pub(crate) cosine2: T,
     /// `D sin α cos α`.
     pub(crate) product: T,
+}
+
+impl<T: Real> TorsionParts<T> {
+    /// The parts of a torsion, from sine and cosine of the input angle multiplied by a common length.
+    #[inline(always)]
+    pub(crate) fn new(torsion: T, sine: T, cosine: T) -> Self {
+        let (sine2, cosine2) = (sine.square(), cosine.square());
+        let scale = torsion * (sine2 + cosine2).recip();
+        Self { sine2: sine2 * scale, cosine2: cosine2 * scale, product: sine * cosine * scale }
+    }
 }
 
 impl<T: Real> Pose<T> {
@@ -195,13 +205,7 @@ impl<T: Real> Pose<T> {
     #[inline(always)]
     pub(crate) fn parts(&self, torsion: T, s: T, c: T) -> TorsionParts<T> {
         let (sine, cosine) = self.turn(s, c);
-        let (sine2, cosine2) = (sine.square(), cosine.square());
-        let scale = torsion * (sine2 + cosine2).recip();
-        TorsionParts {
-            sine2: sine2 * scale,
-            cosine2: cosine2 * scale,
-            product: sine * cosine * scale,
-        }
+        TorsionParts::new(torsion, sine, cosine)
     }
 
     /// Magnitude of the bending moment in the driving shaft, `D tan β |sin α|` (Grossmann (6)).

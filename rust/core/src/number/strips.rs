@@ -1,5 +1,7 @@
 //! Inputs of the loops: one value per sample, of which parts can be taken.
 
+use std::hint::black_box;
+
 use crate::number::float::Real;
 use crate::number::storage::View;
 
@@ -13,6 +15,12 @@ pub(crate) trait At: Copy {
 /// Values of which strips can be taken.
 pub(crate) trait Strips: At {
     type Strip: At<Value = Self::Value>;
+
+    /// Whether loops take one value after the other.
+    const ONE_BY_ONE: bool = false;
+
+    /// Whether all samples share one value.
+    const SHARED: bool = false;
 
     /// `length` values from `first` on. Bounds are checked here and not value by value.
     fn strip(&self, first: usize, length: usize) -> Self::Strip;
@@ -33,6 +41,8 @@ impl<V: Copy> At for Same<V> {
 
 impl<V: Copy> Strips for Same<V> {
     type Strip = Self;
+
+    const SHARED: bool = true;
 
     #[inline(always)]
     fn strip(&self, _: usize, _: usize) -> Self {
@@ -76,6 +86,32 @@ impl<V: Copy> Strips for &[V] {
     }
 }
 
+/// Values of which each belongs to a driveline that is folded for one sample. Folding takes many times
+/// as long as a loop over the samples, so the loop is not vectorised, which makes it short.
+#[derive(Clone, Copy)]
+pub(crate) struct OneByOne<A>(pub(crate) A);
+
+impl<A: At> At for OneByOne<A> {
+    type Value = A::Value;
+
+    #[inline(always)]
+    fn at(&self, i: usize) -> A::Value {
+        // An index that the compiler does not know keeps it from loading several values at once.
+        self.0.at(black_box(i))
+    }
+}
+
+impl<A: Strips> Strips for OneByOne<A> {
+    type Strip = OneByOne<A::Strip>;
+
+    const ONE_BY_ONE: bool = true;
+
+    #[inline(always)]
+    fn strip(&self, first: usize, length: usize) -> Self::Strip {
+        OneByOne(self.0.strip(first, length))
+    }
+}
+
 /// Values computed from others.
 #[derive(Clone, Copy)]
 pub(crate) struct Mapped<A, F>(A, F);
@@ -98,6 +134,8 @@ impl<A: At, V, F: Fn(A::Value) -> V + Copy> At for Mapped<A, F> {
 impl<A: Strips, V, F: Fn(A::Value) -> V + Copy> Strips for Mapped<A, F> {
     type Strip = Mapped<A::Strip, F>;
 
+    const ONE_BY_ONE: bool = A::ONE_BY_ONE;
+
     #[inline(always)]
     fn strip(&self, first: usize, length: usize) -> Self::Strip {
         Mapped(self.0.strip(first, length), self.1)
@@ -118,6 +156,8 @@ impl<A: At, const N: usize> At for [A; N] {
 
 impl<A: Strips, const N: usize> Strips for [A; N] {
     type Strip = [A::Strip; N];
+
+    const ONE_BY_ONE: bool = A::ONE_BY_ONE;
 
     #[inline(always)]
     fn strip(&self, first: usize, length: usize) -> Self::Strip {
@@ -142,6 +182,8 @@ macro_rules! tuples {
 
         impl<$($values: Strips),*> Strips for ($($values,)*) {
             type Strip = ($($values::Strip,)*);
+
+            const ONE_BY_ONE: bool = false $(|| $values::ONE_BY_ONE)*;
 
             #[inline(always)]
             fn strip(&self, first: usize, length: usize) -> Self::Strip {

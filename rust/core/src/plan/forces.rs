@@ -5,9 +5,10 @@ use std::ops::Range;
 use crate::error::{self, Error};
 use crate::input::Drivelines;
 use crate::mechanics::bearings::{Carried, Carrier, Statics};
-use crate::mechanics::forces::{COSINE2, PARTS, PRODUCT, SINE2};
+use crate::mechanics::forces::PARTS;
+use crate::plan::load::Station;
 use crate::plan::output::{Output, Per};
-use crate::plan::steps::{Plan, Request};
+use crate::plan::steps::{End, Plan, Request};
 
 /// A value, or the reason why it is not determinate.
 type Determinate<T> = Result<T, String>;
@@ -21,7 +22,7 @@ pub(crate) struct ForceStep {
     statics: Statics,
     /// The number of bearings of each driveline.
     pub(crate) bearings: usize,
-    /// The number of terms of all balances and targets.
+    /// The number of coefficients of all balances and targets.
     terms: usize,
     /// In an order in which each needs only earlier ones.
     pub(crate) balances: Vec<Balance>,
@@ -39,8 +40,6 @@ pub(crate) struct Balance {
     pub(crate) loads: Vec<JointLoad>,
     /// The joints whose torsion parts the forces depend on.
     pub(crate) joints: Range<usize>,
-    /// The indices of the torsion parts whose coefficients need not be zero.
-    terms: Vec<usize>,
 }
 
 /// The force of a joint on a shaft that it does not support.
@@ -70,8 +69,13 @@ pub(crate) struct ForceTarget {
     pub(crate) plane: usize,
     /// The force; none where a joint transmits no force.
     pub(crate) force: Option<ForceOf>,
-    /// Joint and part of each term of the sum.
-    pub(crate) terms: Vec<(usize, usize)>,
+    /// The joints whose torsion parts it is a sum of.
+    pub(crate) joints: Range<usize>,
+    /// The joints whose torsion parts, or those of the drive shaft under their power, it is computed
+    /// from.
+    pub(crate) sources: Vec<usize>,
+    /// First plane of an earlier target whose force is equal or opposite, and the sign.
+    pub(crate) twin: Option<(usize, f64)>,
 }
 
 impl ForceStep {
@@ -124,14 +128,28 @@ impl ForceStep {
         force: Option<ForceOf>,
         joint: usize,
     ) -> Determinate<()> {
-        let terms: Vec<_> = match force {
-            Some(ForceOf { balance, .. }) => self.balances[balance].parts().collect(),
-            // A term with the coefficient zero, which is NaN where the torsion is.
-            None => vec![(joint, PRODUCT)],
+        let joints = match force {
+            Some(ForceOf { balance, .. }) => self.balances[balance].joints.clone(),
+            // A sum whose coefficients are zero, which is NaN where the torsion is.
+            None => joint..joint + 1,
         };
-        self.count_terms(terms.len())?;
-        self.targets.push(ForceTarget { of, plane, force, terms });
+        self.count_terms(PARTS * joints.len())?;
+        let twin = force.and_then(|force| self.twin(force));
+        self.targets.push(ForceTarget { of, plane, force, joints, sources: vec![], twin });
         Ok(())
+    }
+
+    /// The target whose force is equal or opposite, if there is one: its plane, and the sign. Both
+    /// forces of a balance without loads are opposite.
+    fn twin(&self, force: ForceOf) -> Option<(usize, f64)> {
+        if !self.balances[force.balance].loads.is_empty() {
+            return None;
+        }
+        self.targets.iter().find_map(|target| {
+            let other = target.force.filter(|other| other.balance == force.balance)?;
+            let sign = if other.reversed == force.reversed { -1.0 } else { 1.0 };
+            Some((target.plane, sign))
+        })
     }
 
     fn count_terms(&mut self, more: usize) -> Determinate<()> {
@@ -142,14 +160,23 @@ impl ForceStep {
         Ok(())
     }
 
-    /// The number of terms of all balances and targets.
+    /// The number of coefficients of all balances and targets.
     pub(crate) fn terms(&self) -> usize {
         self.terms
     }
 
     /// The joints whose torsion parts are needed.
     pub(crate) fn joints(&self) -> impl Iterator<Item = usize> {
-        self.targets.iter().flat_map(|target| target.terms.iter().map(|&(joint, _)| joint))
+        self.targets.iter().flat_map(|target| target.joints.clone())
+    }
+
+    /// Sets the sources of all targets, given that of each joint.
+    pub(crate) fn set_sources(&mut self, source_of: impl Fn(usize) -> usize) {
+        for target in &mut self.targets {
+            target.sources = target.joints.clone().map(&source_of).collect();
+            // Joints with the same power follow each other.
+            target.sources.dedup();
+        }
     }
 
     /// The force of a joint on its driven shaft.
@@ -218,22 +245,8 @@ impl ForceStep {
                 loads.push(JointLoad { at, force });
             }
         }
-        let mut parts: Vec<(usize, usize)> = vec![];
-        if let Some(joint) = shaft.checked_sub(1) {
-            parts.extend([(joint, COSINE2), (joint, PRODUCT)]);
-        }
-        if shaft < n {
-            parts.extend([(shaft, SINE2), (shaft, PRODUCT)]);
-        }
-        for load in &loads {
-            parts.extend(self.balances[load.force.balance].parts());
-        }
-        parts.sort_unstable();
-        parts.dedup();
-        self.count_terms(parts.len())?;
-        let index = |(joint, part): (usize, usize)| (joint - joints.start) * PARTS + part;
-        let terms = parts.into_iter().map(index).collect();
-        self.balances.push(Balance { shaft, carriers, loads, joints, terms });
+        self.count_terms(PARTS * joints.len())?;
+        self.balances.push(Balance { shaft, carriers, loads, joints });
         let balance = self.balances.len() - 1;
         self.balance_of[shaft] = Some(balance);
         Ok(balance)
@@ -241,12 +254,6 @@ impl ForceStep {
 }
 
 impl Balance {
-    /// Joint and part of each term of its forces.
-    fn parts(&self) -> impl Iterator<Item = (usize, usize)> {
-        let first = self.joints.start;
-        self.terms.iter().map(move |&term| (first + term / PARTS, term % PARTS))
-    }
-
     /// The index of a joint's part among the coefficients of its forces.
     pub(crate) fn index(&self, joint: usize, part: usize) -> usize {
         (joint - self.joints.start) * PARTS + part
@@ -296,6 +303,29 @@ impl Plan {
             _ => forces.add_joint(item, plane),
         };
         planned.map_err(|reason| refused(output, place, &format!("; {reason}")))
+    }
+
+    /// Finds the joints from which forces are computed. Where a chain is steep, the terms of its
+    /// torsion parts in those of the drive shaft would cancel.
+    pub(super) fn find_force_sources(&mut self, end: End, stations: &mut [Station]) {
+        let Some(forces) = &mut self.forces else { return };
+        let mut power = None;
+        for station in stations {
+            if end == End::Output && station.absorbs {
+                power = None;
+            }
+            if let Some(joint) = station.shaft.checked_sub(1)
+                && self.joints[joint].needs_force
+            {
+                station.force_power = self.moderate && power.is_none();
+                power = power.filter(|_| self.moderate).or(Some(joint));
+                self.joints[joint].force_source = power.unwrap_or(joint);
+            }
+            if end == End::Drive && station.absorbs {
+                power = None;
+            }
+        }
+        forces.set_sources(|joint| self.joints[joint].force_source);
     }
 
     /// Checks that the arrays of drivelines fit together and have what the plan needs; returns the

@@ -1,6 +1,7 @@
 //! Plans: the requested outputs, the steps that compute them, and the routes of a run.
 
 pub(crate) mod forces;
+pub(crate) mod load;
 pub mod output;
 pub mod reduction;
 pub(crate) mod route;

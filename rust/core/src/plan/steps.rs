@@ -9,6 +9,7 @@ use crate::mechanics::joint::Joint;
 use crate::number::Precision;
 use crate::number::atan::AtanRange;
 use crate::plan::forces::ForceStep;
+use crate::plan::load::LoadStep;
 use crate::plan::output::{Needs, Output, OutputPlanes, Per};
 
 /// The end of the driveline at which the load's torque is given.
@@ -127,6 +128,9 @@ pub(crate) struct JointStep {
     needs_moment: bool,
     /// Whether any force depends on the joint's torsion.
     pub(crate) needs_force: bool,
+    /// The joint from which those forces are computed: itself, or in moderate drivelines the first
+    /// one on the path of the load that has the same power.
+    pub(crate) force_source: usize,
     /// The joint's contributions to the support moments of the shaft that the load leaves here and
     /// of the shaft that it enters.
     pub(crate) support: [Option<Support>; 2],
@@ -161,8 +165,9 @@ impl JointStep {
         self.support.iter().any(Option::is_some)
     }
 
-    /// The number of loops over pins. Those of the tilts need the sense of the pins as well.
-    pub(crate) fn pin_loops(&self) -> usize {
+    /// The number of loops over pins for the joint with the number `joint`. Those of the tilts need
+    /// the sense of the pins as well.
+    fn pin_loops(&self, joint: usize) -> usize {
         let outputs = [
             Output::TiltDriving,
             Output::TiltDriven,
@@ -171,33 +176,25 @@ impl JointStep {
             Output::Moment,
         ];
         let planes = outputs.iter().filter(|&&output| self.planes.get(output).is_some());
-        planes.count() + usize::from(self.needs_force) + usize::from(self.needs_support())
+        let others = [self.is_source(joint), self.needs_support()];
+        planes.count() + others.into_iter().filter(|&needed| needed).count()
     }
 
-    pub(crate) fn needs_torsion(&self) -> bool {
+    /// Whether forces are computed from this joint, which has the number `joint`.
+    pub(crate) fn is_source(&self, joint: usize) -> bool {
+        self.needs_force && self.force_source == joint
+    }
+
+    /// Whether anything depends on the joint's torsion.
+    pub(crate) fn needs_load(&self) -> bool {
         self.needs_moment || self.needs_support() || self.needs_force
     }
-}
 
-/// How the power is computed along the driveline, from the end where the torque is given.
-#[derive(Clone, Debug)]
-pub(crate) struct LoadStep {
-    pub(crate) end: End,
-    /// Whether any shaft has an inertia, needed or not.
-    pub(crate) has_inertias: bool,
-    /// In the order of computation.
-    pub(crate) stations: Vec<Station>,
-}
-
-/// One shaft on the path of the load.
-#[derive(Clone, Debug)]
-pub(crate) struct Station {
-    pub(crate) shaft: usize,
-    pub(crate) absorbs: bool,
-    /// Plane of the torque entering this shaft.
-    pub(crate) torque: Option<usize>,
-    /// Whether the torsion entering the joint before this shaft is needed.
-    pub(crate) torsion: bool,
+    /// Whether the torsion itself is needed, not only the power. Forces need the power alone if all
+    /// drivelines are `moderate`.
+    pub(crate) fn needs_torsion(&self, moderate: bool) -> bool {
+        self.needs_moment || self.needs_support() || self.needs_force && !moderate
+    }
 }
 
 impl Plan {
@@ -289,8 +286,8 @@ impl Plan {
         plan.shafts.sort_by_key(|step| step.shaft);
         plan.any_joint = JointNeeds {
             tilt: plan.joints.iter().any(|step| step.needs_tilt),
-            torsion: plan.joints.iter().any(JointStep::needs_torsion),
-            pin_loops: plan.joints.iter().map(JointStep::pin_loops).sum(),
+            torsion: plan.joints.iter().any(JointStep::needs_load),
+            pin_loops: plan.joints.iter().enumerate().map(|(j, step)| step.pin_loops(j)).sum(),
         };
         Ok(plan)
     }
@@ -336,7 +333,7 @@ impl Plan {
 
     /// Whether any output needs the pose of the joint.
     pub(crate) fn needs_pose(&self, joint: usize) -> bool {
-        self.joints[joint].needs_tilt || self.joints[joint].needs_torsion()
+        self.joints[joint].needs_tilt || self.joints[joint].needs_load()
     }
 
     /// Whether the angle of any shaft is requested.
@@ -409,75 +406,13 @@ impl Plan {
         range(self.least_cosines[shaft])
     }
 
-    fn step(&mut self, shaft: usize) -> &mut ShaftStep {
+    pub(super) fn step(&mut self, shaft: usize) -> &mut ShaftStep {
         let index = self.shafts.iter().position(|step| step.shaft == shaft);
         let index = index.unwrap_or_else(|| {
             self.shafts.push(ShaftStep { shaft, ..ShaftStep::default() });
             self.shafts.len() - 1
         });
         &mut self.shafts[index]
-    }
-
-    /// Plans the contributions of its joints to one shaft's support moment.
-    fn plan_support(&mut self, end: End, shaft: usize, plane: usize) {
-        let n = self.joint_count;
-        let before = shaft > 0;
-        let after = shaft < n;
-        // The load enters a shaft at one joint and leaves it at the next.
-        let (leaves, comes) = (0, 1);
-        let slots = if end == End::Drive { [comes, leaves] } else { [leaves, comes] };
-        if before {
-            let (first, last) = (end == End::Drive || !after, end == End::Output || !after);
-            let support = Support { plane, driving: false, first, last };
-            self.joints[shaft - 1].support[slots[0]] = Some(support);
-        }
-        if after {
-            let (first, last) = (end == End::Output || !before, end == End::Drive || !before);
-            let support = Support { plane, driving: true, first, last };
-            self.joints[shaft].support[slots[1]] = Some(support);
-        }
-    }
-
-    /// Lists the shafts from the end where the torque is given to the last one whose entering power
-    /// is needed; inertias beyond it do not matter.
-    fn plan_load(&mut self, end: End, inertias: &[usize], torque: &[Option<usize>]) {
-        let (n, bent) = (self.joint_count, self.first_bent());
-        let torsion_before = |shaft: usize| shaft > 0 && self.joints[shaft - 1].needs_torsion();
-        let needed = |shaft: &usize| torque[*shaft].is_some() || torsion_before(*shaft);
-        let range: Vec<usize> = match end {
-            End::Drive => match (0..=n).rev().find(needed) {
-                Some(last) => (0..=last).collect(),
-                None => return,
-            },
-            End::Output => match (0..=n).find(needed) {
-                Some(first) => (first..=n).rev().collect(),
-                None => return,
-            },
-        };
-        let last = range[range.len() - 1];
-        let stations: Vec<Station> = range
-            .into_iter()
-            .map(|shaft| {
-                let passed = end == End::Output || shaft != last;
-                let absorbs = passed && inertias.contains(&shaft);
-                Station { shaft, absorbs, torque: torque[shaft], torsion: torsion_before(shaft) }
-            })
-            .collect();
-        for station in &stations {
-            let shaft = station.shaft;
-            let starts = end == End::Output && shaft == n;
-            // A shaft that turns with the drive has the speed ratio 1, which no step needs.
-            if station.absorbs || shaft > bent && (station.torque.is_some() || starts) {
-                self.step(shaft).keep_ratio = true;
-            }
-            if station.absorbs {
-                self.step(shaft).keep_acceleration = true;
-            }
-            if station.torsion && shaft - 1 > bent {
-                self.step(shaft - 1).keep_ratio = true;
-            }
-        }
-        self.load = Some(LoadStep { end, has_inertias: !inertias.is_empty(), stations });
     }
 }
 

@@ -91,7 +91,7 @@ fn run_joint<T: Number>(
         map::formula(JointAsBuilt::tilt_driving, at, pins, driving);
         map::formula(JointAsBuilt::tilt_driven, at, pins, driven);
     }
-    if step.needs_torsion() {
+    if step.needs_load() {
         let out = views_mut(&mut moments[joint], first, length);
         map::formula(JointAsBuilt::moments, at, pins, out);
     }

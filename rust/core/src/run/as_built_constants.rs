@@ -131,7 +131,7 @@ impl<T: Real> BuffersAsBuilt<T> {
             errors: (0..=joints).map(|_| Column::new(size(needs.angle))).collect(),
             rates: (0..=joints).map(|_| rates()).collect(),
             tilts: steps.iter().map(|step| columns(size(step.needs_tilt))).collect(),
-            moments: steps.iter().map(|step| columns(size(step.needs_torsion()))).collect(),
+            moments: steps.iter().map(|step| columns(size(step.needs_load()))).collect(),
             centred: Column::new(size(needs.angle)),
         };
         // The drive's own motion; columns start with zeros.

@@ -216,7 +216,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         // A part that is not repeated may be longer than the period of the row before it.
         let errors = if stop < end {
             stop - start
-        } else if is_compact(self.shared.level) {
+        } else if self.shared.table.sweeps_drivelines() || is_compact(self.shared.level) {
             self.chunk_length.min(end - start)
         } else {
             0

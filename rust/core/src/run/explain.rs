@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::input::Samples;
 use crate::input::table::{GeometryVariation, Table};
+use crate::mechanics::forces::PARTS;
 use crate::mechanics::moment::Pose;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
@@ -191,12 +192,16 @@ impl Plan {
             if station.torque.is_some() {
                 steps.push(format!("shaft {shaft}: torque from the power"));
             }
+            if station.force_power {
+                let joint = shaft - 1;
+                steps.push(format!("joint {joint}: parts for the forces from the power"));
+            }
             if station.torsion {
                 let step = &self.joints[shaft - 1];
                 let parts = [
                     (step.planes.get(Output::Moment).is_some(), "moment"),
                     (step.needs_support(), "support moments"),
-                    (step.needs_force, "parts for the forces"),
+                    (step.needs_force && !self.moderate, "parts for the forces"),
                     (step.planes.get(Output::BendingDriving).is_some(), "bending, driving side"),
                     (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
                 ];
@@ -208,7 +213,7 @@ impl Plan {
         for target in self.forces.iter().flat_map(|forces| &forces.targets) {
             let (per, item) = target.of;
             let what = match target.force {
-                Some(_) => format!("a sum of {} terms", target.terms.len()),
+                Some(_) => format!("a sum of {} terms", PARTS * target.sources.len()),
                 None => "zero because both its shafts have other supports".into(),
             };
             steps.push(format!("{} {item}: force, {what}", per.name()));

@@ -23,7 +23,7 @@ use crate::run::as_built_constants::FoldedAsBuilt;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::forces::FoldedForces;
 use crate::run::lanes::{FirstJoint, LANES, Lane, Maps, PassJoint, Reset, Turns};
-use crate::run::level::{Level, compiled_for};
+use crate::run::level::{Level, compiled_for, compiled_up_to_avx2};
 
 /// The constants of a series of drivelines.
 #[derive(Clone, Debug)]
@@ -101,7 +101,7 @@ impl<T: Angle> Folded<T> {
         }
         let (poses, waves) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
         let turnings = vec![vec![]; plan.joint_count + 1];
-        let forces = FoldedForces::new(plan.forces.as_ref());
+        let forces = FoldedForces::new(plan);
         Self {
             shafts,
             poses,
@@ -142,7 +142,12 @@ impl<T: Angle> Folded<T> {
         if plan.as_built {
             return self.fold_as_built(plan, lines, numbers);
         }
-        compiled_for!(level, self.fold_all(plan, lines, numbers));
+        if T::LOW {
+            // Mostly sequences of dependent operations on few numbers.
+            compiled_up_to_avx2!(level, self.fold_all(plan, lines, numbers));
+        } else {
+            compiled_for!(level, self.fold_all(plan, lines, numbers));
+        }
     }
 
     fn fold_as_built(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
@@ -176,7 +181,7 @@ impl<T: Angle> Folded<T> {
         }
         if let Some(step) = &plan.forces {
             for (i, &line) in numbers.iter().enumerate() {
-                self.forces.push(step, lines, line, |joint| self.poses[joint][i]);
+                self.forces.push(plan, step, lines, (line, i), |joint| self.poses[joint][i]);
             }
         }
     }
@@ -184,7 +189,9 @@ impl<T: Angle> Folded<T> {
     #[inline(always)]
     fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
         let (n, length) = (plan.joint_count, numbers.len());
-        let Self { shafts, poses, waves, turnings, lines: kept, frames, maps, turns, .. } = self;
+        let Self {
+            shafts, poses, waves, turnings, lines: kept, forces, frames, maps, turns, ..
+        } = self;
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
         if T::LOW {
@@ -229,6 +236,10 @@ impl<T: Angle> Folded<T> {
                     let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
                     Pose::new(&maps.at(i), &joint::<T>(bends[i]), frame)
                 }));
+            }
+            if plan.joints[j].needs_force {
+                let maps = maps.read(length);
+                forces.push_determinants(j, (0..length).map(|i| maps.complement(i)));
             }
             if T::LOW && j > 0 && plan.joints[j].needs_tilt {
                 let maps = maps.read(length);

@@ -5,9 +5,10 @@ use crate::input::drivelines::Drivelines;
 use crate::mechanics::bearings::Carrier;
 use crate::mechanics::forces::{self, LinearForce, Neighbour, PARTS};
 use crate::mechanics::moment::Pose;
+use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
 use crate::number::storage::{Column, View, columns};
-use crate::number::strips::{Same, Strips, mapped};
+use crate::number::strips::{OneByOne, Same, Strips, mapped};
 use crate::plan::forces::{Balance, ForceOf, ForceStep, JointLoad};
 use crate::plan::steps::Plan;
 use crate::run::constants::GeometryIndex;
@@ -17,41 +18,60 @@ use crate::run::sink::{Outputs, Sink};
 /// The number of terms that one loop adds up.
 const GROUP: usize = 4;
 
+/// A vector for each torsion part of a joint or of the drive shaft.
+type Coefficients<T> = [[T; 3]; PARTS];
+
 /// The coefficients of the forces of a series of drivelines.
 #[derive(Clone, Debug)]
 pub(crate) struct FoldedForces<T> {
-    /// For each target and each of its terms: a vector per driveline.
-    coefficients: Vec<Vec<Vec<[T; 3]>>>,
+    /// For each target and each of its sources: those of each driveline.
+    coefficients: Vec<Vec<Vec<Coefficients<T>>>>,
     /// The forces of each balance, for one driveline.
     balances: Vec<[LinearForce<T>; 2]>,
+    /// For each joint: the determinants of the drivelines' maps before it.
+    determinants: Vec<Vec<DoubleDouble>>,
 }
 
 impl<T: Real> FoldedForces<T> {
-    pub(crate) fn new(step: Option<&ForceStep>) -> Self {
+    pub(crate) fn new(plan: &Plan) -> Self {
         let zero = [T::from_f64(0.0); 3];
+        let step = plan.forces.as_ref();
         let (targets, balances) = step.map_or((&[][..], &[][..]), |s| (&s.targets, &s.balances));
         let of = |balance: &Balance| {
             let force = vec![zero; PARTS * balance.joints.len()];
             [force.clone(), force]
         };
         Self {
-            coefficients: targets.iter().map(|target| vec![vec![]; target.terms.len()]).collect(),
+            coefficients: targets.iter().map(|target| vec![vec![]; target.sources.len()]).collect(),
             balances: balances.iter().map(of).collect(),
+            determinants: vec![vec![]; if step.is_some() { plan.joint_count } else { 0 }],
         }
     }
 
     pub(crate) fn clear(&mut self) {
         self.coefficients.iter_mut().flatten().for_each(Vec::clear);
+        self.determinants.iter_mut().for_each(Vec::clear);
     }
 
-    /// Appends the coefficients of a driveline with the number `line`, whose joints have the poses
-    /// `pose_of(joint)`.
+    /// Appends the determinants of the maps before a joint.
+    #[inline(always)]
+    pub(crate) fn push_determinants(
+        &mut self,
+        joint: usize,
+        determinants: impl Iterator<Item = DoubleDouble>,
+    ) {
+        self.determinants[joint].extend(determinants);
+    }
+
+    /// Appends the coefficients of a driveline with the number `line`, which has the index `index`
+    /// here, and whose joints have the poses `pose_of(joint)`.
     #[inline(always)]
     pub(crate) fn push(
         &mut self,
+        plan: &Plan,
         step: &ForceStep,
         lines: &Drivelines<'_>,
-        line: usize,
+        (line, index): (usize, usize),
         pose_of: impl Fn(usize) -> Pose<T>,
     ) {
         let shafts = step.shafts();
@@ -61,16 +81,56 @@ impl<T: Real> FoldedForces<T> {
             let (known, own) = self.balances.split_at_mut(i);
             solve(balance, step, known, lengths, positions, &pose_of, &mut own[0]);
         }
-        for (target, coefficients) in step.targets.iter().zip(&mut self.coefficients) {
-            for (&(joint, part), column) in target.terms.iter().zip(coefficients) {
-                column.push(match target.force {
-                    Some(ForceOf { balance, carrier, reversed }) => {
-                        let index = step.balances[balance].index(joint, part);
-                        let force = self.balances[balance][carrier][index];
-                        if reversed { force.map(|x| -x) } else { force }
-                    }
-                    None => [T::from_f64(0.0); 3],
-                });
+        let zero = [[T::from_f64(0.0); 3]; PARTS];
+        for (target, columns) in step.targets.iter().zip(&mut self.coefficients) {
+            for column in &mut *columns {
+                column.push(zero);
+            }
+            let Some(force) = target.force else { continue };
+            let mut place = 0;
+            for joint in target.joints.clone() {
+                let own = coefficients(step, &self.balances, force, joint);
+                if target.sources[place] != plan.joints[joint].force_source {
+                    place += 1;
+                }
+                if plan.moderate {
+                    let determinant = T::from_double_double(self.determinants[joint][index]);
+                    let forms = pose_of(joint).parts_of_drive(determinant.recip());
+                    add_referred(own, forms, &mut columns[place][index]);
+                } else {
+                    columns[place][index] = own;
+                }
+            }
+        }
+    }
+}
+
+/// The coefficients of a force for a joint's torsion parts.
+#[inline(always)]
+fn coefficients<T: Real>(
+    step: &ForceStep,
+    balances: &[[LinearForce<T>; 2]],
+    ForceOf { balance, carrier, reversed }: ForceOf,
+    joint: usize,
+) -> Coefficients<T> {
+    [0, 1, 2].map(|part| {
+        let force = balances[balance][carrier][step.balances[balance].index(joint, part)];
+        if reversed { force.map(|x| -x) } else { force }
+    })
+}
+
+/// Adds the coefficients for the torsion parts of the drive shaft, of which those of the joint are
+/// linear forms.
+#[inline(always)]
+fn add_referred<T: Real>(
+    own: Coefficients<T>,
+    forms: [[T; 3]; PARTS],
+    total: &mut Coefficients<T>,
+) {
+    for (vector, form) in own.into_iter().zip(forms) {
+        for (factor, total) in form.into_iter().zip(&mut *total) {
+            for (x, total) in vector.into_iter().zip(total) {
+                *total = x.mul_add(factor, *total);
             }
         }
     }
@@ -119,7 +179,8 @@ fn solve<T: Real>(
 
 /// The buffers of one block.
 pub(crate) struct ForceBuffers<T: Real> {
-    /// The torsion parts of each joint that a force depends on.
+    /// The torsion parts of each joint that a force depends on, or those of the drive shaft under the
+    /// power of the joint.
     pub(crate) parts: Vec<[Column<T>; PARTS]>,
     /// Sums of some of the terms of a force.
     sums: [Column<T>; 2],
@@ -131,16 +192,18 @@ impl<T: Real> ForceBuffers<T> {
     /// For chunks of up to `longest` samples.
     pub(crate) fn new(plan: &Plan, longest: usize) -> Self {
         let size = |needed: bool| if needed { longest } else { 0 };
-        let many = plan.forces.iter().flat_map(|step| &step.targets);
+        let mut targets = plan.forces.iter().flat_map(|step| &step.targets);
+        let long = targets.any(|target| PARTS * target.sources.len() > GROUP);
+        let sources = plan.joints.iter().enumerate().map(|(joint, step)| step.is_source(joint));
         Self {
-            parts: plan.joints.iter().map(|step| columns(size(step.needs_force))).collect(),
-            sums: columns(size(many.into_iter().any(|target| target.terms.len() > GROUP))),
+            parts: sources.map(|is_source| columns(size(is_source))).collect(),
+            sums: columns(size(long)),
             terms: vec![],
         }
     }
 }
 
-/// The forces of a chunk, from the torsion parts of its joints.
+/// The forces of a chunk, from the torsion parts of its joints or of the drive shaft.
 #[inline(always)]
 pub(crate) fn run_forces<T: Real, W: Float>(
     step: &ForceStep,
@@ -151,20 +214,27 @@ pub(crate) fn run_forces<T: Real, W: Float>(
     size: usize,
 ) {
     for (target, coefficients) in step.targets.iter().zip(&folded.coefficients) {
+        if let Some((twin, sign)) = target.twin
+            && !outputs.bypass_caches()
+        {
+            for axis in 0..3 {
+                outputs.copy(twin + axis, target.plane + axis, sign);
+            }
+            continue;
+        }
         for axis in 0..3 {
             terms.clear();
-            terms.extend((0..target.terms.len()).filter(|&term| match geometry {
-                GeometryIndex::Shared(index) => coefficients[term][index][axis] != T::from_f64(0.0),
+            terms.extend((0..PARTS * target.sources.len()).filter(|&term| match geometry {
+                GeometryIndex::Shared(index) => {
+                    coefficients[term / PARTS][index][term % PARTS][axis] != T::from_f64(0.0)
+                }
                 GeometryIndex::PerSample => true,
             }));
             if terms.is_empty() {
                 // A sum is NaN where its terms are, even if all coefficients vanish.
                 terms.push(0);
             }
-            let column = |term: usize| {
-                let (joint, part) = target.terms[term];
-                parts[joint][part].view(size)
-            };
+            let column = |term: usize| parts[target.sources[term / PARTS]][term % PARTS].view(size);
             let groups = terms.chunks(GROUP);
             let last = groups.len() - 1;
             for (i, group) in groups.enumerate() {
@@ -174,7 +244,7 @@ pub(crate) fn run_forces<T: Real, W: Float>(
                 if i == last {
                     weighted.sum(column, previous, size, outputs.plane(target.plane + axis));
                 } else {
-                    weighted.sum(column, previous, size, out.view_mut(size));
+                    weighted.sum_of::<GROUP>(column, previous, size, out.view_mut(size));
                     sums.swap(0, 1);
                 }
             }
@@ -185,7 +255,7 @@ pub(crate) fn run_forces<T: Real, W: Float>(
 /// Some terms of one component of a force.
 #[derive(Clone, Copy)]
 struct Terms<'a, T> {
-    coefficients: &'a [Vec<[T; 3]>],
+    coefficients: &'a [Vec<Coefficients<T>>],
     group: &'a [usize],
     axis: usize,
     geometry: GeometryIndex,
@@ -225,14 +295,15 @@ impl<T: Real> Terms<'_, T> {
             GeometryIndex::Shared(index) => {
                 let mut factors = [T::from_f64(0.0); N];
                 for (factor, &term) in factors.iter_mut().zip(self.group) {
-                    *factor = self.coefficients[term][index][self.axis];
+                    *factor = self.coefficients[term / PARTS][index][term % PARTS][self.axis];
                 }
                 sum((columns, Same(factors)), previous, size, out);
             }
             GeometryIndex::PerSample => {
                 let factors: [_; N] = std::array::from_fn(|k| {
-                    let vectors = &self.coefficients[self.group[k]][..size];
-                    mapped(vectors, move |vector: [T; 3]| vector[self.axis])
+                    let (source, part) = (self.group[k] / PARTS, self.group[k] % PARTS);
+                    let all = OneByOne(&self.coefficients[source][..size]);
+                    mapped(all, move |all: Coefficients<T>| all[part][self.axis])
                 });
                 sum((columns, factors), previous, size, out);
             }

@@ -71,6 +71,15 @@ pub(super) trait Step {
 /// A read-only view of the maps.
 pub(super) struct MapsView<'a>([View<'a, DoubleDouble>; 5]);
 
+impl MapsView<'_> {
+    /// The determinant of a map.
+    #[inline(always)]
+    pub(super) fn complement(&self, i: usize) -> DoubleDouble {
+        let [.., complement] = &self.0;
+        complement.get(i)
+    }
+}
+
 impl Lane<Transfer> for MapsView<'_> {
     #[inline(always)]
     fn at(&self, i: usize) -> Transfer {

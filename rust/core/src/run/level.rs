@@ -26,7 +26,26 @@ macro_rules! compiled_for {
                         $run
                     },
                 )
-            } else if let Some(simd) = $level.as_avx2() {
+            } else {
+                $crate::run::level::compiled_up_to_avx2!($level, ($compact, $stores) => $run)
+            }
+        }
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        $crate::run::level::compiled_up_to_avx2!($level, ($compact, $stores) => $run)
+    }};
+}
+pub(crate) use compiled_for;
+
+/// The same without AVX-512, for what gains nothing from it.
+macro_rules! compiled_up_to_avx2 {
+    ($level:expr, $run:expr) => {
+        compiled_up_to_avx2!($level, (_compact, _stores) => $run)
+    };
+    ($level:expr, ($compact:ident, $stores:ident) => $run:expr) => {{
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            use fearless_simd::Simd;
+            if let Some(simd) = $level.as_avx2() {
                 simd.vectorize(
                     #[inline(always)]
                     || {
@@ -46,7 +65,7 @@ macro_rules! compiled_for {
         }
     }};
 }
-pub(crate) use compiled_for;
+pub(crate) use compiled_up_to_avx2;
 
 /// Whether the kernels for this level are few loops instead of fast ones. Without fused multiply-add
 /// each product-sum is a function call, which costs more time than they save, and whose code takes

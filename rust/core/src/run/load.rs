@@ -6,12 +6,13 @@ use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
 use crate::number::Number;
-use crate::number::float::Float;
+use crate::number::float::{Float, Real};
 use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, View, ViewMut, views_mut};
-use crate::number::strips::{At, Same, Strips};
+use crate::number::strips::{At, OneByOne, Same, Strips};
+use crate::plan::load::{LoadStep, Station};
 use crate::plan::output::Output;
-use crate::plan::steps::{End, JointStep, LoadStep, Plan, Station};
+use crate::plan::steps::{End, JointStep, Plan};
 use crate::run::as_built;
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
@@ -63,7 +64,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
         for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
             if !turnings.is_empty() {
                 let turnings = &turnings[..geometry.count(size)];
-                with_constants!(compact, geometry, turnings, at => run_rates(at, pins, rates));
+                with_constants!(compact, geometry, OneByOne(turnings), at => run_rates(at, pins, rates));
             }
         }
     }
@@ -86,13 +87,20 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 map::copy::<T>(power.view(size), torque);
             }
         }
-        if station.torsion {
+        if station.torsion || station.force_power {
             let joint = station.shaft - 1;
-            let torsion = if joint > bent {
-                map::divide(power.view(size), ratio(joint), torsion.view_mut(size));
+            let power = power.view(size);
+            let torsion = if station.torsion && joint > bent {
+                map::divide(power, ratio(joint), torsion.view_mut(size));
                 torsion.view(size)
             } else {
-                power.view(size)
+                power
+            };
+            let loads = JointLoads {
+                torsion: station.torsion.then_some(torsion),
+                power: station.force_power.then_some(power),
+                forces: plan.joints[joint].needs_force && !plan.moderate,
+                unit: plan.as_built.then(|| &built.moments[joint]),
             };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
@@ -106,14 +114,11 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 let pins = FreshPins::<T, false> { angles, turn, too_large: &too_large };
                 let geometry = GeometryIndex::Shared(index);
                 run_joint(
-                    joint, step, poses, geometry, pins, None, torsion, buffers, outputs, size,
-                    compact,
+                    joint, step, poses, geometry, pins, loads, buffers, outputs, size, compact,
                 );
             } else {
-                let unit = plan.as_built.then(|| &built.moments[joint]);
                 run_joint(
-                    joint, step, poses, geometry, pins, unit, torsion, buffers, outputs, size,
-                    compact,
+                    joint, step, poses, geometry, pins, loads, buffers, outputs, size, compact,
                 );
             }
         }
@@ -145,8 +150,20 @@ fn run_inertia<T: Number>(
     }
 }
 
-/// Moments of one joint and parts of its torsion. The moments of a joint as built for a torsion of 1
-/// are in `unit`.
+/// The loads of a joint in a chunk.
+#[derive(Clone, Copy)]
+struct JointLoads<'a, T: Real> {
+    /// The torsion, if it is needed.
+    torsion: Option<View<'a, T>>,
+    /// The power, if forces need its parts.
+    power: Option<View<'a, T>>,
+    /// Whether forces need the parts of the torsion.
+    forces: bool,
+    /// The moments of a joint as built for a torsion of 1.
+    unit: Option<&'a [Column<T>; 3]>,
+}
+
+/// Moments of one joint and parts of its torsion.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one joint")]
 fn run_joint<T: Number, W: Float>(
@@ -155,19 +172,22 @@ fn run_joint<T: Number, W: Float>(
     poses: &[Pose<T>],
     geometry: GeometryIndex,
     pins: impl SinCosBlocks<T>,
-    unit: Option<&[Column<T>; 3]>,
-    torsion: View<'_, T>,
+    JointLoads { torsion, power, forces: of_torsion, unit }: JointLoads<'_, T>,
     (parts, support, forces): (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     compact: bool,
 ) {
+    if let Some(power) = power {
+        map::drive_parts(pins, power, views_mut(&mut forces.parts[joint], 0, size));
+    }
+    let Some(torsion) = torsion else { return };
     if let Some(unit) = unit {
         as_built::run_moments(step, poses, geometry, unit, torsion, parts, outputs, compact);
     } else {
-        with_constants!(compact, geometry, poses, at => {
+        with_constants!(compact, geometry, OneByOne(poses), at => {
             run_bending(step, at, pins, torsion, outputs);
-            if step.needs_force {
+            if of_torsion {
                 let parts = views_mut(&mut forces.parts[joint], 0, size);
                 map::parts(at, pins, torsion, parts);
             }
@@ -186,7 +206,7 @@ fn run_joint<T: Number, W: Float>(
         }
         run_supports::<true, T, W>(step, at, axes, parts, support, outputs, size);
     } else {
-        with_constants!(compact, geometry, poses, at => {
+        with_constants!(compact, geometry, OneByOne(poses), at => {
             if unit.is_none() {
                 run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
             }

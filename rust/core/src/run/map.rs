@@ -38,7 +38,7 @@ pub(crate) fn over_sin_cos<T: Real, S: SinCosBlocks<T>, I: Strips, V>(
     for (start, block) in sin_cos.parts() {
         let length = block.len();
         // The groups of a sweep begin anywhere.
-        let by_strips = !S::FROM_SWEEP && out.takes_strips();
+        let by_strips = !S::FROM_SWEEP && !I::ONE_BY_ONE && out.takes_strips();
         let strips = if by_strips { length / STRIP } else { 0 };
         for strip in 0..strips {
             let first = strip * STRIP;
@@ -93,7 +93,8 @@ pub(crate) fn over_samples<I: Strips, V>(
     mut out: impl Sink<V>,
     value: impl Fn(I::Value) -> V,
 ) {
-    let strips = if out.takes_strips() { length / STRIP } else { 0 };
+    let by_strips = !I::ONE_BY_ONE && out.takes_strips();
+    let strips = if by_strips { length / STRIP } else { 0 };
     for strip in 0..strips {
         let first = strip * STRIP;
         let (inputs, mut results) = (inputs.strip(first, STRIP), out.strip(first));
@@ -304,6 +305,25 @@ pub(crate) fn parts<T: Real>(
         #[inline(always)]
         |(pose, torsion), s, c| {
             let TorsionParts { sine2, cosine2, product } = pose.parts(torsion, s, c);
+            [sine2, cosine2, product]
+        },
+    );
+}
+
+/// The torsion parts of the drive shaft, if its torsion is the power divided by its speed.
+#[inline(always)]
+pub(crate) fn drive_parts<T: Real>(
+    pins: impl SinCosBlocks<T>,
+    power: View<'_, T>,
+    parts: [ViewMut<'_, T>; 3],
+) {
+    over_sin_cos(
+        pins,
+        power,
+        parts,
+        #[inline(always)]
+        |power, s, c| {
+            let TorsionParts { sine2, cosine2, product } = TorsionParts::new(power, s, c);
             [sine2, cosine2, product]
         },
     );

@@ -11,7 +11,7 @@ use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, ViewMut, views_mut};
-use crate::number::strips::{At, Same, Strips, mapped};
+use crate::number::strips::{At, OneByOne, Same, Strips, mapped};
 use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan, ShaftStep};
@@ -138,12 +138,12 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
             turned::find_turned(waves, joint, lines, drive, buffers, size, compact);
             let pins = pins_of(turned_pins, size);
-            with_constants!(compact, geometry, mapped(poses, Pose::by_own_pins), at => {
+            with_constants!(compact, geometry, mapped(OneByOne(poses), Pose::by_own_pins), at => {
                 run_tilts(step, at, pins, outputs);
             });
             continue;
         }
-        with_constants!(compact, geometry, poses, at => {
+        with_constants!(compact, geometry, OneByOne(poses), at => {
             run_tilts(step, at, pins, outputs);
         });
     }
@@ -229,13 +229,13 @@ pub(super) fn run_drive_shaft<T: Number, W: Float>(
 
 /// Outputs of one shaft. Each is stored directly in its plane; values that the load or a later
 /// period needs as well pass through a buffer. If `compact`, so do most angle errors, to which the
-/// drive angles are added afterwards.
+/// drive angles are added afterwards, and so do those of a sweep with a driveline per sample.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
-fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
+fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>, C: Strips<Value = S>>(
     step: &ShaftStep,
     range: AtanRange,
-    at: impl Strips<Value = S>,
+    at: C,
     drive: DriveAngles<'_>,
     pins: P,
     [ratio, acceleration]: [&mut Column<T>; 2],
@@ -281,7 +281,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
                 let drive = SteppedAngle::new(sweep, first, pins.turns());
                 map::motion(range, at, pins, AngleSink(drive, rotation), rates);
             }
-            DriveAngles::Sweep(sweep, first) if errors.is_empty() && !compact => {
+            DriveAngles::Sweep(sweep, first) if C::SHARED && errors.is_empty() && !compact => {
                 let out = AngleSink(SweepAngle(sweep, first), rotation);
                 map::motion(range, at, pins, out, rates);
             }
@@ -306,7 +306,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>>(
                 let drive = SteppedAngle::new(sweep, first, pins.turns());
                 map::angle_error(range, at, pins, AngleSink(drive, out));
             }
-            DriveAngles::Sweep(sweep, first) if errors.is_empty() && !compact => {
+            DriveAngles::Sweep(sweep, first) if C::SHARED && errors.is_empty() && !compact => {
                 map::angle_error(range, at, pins, AngleSink(SweepAngle(sweep, first), out));
             }
             _ => {

@@ -115,12 +115,14 @@ impl<T: Real> SinkStrip<T> for NumberStrip<T> {
     }
 }
 
-/// Whether loops over this number type may work strip by strip. Numbers with error terms take more
-/// time than memory does, and so do two registers of single-precision numbers per cache line.
+/// Whether loops over this number type may work strip by strip: not if no store bypasses the caches.
+/// Numbers with error terms take more time than memory does, and so do two registers of
+/// single-precision numbers per cache line.
 #[inline(always)]
 fn suits_strips<T: Real>(stores: Stores) -> bool {
     let is_single = size_of::<T>() == size_of::<f32>();
-    !T::LOW && (!is_single || stores.has_wide_registers())
+    let is_fast = !is_single || stores.has_wide_registers();
+    !T::LOW && is_fast && stores.can_bypass_caches()
 }
 
 /// The planes of a chunk's results, and how the function's instruction set stores strips in them.
@@ -152,6 +154,24 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
         self.stores.has_wide_registers()
     }
 
+    /// Whether results bypass the caches.
+    #[inline(always)]
+    pub(crate) fn bypass_caches(&self) -> bool {
+        self.planes.iter().any(Plane::bypasses_caches)
+    }
+
+    /// Copies the words of a plane to another one, multiplied by a sign.
+    #[inline(always)]
+    pub(crate) fn copy(&mut self, from: usize, to: usize, sign: f64) {
+        let window = self.first..self.first + self.size;
+        let planes = self.planes.get_disjoint_mut([from, to]);
+        let [from, to] = planes.expect("a plan gives every output planes of its own");
+        let (from, to) = (&from.words()[window.clone()], &mut to.words()[window]);
+        for (to, &from) in to.iter_mut().zip(from) {
+            *to = W::near(sign * from.into());
+        }
+    }
+
     /// A plane, for writing in strips.
     #[inline(always)]
     pub(crate) fn plane(&mut self, plane: usize) -> Words<'_, W> {
@@ -164,10 +184,19 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
     pub(crate) fn several<const N: usize>(&mut self, planes: [usize; N]) -> [Words<'_, W>; N] {
         let Self { first, size, stores, angles, .. } = *self;
         let planes = self.planes.get_disjoint_mut(planes);
-        planes.expect("a plan gives every output planes of its own").map(
+        let planes = planes.expect("a plan gives every output planes of its own");
+        let mut several = planes.map(
             #[inline(always)]
-            move |plane| Words { plane: plane.part(first..first + size), stores, angles },
-        )
+            move |plane| {
+                let plane = plane.part(first..first + size);
+                Words { plane, stores: Stores::ordinary(), angles }
+            },
+        );
+        // `map` may be a function call, after which the stores would no longer be a constant.
+        for words in &mut several {
+            words.stores = stores;
+        }
+        several
     }
 
     /// The words of a plane.
