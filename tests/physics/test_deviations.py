@@ -475,7 +475,7 @@ def test_orders_of_joints_that_compensate_each_other_take_few_samples(
     found = line.harmonics([1, 2], outputs="acceleration_ratio")
     assert sampled
     assert max(sampled) <= 1024
-    angle = 2.0 * np.pi * np.arange(4096) / 4096.0
+    angle = 2.0 * np.pi * np.arange(4096)[:, np.newaxis] / 4096.0
     ratio = line.evaluate(angle, "acceleration_ratio").acceleration_ratio
-    orders = np.abs(np.fft.rfft(ratio, axis=-1))[:, 1:3] / 2048.0
+    orders = np.abs(np.fft.rfft(ratio, axis=0))[1:3].T / 2048.0
     np.testing.assert_allclose(found.acceleration_ratio, orders, rtol=1e-9, atol=1e-13)
