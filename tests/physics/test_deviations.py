@@ -461,8 +461,9 @@ def test_orders_of_joints_that_compensate_each_other_take_few_samples(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # What is left of them is smaller than the rounding of each joint.
-    lean = np.random.default_rng(1).uniform(-0.0025, 0.0025, (5, 2))
-    line = Driveline.from_bends([8.0, 8.0], degrees=True).with_deviations(driving_yoke=lean)
+    lean = np.random.default_rng(1).uniform(-0.0025, 0.0025, (2, 100, 2))
+    ideal = Driveline.from_bends([8.0, 8.0], degrees=True)
+    line = ideal.with_deviations(driving_yoke=lean[0], driven_yoke=lean[1])
     whole: Any = Sweep.revolutions
     sampled: list[int] = []
 
