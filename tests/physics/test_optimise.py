@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import Any, Literal, TypedDict
 
@@ -14,7 +15,7 @@ from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
 from cardan.optimisation.local import _Program
 from cardan.optimisation.measures import QuantityLike, measure_of
 from cardan.optimisation.problem import Problem
-from cardan.optimisation.search import candidates
+from cardan.optimisation.search import _settings, candidates
 
 HEIGHTS = np.linspace(-80.0, 80.0, 9)
 LOW, HIGH = np.array([-90.0, -90.0, -90.0]), np.array([-10.0, 90.0, 90.0])
@@ -354,6 +355,15 @@ def test_the_worst_of_several_limits_counts() -> None:
     (found,) = candidates(problem, START[np.newaxis])
     assert found.excess == pytest.approx(size / 0.001 - 1.0)
     assert found.rank == (found.excess, found.size)
+
+
+def test_of_many_teeth_those_next_to_the_optima_are_compared() -> None:
+    """A phase repeats after half a turn: 0° is as near to 175° as 170° is."""
+    allowed = [np.arange(0.0, 180.0, 15.0)] * 3
+    assert len(allowed[0]) ** 3 > 1024
+    found = _settings(allowed, [np.array([175.0, 32.0, 100.0])], 180.0)
+    nearest = ((165.0, 0.0, 15.0), (15.0, 30.0, 45.0), (90.0, 105.0, 120.0))
+    assert set(found) == set(itertools.product(*nearest))
 
 
 def test_teeth_with_another_variable() -> None:

@@ -94,6 +94,7 @@ const WANTED: Wanted = Wanted {
     inertias: false,
     lengths: false,
     positions: false,
+    deviations: false,
 };
 
 /// The derivatives by all parameters, of each output and sample, and of the weighted sum of each

@@ -148,7 +148,8 @@ pub struct Wanted {
     pub phases: bool,
     /// By points, three numbers for each of the ends and joints.
     pub points: bool,
-    /// By the drive angle, one number.
+    /// By the drive angle, one number. A gradient of motions alone leaves it 0, because each sample has
+    /// an angle to itself.
     pub angle: bool,
     /// By the torque of the load, one number.
     pub torque: bool,
