@@ -8,7 +8,7 @@ use crate::mechanics::bearings::{Carried, Carrier, Statics};
 use crate::mechanics::forces::PARTS;
 use crate::plan::load::Station;
 use crate::plan::output::{Output, Per};
-use crate::plan::steps::{End, Plan, Request};
+use crate::plan::steps::{Plan, Request};
 
 /// A value, or the reason why it is not determinate.
 type Determinate<T> = Result<T, String>;
@@ -305,24 +305,18 @@ impl Plan {
         planned.map_err(|reason| refused(output, place, &format!("; {reason}")))
     }
 
-    /// Finds the joints from which forces are computed. Where a chain is steep, the terms of its
-    /// torsion parts in those of the drive shaft would cancel.
-    pub(super) fn find_force_sources(&mut self, end: End, stations: &mut [Station]) {
+    /// Finds the joints from which forces are computed: the first station's for all of them, or each
+    /// joint for itself.
+    pub(super) fn find_force_sources(&mut self, stations: &mut [Station]) {
         let Some(forces) = &mut self.forces else { return };
-        let mut power = None;
+        let mut source = None;
         for station in stations {
-            if end == End::Output && station.absorbs {
-                power = None;
-            }
             if let Some(joint) = station.shaft.checked_sub(1)
                 && self.joints[joint].needs_force
             {
-                station.force_power = self.moderate && power.is_none();
-                power = power.filter(|_| self.moderate).or(Some(joint));
-                self.joints[joint].force_source = power.unwrap_or(joint);
-            }
-            if end == End::Drive && station.absorbs {
-                power = None;
+                station.force_power = self.refers_forces && source.is_none();
+                source = source.filter(|_| self.refers_forces).or(Some(joint));
+                self.joints[joint].force_source = source.unwrap_or(joint);
             }
         }
         forces.set_sources(|joint| self.joints[joint].force_source);

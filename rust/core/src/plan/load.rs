@@ -21,8 +21,8 @@ pub(crate) struct Station {
     pub(crate) torque: Option<usize>,
     /// Whether the torsion entering the joint before this shaft is needed.
     pub(crate) torsion: bool,
-    /// Whether forces need the power entering that joint, because it is a source of moderate
-    /// drivelines.
+    /// Whether forces need the power entering that joint, because they are sums over the parts of the
+    /// drive shaft.
     pub(crate) force_power: bool,
 }
 
@@ -66,17 +66,20 @@ impl Plan {
             },
         };
         let last = range[range.len() - 1];
+        // In steep chains the terms of the drive shaft cancel, and so do those of different powers.
+        let one_power = !inertias.iter().any(|&shaft| shaft > 0 && shaft < n);
+        self.refers_forces = self.moderate && one_power;
         let mut stations: Vec<Station> = range
             .into_iter()
             .map(|shaft| {
                 let passed = end == End::Output || shaft != last;
                 let absorbs = passed && inertias.contains(&shaft);
                 let step = joint_before(shaft);
-                let torsion = step.is_some_and(|step| step.needs_torsion(self.moderate));
+                let torsion = step.is_some_and(|step| step.needs_torsion(self.refers_forces));
                 Station { shaft, absorbs, torque: torque[shaft], torsion, force_power: false }
             })
             .collect();
-        self.find_force_sources(end, &mut stations);
+        self.find_force_sources(&mut stations);
         for station in &stations {
             let shaft = station.shaft;
             let starts = end == End::Output && shaft == n;

@@ -55,6 +55,9 @@ pub struct Plan {
     least_cosines: Vec<f64>,
     /// Whether the equivalent bend of the whole chain is moderate.
     pub(crate) moderate: bool,
+    /// Whether forces are sums over the torsion parts of the drive shaft: the chain is moderate, and
+    /// one power passes all joints.
+    pub(crate) refers_forces: bool,
     pub(crate) planes: usize,
     /// The number of planes of each shaft or joint of each output, in order.
     pub(crate) components: Vec<usize>,
@@ -128,8 +131,8 @@ pub(crate) struct JointStep {
     needs_moment: bool,
     /// Whether any force depends on the joint's torsion.
     pub(crate) needs_force: bool,
-    /// The joint from which those forces are computed: itself, or in moderate drivelines the first
-    /// one on the path of the load that has the same power.
+    /// The joint from which those forces are computed: itself, or the first one on the path of the
+    /// load if forces are referred to the drive shaft.
     pub(crate) force_source: usize,
     /// The joint's contributions to the support moments of the shaft that the load leaves here and
     /// of the shaft that it enters.
@@ -190,10 +193,10 @@ impl JointStep {
         self.needs_moment || self.needs_support() || self.needs_force
     }
 
-    /// Whether the torsion itself is needed, not only the power. Forces need the power alone if all
-    /// drivelines are `moderate`.
-    pub(crate) fn needs_torsion(&self, moderate: bool) -> bool {
-        self.needs_moment || self.needs_support() || self.needs_force && !moderate
+    /// Whether the torsion itself is needed, not only the power, which suffices for forces that are
+    /// referred to the drive shaft.
+    pub(crate) fn needs_torsion(&self, refers_forces: bool) -> bool {
+        self.needs_moment || self.needs_support() || self.needs_force && !refers_forces
     }
 }
 
@@ -214,6 +217,7 @@ impl Plan {
             joint_count: n,
             largest_bends: request.largest_bends.to_vec(),
             moderate: range(least_cosines[n]).is_moderate(),
+            refers_forces: false,
             least_cosines,
             planes: 0,
             components: vec![],

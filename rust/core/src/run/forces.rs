@@ -93,7 +93,7 @@ impl<T: Real> FoldedForces<T> {
                 if target.sources[place] != plan.joints[joint].force_source {
                     place += 1;
                 }
-                if plan.moderate {
+                if plan.refers_forces {
                     let determinant = T::from_double_double(self.determinants[joint][index]);
                     let forms = pose_of(joint).parts_of_drive(determinant.recip());
                     add_referred(own, forms, &mut columns[place][index]);

@@ -99,7 +99,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
             let loads = JointLoads {
                 torsion: station.torsion.then_some(torsion),
                 power: station.force_power.then_some(power),
-                forces: plan.joints[joint].needs_force && !plan.moderate,
+                forces: plan.joints[joint].needs_force && !plan.refers_forces,
                 unit: plan.as_built.then(|| &built.moments[joint]),
             };
             let step = &plan.joints[joint];
