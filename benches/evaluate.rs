@@ -42,6 +42,7 @@ impl Case {
             load: None,
             inertias: &[],
             bearings: None,
+            as_built: false,
         };
         let plan = Plan::new(&request).expect("the request is valid");
         let turn = std::f64::consts::TAU / samples as f64;

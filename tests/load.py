@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan import Driveline, Load, Scene, Sweep
+from cardan import Driveline, Load, Scene, Sweep, TorsionalSystem, optimise
 
 THREADS = 4
 GROWTH = 0.03
@@ -39,6 +39,9 @@ output_torque_Nm = 100
 quantities = ["angle_error", "torque", "support_moment"]
 """
 
+RATING = 900.0
+"""Torque in N m that a joint carries for 5000 h."""
+
 
 def jobs() -> dict[str, Callable[[], Any]]:
     """Return calls of every kind, each of some milliseconds at most."""
@@ -52,10 +55,52 @@ def jobs() -> dict[str, Callable[[], Any]]:
     plan = chain.plan(("angle", "moment"), load=load)
     points = random.normal(size=(200, 4, 3)) * 0.1 + np.arange(4.0)[:, np.newaxis] * [1.0, 0, 0]
     turns = Sweep.revolutions(20, 720)
+    torque = Load(drive_torque=7.0)
+    mounted = Driveline.from_points(points[0]).with_bearings([(0, 0.4), (0, 0.9)])
+    slopes = chain.plan(("speed_ratio", "moment"), load=load)
+    shaft = Driveline.from_bends([0.3, 0.25], 0.1, 0.2)
+    system = TorsionalSystem(
+        shaft,
+        inertias=[[0.0, 0.0], [0.0, 0.05], [0.02, 0.1]],
+        stiffnesses=[np.inf, 8000.0, 5000.0],
+        damping_ratios=0.02,
+        load_torque=30.0,
+    )
+    steps = Load(output_torque=[400.0, 700.0], speed_rpm=[1500.0, 900.0])
 
     def filled() -> Any:  # noqa: ANN401
         out = np.empty((3, angle.size))[1]
         return chain.evaluate(angle, "speed_ratio", out={"speed_ratio": out})
+
+    def derived() -> Any:  # noqa: ANN401
+        found = slopes.derivatives(small, ("bends", "phases", "drive_torque"))
+        return {f"{name} {by}": found[name][by] for name in found for by in found[name]}
+
+    def weighted() -> Any:  # noqa: ANN401
+        found = slopes.gradient(angle[:5000], {"speed_ratio": 1.0, "moment": 0.5})
+        return {name: getattr(found, name) for name in ("value", "bends", "twists", "inertias")}
+
+    def toleranced() -> Any:  # noqa: ANN401
+        found = shaft.tolerances(phases=0.02, bends=0.01, samples=2000, seed=3)
+        return {"worst": found.worst, "quantile": found.quantile([0.5, 0.99])}
+
+    def vibrating() -> Any:  # noqa: ANN401
+        found = system.steady([40.0, 150.0])
+        stability = system.stability(150.0)
+        return {"orders": found.torque_orders, "multipliers": stability.multipliers}
+
+    def lasting() -> Any:  # noqa: ANN401
+        found = shaft.reshape(1).life(steps, rating=RATING, shares=[0.7, 0.3])
+        return {"hours": found.hours, "each": found.mean_hours}
+
+    def optimised() -> Any:  # noqa: ANN401
+        best = optimise(
+            lambda x: Driveline.from_bends([[0.3, 0.25], [0.31, 0.2]], 0.1, x[:1]),
+            [0.7],
+            phases=[0],
+            starts=1,
+        )
+        return {"x": best.x, "value": best.value}
 
     def refused() -> Any:  # noqa: ANN401
         try:
@@ -81,6 +126,13 @@ def jobs() -> dict[str, Callable[[], Any]]:
         "phases": lambda: {"phases": batch.optimal_phases()},
         "equivalent": lambda: {"k": each.equivalent().k},
         "scene": lambda: Scene.parse(SCENE).run().values,
+        "forces": lambda: mounted.evaluate(small, ("joint_force", "bearing_force"), load=torque),
+        "derivatives": derived,
+        "gradient": weighted,
+        "tolerances": toleranced,
+        "torsion": vibrating,
+        "life": lasting,
+        "optimum": optimised,
     }
 
 

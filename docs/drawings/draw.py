@@ -311,8 +311,7 @@ def tilts() -> Drawing:
     b = -math.sin(driven) * e_out + math.cos(driven) * m
     moment = np.cross(a, b)
     moment = moment / np.linalg.norm(moment)
-    if moment @ u_in < 0:
-        moment = -moment
+    moment = moment * np.sign(moment @ u_in)
     see = Space((190.0, 110.0), 215.0, -115.0, 18.0)
     zero = np.zeros(3)
     reach = 1.25
@@ -353,6 +352,25 @@ def between(first: Vector, second: Vector) -> list[Vector]:
     across = second - (first @ second) * first
     across = across / np.linalg.norm(across)
     return turn(first, across, math.degrees(math.acos(float(first @ second))))
+
+
+def deviations() -> Drawing:
+    """Yokes that lean and a cross that is not square."""
+    d = Drawing(600, 200, "Deviations of driving yoke, cross and driven yoke")
+    for x, axis, blue, pin, colour, angle, caption in (
+        (90.0, "*u", BLUE, "*p", GREEN, "*e_1", "driving yoke"),
+        (290.0, "*p", GREEN, "*q", RED, "*e_2", "cross"),
+        (490.0, "*v", BLUE, "*q", RED, "*e_3", "driven yoke"),
+    ):
+        d.line((x, 80), (x, 175), colour=GREY, width=1.2, dash="4 4")
+        d.arrow((x - 55, 80), (x + 70, 80), colour=blue, width=2.4)
+        d.line(polar((x, 80), -40, 72), polar((x, 80), 95, 72), colour=colour, width=4)
+        d.arrow(*arc((x, 80), 75, 90, 72))
+        labels = (84, 74, axis, blue), (46, 166, pin, colour), (8, 180, angle, INK)
+        for right, up, label, ink in labels:
+            d.text((x + right, up), label, colour=ink, size=16)
+        d.text((x, 12), caption, size=13)
+    return d
 
 
 def views() -> Drawing:
@@ -465,7 +483,7 @@ def ball() -> Drawing:
     return d
 
 
-DRAWINGS = (driveline, joint, along_the_shaft, tilts, views, projected, ball)
+DRAWINGS = (driveline, joint, along_the_shaft, tilts, deviations, views, projected, ball)
 
 
 def write(

@@ -24,9 +24,8 @@ class View:
 
     def __call__(self, place: Any) -> Point:  # noqa: ANN401
         """Return where a place in mm is drawn."""
-        return tuple(
-            o + s * float(v) for o, s, v in zip(self.origin, self.scale, place, strict=True)
-        )
+        (x, y), (across, up) = self.origin, self.scale
+        return x + across * float(place[0]), y + up * float(place[1])
 
     def shafts(self, places: Any, *, colour: str = SHAFT, dash: str = "") -> None:  # noqa: ANN401
         """Draw shafts and joints along the points of a driveline."""

@@ -44,7 +44,17 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
     }
     let [bends, twists, phases, directions, normals, lengths, positions] =
         flat.each_ref().map(Vec::as_slice);
-    let lines = Drivelines { bends, twists, phases, directions, normals, lengths, positions };
+    let deviations = &[];
+    let lines = Drivelines {
+        bends,
+        twists,
+        phases,
+        directions,
+        normals,
+        lengths,
+        positions,
+        deviations,
+    };
 
     let outputs: Vec<Output> =
         Output::ALL.into_iter().filter(|_| u.arbitrary().unwrap_or(false)).collect();
@@ -61,6 +71,7 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
         load,
         inertias: &inertias,
         bearings: if u.arbitrary()? { Some(&bearings) } else { None },
+        as_built: false,
     };
     let Ok(plan) = Plan::new(&request) else { return Ok(()) };
 

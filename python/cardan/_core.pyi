@@ -16,6 +16,7 @@ __all__ = [
     "Torsion",
     "Transmission",
     "__version__",
+    "check_deviations",
     "derivatives_at",
     "differentiate",
     "dq",
@@ -24,6 +25,7 @@ __all__ = [
     "from_directions",
     "from_points",
     "levels",
+    "mean_leads",
     "optimal_phases",
     "outputs",
 ]
@@ -57,6 +59,10 @@ def from_points(
 def equivalent(
     joints: int, shaft: int, bends: _Flat, twists: _Flat, phases: _Flat
 ) -> list[_Flat]: ...
+def check_deviations(
+    joints: int, shape: Sequence[int], bends: _Flat, deviations: _Flat
+) -> None: ...
+def mean_leads(lines: Lines, shaft: int) -> _Flat: ...
 def optimal_phases(
     joints: int, bends: _Flat, twists: _Flat, phases: _Flat, workers: int | None
 ) -> _Flat: ...

@@ -39,6 +39,7 @@ _COLUMNS = {
     "inertias": "inertias",
     "lengths": "lengths",
     "positions": "positions",
+    "deviations": "deviations",
 }
 
 _Stepped = tuple[FloatArray, int, int]
@@ -48,8 +49,8 @@ class Derivatives(Mapping[str, Mapping[str, NDArray[np.float64]]]):
     """Derivatives of every sample: ``d["speed_ratio"]["bends"]``; made by ``Plan.derivatives``.
 
     Those by bends, twists, phases, inertias, lengths and positions have the output's shape with one
-    more axis, those by points two, ``(n + 2, 3)``; those by the drive angle and by a torque have
-    the output's shape.
+    more axis, those by points and deviations two, ``(n + 2, 3)`` and ``(n, 3)``; those by the drive
+    angle and by a torque have the output's shape.
     """
 
     __slots__ = ("_by_output",)
@@ -82,8 +83,9 @@ class Gradient:
 
     There is one sum for each driveline of a batch. Derivatives are per radian, per unit of the
     points, per N m and per kg m². Those that the plan does not have are missing: ``points`` of a
-    driveline that was not made from points, torques and inertias without a load, lengths that are
-    unknown, positions without bearings.
+    driveline that was not made from points or has deviations, torques and inertias without a load,
+    lengths that are unknown, positions without bearings, deviations of ideal joints, which
+    ``Plan.derivatives`` gives.
 
     Attributes:
         value: ``sum(weights * outputs)`` over items, components and samples, in the shape of the
@@ -98,6 +100,8 @@ class Gradient:
             samples changes by the same amount at each.
         lengths: ``(..., n + 1)``, if the lengths of the shafts are known; all directions are held.
         positions: of the bearings, ``(..., m)``, if there are any.
+        deviations: of driving yoke, cross and driven yoke of each joint, ``(..., n, 3)``, if the
+            driveline has deviations.
     """
 
     value: NDArray[np.float64]
@@ -115,6 +119,7 @@ class Gradient:
             "inertias": "a load",
             "lengths": "the lengths of the shafts",
             "positions": "bearings",
+            "deviations": "a driveline with deviations",
         }
         if needs := wanted.get(name):
             if name in self._others:
@@ -162,10 +167,11 @@ class DerivativeSamples:
             if load.inertias is not None:
                 shapes["inertias"] = load.inertias.shape[:-1]
         self.shape = common_shape(**shapes)
-        own = common_shape(driveline=line.shape, angle=self._angle.shape)
-        if self.shape != own:
-            # As for a call of the plan, whose results have the shape of driveline and angle.
-            raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
+        if load is not None:
+            own = common_shape(driveline=line.shape, angle=self._angle.shape)
+            if self.shape != own:
+                # As for a call of the plan, whose results have the shape of driveline and angle.
+                raise ArgumentValueError("load", f"has shape {self.shape}; the samples have {own}")
         padded = (1,) * (len(self.shape) - len(line.shape)) + line.shape
         self._lines = [axis for axis, length in enumerate(padded) if length != 1]
         rest = [axis for axis in range(len(self.shape)) if axis not in self._lines]
@@ -177,6 +183,8 @@ class DerivativeSamples:
         """Return an array that broadcasts to the samples, flat, with its two steps."""
         if array.size == 1:
             return array.reshape(-1), 0, 0
+        if not self._lines and array.shape == self.shape:
+            return np.ascontiguousarray(array).reshape(-1), 0, 1
         padded = array.reshape((1,) * (len(self.shape) - array.ndim) + array.shape)
         moved = padded.transpose(self._order)
         own, split = moved.shape, len(self._lines)
@@ -262,7 +270,7 @@ def gradient(
     samples = DerivativeSamples(request, places, angle, level)
     line = samples.line
     by = ["value", "bends", "twists", "phases"]
-    if line.has_points:
+    if line.has_points and not line.has_deviations:
         by.append("points")
     if request.load is not None:
         by += [f"{request.load.end}_torque", "inertias"]
@@ -270,6 +278,8 @@ def gradient(
         by.append("lengths")
     if line.n_bearings:
         by.append("positions")
+    if line.has_deviations:
+        by.append("deviations")
     flat = samples.run(by, [*_planes(samples, weights)])
     rows = flat.reshape(*line.shape, -1)
     parts = {
@@ -335,8 +345,8 @@ def _planes(samples: DerivativeSamples, weights: Mapping[str, ArrayLike]) -> Ite
             yield from (zeros for _ in range(count))
             continue
         planes = components_first(full[name], place).reshape(count, *samples.shape)
-        for plane in planes:
-            yield np.ascontiguousarray(plane.transpose(samples._order)).reshape(-1)
+        moved = planes.transpose(0, *(axis + 1 for axis in samples._order))
+        yield from np.ascontiguousarray(moved).reshape(count, -1)
 
 
 def checked_weights(
@@ -367,6 +377,9 @@ def checked_weights(
         array = as_float64("weights", given)
         _, items, vector = places[name]
         wanted = (*(() if items is None else (items,)), *shape, *((3,) if vector else ()))
+        if array.shape == wanted:
+            full[name] = array
+            continue
         try:
             full[name] = np.broadcast_to(array, wanted)
         except ValueError:

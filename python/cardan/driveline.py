@@ -231,11 +231,12 @@ class Driveline(Centred):
         """Return the mean of outputs over a turn, and their amplitudes and phases by order.
 
         At order ``2 n`` the amplitudes are ``k**n / n`` of the angle error and ``2 k**n`` of the
-        speed ratio, with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4).
+        speed ratio, with the ``k`` of ``equivalent``: the Fourier series of Thoma's (4). With
+        deviations there are odd orders as well, and everything is summed over a turn.
 
         Args:
-            orders: positive integers, ``(m,)`` or one; odd orders of the motion have amplitude 0.
-                By default the first four even orders.
+            orders: positive integers, ``(m,)`` or one; odd orders of the motion of ideal joints
+                have amplitude 0. By default the first four even orders.
             shaft: shaft for the outputs per shaft, by default the last; also a slice or a list.
             outputs: names from ``cardan.OUTPUTS``, except ``angle``.
             joints: joints for the outputs per joint; default: all.

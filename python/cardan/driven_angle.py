@@ -110,6 +110,10 @@ def planned(
     if axes == "space" and angle_of == "drive":
         return Plan(*arguments)
     names = checked(names)
+    given: Any = line
+    given._geometry.check_ideal(
+        'axes="shaft" and angle_of="driven" are', "use the axes of space and the drive angle"
+    )
     checked_choice("axes", axes, ("space", "shaft"))
     checked_choice("angle_of", angle_of, ("drive", "driven"))
     # Lengths are the same in all axes.

@@ -245,6 +245,7 @@ def equivalent(geometry: Geometry, shaft: int) -> EquivalentJoint:
     """Find the equivalent joint as ``Driveline.equivalent`` does."""
     *shape, n_joints = geometry.bends.shape
     index = item_index("shaft", shaft, n_joints + 1)
+    geometry.check_ideal("an equivalent joint exists", "evaluate and harmonics give the motion")
     bends, twists, phases, *_ = geometry.flat()
     columns = _core.equivalent(n_joints, index, bends, twists, phases)
     return EquivalentJoint(*(scalar_or_array(c.reshape(shape)) for c in columns))

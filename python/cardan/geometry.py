@@ -26,6 +26,8 @@ class Geometry(NamedTuple):
         lengths: length of each shaft, ``(..., n + 1)``; ``(..., 0)`` if unknown.
         positions: position of each bearing along its shaft, in the unit of the lengths,
             ``(..., m)``.
+        deviations: of driving yoke, cross and driven yoke of each joint, ``(..., n, 3)``;
+            ``(..., 0, 3)`` if all joints are ideal.
         bearings: the shaft of each bearing, ``m`` in number.
         has_points: whether they were made from points, with these lengths between them.
     """
@@ -37,6 +39,7 @@ class Geometry(NamedTuple):
     normals: FloatArray
     lengths: FloatArray
     positions: FloatArray
+    deviations: FloatArray
     bearings: tuple[int, ...] = ()
     has_points: bool = False
 
@@ -50,6 +53,27 @@ class Geometry(NamedTuple):
         """Number of joints of each driveline."""
         n: int = self.bends.shape[-1]
         return n
+
+    @property
+    def is_as_built(self) -> bool:
+        """Whether the joints deviate from their drawing."""
+        return bool(self.deviations.shape[-2])
+
+    def as_built(self) -> Geometry:
+        """Give ideal joints deviations of 0."""
+        if self.is_as_built:
+            return self
+        return self._replace(deviations=np.zeros((*self.bends.shape, 3)))
+
+    def check_ideal(self, what: str, instead: str = "") -> None:
+        """Raise a ``ValueError`` if the joints deviate; ``what`` has its verb."""
+        if self.is_as_built:
+            hint = f"; {instead}" if instead else ""
+            raise ArgumentValueError(
+                "driveline",
+                f"has joints with deviations; {what} for ideal joints only{hint} "
+                "(with_deviations() without arguments makes them ideal)",
+            )
 
     @property
     def arrays(self) -> tuple[FloatArray, ...]:
@@ -86,6 +110,8 @@ class Geometry(NamedTuple):
             -self.normals[..., ::-1, :],
             np.array(self.lengths[..., ::-1]),
             self.lengths[..., list(self.bearings)] - self.positions,
+            # What was the driven pin drives, and both shafts point the other way.
+            self.deviations[..., ::-1, ::-1] * [-1.0, 1.0, -1.0],
             tuple(self.n_joints - shaft for shaft in self.bearings),
             self.has_points,
         )
@@ -139,6 +165,8 @@ def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
     if not all(part.lengths.shape[-1] for part in parts):
         # Lengths that some lack are of no use to all.
         parts = [part._replace(lengths=part.lengths[..., :0]) for part in parts]
+    if any(part.is_as_built for part in parts):
+        parts = [part.as_built() for part in parts]
     every = zip(*(part.arrays for part in parts), strict=True)
     joined = (np.concatenate(arrays, axis=axis) for arrays in every)
     has_points = all(part.has_points for part in parts)
@@ -213,6 +241,7 @@ def _laid_out(
         normals.reshape(*shape, n, 3),
         np.empty((*shape, 0)),
         np.empty((*shape, 0)),
+        np.empty((*shape, 0, 3)),
     )
 
 

@@ -99,6 +99,7 @@ def harmonics(plan: Repeatable, orders: ArrayLike) -> Harmonics:
             (request.names.index("angle"),),
         )
     order = _checked(orders)
+    line: Any = request.line
     load = request.load
     shapes = {"driveline": request.line.shape}
     if load is not None:
@@ -108,7 +109,8 @@ def harmonics(plan: Repeatable, orders: ArrayLike) -> Harmonics:
     rows = common_shape(**shapes)
     found = {}
     for name in request.names:
-        if request.angle_of == "drive" and name in _CLOSED:
+        closed = name in _CLOSED and not line.has_deviations
+        if request.angle_of == "drive" and closed:
             found[name] = _closed(request, plan.places[name], name, rows, order)
         else:
             found[name] = order_sums(plan, name, rows, order)

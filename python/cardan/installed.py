@@ -8,7 +8,7 @@ from typing import Any, Literal, SupportsIndex
 from numpy.typing import ArrayLike
 
 from cardan import free_running, slip, tolerances
-from cardan.bearings import Mounted
+from cardan.deviations import AsBuilt
 from cardan.free_running import FreeRunning
 from cardan.load import Load
 from cardan.request import Items
@@ -16,7 +16,7 @@ from cardan.slip import Lengths, SplineForce
 from cardan.tolerances import Tolerances
 
 
-class Installed(Mounted):
+class Installed(AsBuilt):
     """Drivelines in a machine; ``Driveline`` adds how they are made and what is evaluated."""
 
     __slots__ = ()
@@ -96,6 +96,7 @@ class Installed(Mounted):
         >>> round(float(rig.free_running([10.0, 1.0]).variation), 5)
         0.00201
         """
+        self._geometry.check_ideal("free running is computed")
         line: Any = self
         return free_running.free_running(line, inertias)
 
@@ -179,6 +180,7 @@ class Installed(Mounted):
         >>> shaft.tolerances(phases=5.0, degrees=True).worst_deg.round(4)
         np.float64(4.184)
         """
+        self._geometry.check_ideal("tolerances are computed")
         line: Any = self
         return tolerances.tolerances(
             line,

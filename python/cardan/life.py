@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape, positive
+from cardan.arrays import FloatArray, as_float64, common_shape, per_joint, positive
 from cardan.errors import ArgumentValueError
 from cardan.load import Load, require_load
 from cardan.pins import Pins, means_over_turn, pins_at
@@ -78,12 +78,7 @@ def life(
     """Find the lives as ``Driveline.life`` does."""
     require_load(load)
     n = line.n_joints
-    rated = positive("rating", rating)
-    if rated.ndim and rated.shape[-1] not in (1, n):
-        raise ArgumentValueError(
-            "rating", f"has shape {rated.shape}; it is one number or one per joint, (..., {n})"
-        )
-    rated = np.broadcast_to(rated, (*rated.shape[:-1], n))
+    rated = per_joint("rating", positive("rating", rating), n)
     turning = np.abs(load.speed) if speed is None else positive("speed", speed)
     if not np.all(turning > 0.0):
         raise ArgumentValueError("load", "has no speed; a life in hours needs one")

@@ -20,7 +20,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, common_shape, not_negative, positive, scalar_or_array
+from cardan.arrays import (
+    FloatArray,
+    common_shape,
+    not_negative,
+    per_joint,
+    positive,
+    scalar_or_array,
+)
 from cardan.cross import cross_axes, dot
 from cardan.errors import ArgumentValueError
 from cardan.load import Load, require_load
@@ -211,11 +218,7 @@ def losses(
 def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:
     """One number for all joints, or one for each on the last axis."""
     array = (not_negative if name in ("friction", "seal_torque") else positive)(name, value)
-    if array.ndim and array.shape[-1] not in (1, n):
-        raise ArgumentValueError(
-            name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"
-        )
-    return np.broadcast_to(array, (*array.shape[:-1], n))
+    return per_joint(name, array, n)
 
 
 def _lost(pins: Pins, share: FloatArray, constant: FloatArray) -> FloatArray:

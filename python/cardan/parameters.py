@@ -22,6 +22,7 @@ Variables: TypeAlias = Literal[
     "inertias",
     "lengths",
     "positions",
+    "deviations",
 ]
 """Everything by which an output can be differentiated."""
 
@@ -72,6 +73,8 @@ def _known(
             "is 'points'; only drivelines from points have them, with the lengths between them",
             place,
         )
+    if by == "points":
+        line._geometry.check_ideal("derivatives by points are", "use bends and twists")
     if by == "lengths" and not has_lengths(line):
         raise ArgumentValueError("by", "is 'lengths', which the driveline does not have", place)
     if by == "positions" and not line.n_bearings:
@@ -84,8 +87,13 @@ def has_lengths(line: Any) -> bool:  # noqa: ANN401 - a driveline
     return bool(line._geometry.lengths.shape[-1])
 
 
+# How many more than joints there are of the variables of shafts and joints.
+_BEYOND_JOINTS = {"bends": 0, "twists": -1, "phases": -1, "inertias": 1, "lengths": 1}
+
+
 def parameter_shape(name: str, n: int, bearings: int = 0) -> tuple[int, ...]:
     """Return the shape of such variables of a driveline with ``n`` joints."""
-    shapes = {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}
-    others = {"inertias": (n + 1,), "lengths": (n + 1,), "positions": (bearings,)}
-    return {**shapes, **others}.get(name, ())
+    if name in _BEYOND_JOINTS:
+        return (n + _BEYOND_JOINTS[name],)
+    others = {"points": (n + 2, 3), "positions": (bearings,), "deviations": (n, 3)}
+    return others.get(name, ())

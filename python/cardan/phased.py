@@ -62,6 +62,7 @@ class Phased(InService):
             ValueError: an axis or a shaft that does not exist, weights or teeth that do not fit,
                 teeth or fixed shafts whose present phases differ between the states.
         """
+        self._geometry.check_ideal("best phases in closed form exist")
         bends, twists, present, *_ = self._geometry.flat()
         best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
         phases = best.reshape(self.phases.shape)

@@ -220,9 +220,10 @@ class Plan:
         sum, and the difference is part of the ``error``. It is far below rounding, except where an
         inertia reverses the torque, at which the magnitudes of bending moments have kinks.
 
-        Half a turn only reverses the pins, so that an order is exactly 0 where it must be: the even
-        ones of tilts and of what is along the axes y and z of ``axes="shaft"``, and the odd ones of
-        everything else. Orders are those of the angle that the plan takes.
+        Half a turn only reverses the pins of ideal joints, so that an order is exactly 0 where it
+        must be: the even ones of tilts and of what is along the axes y and z of ``axes="shaft"``,
+        and the odd ones of everything else. Joints with deviations have all orders, each summed.
+        Orders are those of the angle that the plan takes.
 
         Args:
             orders: positive integers, ``(m,)`` or one, as ``range(1, 13)``.
@@ -264,19 +265,21 @@ class Plan:
             angle: drive angles in rad, any shape, or a ``Sweep``, as for a call.
             by: names among ``"bends"``, ``"twists"``, ``"phases"``, ``"points"``, ``"angle"`` (the
                 angle of the call), ``"drive_torque"`` or ``"output_torque"`` (that of the load),
-                ``"inertias"``, ``"lengths"`` (of the shafts, directions held) and ``"positions"``
-                (of the bearings).
+                ``"inertias"``, ``"lengths"`` (of the shafts, directions held), ``"positions"`` (of
+                the bearings) and ``"deviations"`` (of the joints, ideal ones as well).
 
         Returns:
             arrays by output and variable: the output's shape, then ``(n,)`` by bends, ``(n - 1,)``
             by twists and phases, ``(n + 2, 3)`` by points, ``(n + 1,)`` by inertias and lengths,
-            ``(m,)`` by positions. Angles are in rad, points in their own unit.
+            ``(m,)`` by positions, ``(n, 3)`` by deviations. Angles are in rad, points in their own
+            unit.
 
         Raises:
             TypeError: angles that are not real numbers, variables that are not names.
-            ValueError: an unknown variable, points of a driveline that was not made from points,
-                a torque, lengths or positions that there are not, the angle of reduced outputs,
-                components of forces with ``axes="shaft"``.
+            ValueError: an unknown variable, points of a driveline that was not made from points
+                or has deviations, a torque, lengths or positions that there are not, the angle of
+                reduced outputs, components of forces with ``axes="shaft"``; by deviations, forces,
+                ``axes="shaft"`` and ``angle_of="driven"``.
 
         >>> import cardan
         >>> plan = cardan.Driveline.from_bends([0.5]).plan("speed_ratio")

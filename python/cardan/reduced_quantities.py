@@ -105,6 +105,7 @@ class ReducedQuantity:
 
     def _each(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
         """The number of each driveline, behind an axis of the items if there are several."""
+        self.check_item(line)
         plan = self._plan(line, load, reduce=self.reduction, workers=workers)
         values = np.asarray(plan(self._angles)[self.output.name])
         if self._bearing is not None:

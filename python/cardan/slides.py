@@ -21,7 +21,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape
+from cardan.arrays import FloatArray, as_float64, common_shape, per_joint
 from cardan.cross import cross_axes, dot
 from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 from cardan.outputs import nearest
@@ -172,11 +172,7 @@ def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:
     array = as_float64(name, value)
     if not np.all(np.isfinite(array)):
         raise wrong_element(name, array, ~np.isfinite(array), "; it must be finite")
-    if array.ndim and array.shape[-1] not in (1, n):
-        raise ArgumentValueError(
-            name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"
-        )
-    return np.broadcast_to(array, (*array.shape[:-1], n))
+    return per_joint(name, array, n)
 
 
 def _number(argument: str, name: str) -> int:

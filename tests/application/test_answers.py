@@ -114,8 +114,13 @@ BEND_RULES = {
     *("bend_rules", "shaft", "equivalent_bend_deg", "factor", "damping_ratio", "exceeded"),
     *("speed_rpm", "inside", "critical_speeds", "order"),
 }
+AS_BUILT = ("as_built", "drawing", "angle_error_deg", "angle_error_rad", "acceleration_rad_s2")
 KEYS = {
     "run": {
+        *AS_BUILT,
+        "order",
+        "period_deg",
+        "period_rad",
         *BALL_JOINT,
         *FORCES,
         *SLIP,
@@ -137,6 +142,7 @@ KEYS = {
         *("file", "rows", "parts", "found"),
     },
     "check": {
+        *AS_BUILT,
         *BALL_JOINT,
         *FORCES,
         *SLIP,

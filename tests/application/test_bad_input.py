@@ -6,11 +6,9 @@ import contextlib
 import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
-import sysconfig
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -18,18 +16,9 @@ from pathlib import Path
 import pytest
 
 from cardan.files.whole_file import check_writable
+from scripts import SCRIPT, heed_signals, posix, script
 
-SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
 JOINT = "[driveline]\nbends_deg = [8.5]\n"
-posix = pytest.mark.skipif(os.name != "posix", reason="POSIX signals, limits and terminals")
-
-
-def script(*arguments: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
-    assert SCRIPT, "the script cardan is not installed"
-    captured = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **options}
-    return subprocess.run(  # type: ignore[call-overload, no-any-return]
-        [SCRIPT, *arguments], text=True, encoding="utf-8", **captured
-    )
 
 
 @pytest.fixture
@@ -190,12 +179,6 @@ def size_of(path: Path) -> int:
     return 0
 
 
-def _heed_signals() -> None:
-    """Undo what a parent may have told its children to ignore, as ``nohup`` does."""
-    for heeded in (signal.SIGINT, signal.SIGHUP, signal.SIGTERM):
-        signal.signal(heeded, signal.SIG_DFL)
-
-
 @contextlib.contextmanager
 def writing_a_table(folder: Path) -> Iterator[subprocess.Popen[str]]:
     """A process that is in the midst of a long table."""
@@ -206,7 +189,7 @@ def writing_a_table(folder: Path) -> Iterator[subprocess.Popen[str]]:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        preexec_fn=_heed_signals,
+        preexec_fn=heed_signals,
     )
     try:
         deadline = time.monotonic() + 60

@@ -18,6 +18,7 @@ from cardan.command import commands
 from cardan.figures.ball_joint import ball_joint_figures, pressure_curve
 from cardan.plots import plot_ball_joint
 from cardan.report import write_report
+from cardan.report.ball_joint import ball_joint as drawn_case
 from cardan.scene import BallJointScene, load_scene
 from cardan.scene.errors import SceneError
 from cardan.words.ball_joint import ball_joint_text
@@ -246,6 +247,27 @@ def test_the_picture_shows_the_pressure() -> None:
     names = [text.get_text() for text in legend.get_texts()]
     assert names == ["pressure", "without clearance", "allowable, seat"]
     assert any("20000 N" in text.get_text() for text in section.texts)
+
+
+def test_the_section_of_the_page_shows_the_pressure() -> None:
+    """Over the ball, the outline stands as high as the pressure, and nowhere else."""
+    loose = replaced(TEXT, ("clearance_mm = 0.01", "clearance_mm = 0.1"))
+    case = BallJointScene.parse(loose).ball_joint
+    assert case
+    found = ball_joint_figures(case)
+    drawing = drawn_case(case)["drawing"]
+    outline = np.array([pair.split() for pair in drawing["pressure"][1:-1].split("L")], float)
+    inner, outer = outline[: len(outline) // 2], outline[len(outline) // 2 :][::-1]
+    # 100 units are the radius of the ball, the load points down.
+    theta = np.arctan2(inner[:, 0], inner[:, 1])
+    np.testing.assert_allclose(np.hypot(*inner.T), 100.0, atol=0.1)
+    assert np.max(np.abs(theta)) == pytest.approx(found.contact_angle, abs=0.02)
+    assert found.contact_angle < case.joint.half_angle - 0.05
+    pressure = case.joint.pressure(theta, case.load) / found.peak
+    np.testing.assert_allclose(np.hypot(*outer.T), 100.0 + 50.0 * pressure, atol=0.2)
+    seat = np.array([pair.split() for pair in drawing["seat"][1:-1].split("L")], float)
+    widest = np.max(np.abs(np.arctan2(seat[:, 0], seat[:, 1])))
+    assert widest == pytest.approx(case.joint.half_angle, abs=1e-3)
 
 
 def test_a_report_of_both(tmp_path: Path) -> None:

@@ -722,7 +722,7 @@ def test_memory(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         raise MemoryError
 
     monkeypatch.setattr("cardan.scene.Scene.run", exhausted)
-    failed(run("run", scene), "not enough memory; a smaller samples_per_turn or study needs less")
+    failed(run("run", scene), "not enough memory; fewer samples or a smaller study need less")
 
 
 def test_memory_of_a_stream(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:

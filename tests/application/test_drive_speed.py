@@ -57,6 +57,14 @@ def test_the_inertia_that_it_names_is_enough() -> None:
         assert less.verdict == "not fair"
 
 
+def test_a_light_shaft_before_a_heavy_output_needs_no_inertia_of_the_drive() -> None:
+    light = scene("[0, 0.001, 9]", "[14, 14]")
+    found = drive_speed(light)
+    assert found is not None
+    assert found.needed == 0.0
+    assert "this is fair if shaft 0 has any inertia (motor, pulley, flywheel)" in said(light)
+
+
 def test_the_shaft_is_that_whose_energy_varies_most() -> None:
     found = drive_speed(scene("[5, 0.001, 2]", "[20, 14]"))
     assert found is not None

@@ -244,6 +244,7 @@ def scaled(view: dict[str, Any], axis: str) -> tuple[float, float]:
 def test_views_of_the_report_show_the_forces() -> None:
     views = force_views(Scene.parse(TEXT))
     assert len(views) == 8
+    assert any(view["marks"] for view in views)
     for view, force in zip(views, [*FORCES.joint_force, *FORCES.bearing_force], strict=True):
         drawn = np.array([pair.split(",") for pair in view["path"].split()], float)
         (by_x, x0), (by_y, y0) = scaled(view, "x"), scaled(view, "y")
@@ -253,6 +254,10 @@ def test_views_of_the_report_show_the_forces() -> None:
         np.testing.assert_allclose(np.hypot(x, y), sizes, atol=0.01 * sizes.max())
         head = np.array(re.split("[ L]", view["arrow"][1:])[2:4], float)
         np.testing.assert_array_equal(head, drawn[sizes.argmax()])
+        assert [name for *_, name in view["marks"]] in (
+            [],
+            ["0°", "30°", "60°", "90°", "120°", "150°"],
+        )
         for at_x, at_y, *_, name in view["marks"]:
             np.testing.assert_array_equal([float(at_x), float(at_y)], drawn[2 * int(name[:-1])])
 

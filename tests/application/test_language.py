@@ -75,6 +75,7 @@ ALLOWED = {
     ("docs/glossary.md", "in catalogues also fork"): "forks?",
     ("docs/glossary.md", "the fork-shaped end of a shaft"): "forks?",
     ("docs/start.md", "its fork signs"): "forks?",
+    ("docs/reference/lines.md", "its fork signs"): "forks?",
     ("python/cardan/figures/catalogue.py", "its fork signs"): "forks?",
     ("python/cardan/words/yokes.py", "its fork signs"): "forks?",
     ("docs/theory/sources.md", "in the catalogues: fork)"): "forks?",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -164,6 +165,75 @@ def test_damaged_files(recording: Path) -> None:
     recording.write_text("t,n\n1,2\n")
     with pytest.raises(ValueError, match=r"run\.mf4: not an MDF file$"):
         read_columns(recording, ["n"])
+
+
+def changed(path: Path, group: int, change: Callable[[Any], None]) -> None:
+    """Change a channel group of the file, as a damaged byte does."""
+    with asammdf.MDF(path) as file:
+        one = file.groups[group]
+        change(one)
+        blocks = [one.channel_group, *one.channels]
+        content = bytearray(path.read_bytes())
+        for block in blocks:
+            new = bytes(block)
+            content[block.address : block.address + len(new)] = new
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize(
+    ("channel", "raster", "what"),
+    [
+        (0, None, "column 'time'"),
+        (1, None, "column 'n'"),
+        (0, 0.1, "the time of column 'n'"),
+        (1, 0.1, "column 'n'"),
+    ],
+)
+def test_a_channel_outside_its_records(
+    recording: Path, channel: int, raster: float | None, what: str
+) -> None:
+    def outside(group: Any) -> None:  # noqa: ANN401
+        group.channels[channel].byte_offset = 2_637_321_393
+
+    changed(recording, 0, outside)
+    with pytest.raises(ValueError, match=f"{what} lies outside the records of its channel group$"):
+        read_columns(recording, ["time", "n"], raster)
+
+
+def test_records_that_no_file_can_hold(recording: Path) -> None:
+    def many(group: Any) -> None:  # noqa: ANN401
+        group.channel_group.cycles_nr = 2**50
+
+    changed(recording, 0, many)
+    with pytest.raises(ValueError, match=r"a file of \d+ bytes cannot hold 1125899906842624 rows"):
+        read_columns(recording, ["time", "n"])
+
+
+def test_damage_is_told_once(recording: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    content = bytearray(recording.read_bytes())
+    at = content.index(b"##FH")
+    content[at : at + 4] = b"#?FH"
+    recording.write_bytes(content)
+    with pytest.raises(ValueError, match="not a readable MDF file: Expected"):
+        read_columns(recording, ["n"])
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("flags", [0, 1 + 4])
+def test_a_file_whose_logger_was_switched_off(
+    recording: Path, flags: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    content = bytearray(recording.read_bytes())
+    content[:8], content[60] = b"UnFinMF ", flags
+    recording.write_bytes(content)
+    time, count = read_columns(recording, ["time", "count"])
+    np.testing.assert_array_equal(time, TIME)
+    np.testing.assert_array_equal(count, np.arange(2000.0))
+    # Without data nothing can be finished.
+    recording.write_bytes(content[: content.index(b"##DT") + 2])
+    with pytest.raises(ValueError, match="not a readable MDF file: "):
+        read_columns(recording, ["time"])
+    assert capfd.readouterr() == ("", "")
 
 
 def test_a_missing_file(tmp_path: Path) -> None:

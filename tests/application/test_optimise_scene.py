@@ -23,7 +23,7 @@ from cardan.plots import plot_optimise, plot_optimised_states, plot_over_variabl
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.edit import map_of, with_values
-from cardan.words.optimise import change_lines
+from cardan.words.optimise import change_lines, table_of
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "examples" / "truck_heights.toml").read_text("utf-8")
@@ -92,6 +92,7 @@ def test_one_sentence_for_each_variable() -> None:
         ('"bends_deg.1" = [-2, 2]', r"increase the bend of joint 1 by 1° "),
         ('"bends_deg.0" = [-2, 2]', r"reduce the bend of joint 0 by 1° "),
         ('"twists_deg.0" = [-20, 20]', r"increase the twist of shaft 1 by 8° "),
+        ("slopes_vertical_deg.1 = [-2, 2]", r"reduce the vertical slope of shaft 1 by 1° "),
         ('"phases_deg.0" = "free"', r"turn the output-side yoke of shaft 1 by 8.00° counter-clock"),
         ("bends_deg = [-1, 1]", r"reduce the bends of all joints by 1° "),
         ("phases_deg = [0, 1]", r"leave the output-side yoke of shaft 1 as it is "),
@@ -101,6 +102,8 @@ def test_words_of_other_keys(vary: str, words: str) -> None:
     text = Z_SHAFT.replace("[8]", "[0]") if "bends_deg.1" in vary or ".0 = [-2" in vary else Z_SHAFT
     if vary.startswith('"bends_deg'):
         text = text.replace("[8]", "[0]")
+    if vary.startswith("slopes"):
+        text = "[driveline]\nslopes_vertical_deg = [0, 6, 10]\n"
     found = optimised(Scene.parse(f"{text}[optimise]\nvary = {{{vary}}}\n"))
     assert found
     assert re.match(words, change_lines(found)[0]), change_lines(found)
@@ -323,6 +326,31 @@ def test_another_file(tmp_path: Path) -> None:
     assert run(tmp_path, TRUCK + VARY, "--to", str(tmp_path / "a.csv")).exit_code == 2
 
 
+@pytest.mark.parametrize(
+    ("section", "given"),
+    [
+        ("joints", '[joints]\nsizes = "a.csv"\nsize = "1480"\n[life]\noutput_torque_Nm = 9\n'),
+        ("angles", '[angles]\nfile = "b.csv"\nangle_column_deg = "drive"\n'),
+    ],
+)
+def test_a_scene_that_names_files_stays_in_their_folder(
+    tmp_path: Path, section: str, given: str
+) -> None:
+    sizes = (ROOT / "examples" / "joint_sizes.csv").read_text("utf-8")
+    (tmp_path / "a.csv").write_text(sizes, encoding="utf-8")
+    (tmp_path / "b.csv").write_text("drive\n0\n90\n180\n", encoding="utf-8")
+    (tmp_path / "other").mkdir()
+    text = f"{given}[driveline]\nbends_deg = [8, 6]\n[load]\nspeed_rpm = 900\n" + (
+        '[optimise]\nvary = {"bends_deg.1" = [-3, 3]}\n'
+    )
+    elsewhere = run(tmp_path, text, "--to", str(tmp_path / "other" / "better.toml"))
+    assert elsewhere.exit_code == 2
+    assert f"in the folder of the scene, from which [{section}] names its file" in elsewhere.output
+    assert list((tmp_path / "other").iterdir()) == []
+    assert run(tmp_path, text, "--to", str(tmp_path / "better.toml")).exit_code == 0
+    assert Scene.load(tmp_path / "better.toml").line.bends_deg[1] == pytest.approx(8.0, abs=1e-6)
+
+
 def test_a_scene_without_the_section(tmp_path: Path) -> None:
     result = run(tmp_path, TRUCK)
     assert result.exit_code == 2
@@ -376,6 +404,16 @@ def test_values_are_changed_in_place() -> None:
     assert document["driveline"]["twists_deg"] == [0.5]
 
 
+def test_rounding_counts_as_nothing_in_the_table() -> None:
+    # Straight ahead the joints cancel before and after, but for rounding.
+    found = optimised(Scene.load(ROOT / "examples" / "pto_shaft.toml"))
+    assert found is not None
+    assert 0.0 < max(found.best.per_state_before[0], found.best.per_state[0]) < 1e-8
+    _, ((_, *straight), *turns) = table_of(found)
+    assert straight == ["0", "0"]
+    assert all(float(value) > 0.01 for _, *row in turns for value in row)
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.toml")), ids=lambda p: p.stem)
 def test_examples_are_read_as_toml_reads_them(path: Path) -> None:
     text = path.read_text("utf-8")
@@ -414,6 +452,51 @@ def test_pictures() -> None:
     with pytest.raises(ValueError, match="variable is 3; there are 3, counted from 0"):
         plot_over_variable(found, 3)
     assert plot_optimised_states(found).get_ylabel() == "equivalent bend [deg]"
+    assert axes.get_ylabel() == "equivalent bend,\nlargest of 9 states [deg]"
+
+
+LIMITED = """[tolerances]
+phases_deg = 1
+[optimise]
+vary = {"points_mm.2.y" = [-40, 40], "phases_deg.0" = "free"}
+keep = {inertia_excitation_rad_s2 = 250, max_angle_error_deg = 0.2}
+"""
+
+
+def test_pictures_and_page_show_where_a_limit_is_not_kept(tmp_path: Path) -> None:
+    pytest.importorskip("jinja2")
+    scene = Scene.parse(TRUCK + LIMITED)
+    found = optimised(scene)
+    assert found
+    axes = plot_over_variable(found, 0)
+    within, beyond = axes.get_lines()[:2]
+    assert beyond.get_label() == "beyond a limit"
+    x = np.asarray(within.get_xdata(), dtype=np.float64)
+    line = found.asked.drivelines(np.stack([x + 46.0, np.full(x.shape, found.best.x[1])], -1))
+    bend = np.degrees(line.equivalent().bend.max(axis=-1))
+    speed = 1500.0 * np.pi / 30.0
+    ways = (line, line.reversed())
+    sums = [np.abs(way.transmission(1).q + way.transmission(2).q) for way in ways]
+    excitation = np.max(sums, axis=(0, -1))
+    error = np.degrees(np.arcsin(np.abs(line.transmission().q))).max(axis=-1)
+    kept = (4.0 * speed**2 * excitation <= 250.0) & (error <= 0.2)
+    assert 5 < np.count_nonzero(kept) < len(x) - 5
+    y = np.asarray(within.get_ydata(), dtype=np.float64)
+    np.testing.assert_allclose(y, np.where(kept, bend, np.nan))
+    drawn = np.isfinite(np.asarray(beyond.get_ydata(), dtype=np.float64))
+    # The dashed curve meets the other.
+    assert np.all(drawn[~kept])
+    meeting = np.flatnonzero(drawn & kept)
+    assert meeting.size
+    assert all(not kept[i - 1] or not kept[i + 1] for i in meeting if 0 < i < len(x) - 1)
+    assert "beyond a limit" in [text.get_text() for text in axes.get_legend().get_texts()]  # type: ignore[union-attr]
+    headings, _ = table_of(found)
+    assert headings[3] == "inertia excitation [rad/s²], at most 250, before"
+    write_report(scene, tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text("utf-8")
+    section = page[page.index('id="optimise"') :]
+    assert section.count("beyond a limit") >= 1
+    assert "nan" not in section.partition("</section>")[0]
 
 
 def test_the_report_has_a_section(tmp_path: Path) -> None:

@@ -695,11 +695,47 @@ def test_curves_stand_where_the_axes_say() -> None:
         assert np.max(np.abs(np.polyval(y_axis, points[:, 1]) - values)) < 0.01
 
 
+@pytest.mark.parametrize(
+    ("span", "step"),
+    [
+        *[(4, 1), (9, 2), (25, 5), (40, 10), (60, 15), (140, 30), (200, 45), (900, 180)],
+        *[(1500, 360), (1800, 360), (1900, 720), (5000, 1080)],
+    ],
+)
+def test_degrees_divide_the_turn(span: float, step: float) -> None:
+    """At most six ticks, at multiples of a step that divides a turn or of whole turns."""
+    x = np.linspace(0.0, span, 50)
+    made = chart(Panel("a", "", (Curve("one", x),)), x, "drive angle [deg]")
+    marks = [float(text) for _, text in made["x_ticks"]]
+    assert marks == list(np.arange(0.0, span + 1e-9, step))
+    assert len(marks) <= 6
+
+
 def test_what_varies_by_rounding_alone_is_flat() -> None:
     noise = 1.0 + 1e-15 * np.random.default_rng(1).uniform(-1.0, 1.0, 50)
     figure = drawn(Panel("ratio", "", (Curve("one", noise),)), np.arange(50.0), "x")
     line = next(figure.iter("polyline"))
     assert len({point.split(",")[1] for point in line.attrib["points"].split()}) == 1
+
+
+@pytest.mark.parametrize("slope", [1.0, 0.0])
+def test_a_curve_has_gaps_where_it_has_no_values(slope: float) -> None:
+    values = 2.0 + slope * np.arange(10.0)
+    values[[0, 4, 5]] = np.nan
+    figure = drawn(Panel("ratio", "", (Curve("one", values),)), np.arange(10.0), "x")
+    pieces = [line.attrib["points"].split() for line in figure.iter("polyline")]
+    assert [len(piece) for piece in pieces] == [3, 4]
+    assert {line.attrib["class"] for line in figure.iter("polyline")} == {"curve c0"}
+    heights = [float(point.split(",")[1]) for piece in pieces for point in piece]
+    assert np.all(np.diff(heights) < 0.0) == bool(slope)
+    assert (len(set(heights)) == 1) != bool(slope)
+
+
+def test_what_is_counted_has_whole_numbers() -> None:
+    values = np.array([1.0, 2.0, 4.0])
+    figure = drawn(Panel("a", "", (Curve("one", values),)), np.arange(3.0), "state, counted from 0")
+    lines = [line for line in figure[1] if line.get("class") == "grid"]
+    assert len([line for line in lines if line.get("x1") == line.get("x2")]) == 3
 
 
 def run(*arguments: str | Path) -> tuple[int, str]:
@@ -921,12 +957,13 @@ def test_script_moves_numbers_cursor_and_drawing(browser: webdriver.Chrome, fold
 
 def test_drawing_shows_the_pins(browser: webdriver.Chrome, folder: Path) -> None:
     """Side view: x to the right, y up; top view: x to the right, z down. The marks sit at one end
-    of each pin, the yokes on the side of their shafts, and what is beyond a shaft is faint."""
+    of each pin, the yokes on the side of their shafts, at which these end, and what is beyond a
+    shaft is faint."""
     opened(browser, folder, "z")
     views = {"view-1": ([0, 1], [1.0, -1.0], 2), "view-2": ([0, 2], [1.0, 1.0], 1)}
     for sample, (view, (shown, signs, towards)) in product((0, 77, 410), views.items()):
         moved(browser, sample)
-        marks, bases = js(
+        marks, bases, shafts = js(
             browser,
             """const all = (name) => [...document.querySelectorAll(`#${arguments[0]} .${name}`)];
             return [
@@ -934,7 +971,9 @@ def test_drawing_shows_the_pins(browser: webdriver.Chrome, folder: Path) -> None
                 all("yoke").map((yoke) => [
                     ...yoke.getAttribute("d").match(/[-.\\d]+/g).slice(0, 2).map(Number),
                     yoke.classList.contains("far"),
-                ])]""",
+                ]),
+                all("shaft").map((shaft) => shaft.getAttribute("d").match(/[-.\\d]+/g).map(Number)),
+            ]""",
             view,
         )
         found = pins(LINE, np.radians([0.5 * sample]))[0]
@@ -946,8 +985,10 @@ def test_drawing_shows_the_pins(browser: webdriver.Chrome, folder: Path) -> None
             for j in (0, 1)
             for side in (-1, 1)
         ]
-        want = np.array([*ends, *(root for root in roots for _ in "12")])[:, shown] * signs
-        got = np.array([*marks, *(base[:2] for base in bases)])
+        # Shaft ends: that of the drive, the roots of the yokes in their order, that of the output.
+        ways = [np.zeros(3), *roots, centres[-1]]
+        want = np.array([*ends, *(root for root in roots for _ in "12"), *ways])[:, shown] * signs
+        got = np.array([*marks, *(base[:2] for base in bases), *np.reshape(shafts, (-1, 2))])
         # Up to where the view is and its scale.
         scale = np.ptp(got[:, 0]) / np.ptp(want[:, 0])
         assert 200.0 < scale < 400.0
@@ -1085,3 +1126,9 @@ def test_twists_lie_within_half_a_turn(tmp_path: Path) -> None:
     said = PageText(written(scene(text), tmp_path)).text
     assert "-180" not in said
     assert "350" not in said
+
+
+def test_a_straight_driveline_loads_no_bearing(tmp_path: Path) -> None:
+    said = PageText(written(scene("[driveline]\nbends_deg = [0, 0]\n"), tmp_path)).text
+    assert "No joint is bent, so the joints put no moment on the bearings." in said
+    assert "Highest bending reaction" not in said

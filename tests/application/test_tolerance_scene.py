@@ -177,8 +177,8 @@ def test_the_sentence_of_check_and_report(tmp_path: Path) -> None:
     assert result.exit_code == 0
     flat = " ".join(result.output.split())
     sentence = (
-        "Within the 3° limit; with these tolerances 50.3 % of the drivelines are, the worst has "
-        "4.238°, mostly from the phase of shaft 1."
+        "As drawn, the driveline is within the 3° limit. With these tolerances, 50.3 % of all "
+        "drivelines are within it; the worst has 4.238°, mostly from the phase of shaft 1."
     )
     assert sentence in flat
     page = tmp_path / "page.html"
@@ -195,9 +195,10 @@ def test_the_sentence_of_check_and_report(tmp_path: Path) -> None:
 
 def test_sentences() -> None:
     texts = {
-        "[tolerances]\nphases_deg = 1\n": "Within the 3° limit; with these tolerances 100.0 %",
-        "phases_deg = [20]\n[tolerances]\nphases_deg = 1\n": "Beyond the 3° limit; with these "
-        "tolerances 0.0 % of the drivelines are within it, the worst has",
+        "[tolerances]\nphases_deg = 1\n": "As drawn, the driveline is within the 3° limit. With "
+        "these tolerances, 100.0 % of all",
+        "phases_deg = [20]\n[tolerances]\nphases_deg = 1\n": "As drawn, the driveline is beyond "
+        "the 3° limit. With these tolerances, 0.0 % of all drivelines are within it; the worst has",
     }
     for text, said in texts.items():
         assert verdict_texts(figures(TWO + text))[0].startswith(said)
@@ -206,7 +207,7 @@ def test_sentences() -> None:
         "of = ['equivalent_bend', 'inertia_excitation_driving']\n"
     )
     first, second = verdict_texts(figures(several))
-    assert first.startswith("Equivalent bend: within the 3° limit")
+    assert first.startswith("Equivalent bend: as drawn, the driveline is within the 3° limit.")
     assert re.match(r"Inertia excitation, driving: \d+\.\d rad/s² as drawn; with", second)
     alone = scene(f"{TWO}[tolerances]\nphases_deg = 1\n").tolerances
     assert alone is not None
@@ -301,3 +302,12 @@ def test_many_shares_are_summed() -> None:
     assert len(labels) == 9
     assert labels[-1] == "the other 9"
     assert sum(bar.get_width() for bar in axes.containers[0]) == pytest.approx(100.0)
+
+
+def test_a_small_share_is_not_none() -> None:
+    line = cardan.Driveline.from_bends([0.1, 0.1, 0.1])
+    found = line.tolerances(bends=[1e-3, 1e-6, 0.0], phases=[0.0, 1e-2], samples=10)
+    axes = plot_tolerance_shares(found)
+    assert found.shares["bends"][1] < 5e-4
+    texts = [text.get_text() for text in axes.texts]
+    assert texts[2:] == ["< 0.1 %", "0.0 %", "0.0 %"]

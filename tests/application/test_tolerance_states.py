@@ -116,14 +116,16 @@ def test_the_sentence_names_the_state() -> None:
     (sentence,) = verdict_texts(found)
     share = f"{100.0 * (found.figures[0].passing or 0.0):.1f} %"
     assert sentence.startswith(
-        f"Within the 2° limit in every state; with these tolerances {share} of the drivelines are, "
-        f"the worst has {found.figures[0].worst:.3f}° in low, "
+        f"As drawn, the driveline is within the 2° limit in every state. With these tolerances, "
+        f"{share} of all drivelines are within it in every state; the worst has "
+        f"{found.figures[0].worst:.3f}° in low, "
     )
     tight = tolerance_figures(Scene.parse(TEXT.replace("bend_deg = 2", "bend_deg = 1.4")))
     assert tight is not None
     assert re.match(
-        r"Beyond the 1\.4° limit in high; with these tolerances \d+\.\d % of the drivelines "
-        r"are within it in every state, the worst has \d\.\d+° in low, ",
+        r"As drawn, the driveline is beyond the 1\.4° limit in high\. With these tolerances, "
+        r"\d+\.\d % of all drivelines are within it in every state; the worst has "
+        r"\d\.\d+° in low, ",
         verdict_texts(tight)[0],
     )
     none = TEXT.replace("samples", "of = 'torque_1_peak'\nsamples") + "[load]\noutput_torque_Nm = 9"

@@ -73,6 +73,33 @@ def test_gradients_are_sums_of_derivatives(line: Driveline, angle: Any, load: Lo
         assert close(got, want.reshape(got.shape))
 
 
+@pytest.mark.parametrize("end", ["drive_torque", "output_torque"])
+@pytest.mark.parametrize("count", [1, 15, 16, 128, 300])
+def test_loads_of_each_sample(end: str, count: int) -> None:
+    # Few samples, whole chunks and part of one are summed in different ways.
+    inertias = RNG.uniform(0.1, 1.0, (count, 4))
+    inertias[:, 2] = 0.0
+    torque, speed, acceleration = RNG.uniform(-4.0, 4.0, (3, count))
+    load = Load(**{end: torque}, speed=speed, acceleration=acceleration, inertias=inertias)
+    line = BATCH[1, 0].with_bearings([(0, 0.2), (0, 0.7), (1, 0.5)])
+    names = (*LOADS, "speed_ratio", "joint_force", "bearing_force")
+    plan, angle = line.plan(names, shafts=[0, 3, 1], load=load), RNG.uniform(-9, 9, count)
+    result = plan(angle)
+    weights = {name: RNG.normal(size=result[name].shape) for name in names}
+    gradient = plan.gradient(angle, weights)
+    assert close(gradient.value, sum(np.sum(weights[name] * result[name]) for name in names))
+    by = ("bends", "twists", "phases", "points", end, "inertias", "lengths", "positions")
+    derivatives = plan.derivatives(angle, by)
+    scale = 1e-3 * np.max(np.abs(gradient.bends))
+    for kind in by:
+        want = sum(
+            np.tensordot(weights[name], derivatives[name][kind], weights[name].ndim)
+            for name in names
+        )
+        got = getattr(gradient, kind)
+        assert np.max(np.abs(got - want)) <= 1e-12 * max(scale, np.max(np.abs(want))), kind
+
+
 def test_a_driveline_for_each_angle() -> None:
     lines = Driveline.from_bends(RNG.uniform(0.1, 0.6, (50, 3)), 0.3, 0.2)
     angle = RNG.uniform(-3, 3, 50)
@@ -249,3 +276,18 @@ TORQUE = Load(output_torque=1.0)
 def test_refusals(call: Any, error: type[Exception], message: str) -> None:  # noqa: ANN401
     with pytest.raises(error, match=message):
         call()
+
+
+def test_axes_of_a_batch_behind_those_of_the_angles() -> None:
+    bends = np.random.default_rng(3).uniform(0.1, 0.6, (2, 3, 2))
+    line, angle = Driveline.from_bends(bends), np.linspace(0.2, 2.9, 4).reshape(4, 1, 1)
+    found = line.plan(("speed_ratio", "moment"), load=Load(drive_torque=3.0)).derivatives(
+        angle, ("bends", "angle")
+    )
+    for place in np.ndindex(2, 3):
+        plan = line[place].plan(("speed_ratio", "moment"), load=Load(drive_torque=3.0))
+        alone = plan.derivatives(angle.ravel(), ("bends", "angle"))
+        for name, before in (("speed_ratio", 0), ("moment", 1)):
+            for by in ("bends", "angle"):
+                where = (*(slice(None),) * (before + 1), *place)
+                np.testing.assert_array_equal(found[name][by][where], alone[name][by])

@@ -18,6 +18,7 @@ fn plan(joints: usize, outputs: &[Output], shafts: &[usize]) -> Plan {
         load: None,
         inertias: &[],
         bearings: None,
+        as_built: false,
     })
     .unwrap()
 }
@@ -136,6 +137,7 @@ proptest! {
             load: Some(End::Drive),
             inertias: &[1],
             bearings: None,
+            as_built: false,
         }).unwrap();
         let run = |shape: &[usize], line_strides: &[usize], angle: Source<'_>, torque: Source<'_>,
                    line: Option<usize>, level| {
@@ -234,6 +236,7 @@ fn arrays_that_do_not_fit_are_refused() {
         normals: &[0.0; 3],
         lengths: &[],
         positions: &[],
+        deviations: &[],
     };
     let run = |angle: &[f64], planes: &mut [&mut [f64]]| {
         let angle = Angles::Array(Source { data: angle, strides: &[1] });
@@ -254,6 +257,7 @@ const ONE_JOINT: Drivelines<'static> = Drivelines {
     normals: &[0.0; 3],
     lengths: &[],
     positions: &[],
+    deviations: &[],
 };
 
 #[test]
@@ -316,6 +320,7 @@ fn means_over_turns_count_every_turn() {
         normals: &[0.0; 3],
         lengths: &[],
         positions: &[],
+        deviations: &[],
     };
     for (turns, per_turn) in [(1, 720), (5, 721), (100, 720)] {
         let count = turns * per_turn;
@@ -339,6 +344,7 @@ fn a_sweep_of_one_sample_is_one_angle_for_all() {
         normals: &[0.0; 9],
         lengths: &[],
         positions: &[],
+        deviations: &[],
     };
     let plan = plan(1, &[Output::SpeedRatio], &[1]);
     let shapes: [(&[usize], &[usize]); 3] = [(&[3], &[1]), (&[3, 1], &[1, 0]), (&[1, 3], &[0, 1])];
@@ -401,6 +407,7 @@ fn elements_lie_as_far_apart_as_the_strides_say() {
             load,
             inertias: &[],
             bearings: None,
+            as_built: false,
         })
         .unwrap();
         let mut plane = vec![0.0; 2 * LENGTH];

@@ -19,6 +19,8 @@ struct Parameters {
     torque: f64,
     inertias: Vec<f64>,
     positions: Vec<f64>,
+    /// The first drive angle.
+    angle: f64,
 }
 
 impl Parameters {
@@ -29,6 +31,7 @@ impl Parameters {
             torque: 30.0,
             inertias: vec![0.1, 0.2, 0.3, 0.4],
             positions: vec![0.2, 0.7, 0.6],
+            angle: -2.0,
         }
     }
 
@@ -63,6 +66,7 @@ impl Arrays {
             normals: &self.normals,
             lengths: &self.lengths,
             positions: &self.positions,
+            deviations: &[],
         }
     }
 }
@@ -79,8 +83,8 @@ fn weights(planes: usize, samples: usize) -> Vec<Vec<f64>> {
     (0..planes).map(|plane| (0..samples).map(|i| weight(plane, i)).collect()).collect()
 }
 
-fn angles(samples: usize) -> Vec<f64> {
-    (0..samples).map(|i| 0.011 * i as f64 - 2.0).collect()
+fn angles(given: &Parameters, samples: usize) -> Vec<f64> {
+    (0..samples).map(|i| 0.011 * i as f64 + given.angle).collect()
 }
 
 fn constant(data: &[f64]) -> Spread<'_> {
@@ -89,7 +93,7 @@ fn constant(data: &[f64]) -> Spread<'_> {
 
 fn gradient(given: &Parameters, samples: usize, wanted: Wanted, how: Execution<'_>) -> Vec<f64> {
     let arrays = given.lay_out();
-    let angles = angles(samples);
+    let angles = angles(given, samples);
     let load = SpreadLoad {
         end: End::Output,
         torque: constant(std::slice::from_ref(&given.torque)),
@@ -128,9 +132,10 @@ fn value(given: &Parameters) -> f64 {
         load: Some(End::Output),
         inertias: &[0, 1, 2, 3],
         bearings: Some(&BEARINGS),
+        as_built: false,
     })
     .unwrap();
-    let angles = angles(SAMPLES);
+    let angles = angles(given, SAMPLES);
     let load = Load {
         torque: Source { data: std::slice::from_ref(&given.torque), strides: &[0] },
         speed: Source { data: &[20.0], strides: &[0] },
@@ -178,7 +183,7 @@ fn gradients_are_differences_of_results() {
         positions: true,
         ..Wanted::default()
     };
-    let found = gradient(&Parameters::new(), SAMPLES, wanted, Execution::default());
+    let mut found = gradient(&Parameters::new(), SAMPLES, wanted, Execution::default());
     let mut expected = vec![value(&Parameters::new())];
     expected.extend((0..2).map(|i| slope(|x, step| x.phases[i] += step)));
     expected.extend((0..15).map(|i| slope(|x, step| x.points[i] += step)));
@@ -187,6 +192,9 @@ fn gradients_are_differences_of_results() {
     expected.extend((0..3).map(|i| slope(|x, step| x.positions[i] += step)));
     let scale = expected.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     assert_eq!(found.len(), expected.len());
+    let angle = Wanted { angle: true, ..Wanted::default() };
+    found.extend(gradient(&Parameters::new(), SAMPLES, angle, Execution::default()));
+    expected.push(slope(|x, step| x.angle += step));
     for (i, (found, expected)) in found.iter().zip(&expected).enumerate() {
         assert!((found - expected).abs() < 1e-8 * scale, "{i}: {found} {expected}");
     }

@@ -71,6 +71,7 @@ fn run(
         load: Some(cardan::End::Drive),
         inertias: &[n - 1],
         bearings: None,
+        as_built: false,
     })
     .unwrap();
     let (directions, normals) = (flat(&line.directions), flat(&line.normals));

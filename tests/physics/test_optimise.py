@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import Any, Literal, TypedDict
 
@@ -11,8 +12,10 @@ from numpy.typing import NDArray
 
 import cardan
 from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
+from cardan.optimisation.local import _Program
 from cardan.optimisation.measures import QuantityLike, measure_of
 from cardan.optimisation.problem import Problem
+from cardan.optimisation.search import _settings, candidates
 
 HEIGHTS = np.linspace(-80.0, 80.0, 9)
 LOW, HIGH = np.array([-90.0, -90.0, -90.0]), np.array([-10.0, 90.0, 90.0])
@@ -300,6 +303,69 @@ def test_no_other_teeth_are_better(teeth: int | list[int]) -> None:
     np.testing.assert_allclose(turned, np.round(turned), atol=1e-9)
 
 
+@pytest.mark.parametrize(("bounds", "end"), [((-20.0, 90.0), -15.0), ((-90.0, -50.0), -60.0)])
+def test_teeth_stay_within_bounds_on_whole_teeth(bounds: tuple[float, float], end: float) -> None:
+    """The best phase without bounds, -43.3°, lies outside."""
+
+    def phased(x: NDArray[np.float64]) -> Driveline:
+        return truck(np.array([-89.6, x[0], -1.2]))
+
+    start = 0.0 if bounds[0] > -30.0 else -75.0
+    best = cardan.optimise(phased, [start], [bounds], phases=[0], degrees=True, teeth=24)
+    assert best.x == pytest.approx([end], abs=1e-9)
+
+
+def test_points_that_make_no_driveline_hide_no_others() -> None:
+    def lines_of(x: NDArray[np.float64]) -> Driveline:
+        return Driveline.from_bends(x[:, :, np.newaxis])
+
+    points = np.array([[0.1], [2.0], [0.3], [1.9], [3.0], [0.2], [0.4]])
+    goal, even = measure_of("minimise", "equivalent_bend", 1, None), np.ones(1)
+    problem = Problem(
+        *(lines_of, np.zeros(1), np.full(1, 9.0), np.ones(1), goal, (), np.empty(0), False, even),
+        jac=None,
+        vectorised=True,
+    )
+    found = candidates(problem, points)
+    bends = np.array([0.1, 0.3, 0.2, 0.4])
+    assert [one.x[0] for one in found] == [*bends]
+    assert [one.size for one in found] == pytest.approx(np.tan(bends / 2) ** 2)
+
+
+def test_the_best_of_all_starts_counts() -> None:
+    def wells(line: Driveline) -> NDArray[np.float64]:
+        """A narrow one at the start, and a wide one that random starts fall into."""
+        narrow, wide = (line.bends[..., 0] - 0.2) / 0.01, (line.bends[..., 0] - 0.8) / 0.2
+        return np.asarray(1.0 - 0.9 * np.exp(-(narrow**2)) - 0.5 * np.exp(-(wide**2)))
+
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([x]), [0.205], [(0.0, 1.0)], minimise=wells, starts=2
+    )
+    assert best.x == pytest.approx([0.2], abs=1e-4)
+
+
+def test_the_worst_of_several_limits_counts() -> None:
+    names = ("non_uniformity", "equivalent_bend")
+    goal, *keep = (measure_of("keep", name, 3, None) for name in (names[1], *names))
+    lengths, even = np.array([0.5, 0.001]), np.full(9, 1.0 / 9.0)
+    problem = Problem(
+        *(truck, LOW, HIGH, HIGH - LOW, goal, tuple(keep), lengths, False, even, None, True)
+    )
+    size = float(np.max(np.abs(truck(START).transmission().q)))
+    (found,) = candidates(problem, START[np.newaxis])
+    assert found.excess == pytest.approx(size / 0.001 - 1.0)
+    assert found.rank == (found.excess, found.size)
+
+
+def test_of_many_teeth_those_next_to_the_optima_are_compared() -> None:
+    """A phase repeats after half a turn: 0° is as near to 175° as 170° is."""
+    allowed = [np.arange(0.0, 180.0, 15.0)] * 3
+    assert len(allowed[0]) ** 3 > 1024
+    found = _settings(allowed, [np.array([175.0, 32.0, 100.0])], 180.0)
+    nearest = ((165.0, 0.0, 15.0), (15.0, 30.0, 45.0), (90.0, 105.0, 120.0))
+    assert set(found) == set(itertools.product(*nearest))
+
+
 def test_teeth_with_another_variable() -> None:
     best = cardan.optimise(truck, START, BOUNDS, teeth=16, **PHASES)
     heights = np.linspace(-90.0, -10.0, 321)
@@ -467,6 +533,66 @@ def test_a_start_beyond_a_limit_is_left_for_a_worse_one_within() -> None:
     assert best.x[0] == pytest.approx(0.3, rel=1e-5)
 
 
+def test_a_root_mean_square_leaves_a_start_beyond_a_limit() -> None:
+    """The goal alone leads farther beyond it."""
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([[x[0]], [0.2]]),
+        [0.5],
+        [(0.0, 1.0)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        over="rms",
+        keep={"equivalent_bend": 0.3},
+        starts=1,
+    )
+    assert best.x[0] == pytest.approx(0.3, rel=1e-5)
+
+
+def test_excitations_at_a_speed_of_each_state_have_exact_derivatives() -> None:
+    x, speeds = np.array([-60.0, 20.0, -7.0]), np.linspace(50.0, 90.0, 9)
+    measure = measure_of("minimise", "inertia_excitation", 3, None, speeds)
+    assert measure.derivatives
+    found = measure.derivatives(truck(x), ["phases"])["phases"] * np.pi / 180.0
+    for i, step in enumerate(1e-4 * np.eye(3)[1:]):
+        ends = [np.abs(measure.vectors(truck(x + sign * step))) ** 2 for sign in (1.0, -1.0)]
+        slopes = 2.0 * np.real(np.conj(measure.vectors(truck(x))) * found[..., i])
+        scale = np.max(np.abs(slopes))
+        np.testing.assert_allclose(slopes, (ends[0] - ends[1]) / 2e-4, atol=1e-6 * scale)
+
+
+@pytest.mark.parametrize("rms", [False, True])
+@pytest.mark.parametrize("excess", [0.0, 0.5])
+def test_the_solver_has_the_slopes_of_what_it_gets(rms: bool, excess: float) -> None:
+    """Against differences, with two vectors per state and unequal weights."""
+    goal, kept = (
+        measure_of("minimise", name, 3, None) for name in ("inertia_excitation", "non_uniformity")
+    )
+    x, weights = np.array([-60.0, 20.0, -7.0]), np.arange(1.0, 10.0) / 45.0
+    problem = Problem(
+        *(truck, LOW, HIGH, HIGH - LOW, goal, (kept,), np.array([0.01]), rms, weights, None, True)
+    )
+    program = _Program(problem, x, 0.02, excess, np.array([True, False, True]))
+    y = np.array([0.01, -0.02] if program.rms else [0.01, -0.02, 0.7])
+    vectors = goal.vectors(truck(program.moved(y)))
+    sums = np.abs(vectors) ** 2 / 0.02**2
+    squared = float(weights @ np.mean(sums, axis=-1)) if rms else float(np.max(sums))
+    assert problem.size([vectors]) == pytest.approx(0.02 * np.sqrt(squared))
+    if program.rms:
+        assert program.goal(y) == pytest.approx(float(weights @ np.mean(sums, axis=-1)))
+    elif excess:
+        assert np.min(program.margins(y)) < 0.7 - np.max(program.terms(y)[0][1]) + 1e-12
+    else:
+        assert np.min(program.margins(y)[: sums.size]) == pytest.approx(0.7 - np.max(sums))
+    for i, step in enumerate(1e-6 * np.eye(len(y))):
+        ends = [
+            (program.goal(y + sign * step), program.margins(y + sign * step)) for sign in (1, -1)
+        ]
+        slope = (ends[0][0] - ends[1][0]) / 2e-6
+        assert program.goal_slope(y)[i] == pytest.approx(slope, rel=1e-5, abs=1e-8)
+        slopes = (ends[0][1] - ends[1][1]) / 2e-6
+        scale = max(1.0, float(np.max(np.abs(slopes))))
+        np.testing.assert_allclose(program.margin_slopes(y)[:, i], slopes, atol=1e-6 * scale)
+
+
 def test_several_starts_leave_a_local_optimum() -> None:
     def phased(x: NDArray[np.float64]) -> Driveline:
         return truck(np.array([-86.0, x[0], 0.0]))
@@ -495,6 +621,26 @@ def test_a_rounded_result_has_the_figures_of_the_rounded_variables() -> None:
     best = cardan.optimise(truck, START, BOUNDS, decimals=0, **PHASES)
     assert np.array_equal(best.x, np.round(best.x))
     assert best.value == pytest.approx(float(largest(best.x)), rel=1e-12)
+
+
+def test_a_rounded_result_stays_within_its_bounds_and_names_its_states() -> None:
+    best = cardan.optimise(
+        lambda x: Driveline.from_bends([[x[0]], [0.97 * x[0]]]),
+        [0.01],
+        [(0.0, 0.1236)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        decimals=3,
+    )
+    assert best.x == [0.1236]
+    kept = cardan.optimise(
+        lambda x: Driveline.from_bends([[x[0]], [0.97 * x[0]]]),
+        [0.01],
+        [(0.0, 0.5)],
+        minimise=lambda line: 1.0 - line.bends[..., 0],
+        keep={"equivalent_bend": 0.3},
+    )
+    (active,) = kept.active
+    assert active.states == (0,)
 
 
 def test_what_is_best_already_stays() -> None:

@@ -15,13 +15,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 import cardan
 from cardan import Driveline, Load, Sweep, installed
+from cardan.tolerances import deviating
 from cardan.tolerances.box import boxes
 from cardan.tolerances.chain import Deviations, Nominal, joints_and_turns, q_of
-from cardan.tolerances.guaranteed import bound_parts
-from cardan.tolerances.worst import zonotope_radius
+from cardan.tolerances.guaranteed import _displacement, bound_parts
+from cardan.tolerances.worst import largest_in_box, largest_of_corners, zonotope_radius
 from oracle import Fold
 
 TRUCK = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.02], [2.4, -0.25, 0.03], [2.8, -0.3, 0.04]])
@@ -488,7 +490,15 @@ def test_permitted_tolerances_reach_the_limit() -> None:
     assert factor < found.permitted("phases")
     again = line.tolerances(phases=5.0 * factor, bends=0.2, degrees=True)
     assert again.worst_deg == pytest.approx(3.0, abs=1e-6)
-    assert math.isnan(line.tolerances(phases=1.0, bends=2.0, degrees=True).permitted("phases"))
+    for bends in (0.3, 2.0):
+        rough = line.tolerances(phases=1.0, bends=bends, degrees=True)
+        for bound in ("worst", "linear", "guaranteed"):
+            assert math.isnan(rough.permitted("phases", bound=bound))
+    # Half a tooth stays.
+    splined = line.tolerances(phases=1.0, teeth=200, degrees=True)
+    factor = splined.permitted("phases")
+    again = line.tolerances(phases=factor, teeth=200, degrees=True)
+    assert again.worst_deg == pytest.approx(3.0, abs=1e-6)
     small = Driveline.from_bends([1, 1], degrees=True).tolerances(phases=1.0, degrees=True)
     assert small.permitted("phases") == math.inf
 
@@ -656,6 +666,149 @@ def test_the_lemma_of_the_bound_of_points() -> None:
         sharpest = max(sharpest, distance / (shift + swing))
     # Not so wide that it says nothing.
     assert sharpest > 0.5
+
+
+def holonomy(pairs: Any, frames: Any) -> float:  # noqa: ANN401
+    """By how much what is behind a joint turns when the joint moves, apart from its shift."""
+    ends, turns = [], []
+    for (u, v), (f, g) in zip(pairs, frames, strict=True):
+        ends.append(disc_map((u, v), (f, g))(0.0))
+        carried = minimal_rotation(u, v, f)
+        turns.append(complex(np.dot(g, carried), np.dot(g, np.cross(v, carried))) ** 2)
+    shift = (ends[1] - ends[0]) / (1 - np.conj(ends[0]) * ends[1])
+    return float(abs(np.angle(turns[1] / turns[0] * (1 + np.conj(ends[0]) * shift) ** 2)))
+
+
+@pytest.mark.parametrize("bend", [0.3, 0.6, 1.0, 1.2])
+@pytest.mark.parametrize(("moved", "sharp"), [((0, 0, 1), 0.995), ((1, 0, 0), 0.3), ((1, 0, 1), 0)])
+def test_the_turn_behind_a_joint_is_bounded_sharply(
+    bend: float, moved: tuple[int, int, int], sharp: float
+) -> None:
+    """Points that move across the bend plane turn what is behind by the bound itself."""
+    points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1 + math.cos(bend), math.sin(bend), 0.0]]
+    line, size = Driveline.from_points(points), np.zeros((3, 3))
+    size[:, 2] = 3e-3 * np.array(moved)
+    box = boxes(line, {"points": size}, None, "uniform", False).each[0]
+    *_, turned = bound_parts(box)
+    assert box.nominal.points is not None
+    largest = 0.0
+    for signs in itertools.product((-1.0, 1.0), repeat=3):
+        pairs = []
+        for corner in (box.nominal.points, box.nominal.points + np.array(signs)[:, None] * size):
+            spans = np.diff(corner, axis=0)
+            pairs.append(spans / np.linalg.norm(spans, axis=1, keepdims=True))
+        across = np.array([0.0, 0.0, 1.0])
+        turned_across = [minimal_rotation(u, v, across) for u, v in zip(*pairs, strict=True)]
+        own = [(across, across), tuple(turned_across)]
+        largest = max(largest, holonomy(pairs, own))
+    # Two half turns are a turn.
+    assert sharp * 2.0 * turned[0] <= largest <= 2.0 * turned[0] * (1 + 1e-9)
+
+
+def test_the_bound_of_bends_alone_is_the_sum_of_their_changes() -> None:
+    bend, size = 0.4, 0.03
+    line = Driveline.from_bends([bend, bend])
+    line = line.with_phases(line.optimal_phases())
+    change = math.log(math.cos(bend) / math.cos(bend + size))
+    found = line.tolerances(bends=size)
+    assert found.guaranteed == pytest.approx(math.acos(math.exp(-2.0 * change)), rel=1e-9)
+
+
+def test_the_bound_of_one_shaft_between_two_joints_is_exact() -> None:
+    """Its excitation depends on the bend before it alone."""
+    found = Driveline.from_bends([0.9, 0.2]).tolerances(
+        bends=[0.2, 0.0], of="inertia_excitation_driving", speed=3.0
+    )
+    assert found.guaranteed == pytest.approx(4.0 * 9.0 * math.tan(0.55) ** 2, rel=1e-9)
+    assert found.worst == pytest.approx(found.guaranteed, rel=1e-9)
+
+
+def test_the_bound_of_a_shaft_is_the_sum_of_the_sides_before_it() -> None:
+    """Yokes that may have any phase; the third joint lies behind the shaft."""
+    line = Driveline.from_bends([0.3, 0.2, 0.9], phases=[0.8, 0.0])
+    found = line.tolerances(phases=[math.pi / 2, math.pi / 2], shaft=2)
+    straight = math.acos(math.cos(0.3) * math.cos(0.2))
+    assert found.guaranteed == pytest.approx(straight, rel=1e-12)
+    assert found.worst == pytest.approx(straight, rel=1e-9)
+
+
+def test_a_search_follows_a_ridge_and_several_starts() -> None:
+    def ridge(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """With its top inside the box, away from all corners and middles."""
+        return np.asarray(-4.0 * (x[0] - x[1]) ** 2 - (x[0] + x[1] - 0.7) ** 2)
+
+    value, at = largest_in_box(ridge, 2)
+    assert value == pytest.approx(0.0, abs=1e-6)
+    assert at == pytest.approx([0.35, 0.35], abs=1e-3)
+
+    def hill(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Higher than the best corner, but not from there."""
+        apart = (x[0] + 0.5) ** 2 + (x[1] + 1.0) ** 2
+        return np.asarray(np.where(x[0] + x[1] > 1.9, 1.0, 2.0 * np.exp(-9.0 * apart)))
+
+    value, at = largest_in_box(hill, 2)
+    assert value == pytest.approx(2.0)
+    assert at == pytest.approx([-0.5, -1.0], abs=1e-3)
+
+
+def test_corners_are_followed_to_the_last() -> None:
+    def below(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Each end counts once those before it are right."""
+        right = np.cumprod(x > 0.0, axis=0)
+        return np.asarray(np.sum(right, axis=0, dtype=np.float64))
+
+    assert largest_of_corners(below, -np.ones(5)) == 5.0
+
+
+def test_blocks_of_outputs_are_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = []
+    for block in (2048, 100):
+        monkeypatch.setattr(deviating, "_BLOCK", block)
+        asked = three().tolerances(
+            bends=0.01, of="torque_2_peak", load=Load(drive_torque=9.0), samples=250, seed=1
+        )
+        found.append(asked.sampled)
+    np.testing.assert_array_equal(*found)
+
+
+def test_a_limit_of_a_ratio_has_no_degrees() -> None:
+    line = Driveline.from_bends([10.0, 9.0], degrees=True)
+    of = ("non_uniformity", "max_angle_error")
+    limits = {"non_uniformity": 0.01, "max_angle_error": 0.2}
+    found = line.tolerances(bends=0.1, of=of, limit=limits, degrees=True, samples=10)
+    assert found.limit == {"non_uniformity": 0.01, "max_angle_error": math.radians(0.2)}
+
+
+def test_a_hyperbolic_disc_reaches_farthest_towards_the_centre() -> None:
+    line = Driveline.from_bends([0.9, 0.2])
+    box = boxes(line, {"bends": np.array([0.2, 0.0])}, None, "uniform", False).each[0]
+    parts = bound_parts(box)
+    q, r = math.tan(0.45) ** 2, math.tanh(0.5 * parts[1][0])
+    rim = r * np.exp(1j * np.linspace(0.0, math.tau, 2001))
+    reach = np.max(np.abs((q + rim) / (1.0 + q * rim) - q))
+    assert _displacement(box.nominal, 1, *parts) == pytest.approx(reach, rel=1e-6)
+
+
+def test_large_tolerances_leave_no_bend_beyond_a_right_angle_to_first_order() -> None:
+    line = Driveline.from_bends([60.0, 60.0], phases=90.0, degrees=True)
+    names = ("equivalent_bend", "non_uniformity")
+    found = line.tolerances(bends=25.0, degrees=True, of=names)
+    assert found.linear["equivalent_bend"] <= math.pi / 2
+    assert found.linear["non_uniformity"] > found.nominal["non_uniformity"] > 0.0
+
+
+def test_half_a_tooth_scatters_evenly_whatever_the_distribution() -> None:
+    """Against tolerances of phases alone that have the same standard deviations."""
+    line = Driveline.from_bends([0.3, 0.2, 0.25], [0.3, 0.1], [0.2, -0.5])
+    fine, half = 10**9, math.pi / 36
+    teeth = line.tolerances(phases=[0.05, 0.0], teeth=[fine, 36]).shares["phases"]
+    alone = line.tolerances(phases=[0.05, half]).shares["phases"]
+    assert teeth == pytest.approx(alone, rel=1e-6)
+    normal = line.tolerances(
+        phases=[0.05 * math.sqrt(3.0), 0.0], teeth=[fine, 36], distribution="normal"
+    ).shares["phases"]
+    assert normal == pytest.approx(alone, rel=1e-6)
+    assert 0.05 < alone[0] < 0.95
 
 
 def heights() -> Driveline:
@@ -901,6 +1054,31 @@ def test_forces_have_shares_and_a_linear_worst_case(by: str, name: str) -> None:
         )
         np.testing.assert_array_equal(bare.sampled, found.sampled)
         np.testing.assert_array_equal(bare.linear, found.linear)
+
+
+def test_the_worst_of_many_parameters_is_not_below_their_corners() -> None:
+    """A peak has kinks: the linear worst case is below random drivelines here."""
+    points = np.array(
+        [[0, 0, 0], [420, -15, 0], [1480, -60, 10], [2630, -260, 25], [2990, -275, 25]]
+    )
+    bearings = [(0, 0.1), (0, 0.3), (1, 0.98), (3, 0.06), (3, 0.25)]
+    load = Load(output_torque=220.0)
+    sizes = np.zeros((5, 3))
+    sizes[1:4, 1:], sizes[4] = 1e-3, 1e-3
+    sizes[0, 1:] = 2e-3
+    phases = [0.087, -0.209]
+    line = Driveline.from_points(1e-3 * points, phases).with_bearings(bearings)
+    found = line.tolerances(points=sizes, of="joint_force_1_peak", load=load, seed=1)
+    signs = np.array(list(itertools.product((-1.0, 1.0), repeat=11)))
+    moved = np.repeat(1e-3 * points[np.newaxis], len(signs), axis=0)
+    moved[:, sizes > 0.0] += signs * sizes[sizes > 0.0]
+    lines = Driveline.from_points(moved, phases).with_bearings(bearings)
+    turn = np.linspace(0.0, math.pi, 180, endpoint=False)
+    plan = lines[:, np.newaxis].plan("joint_force", joints=1, load=load, reduce="peak")
+    corners = np.asarray(plan(turn)["joint_force"])
+    assert found.worst_kind == "linear"
+    assert found.linear < found.sampled.max() < found.worst
+    assert found.worst == pytest.approx(corners.max(), rel=1e-9)
 
 
 def test_reduced_outputs_keep_bearings_and_points() -> None:

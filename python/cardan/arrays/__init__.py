@@ -7,7 +7,7 @@ from cardan.arrays.coercion import (
     scalar_or_array,
 )
 from cardan.arrays.libraries import adapter, array_namespace_of, deferring, import_optional
-from cardan.arrays.ranges import not_negative, positive
+from cardan.arrays.ranges import not_negative, per_joint, positive
 
 __all__ = [
     "FloatArray",
@@ -18,6 +18,7 @@ __all__ = [
     "deferring",
     "import_optional",
     "not_negative",
+    "per_joint",
     "positive",
     "scalar_or_array",
 ]

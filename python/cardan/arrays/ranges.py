@@ -1,4 +1,4 @@
-"""Arguments that must be positive, or at least not negative."""
+"""Arguments that must be positive or not negative, and those with one number per joint."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cardan.arrays.coercion import FloatArray, as_float64
-from cardan.errors import wrong_element
+from cardan.errors import ArgumentValueError, wrong_element
 
 
 def positive(name: str, value: ArrayLike) -> FloatArray:
@@ -35,3 +35,16 @@ def not_negative(name: str, value: ArrayLike) -> FloatArray:
     if wrong.any():
         raise wrong_element(name, array, wrong, "; it must be finite and not negative")
     return array
+
+
+def per_joint(name: str, array: FloatArray, n: int) -> FloatArray:
+    """Return one number for all joints, or one for each on the last axis, as ``(..., n)``.
+
+    Raises:
+        ValueError: another number of them.
+    """
+    if array.ndim and array.shape[-1] not in (1, n):
+        raise ArgumentValueError(
+            name, f"has shape {array.shape}; it is one number or one per joint, (..., {n})"
+        )
+    return np.broadcast_to(array, (*array.shape[:-1], n))

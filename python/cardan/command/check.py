@@ -14,6 +14,7 @@ from cardan.command.terminal import (
     say,
 )
 from cardan.figures.advice import scene_advice
+from cardan.figures.as_built import as_built_orders
 from cardan.figures.drive_speed import drive_speed
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.slides import scene_slides
@@ -26,6 +27,7 @@ from cardan.scene import load_scene
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 from cardan.words.advice import remedies
+from cardan.words.as_built import as_built_text
 from cardan.words.ball_joint import ball_joint_text
 from cardan.words.drive_speed import drive_speed_text
 from cardan.words.forces import forces_text
@@ -68,6 +70,8 @@ def _further(scene: Scene) -> Iterator[str]:
     """What a check says in addition to the limits of the driveline."""
     if speed := drive_speed(scene):
         yield drive_speed_text(speed)
+    if built := as_built_orders(scene):
+        yield as_built_text(built)
     if forces := forces_of(scene):
         yield forces_text(forces)
     if slip := slip_figures(scene):

@@ -86,7 +86,7 @@ def commands() -> click.Group:
                     give_up_output()
                 message = f"{error.filename or 'output'}: {error.strerror or error}"
             except MemoryError:
-                message = "not enough memory; a smaller samples_per_turn or study needs less"
+                message = "not enough memory; fewer samples or a smaller study need less"
             except (ValueError, ImportError) as error:
                 message = str(error)
             else:
@@ -287,7 +287,7 @@ def commands() -> click.Group:
     def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
         optimising.run(scene, to, picture, as_json=as_json)
 
-    @cardan.command(help=help_text.TOLERANCES, short_help="Say what tolerances do.")
+    @cardan.command(help=help_text.TOLERANCES, short_help="Say how much tolerances matter.")
     @scene_argument
     @output_option("Picture to write as well.")
     @as_json

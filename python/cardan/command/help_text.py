@@ -7,7 +7,7 @@ from cardan.scene.help_text import describe
 from cardan.scene.starters import STARTERS
 
 HELP = """\
-Motion and moments of universal joints and drivelines.
+Motion, loads and life of universal joints and drivelines.
 
 A short TOML file, a scene, describes a driveline, its load and the results you want. Start with one
 that is ready to run:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
 
 from cardan.command.files import check_output
@@ -31,7 +32,7 @@ def run(path: Path, to: Path | None, picture: Path | None, *, as_json: bool) -> 
     if scene.optimisation is None:
         raise ValueError(f"{path}: section [optimise] is missing; it says what may change")
     target = path.with_suffix(".optimised.toml") if to is None else to
-    _check_target(scene, path, target)
+    _check_target(text, path, target)
     if picture:
         check_output(scene, picture)
     found = optimised(scene)
@@ -55,14 +56,18 @@ def run(path: Path, to: Path | None, picture: Path | None, *, as_json: bool) -> 
         say(f"wrote {name}")
 
 
-def _check_target(scene: Scene, path: Path, target: Path) -> None:
-    """Refuse to overwrite the scene, or to write one that does not find its recording."""
+def _check_target(text: str, path: Path, target: Path) -> None:
+    """Refuse to overwrite the scene, or to write one that does not find the files it names."""
     if target.resolve() == path.resolve() or (target.exists() and target.samefile(path)):
         raise ValueError(f"--to {target} is the scene itself; it is never overwritten")
     if target.suffix != ".toml":
         raise ValueError(f"--to {target} must end in .toml")
-    if scene.recording and target.resolve().parent != path.resolve().parent:
-        raise ValueError(
-            f"--to {target} must be in the folder of the scene, from which [angles] names its file"
-        )
+    if target.resolve().parent != path.resolve().parent:
+        given = tomllib.loads(text)
+        for section, key in (("angles", "file"), ("joints", "sizes")):
+            if key in given.get(section, {}):
+                raise ValueError(
+                    f"--to {target} must be in the folder of the scene, from which [{section}] "
+                    "names its file"
+                )
     check_writable(target)

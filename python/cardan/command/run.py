@@ -22,6 +22,7 @@ from cardan.command.terminal import (
     say,
     say_before_files,
 )
+from cardan.figures.as_built import as_built_orders
 from cardan.figures.extremes import StudyTable
 from cardan.figures.run import run_data
 from cardan.figures.slides import scene_slides
@@ -33,6 +34,7 @@ from cardan.scene import load_scene
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.cluster import StudyFolder
 from cardan.scene.states import StatesResult
+from cardan.words.as_built import as_built_text
 from cardan.words.ball_joint import ball_joint_text
 from cardan.words.forces import forces_text
 from cardan.words.signals import signals_text
@@ -107,6 +109,8 @@ def run(
         say_before_files(f"\n{OF_DRIVELINE}")
     if whole.missing:
         say_before_files(f"\n{missing_of(whole)}")
+    if built := as_built_orders(whole):
+        say_before_files(f"\n{as_built_text(built, radians=radians)}")
     if forces := forces_of(whole):
         say_before_files(f"\n{forces_text(forces, radians=radians)}")
     if slip := slip_figures(whole):

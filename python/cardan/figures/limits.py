@@ -14,6 +14,7 @@ from cardan.arrays import FloatArray
 from cardan.check import Check
 from cardan.driveline import Driveline
 from cardan.figures.answers import answer, answers_with, record
+from cardan.figures.as_built import AS_BUILT_SCHEMA, as_built_data, as_built_orders
 from cardan.figures.ball_joint import (
     BALL_JOINT_SCHEMA,
     ball_joint_data,
@@ -130,6 +131,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
     """
     by_figure = {finding.figure: finding for finding in found.findings}
     more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
+    if built := as_built_orders(scene):
+        more["as_built"] = as_built_data(built)
     if forces := forces_of(scene):
         more["forces"] = forces_data(forces)
     if slip := slip_figures(scene):
@@ -276,6 +279,7 @@ CHECK_SCHEMA = answers_with(
     needed={"passes": {"type": "boolean", "description": "whether nothing is beyond its maximum"}},
     optional={
         "drive_speed": DRIVE_SPEED_SCHEMA,
+        "as_built": AS_BUILT_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
         "slides": SLIDES_SCHEMA,

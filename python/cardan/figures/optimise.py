@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.figures.answers import answer, answer_schema, record
 from cardan.optimisation import ActiveLimit, Optimum
+from cardan.quantities import label
 from cardan.scene.errors import SceneError
 from cardan.scene.optimise import Optimisation, Variable
 from cardan.scene.scene import Scene
@@ -18,6 +20,34 @@ from cardan.scene.units import ENDINGS, in_degrees, split
 
 _POINTS = 121
 """Points of a curve over one variable."""
+
+
+@dataclass(frozen=True, eq=False)
+class OverVariable:
+    """The quantity that is minimised over one variable.
+
+    Attributes:
+        changes: of the variable, in the unit of its key.
+        values: over all states; NaN where there is no driveline.
+        kept: where all limits are kept.
+    """
+
+    changes: FloatArray
+    values: FloatArray
+    kept: NDArray[np.bool_]
+
+    @property
+    def within(self) -> FloatArray:
+        """The values where all limits are kept, NaN elsewhere."""
+        return np.where(self.kept, self.values, np.nan)
+
+    @property
+    def beyond(self) -> FloatArray:
+        """The values where a limit is not kept, up to the next ones within; NaN elsewhere."""
+        near = ~self.kept
+        near[1:] |= ~self.kept[:-1]
+        near[:-1] |= ~self.kept[1:]
+        return np.where(near, self.values, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,10 +88,10 @@ class Optimised:
         value, unit = in_degrees(np.asarray(active.limit), si)
         return float(value), unit
 
-    def over(self, number: int) -> tuple[FloatArray, FloatArray]:
-        """Return changes of a variable and the largest value over the states, the others at best.
+    def over(self, number: int) -> OverVariable:
+        """Return the value over the states at changes of one variable, with the others at best.
 
-        A free phase is shown over half a turn. Where there is no driveline, the value is NaN.
+        A free phase is shown over half a turn.
         """
         variable = self.asked.variables[number]
         at = float(self.best.x[number])
@@ -71,7 +101,16 @@ class Optimised:
         changes = np.unique(np.append(np.linspace(low, high, _POINTS), at))
         points = np.tile(self.best.x, (len(changes), 1))
         points[:, number] = changes
-        return changes, self.goal(self.asked.values_at(points))
+        values, kept = self.asked.values_at(points)
+        return OverVariable(changes, self.goal(values), kept)
+
+    @property
+    def goal_words(self) -> str:
+        """What is minimised, in words: the quantity, and what of the states."""
+        count = len(self.asked.names)
+        over = {"largest": "largest", "rms": "root mean square"}[self.asked.over]
+        of = f", {over} of {count} states" if count > 1 else ""
+        return f"{label(self.asked.minimise)}{of}"
 
 
 def optimised(scene: Scene) -> Optimised | None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, get_args
 
 from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
+from cardan.figures.as_built import AS_BUILT_SCHEMA, as_built_data, as_built_orders
 from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
@@ -45,6 +46,8 @@ def run_data(
         data["states"] = states_data(study, radians=radians)
     elif study and scene.study:
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
+    if built := as_built_orders(scene):
+        data["as_built"] = as_built_data(built, radians=radians)
     if forces := forces_of(scene):
         data["forces"] = forces_data(forces, radians=radians)
     if slip := slip_figures(scene):
@@ -137,6 +140,14 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
                     for angle in ANGLE
                     for end in ("min", "max")
                 },
+                **{
+                    f"period_{angle}": {
+                        "type": "number",
+                        "description": "after which extremes recur, if joints have deviations; "
+                        "otherwise half a turn",
+                    }
+                    for angle in ANGLE
+                },
                 "signals": {"type": "array", "items": _SIGNAL},
                 "angle_of": {
                     "const": "driven",
@@ -178,6 +189,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
         },
     },
     optional={
+        "as_built": AS_BUILT_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slides": SLIDES_SCHEMA,
         "slip": SLIP_SCHEMA,

@@ -14,7 +14,7 @@ from cardan.equivalent import EquivalentJoint
 from cardan.figures.extremes import finite_or_none
 from cardan.figures.forces import shortest_arm
 from cardan.figures.rounding import CANCELLED, first_peak, is_cancelled
-from cardan.figures.turn_extremes import magnitudes, peak
+from cardan.figures.turn_extremes import Peak, magnitudes, peak, period_of, slowest
 from cardan.outputs import OUTPUTS, Output
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.signals import Signal
@@ -89,6 +89,8 @@ def drive_angles(scene: Scene, *, radians: bool = False) -> dict[str, Any]:
     )
     if scene.driven_angle_deg is not None:
         found["angle_of"] = "driven"
+    if scene.deviations is not None:
+        found["period_rad" if radians else "period_deg"] = math.tau if radians else 360.0
     return found if scene.recording else {**found, "source": "sweep"}
 
 
@@ -223,7 +225,8 @@ _End = tuple[Statistic, float, float]
 
 
 def _motion(scene: Scene) -> Iterator[SummaryRow]:
-    per_shaft = [list(_shaft_motion(scene, shaft)) for shaft in _shafts(scene)]
+    of_shaft = _shaft_motion if scene.deviations is None else _motion_as_built
+    per_shaft = [list(of_shaft(scene, shaft)) for shaft in _shafts(scene)]
     for same_quantity in zip(*per_shaft, strict=True):
         yield from same_quantity
 
@@ -262,6 +265,29 @@ def _shaft_motion(scene: Scene, shaft: int) -> Iterator[SummaryRow]:
         yield row("acceleration_at_steady_drive", "peak", value, "rad/s²", (steep, -steep))
 
 
+def _motion_as_built(scene: Scene, shaft: int) -> Iterator[SummaryRow]:
+    """The same for joints with deviations, whose extremes have no closed form."""
+    line, speed = scene.line_as_built, scene.speed
+
+    def row(name: str, statistic: Statistic, found: Peak, factor: float, unit: str) -> SummaryRow:
+        at = first_place(scene, found.places)
+        value = found.value * factor
+        return SummaryRow(name, "shaft", shaft, statistic, value, unit, "turn", at)
+
+    yield row("angle_error", "peak", peak(line, "angle_error", shaft), math.degrees(1.0), "deg")
+    least, most = slowest(line, shaft), peak(line, "speed_ratio", shaft)
+    yield row("speed_ratio", "min", least, 1.0, "")
+    yield row("speed_ratio", "max", most, 1.0, "")
+    if speed:
+        low, high = (least, most) if speed > 0.0 else (most, least)
+        yield row("speed", "min", low, speed / RPM, "rpm")
+        yield row("speed", "max", high, speed / RPM, "rpm")
+    steepest = peak(line, "acceleration_ratio", shaft)
+    yield row("acceleration_ratio", "peak", steepest, 1.0, "")
+    if speed:
+        yield row("acceleration_at_steady_drive", "peak", steepest, speed * speed, "rad/s²")
+
+
 def _swapped(
     ends: Iterable[tuple[Statistic, float, float]],
 ) -> list[tuple[Statistic, float, float]]:
@@ -293,7 +319,9 @@ def _searched(scene: Scene) -> Iterator[SummaryRow]:
         if name in _NOT_SEARCHED:
             continue
         for item in items[output.per]:
-            found = peak(scene.line, name, item, scene.load_case if output.needs_load else None)
+            found = peak(
+                scene.line_as_built, name, item, scene.load_case if output.needs_load else None
+            )
             value, places = found.value, found.places
             if value <= (least[output.unit] if output.needs_load else CANCELLED):
                 value, places = 0.0, ()
@@ -338,14 +366,15 @@ def first_place(scene: Scene, places: Iterable[float]) -> float | None:
 
     Args:
         scene: the scene.
-        places: drive angles in rad, which repeat every half turn.
+        places: drive angles in rad, which repeat after the period of the driveline.
     """
     first, last = scene.drive_angle_deg[[0, -1]]
+    period = math.degrees(period_of(scene.line_as_built))
     found = []
     for place in np.degrees(list(places)):
-        ahead = (place - first) % 180.0
+        ahead = (place - first) % period
         # Just before the first angle by rounding is there.
-        found.append(first + (ahead if ahead < 180.0 - 1e-6 else ahead - 180.0))
+        found.append(first + (ahead if ahead < period - 1e-6 else ahead - period))
     at = min(found, default=math.inf)
     return float(at) if at <= last + 1e-6 else None
 

@@ -1,10 +1,11 @@
 """Largest magnitudes over a turn of the drive, found between samples.
 
 At a constant load every magnitude repeats after half a turn, because each joint and each shaft has
-then made half a turn too. Half a turn is sampled at equal steps of the drive and, where a shaft
-turns steeply, also at equal steps of that shaft: as functions of the angles of the two shafts of a
-joint, torques, moments and tilts are smooth, however narrow they are over the drive angle. Every
-peak of the samples is then searched between its neighbours.
+then made half a turn too; with deviations of the joints, after a whole turn. This period is sampled
+at equal steps of the drive and, where a shaft turns steeply, also at equal steps of that shaft: as
+functions of the angles of the two shafts of a joint, torques, moments and tilts are smooth, however
+narrow they are over the drive angle. Every peak of the samples is then searched between its
+neighbours.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class Peak:
     Attributes:
         value: the magnitude in SI units; its relative error is that of ``evaluate``, and below
             1e-12 in any case where the drive angle as a double resolves the peak.
-        places: drive angles in rad within a half turn at which it occurs, each again half a turn
+        places: drive angles in rad within the period at which it occurs, each again a period
             later; none where it is the same at every angle.
     """
 
@@ -70,8 +71,29 @@ def peak(line: Driveline, name: str, item: int, load: Load | None = None) -> Pea
     def sizes(angles: FloatArray) -> FloatArray:
         return magnitudes(output, values_of(line, name, item, angles, load))
 
-    angles = _half_turn(line)
-    return _largest(sizes, angles, sizes(angles))
+    return _over_period(line, sizes)
+
+
+def slowest(line: Driveline, shaft: int) -> Peak:
+    """Find the least speed ratio of a shaft over a turn, and where it occurs."""
+
+    def slowness(angles: FloatArray) -> FloatArray:
+        return 1.0 / values_of(line, "speed_ratio", shaft, angles, None)
+
+    found = _over_period(line, slowness)
+    return Peak(1.0 / found.value, found.places)
+
+
+def period_of(line: Driveline) -> float:
+    """Return the drive angle in rad after which magnitudes repeat."""
+    return math.tau if line.has_deviations else math.pi
+
+
+def _over_period(line: Driveline, sizes: Callable[[FloatArray], FloatArray]) -> Peak:
+    period, angles = period_of(line), _half_turn(line.with_deviations())
+    if line.has_deviations:
+        angles = np.concatenate([angles, angles + math.pi])
+    return _largest(sizes, angles, sizes(angles), period)
 
 
 def values_of(
@@ -112,7 +134,10 @@ def _half_turn(line: Driveline) -> FloatArray:
 
 
 def _largest(
-    sizes: Callable[[FloatArray], FloatArray], angles: FloatArray, values: FloatArray
+    sizes: Callable[[FloatArray], FloatArray],
+    angles: FloatArray,
+    values: FloatArray,
+    period: float,
 ) -> Peak:
     """Search every peak of the samples that may be the largest."""
     low, top = float(np.min(values)), float(np.max(values))
@@ -120,7 +145,7 @@ def _largest(
         return Peak(top, ())
     is_peak = (values >= np.roll(values, 1)) & (values >= np.roll(values, -1))
     found = np.flatnonzero(is_peak & (values >= _NEAR * top))
-    around = np.concatenate([angles[-1:] - math.pi, angles, angles[:1] + math.pi])
+    around = np.concatenate([angles[-1:] - period, angles, angles[:1] + period])
     left, right = around[found], around[found + 2]
     places, peaks = angles[found], values[found]
     rows = np.arange(len(found))
@@ -134,5 +159,5 @@ def _largest(
         left = between[rows, np.maximum(best - 1, 0)]
         right = between[rows, np.minimum(best + 1, _POINTS - 1)]
     top = float(np.max(peaks))
-    places = np.unique(places[peaks >= (1.0 - _ALIKE) * top] % math.pi)
+    places = np.unique(places[peaks >= (1.0 - _ALIKE) * top] % period)
     return Peak(top, tuple(places.tolist()))

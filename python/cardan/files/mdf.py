@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import logging
+import os
+import shutil
+import tempfile
 import traceback
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from os import PathLike
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -17,6 +22,9 @@ from cardan.files.headings import place_of_column, short
 _BEGINNINGS = (b"MDF     ", b"UnFinMF ")
 
 _MOST_ROWS = 100_000_000
+
+# Records of equal bytes shrink by some 33 000 in the best compression of the format.
+_COMPRESSED = 100_000
 
 
 def read_mdf(
@@ -41,6 +49,8 @@ def read_mdf(
     """
     with _opened(path) as file:
         groups = _groups(file, names)
+        for group in set().union(*groups):
+            _check_size(file.groups[group].channel_group, os.path.getsize(path))
         shared = set.intersection(*map(set, groups))
         if raster_s is not None:
             yield from _resampled(file, names, groups, raster_s, rows)
@@ -55,16 +65,17 @@ def read_mdf(
             yield [_numbers(file, name, group, **part) for name in names], total
 
 
-@contextmanager
+@contextlib.contextmanager
 def _opened(path: str | PathLike[str]) -> Iterator[Any]:
     asammdf = import_optional("asammdf", "mdf")
+    # It logs on standard error what is wrong with a file; here that is the message of the error.
+    logging.getLogger("asammdf").setLevel(logging.CRITICAL)
     # Opened here, because asammdf leaves a damaged file open.
-    with open(path, "rb") as source:
-        if source.read(8) not in _BEGINNINGS:
-            raise ValueError("not an MDF file")
-        source.seek(0)
+    with open(path, "rb") as source, _finishable(source) as content:
         try:
-            file = asammdf.MDF(source)
+            # It prints what it cannot finish.
+            with contextlib.redirect_stdout(io.StringIO()):
+                file = asammdf.MDF(content)
         except Exception as error:
             # Of a damaged file asammdf raises whatever its bytes lead to.
             reason = short(" ".join(str(error).split()))
@@ -72,6 +83,25 @@ def _opened(path: str | PathLike[str]) -> Iterator[Any]:
             raise ValueError(f"not a readable MDF file: {reason}") from None
         with file:
             yield file
+
+
+@contextlib.contextmanager
+def _finishable(source: BinaryIO) -> Iterator[BinaryIO]:
+    """Check the beginning of a file; of an unfinished one yield a copy.
+
+    asammdf writes into the file what its logger left out, such as the length of the data.
+    """
+    begin = source.read(64)
+    if begin[:8] not in _BEGINNINGS:
+        raise ValueError("not an MDF file")
+    source.seek(0)
+    if begin[:8] == _BEGINNINGS[0] and not any(begin[60:64]):
+        yield source
+        return
+    with tempfile.TemporaryFile() as copy:
+        shutil.copyfileobj(source, copy)
+        copy.seek(0)
+        yield copy
 
 
 def _call_closed(error: Exception) -> None:
@@ -97,6 +127,16 @@ def _groups(file: Any, names: Sequence[str]) -> list[list[int]]:  # noqa: ANN401
     return [sorted({group for group, _ in file.channels_db[name]}) for name in names]
 
 
+def _check_size(group: Any, size: int) -> None:  # noqa: ANN401 - of asammdf
+    """Refuse records that cannot be in the file, before asammdf makes room for them."""
+    each = group.samples_byte_nr + getattr(group, "invalidation_bytes_nr", 0)
+    if max(1, group.cycles_nr) * each > _COMPRESSED * size:
+        raise ValueError(
+            f"it is damaged: a file of {size} bytes cannot hold {group.cycles_nr} rows of "
+            f"{each} bytes"
+        )
+
+
 def _apart(names: Sequence[str], groups: Sequence[Sequence[int]]) -> str:
     """Say of which groups channels are that have none in common."""
     parts = (
@@ -119,6 +159,7 @@ def _numbers(
     places = [index for found, index in file.channels_db[name] if found == group]
     if len(places) > 1:
         raise ValueError(f"column {name!r} appears {len(places)} times in channel group {group}")
+    _check_place(file.groups[group], places[0], f"column {name!r}")
     try:
         samples, invalid = file.get(
             group=group,
@@ -141,6 +182,20 @@ def _numbers(
     return np.asarray(column, np.float64)
 
 
+def _check_place(group: Any, index: int, what: str) -> None:  # noqa: ANN401 - of asammdf
+    """Refuse a channel outside the records of its group.
+
+    asammdf would read beyond its buffer, which ends the process.
+    """
+    channel = group.channels[index]
+    if hasattr(channel, "byte_offset"):
+        first = 8 * channel.byte_offset + channel.bit_offset
+    else:
+        first = 8 * channel.additional_byte_offset + channel.start_offset
+    if first + channel.bit_count > 8 * group.channel_group.samples_byte_nr:
+        raise ValueError(f"{what} lies outside the records of its channel group")
+
+
 def _resampled(
     file: Any,  # noqa: ANN401 - of asammdf
     names: Sequence[str],
@@ -156,6 +211,8 @@ def _resampled(
             signals.append(None)
             continue
         values = _numbers(file, name, group)
+        if master is not None:
+            _check_place(file.groups[group], master, f"the time of column {name!r}")
         time = np.asarray(file.get_master(group), np.float64)
         known = ~(np.isnan(time) | np.isnan(values))
         if not known.any():

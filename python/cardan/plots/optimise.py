@@ -23,6 +23,7 @@ from cardan.plots.style import (
     save,
     value_ticks,
 )
+from cardan.quantities import label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 _SHORT = 30
 
 _GREY = "0.75"
+
+_BEYOND: dict[str, Any] = {**THIN, "color": line_style(0)["color"], "linestyle": (0, (1, 1.2))}
 
 
 def plot_optimise(found: Optimised) -> Figure:
@@ -75,7 +78,8 @@ def write_optimise_picture(found: Optimised, path: str | PathLike[str]) -> None:
 def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = None) -> Axes:
     """Draw the quantity over one variable, with its range, the start and the optimum.
 
-    The other variables have their best values. A free phase is drawn over half a turn.
+    The other variables have their best values. A free phase is drawn over half a turn. The curve is
+    dotted where a quantity is above the limit that it has to keep.
 
     Args:
         found: the optimum of a scene.
@@ -90,16 +94,19 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
         count = len(found.asked.variables)
         raise ArgumentValueError("variable", f"is {variable}; there are {count}, counted from 0")
     own = found.asked.variables[variable]
-    changes, values = found.over(variable)
+    curve = found.over(variable)
     best = own.base + float(found.best.x[variable])
     unit = unit_of(own)
     with drawing(ax, height_mm=58.0) as axes:
-        x = own.base + changes
-        axes.plot(x, values, **line_style(0))
+        x = own.base + curve.changes
+        axes.plot(x, curve.within, **line_style(0))
+        if np.any(np.isfinite(curve.beyond)):
+            axes.plot(x, curve.beyond, label="beyond a limit", **_BEYOND)
         if own.teeth:
             pitch = 360.0 / own.teeth
-            turns = np.arange(np.ceil(changes[0] / pitch), np.floor(changes[-1] / pitch) + 1.0)
-            heights = np.interp(pitch * turns, changes, values)
+            first, last = curve.changes[0] / pitch, curve.changes[-1] / pitch
+            turns = np.arange(np.ceil(first), np.floor(last) + 1.0)
+            heights = np.interp(pitch * turns, curve.changes, curve.values)
             teeth: dict[str, Any] = {
                 "linestyle": "none",
                 "marker": "|",
@@ -127,7 +134,7 @@ def plot_over_variable(found: Optimised, variable: int, *, ax: Axes | None = Non
         axes.set_ylim(bottom=0.0)
         axes.grid(visible=True)
         axes.set_xlabel(f"{own.axis.key}{unit and f' [{unit}]'}")
-        axes.set_ylabel(_heading(found))
+        axes.set_ylabel(",\n".join(_with_unit(found, found.goal_words).rsplit(", ", 1)))
         if unit == "deg":
             degree_ticks(axes.xaxis, *axes.get_xlim())
         else:
@@ -160,7 +167,7 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
         if max(map(len, ticks)) * len(ticks[::step]) > 2 * _SHORT:
             axes.tick_params(axis="x", labelrotation=60.0)
         axes.set_xlabel(heading)
-        axes.set_ylabel(_heading(found))
+        axes.set_ylabel(_with_unit(found, label(found.asked.minimise)))
         axes.grid(visible=True, axis="y")
         axes.set_axisbelow(True)
         value_ticks(axes.yaxis)
@@ -180,6 +187,5 @@ def _ticks(names: list[str]) -> tuple[str, list[str]]:
     return "", names
 
 
-def _heading(found: Optimised) -> str:
-    unit = found.goal_unit
-    return f"{found.asked.minimise.replace('_', ' ')}{unit and f' [{unit}]'}"
+def _with_unit(found: Optimised, words: str) -> str:
+    return f"{words}{found.goal_unit and f' [{found.goal_unit}]'}"

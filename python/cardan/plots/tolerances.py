@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 _BINS, _POINTS = 40, 400
 
+# Smaller shares would be written as 0.0 %.
+_LEAST = 5e-4
+
 # Parameters beyond this many share one bar.
 _MOST_BARS = 8
 
@@ -117,7 +120,7 @@ def plot_tolerance_shares(
         axes.barh(rows, [100.0 * share for _, share in bars], 0.62, color="#0072B2")
         for row, (_, share) in enumerate(bars):
             axes.annotate(
-                f"{100.0 * share:.1f} %",
+                f"{100.0 * share:.1f} %" if share == 0.0 or share >= _LEAST else "< 0.1 %",
                 (100.0 * share, row),
                 xytext=(2.0, 0.0),
                 textcoords="offset points",

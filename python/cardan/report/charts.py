@@ -56,10 +56,11 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
 
     lines = []
     for i, curve in enumerate(panel.curves, first or 0):
-        values = np.full_like(curve.values, np.mean(curve.values)) if flat else curve.values
-        points = zip(across(x), up(values), strict=True)
-        text = " ".join(f"{a:.1f},{b:.1f}" for a, b in points)
-        lines.append({"number": i, "label": curve.label, "points": text})
+        # A gap stays a gap.
+        values = 0.0 * curve.values + np.nanmean(curve.values) if flat else curve.values
+        points = [f"{a:.1f},{b:.1f}" for a, b in zip(across(x), up(values), strict=True)]
+        pieces = [" ".join(points[piece]) for piece in _pieces(values)]
+        lines.append({"number": i, "label": curve.label, "pieces": pieces})
     heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
     return {
         "frame": FRAME,
@@ -93,8 +94,15 @@ def some(count: int, most: int) -> NDArray[np.intp]:
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.intp))
 
 
+def _pieces(values: FloatArray) -> list[slice]:
+    """The runs of values that are numbers."""
+    gaps = np.flatnonzero(np.diff(np.isnan(values), prepend=True, append=True))
+    return [slice(*ends) for ends in gaps.reshape(-1, 2).tolist()]
+
+
 def _extent(panel: Panel) -> tuple[float, float, bool]:
-    return scale_of(np.concatenate([curve.values for curve in panel.curves]), panel.scale)
+    values = np.concatenate([curve.values for curve in panel.curves])
+    return scale_of(values[~np.isnan(values)], panel.scale)
 
 
 def scale_of(values: FloatArray, scale: float) -> tuple[float, float, bool]:
@@ -117,9 +125,10 @@ def ticks(low: float, high: float, about: float = 4.0) -> Sequence[float]:
 
 
 def ticks_of(label: str, low: float, high: float) -> Sequence[float]:
-    """Round numbers within an axis; those of an angle divide the turn."""
+    """Round numbers within an axis: of an angle parts of the turn, of a count whole numbers."""
     marks = _degree_ticks(low, high) if "deg" in label and high - low > 2.0 else ticks(low, high)
-    return [mark for mark in marks if low <= mark <= high]
+    counted = label.endswith("counted from 0")
+    return [mark for mark in marks if low <= mark <= high and not (counted and mark % 1.0)]
 
 
 def _degree_ticks(low: float, high: float) -> Sequence[float]:

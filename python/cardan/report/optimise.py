@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from cardan.figures.optimise import Optimised, optimised, unit_of
-from cardan.quantities import label
 from cardan.report.charts import chart
 from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
@@ -52,14 +51,16 @@ def optimise(scene: Scene) -> dict[str, Any] | None:
 
 def _chart(found: Optimised, number: int) -> dict[str, Any]:
     variable = found.asked.variables[number]
-    changes, values = found.over(number)
-    known = np.isfinite(values)
+    over = found.over(number)
+    known = np.isfinite(over.values)
     unit = unit_of(variable)
     best = variable.base + float(found.best.x[number])
-    curve = Curve(f"best at {best:.6g}{unit and f' {unit}'}", values[known])
-    panel = Panel(label(found.asked.minimise), found.goal_unit, (curve,), 1.0)
+    curves = [Curve(f"best at {best:.6g}{unit and f' {unit}'}", over.within[known])]
+    if np.any(np.isfinite(over.beyond)):
+        curves.append(Curve("beyond a limit", over.beyond[known]))
+    panel = Panel(found.goal_words, found.goal_unit, tuple(curves), 1.0)
     return chart(
-        panel, variable.base + changes[known], f"{variable.axis.key}{unit and f' [{unit}]'}"
+        panel, variable.base + over.changes[known], f"{variable.axis.key}{unit and f' [{unit}]'}"
     )
 
 

@@ -42,7 +42,7 @@ _ROUNDING = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One line of a chart: what it is of and its values, ``(samples,)``."""
+    """One line of a chart: what it is of and its values, ``(samples,)``; NaN where it has none."""
 
     label: str
     values: FloatArray

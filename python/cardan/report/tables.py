@@ -10,6 +10,7 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.equivalent import EquivalentJoint
+from cardan.figures.as_built import ORDERS, as_built_orders
 from cardan.figures.catalogue import fork_signs
 from cardan.figures.rounding import is_cancelled
 from cardan.figures.states import forces_of
@@ -18,6 +19,7 @@ from cardan.report.samples import PeakSample, Samples
 from cardan.scene.bearings import has_lengths
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
+from cardan.words.as_built import as_built_rows
 from cardan.words.forces import HEADINGS, force_rows
 from cardan.words.summary import figure_text, range_ends
 from cardan.workshop import VIEW, turn
@@ -144,6 +146,10 @@ def results(samples: Samples) -> list[Table]:
     if forces and forces.forces:
         caption = f"Forces over a turn [N]{samples.assumed}"
         tables.append(Table(caption, ("", *HEADINGS), force_rows(forces)))
+    if built := as_built_orders(scene):
+        heads = ["Amplitude", *(f"Order {order}" for order in ORDERS)]
+        rows = [*as_built_rows(built)]
+        tables.append(Table("Joints as built: amplitudes by order of the drive", heads, rows))
     if not scene.line.shape:
         orders = (2, 4, 6)
         series = (scene.drivelines() if scene.states else scene.line).harmonics(orders)

@@ -18,19 +18,16 @@ from cardan.report.samples import Curve, Panel
 from cardan.report.tables import Table
 from cardan.tolerances import Tolerances
 from cardan.words.tolerances import (
-    STATE_HEADS,
     figure_lines,
     given_lines,
     limit_text,
     percent,
     permitted_texts,
-    state_row,
+    state_rows,
     verdict_text,
 )
 
 _POINTS, _MOST_BARS = 200, 10
-
-_HEADS = tuple(head.capitalize() for head in STATE_HEADS)
 
 
 def tolerances(found: ToleranceFigures, of: Tolerances) -> dict[str, Any]:
@@ -67,8 +64,9 @@ def _states(figure: ToleranceFigure) -> Table | None:
     """A row for each state; ``None`` without states."""
     if not figure.states:
         return None
-    rows = [(state.name, *state_row(figure, state)) for state in figure.states]
-    return Table(f"{figure.label.capitalize()} in each state", ("State", *_HEADS), rows)
+    heads, *rows = state_rows(figure)
+    title = f"{figure.label.capitalize()} in each state"
+    return Table(title, tuple(head.capitalize() for head in heads), rows)
 
 
 def _class(figure: ToleranceFigure) -> str:

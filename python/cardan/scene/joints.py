@@ -1,4 +1,4 @@
-"""The section of a scene that describes the joints themselves: their sizes and bearings."""
+"""The section of a scene that describes the joints themselves: sizes, bearings, deviations."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from typing import Any
 import cardan.scene.values as kinds
 from cardan.errors import ArgumentValueError
 from cardan.outputs import nearest
+from cardan.scene.joint_deviations import OF_DEVIATIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.sizes import FRICTION, OF_SIZE, JointSize, read_sizes, size_of
 
 JOINTS = Section(
-    "sizes and bearings of the joints, for their life and heat; each value is one for all joints "
-    "or a list with one per joint",
+    "sizes and bearings of the joints, for their life and heat, and how they deviate from their "
+    "drawing; each value is one for all joints or a list with one per joint",
     {
         "sizes": Key(
             kinds.SIZES_FILE,
@@ -24,6 +25,7 @@ JOINTS = Section(
         ),
         "size": Key(kinds.SIZE_NAMES, "with sizes: which size the joints have"),
         **OF_SIZE,
+        **OF_DEVIATIONS,
     },
     fewest=1,
     with_key=(("size", "sizes"),),

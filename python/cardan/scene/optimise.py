@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
 from cardan.optimisation import NotKeptError, Optimum, optimise
+from cardan.optimisation.local import TOLERANCE
 from cardan.optimisation.measures import Measure, measure_of, over_states
 from cardan.quantities import MOTION_QUANTITIES
 from cardan.scene.axes import Axis, axes_of
@@ -139,20 +141,39 @@ class Optimisation:
             own += changes[..., i].reshape((*changes.shape[:-1], 1, 1))
         return self.layout.of(values)
 
-    def values_at(self, points: FloatArray) -> FloatArray:
-        """Return the quantity to minimise over all states, at changes ``(p, m)``, in SI units."""
-        found = []
+    def values_at(self, points: FloatArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Return the quantity to minimise over all states, and whether all limits are kept.
+
+        Args:
+            points: changes of the variables, ``(p, m)``.
+
+        Returns:
+            the quantity in SI units, ``(p,)``, NaN where there is no driveline; whether no kept
+            quantity is above its limit in any state, ``(p,)``.
+        """
+        values, kept = np.full(len(points), np.nan), np.zeros(len(points), dtype=bool)
         measure = self.measure("minimise", self.minimise)
-        for x in points:
+        weights = self.weights if self.over == "rms" else None
+        limits = [(self.measure("keep", name), limit) for name, limit in self._kept.items()]
+        for i, x in enumerate(points):
             try:
                 line = self.drivelines(x)
             except ArgumentValueError:
-                found.append(math.nan)
                 continue
-            vectors = measure.vectors(line)
-            weights = self.weights if self.over == "rms" else None
-            found.append(float(measure.figure(over_states(vectors, weights))))
-        return np.array(found)
+            values[i] = float(measure.figure(over_states(measure.vectors(line), weights)))
+            kept[i] = all(
+                np.all(own.per_state(own.vectors(line)) <= limit * (1.0 + TOLERANCE))
+                for own, limit in limits
+            )
+        return values, kept
+
+    @property
+    def _kept(self) -> dict[str, float]:
+        """The limits in SI units, by the names of the quantities."""
+        return {
+            kept_quantity(key): math.radians(limit) if key.endswith("_deg") else limit
+            for key, limit in self.keep.items()
+        }
 
     @property
     def weights(self) -> FloatArray:
@@ -186,9 +207,6 @@ class Optimisation:
         """
         phases = [i for i, variable in enumerate(self.variables) if variable.is_phase]
         teeth = [self.variables[i].teeth for i in phases]
-        keep: dict[str, float] = {}
-        for key, limit in self.keep.items():
-            keep[kept_quantity(key)] = math.radians(limit) if key.endswith("_deg") else limit
         try:
             return optimise(
                 self.drivelines,
@@ -198,7 +216,7 @@ class Optimisation:
                 over=self.over,
                 states=self.names,
                 weights=self.weights if self.over == "rms" else None,
-                keep=keep,
+                keep=self._kept,
                 parameters=self._parameters,
                 load=self.load,
                 speed=self.speed,

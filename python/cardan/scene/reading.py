@@ -23,6 +23,7 @@ from cardan.scene.bearings import Mounting, lengths_of
 from cardan.scene.document import Document
 from cardan.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.scene.forms import TEETH, Form
+from cardan.scene.joint_deviations import check_as_built, deviations_of
 from cardan.scene.layout import SceneLayout
 from cardan.scene.optimise import optimisation_of
 from cardan.scene.parts import (
@@ -142,6 +143,11 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
             if layout is None:
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             states = states_of(given["states"], layout)
+    with document.within("joints"):
+        deviations = deviations_of(given.get("joints", {}), line, given)
+    if deviations is not None:
+        with document.within("output"):
+            check_as_built(asked.quantities, {**asked.options, **asked.of_driven})
     service = service_of(document, folder, line, loaded.load, layout, states)
     tolerances = None
     with document.within("tolerances"):
@@ -190,6 +196,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "driven_angle_deg": asked.driven_angle_deg,
         "service": service,
         "torsion": torsion,
+        "deviations": deviations,
     }
 
 

@@ -87,6 +87,8 @@ class Scene:
             those in place of drive angles.
         service: its joints, duty cycle and tubes.
         torsion: its shafts as torsion springs, if the scene says so.
+        deviations: of the joints in rad, ``(n, 3)``, if the scene gives any. ``line`` is the
+            driveline of the drawing, ``line_as_built`` has them.
     """
 
     name: str
@@ -119,6 +121,7 @@ class Scene:
     driven_angle_deg: FloatArray | None = None
     service: Service = field(default_factory=Service)
     torsion: TorsionCase | None = None
+    deviations: FloatArray | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:
@@ -250,6 +253,13 @@ class Scene:
         )
 
     @property
+    def line_as_built(self) -> Driveline:
+        """The driveline with the deviations of its joints."""
+        if self.deviations is None:
+            return self.line
+        return self.line.with_deviations(*self.deviations.T)
+
+    @property
     def speed(self) -> float:
         """Speed of the drive in rad/s, the largest one of a recording; 0 if it is not given."""
         return largest_speed(self.load_case)
@@ -312,11 +322,12 @@ class Scene:
 
     def evaluate(self) -> Result:
         """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
-        return self.line.evaluate(self.angle, self.quantities, **self._arguments())
+        line = self.line_as_built
+        return line.evaluate(self.angle, self.quantities, **self._arguments())
 
     def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
         """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
-        line: Any = self.line
+        line: Any = self.line_as_built
         return line.plan(self.quantities, **self._arguments())
 
     def explain(self) -> str:

@@ -11,6 +11,7 @@ from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.scene.document import Document
 from cardan.scene.duty import DutyCycle, duty_cycle
+from cardan.scene.joint_deviations import OF_DEVIATIONS
 from cardan.scene.joints import Joints, joints_of
 from cardan.scene.layout import SceneLayout
 from cardan.scene.offsets import AxisOffsets, offsets_of
@@ -60,8 +61,9 @@ def service_of(
     given = document.sections
     joints = duty = tubes = offsets = None
     with document.within("joints", "sizes"):
-        if "joints" in given:
-            joints = joints_of(given["joints"], line.n_joints, folder)
+        sizes = {k: v for k, v in given.get("joints", {}).items() if k not in OF_DEVIATIONS}
+        if sizes:
+            joints = joints_of(sizes, line.n_joints, folder)
     with document.within("life"):
         if "life" in given:
             duty = duty_cycle(given["life"], line, load, layout, states)

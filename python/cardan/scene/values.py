@@ -131,6 +131,10 @@ SEALS = Kind("number(s)", OneOrEach(ListOf(Number(0), "numbers")))
 MOST_BENDS = Kind(
     "number(s)", OneOrEach(ListOf(Number(0, 90, above=True, below=True, unit="deg"), "numbers"))
 )
+DEVIATIONS = Kind(
+    "number(s)",
+    OneOrEach(ListOf(Number(-90, 90, above=True, below=True, unit="deg"), "numbers")),
+)
 BEARING_TYPES = Kind("name(s)", OneOrEach(ListOf(OneOf(("needle", "plain")), "names")))
 TORQUES = Kind("number(s)", OneOrEach(ListOf(Number(), "numbers")))
 STEP_BENDS = Kind(

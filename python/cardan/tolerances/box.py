@@ -156,8 +156,8 @@ class Box:
         halves = {place: times * half for place, half in self.halves.items()}
         wide = self if times == 1.0 else Box(self.nominal, halves, {}, self.normal)
         most = self.nominal.bends + wide.bend_changes
-        turned = np.maximum(wide.cones[1:], wide.cones[:-1])
-        wrong = np.flatnonzero(~((most < np.pi / 2) & (turned < np.pi / 2)))
+        # It contains the changes of direction of both shafts, which stay below 90 deg with it.
+        wrong = np.flatnonzero(~(most < np.pi / 2))
         if wrong.size:
             joint = int(wrong[0])
             group = "bends" if self.nominal.points is None else "points"

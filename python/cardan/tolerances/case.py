@@ -20,7 +20,12 @@ from cardan.tolerances.box import Box
 from cardan.tolerances.chain import ComplexArray, Deviations
 from cardan.tolerances.deviating import as_drawn, in_blocks
 from cardan.tolerances.guaranteed import largest_modulus
-from cardan.tolerances.worst import MOST_CORNERS, largest_in_box, zonotope_radius
+from cardan.tolerances.worst import (
+    MOST_CORNERS,
+    largest_in_box,
+    largest_of_corners,
+    zonotope_radius,
+)
 
 Quantity: TypeAlias = MotionQuantity | ReducedQuantity
 
@@ -101,15 +106,19 @@ class Case:
         return len(self.box.places) <= most
 
     def worst(self, quantity: Quantity) -> float:
-        """Return the worst figure; the linear one is never more than the guaranteed bound."""
+        """Return the worst figure.
+
+        With many parameters the linear one, which is never more than the guaranteed bound. Of an
+        output it is not less than at the corners of the box to which the slopes point.
+        """
         if self.searched(quantity):
             return self._search(quantity)[0]
         linear = self.linear(quantity)
-        return (
-            linear
-            if isinstance(quantity, ReducedQuantity)
-            else min(linear, self.guaranteed(quantity))
-        )
+        if isinstance(quantity, MotionQuantity):
+            return min(linear, self.guaranteed(quantity))
+        # A peak has kinks, beyond which it grows faster than its slope says.
+        signs = np.where(self._slopes_of_output(quantity) < 0.0, -1.0, 1.0)
+        return max(linear, largest_of_corners(self._of_units(quantity), signs))
 
     def worst_at(self, quantity: Quantity) -> FloatArray:
         """Return the deviations of the worst driveline, ``(parameters,)``."""

@@ -141,7 +141,8 @@ class Tolerances:
         """How ``worst`` was found, one word or one per figure.
 
         ``"box"``: over the box of tolerances itself, from all its corners inwards; ``"linear"``:
-        too many parameters for that, as ``linear`` has it.
+        too many parameters for that, as ``linear`` has it. Of a reduced output it is not less than
+        at the corners to which the slopes point.
         """
         return self._named(
             {

@@ -68,6 +68,24 @@ def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
     return float(found[top]), at[:, top]
 
 
+def largest_of_corners(value: Value, corner: FloatArray) -> float:
+    """Return the largest value of the corners that are reached by turning one parameter at a time.
+
+    Args:
+        value: the figure; parameters run from -1 to 1.
+        corner: where to begin, ``(parameters,)``.
+    """
+    at, best = corner[:, np.newaxis], float(value(corner[:, np.newaxis])[0])
+    turned = 1.0 - 2.0 * np.eye(len(corner))
+    for _ in range(_ROUNDS):
+        values = value(at * turned)
+        top = int(np.argmax(values))
+        if values[top] <= best:
+            break
+        at, best = at * turned[:, [top]], float(values[top])
+    return best
+
+
 def _along(value: Value, at: FloatArray, found: FloatArray, row: int) -> FloatArray:
     """Move one parameter of every start to where the value is largest; changes ``at``."""
     width = 1.0

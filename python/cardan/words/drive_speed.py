@@ -35,11 +35,11 @@ def sentences(found: DriveSpeed) -> Iterator[str]:
     limit = f"the limit is {_percent(SHARE)} ({SOURCE})"
     needed = f"{rounded_up(found.needed)} kg m²"
     if found.verdict == "no drive inertia":
+        inertia = f"at least {needed}" if found.needed > 0.0 else "any inertia"
         yield (
             "the scene gives shaft 0 no inertia, so its speed counts as constant; this is fair if "
-            f"shaft 0 has at least {needed} (motor, pulley, flywheel): running freely, it then "
-            f"varies by no more than {_percent(SHARE)} of what shaft {found.shaft} varies "
-            f"({SOURCE})"
+            f"shaft 0 has {inertia} (motor, pulley, flywheel): running freely, it then varies by "
+            f"no more than {_percent(SHARE)} of what shaft {found.shaft} varies ({SOURCE})"
         )
         return
     yield (

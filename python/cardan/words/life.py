@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from cardan.figures.life import AgainstLimit, JointLife, LifeFigures, SizeLife
 from cardan.figures.tubes import TubeFigures
+from cardan.words.phrases import short
 from cardan.words.summary import aligned, figure_text
 from cardan.wrapping import fill
 
@@ -219,8 +220,8 @@ def hours_text(hours: float) -> str:
 
 
 def _against(figure: AgainstLimit, unit: str) -> str:
-    limit = "" if figure.limit is None else f"; permitted {figure.limit:.6g}{unit}"
-    return f"{figure.value:.6g}{unit}{limit}"
+    limit = "" if figure.limit is None else f"; permitted {short(figure.limit)}{unit}"
+    return f"{short(figure.value)}{unit}{limit}"
 
 
 def _joints(joints: Sequence[int]) -> str:

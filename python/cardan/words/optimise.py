@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from cardan.figures.optimise import Optimised, unit_of, variable_data
 from cardan.quantities import label
 from cardan.scene.optimise import Variable
@@ -16,6 +18,14 @@ _WIDTH = 79
 
 # Smaller changes, in the unit of the key, are not worth a word.
 _SHOWN = 5e-4
+
+
+# Keys of which the words stand in another order.
+_QUANTITIES = {
+    f"{name}_{plane}_deg": f"{plane} {name.replace('_', ' ')}"
+    for name in ("slopes", "projected_bends")
+    for plane in ("vertical", "horizontal")
+}
 
 
 def optimise_text(found: Optimised) -> str:
@@ -36,11 +46,8 @@ def result_text(found: Optimised) -> str:
         _with_unit(float(found.goal(value)), found.goal_unit)
         for value in (found.best.before, found.best.value)
     )
-    name = label(found.asked.minimise)
-    count = len(found.asked.names)
-    over = {"largest": "the largest", "rms": "root mean square"}[found.asked.over]
-    of = f", {over} of {count} states" if count > 1 else ""
-    return f"{name[:1].upper()}{name[1:]}{of}: {before} before, {after} after."
+    name = found.goal_words
+    return f"{name[:1].upper()}{name[1:]}: {before} before, {after} after."
 
 
 def change_lines(found: Optimised) -> list[str]:
@@ -93,14 +100,14 @@ def _what(variable: Variable) -> str:
     one = _is_one(variable)
     if variable.is_phase:
         return f"the output-side {'yoke' if one else 'yokes'} of {of}"
-    quantity = axis.name.rpartition("_")[0].replace("_", " ") or axis.name
+    quantity = _QUANTITIES.get(axis.name) or axis.name.rpartition("_")[0] or axis.name
     component = "" if axis.component is None else f"{'xyz'[axis.component]} of the "
     return f"the {component}{_singular(quantity) if one else quantity} of {of}"
 
 
 def _singular(quantity: str) -> str:
-    """``slope vertical`` of ``slopes vertical``."""
-    return " ".join(word.removesuffix("s") for word in quantity.split())
+    """``vertical slope`` of ``vertical slopes``."""
+    return quantity.removesuffix("s")
 
 
 def _numbers(variable: Variable) -> range:
@@ -144,15 +151,18 @@ def table_of(found: Optimised) -> tuple[list[str], list[list[str]]]:
         (found.asked.minimise, found.goal_unit, *map(found.goal, _both(best))),
         *found.kept(),
     ]
+    limits = ["", *(f", at most {_number(limit)}" for limit in found.asked.keep.values())]
     headings = ["state" if found.asked.states else ""]
-    for name, unit, *_ in columns:
-        heading = f"{label(name)}{f' [{unit}]' if unit else ''}"
+    for (name, unit, *_), limit in zip(columns, limits, strict=True):
+        heading = f"{label(name)}{f' [{unit}]' if unit else ''}{limit}"
         headings += [f"{heading}, before", "after"]
     rows = []
     for i, state in enumerate(found.asked.names):
         row = [state]
         for _, _, before, after in columns:
-            row += [figure_text(float(before[i])), figure_text(float(after[i]))]
+            # What rounding leaves of joints that compensate each other counts as 0.
+            least = 1e-8 * max(np.max(before), np.max(after))
+            row += [figure_text(float(x[i]) if x[i] > least else 0.0) for x in (before, after)]
         rows.append(row)
     return headings, rows
 

@@ -91,14 +91,16 @@ def notes_text(
 ) -> Iterator[str]:
     """Say what must be known to read the table, a paragraph at a time."""
     found = list(rows)
-    zero, half = ("0 rad", "pi rad") if radians else ("0°", "180°")
+    zero, period = ("0 rad", "pi rad") if radians else ("0°", "180°")
+    if drive_angles.keys() & {"period_deg", "period_rad"}:
+        period = "turn"
     if any(row.at_deg is not None for row in found):
         text = (
             f"Angles after 'at' are drive angles; at {zero} the driving pin of joint 0 lies in the "
             "plane of shafts 0 and 1."
         )
         if drive_angles["source"] == "sweep":
-            text += f" Each extreme recurs every {half}."
+            text += f" Each extreme recurs every {period}."
         yield fill(text, 79)
     if drive_angles.get("angle_of") == "driven":
         text = (

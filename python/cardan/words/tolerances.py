@@ -9,7 +9,6 @@ from cardan.figures.tolerances import (
     Permitted,
     ToleranceFigure,
     ToleranceFigures,
-    ToleranceState,
 )
 from cardan.words.summary import aligned, figure_text
 from cardan.wrapping import fill
@@ -91,25 +90,23 @@ def _of_states(figure: ToleranceFigure) -> str:
     return f", largest of {len(figure.states)} states" if figure.states else ""
 
 
-STATE_HEADS = ("as drawn", "worst", "bound", "within the limit")
-"""What ``state_row`` says of a state."""
-
-
-def state_row(figure: ToleranceFigure, state: ToleranceState) -> list[str]:
-    """Return the values of a figure in one state as texts; "" for what is not known."""
-    values = (_rounded(state.nominal, state.worst), state.worst, state.guaranteed)
-    texts = ["" if value is None else with_unit(value, figure.unit) for value in values]
-    return [*texts, "" if state.passing is None else percent(state.passing)]
+def state_rows(figure: ToleranceFigure) -> list[list[str]]:
+    """Return the figure in each state as rows of texts, the heads first; without empty columns."""
+    rows = [["state", "as drawn", "worst", "bound", "within the limit"]]
+    for state in figure.states:
+        values = (_rounded(state.nominal, state.worst), state.worst, state.guaranteed)
+        texts = ["" if value is None else with_unit(value, figure.unit) for value in values]
+        passing = "" if state.passing is None else percent(state.passing)
+        rows.append([state.name, *texts, passing])
+    known = [i for i, cells in enumerate(zip(*rows[1:], strict=True)) if any(cells)]
+    return [[row[i] for i in known] for row in rows]
 
 
 def _table(figure: ToleranceFigure) -> Iterator[str]:
     """The figure in each state, a line each."""
-    rows = [["state", *STATE_HEADS]]
-    rows += [[state.name, *state_row(figure, state)] for state in figure.states]
-    known = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
-    widths = [max(len(row[i]) for row in rows) for i in known]
-    for row in rows:
-        first, *others = (row[i] for i in known)
+    rows = state_rows(figure)
+    widths = [max(map(len, cells)) for cells in zip(*rows, strict=True)]
+    for first, *others in rows:
         cells = (cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True))
         yield "  ".join([f"  {first:{widths[0]}}", *cells]).rstrip()
 
@@ -120,7 +117,7 @@ def _in(state: str) -> str:
 
 
 def verdict_texts(found: ToleranceFigures) -> list[str]:
-    """Return the verdict on each figure in one sentence."""
+    """Return the verdict on each figure: as drawn, then with the tolerances."""
     several = len(found.figures) > 1
     return [verdict_text(figure, named=several) for figure in found.figures]
 
@@ -131,7 +128,7 @@ def permitted_texts(found: ToleranceFigures, permitted: Sequence[Permitted]) -> 
 
 
 def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
-    """Return the verdict on one figure in one sentence."""
+    """Return the verdict on one figure: as drawn, then with the tolerances."""
     name = f"{figure.label.capitalize()}: " if named else ""
     worst = f"the worst has {with_unit(figure.worst, figure.unit)}{_in(figure.worst_in)}"
     if figure.shares and figure.shares[0].share > 0.0:
@@ -145,14 +142,13 @@ def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
     limit, share = f"the {limit_text(figure)} limit", percent(figure.passing)
     every = " in every state" if figure.states else ""
     if figure.nominal <= figure.limit * (1.0 + 1e-9):
-        text = f"within {limit}{every}; with these tolerances {share} of the drivelines are"
+        drawn = f"within {limit}{every}"
     else:
-        text = (
-            f"beyond {limit}{_in(figure.nominal_in)}; with these tolerances {share} of the "
-            f"drivelines are within it{every}"
-        )
-    text = f"{text}, {worst}."
-    return f"{name}{text}" if named else text[0].upper() + text[1:]
+        drawn = f"beyond {limit}{_in(figure.nominal_in)}"
+    return (
+        f"{name}{'as' if named else 'As'} drawn, the driveline is {drawn}. With these tolerances, "
+        f"{share} of all drivelines are within it{every}; {worst}."
+    )
 
 
 def _permitted(part: Permitted, found: ToleranceFigures) -> str:

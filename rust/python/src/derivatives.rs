@@ -1,7 +1,10 @@
 //! Derivatives of outputs and of transmissions by the parameters of drivelines.
 
+use std::sync::atomic::AtomicBool;
+
 use cardan::{
-    Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted, q_derivatives,
+    Differentiated, Execution, Output, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted,
+    q_derivatives,
 };
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
@@ -11,10 +14,13 @@ use pyo3::pybacked::PyBackedStr;
 use crate::convert::{argument_error, slice};
 use crate::lines::Lines;
 use crate::plan::{DriveSweep, end, named_level, quantity};
-use crate::watch::{reserve, run_released};
+use crate::watch::{reserve, run_released, threads};
 
-/// The fewest joints or samples in all that are interruptible.
+/// The fewest joints in all whose derivatives are interruptible.
 const MIN_INTERRUPTIBLE: usize = 1 << 14;
+
+/// The fewest samples of a motion in all that are interruptible, which take a millisecond.
+const MIN_INTERRUPTIBLE_MOTIONS: usize = 1 << 19;
 
 /// The derivatives of `q` of a shaft by all `"bends"`, `"twists"`, `"phases"` or `"points"` of each
 /// driveline, one driveline after another.
@@ -32,6 +38,7 @@ pub(crate) fn dq<'py>(
         return Err(PyIndexError::new_err(problem));
     }
     let by = parameters(by)?;
+    lines.check_ideal("q and its derivatives are")?;
     lines.with(py, |lines| {
         let count = lines.bends.len() / joints;
         if by == Parameters::Points && lines.lengths.len() != count * (joints + 1) {
@@ -112,6 +119,12 @@ pub(crate) fn differentiate<'py>(
         }
         None => None,
     };
+    if wanted.points {
+        lines.check_ideal("derivatives by points are")?;
+    }
+    if wanted.deviations || lines.is_as_built() {
+        check_as_built(&outputs, modes)?;
+    }
     lines.with(py, |lines| {
         let task = Differentiated {
             joints,
@@ -147,16 +160,44 @@ pub(crate) fn differentiate<'py>(
         let mut out = vec![];
         reserve(&mut out, count)?;
         out.resize(count, 0.0);
-        let brief = total.saturating_mul(joints) < MIN_INTERRUPTIBLE;
-        run_released(py, brief, workers, &mut |workers, stop| {
+        let mut run = |workers: Option<usize>, stop: Option<&AtomicBool>| {
             let execution = Execution { level, workers, stop, ..Execution::default() };
             match &weights {
                 Some(weights) => task.gradient(weights, wanted, &mut out, execution),
                 None => task.derivatives(wanted, &mut out, execution),
             }
-        })?;
+        };
+        let sums_of_motions = weights.is_some() && task.only_motion() && !driven;
+        let few = lines.bends.len() < MIN_INTERRUPTIBLE;
+        if sums_of_motions && few && total.saturating_mul(task.planes()) < MIN_INTERRUPTIBLE_MOTIONS
+        {
+            // The pool is not made for what one thread does.
+            let workers = if task.is_parallel() { threads(workers) } else { Some(1) };
+            py.detach(|| run(workers, None));
+        } else {
+            let brief = total.saturating_mul(joints) < MIN_INTERRUPTIBLE;
+            run_released(py, brief, workers, &mut run)?;
+        }
         Ok(out.into_pyarray(py))
     })
+}
+
+/// Refuses what joints as built do not have.
+fn check_as_built(
+    outputs: &[(Output, Vec<usize>)],
+    (shaft_axes, driven): (bool, bool),
+) -> PyResult<()> {
+    let force = outputs.iter().find(|(output, _)| output.row().unit == "N");
+    let problem = if shaft_axes {
+        "have deviations; their moments are differentiated in the axes of space".to_owned()
+    } else if driven {
+        "have deviations; derivatives are those at drive angles".to_owned()
+    } else if let Some((output, _)) = force {
+        format!("have deviations, with which there is no {}", output.row().name)
+    } else {
+        return Ok(());
+    };
+    Err(argument_error("joints", &[], problem))
 }
 
 fn spread<'a>(name: &str, (array, per_line, per_sample): &'a Stepped<'_>) -> PyResult<Spread<'a>> {
@@ -197,6 +238,7 @@ fn wanted(names: &[PyBackedStr]) -> PyResult<Wanted> {
             "inertias" => &mut wanted.inertias,
             "lengths" => &mut wanted.lengths,
             "positions" => &mut wanted.positions,
+            "deviations" => &mut wanted.deviations,
             other => {
                 return Err(argument_error("by", &[], format!("is {other:?}, which is unknown")));
             }

@@ -3,13 +3,14 @@
 use std::sync::atomic::Ordering;
 
 use cardan::optimal_phases_of_batch;
-use cardan::{Equivalent, Error, Execution, Geometry, Vector};
+use cardan::{Equivalent, Error, Execution, General, Geometry, Vector};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
 use crate::convert::{
     Input, argument_error, check_length, count, slice, unravel, value_error, vectors,
 };
+use crate::lines::Lines;
 use crate::watch::{check_memory, reserve, run_interruptible, run_released};
 
 /// Bends, twists, directions and normals, each flat.
@@ -152,6 +153,61 @@ fn from_vectors<'py>(
         let between = part(phases, line, joints.saturating_sub(1));
         make(&vectors(part(flat, line, each)), between)
     })
+}
+
+/// Checks that every joint turns, from bends `(…, n)` and deviations `(…, n, 3)` in rad.
+#[pyfunction]
+pub(crate) fn check_deviations(
+    py: Python<'_>,
+    joints: usize,
+    shape: Vec<usize>,
+    bends: Input<'_>,
+    deviations: Input<'_>,
+) -> PyResult<()> {
+    let (bends, deviations) = (slice("bends", &bends)?, slice("deviations", &deviations)?);
+    let lines = count(&shape)?;
+    check_length("bends", bends.len(), lines, joints)?;
+    check_length("deviations", deviations.len(), lines, joints.saturating_mul(3))?;
+    for_each_line(py, lines, &mut |line| {
+        let own = part(deviations, line, joints.saturating_mul(3));
+        cardan::check_deviations(part(bends, line, joints), own)
+            .map_err(|error| at_line(error, line, &shape))
+    })
+}
+
+/// The mean over a turn by which a shaft is ahead of the drive in each driveline, in rad.
+#[pyfunction]
+pub(crate) fn mean_leads<'py>(
+    py: Python<'py>,
+    lines: &Lines,
+    shaft: usize,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let joints = lines.joints();
+    if shaft > joints {
+        let problem = format!("is {shaft}; there are {}", joints + 1);
+        return Err(argument_error("shaft", &[], problem));
+    }
+    let mut leads = vec![];
+    let between = shaft.saturating_sub(1);
+    lines.with(py, |lines| {
+        let count = lines.bends.len() / joints;
+        reserve(&mut leads, count)?;
+        if lines.deviations.is_empty() {
+            leads.resize(count, 0.0);
+            return Ok(());
+        }
+        for_each_line(py, count, &mut |line| {
+            let general = General::as_built(
+                &part(lines.bends, line, joints)[..shaft],
+                &part(lines.twists, line, joints - 1)[..between],
+                &part(lines.phases, line, joints - 1)[..between],
+                &part(lines.deviations, line, 3 * joints)[..3 * shaft],
+            )?;
+            leads.push(general.mean_lead());
+            Ok(())
+        })
+    })?;
+    Ok(leads.into_pyarray(py))
 }
 
 /// The joint equivalent to the first `shaft` joints of each driveline: eight arrays, in the order

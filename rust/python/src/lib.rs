@@ -27,7 +27,10 @@ mod _core {
     #[pymodule_export]
     use super::derivatives::{differentiate, dq};
     #[pymodule_export]
-    use super::driveline::{equivalent, from_bends, from_directions, from_points, optimal_phases};
+    use super::driveline::{
+        check_deviations, equivalent, from_bends, from_directions, from_points, mean_leads,
+        optimal_phases,
+    };
     #[pymodule_export]
     use super::lines::Lines;
     #[pymodule_export]

@@ -7,12 +7,13 @@ use pyo3::prelude::*;
 use crate::convert::{argument_error, check_length, count, slice};
 use crate::watch::check_memory;
 
-/// Bends, twists, phases, directions, normals, lengths of shafts and positions of bearings.
+/// Bends, twists, phases, directions, normals, lengths of shafts, positions of bearings and
+/// deviations.
 enum Arrays {
     /// The values of one driveline, copied.
-    One([Vec<f64>; 7]),
+    One([Vec<f64>; 8]),
     /// The arrays of a batch, which never change.
-    Batch([Py<PyArray1<f64>>; 7]),
+    Batch([Py<PyArray1<f64>>; 8]),
 }
 
 /// A driveline or a batch of drivelines.
@@ -23,19 +24,21 @@ pub(crate) struct Lines {
     largest_bends: Vec<f64>,
     /// The shaft of each bearing, if the lengths of the shafts are known.
     bearings: Option<Vec<usize>>,
+    /// Whether the joints have deviations.
+    as_built: bool,
 }
 
 #[pymethods]
 impl Lines {
     /// Drivelines with `joints` joints, one or a batch of the given shape, from flat arrays. A
     /// batch keeps references to its arrays. Each bearing is on one of the shafts; lengths may be
-    /// empty if there are no bearings.
+    /// empty if there are no bearings, and deviations if all joints are ideal.
     #[new]
     fn new(
         py: Python<'_>,
         joints: usize,
         shape: Vec<usize>,
-        arrays: [Bound<'_, PyArray1<f64>>; 7],
+        arrays: [Bound<'_, PyArray1<f64>>; 8],
         bearings: Vec<usize>,
     ) -> PyResult<Self> {
         if joints == 0 {
@@ -45,8 +48,9 @@ impl Lines {
         check_memory(joints.saturating_mul(96))?;
         let count = count(&shape)?;
         let batch = Arrays::Batch(arrays.map(Bound::unbind));
-        let batch = Self { arrays: batch, shape, largest_bends: vec![], bearings: None };
-        let (one, largest_bends, known) = batch.with(py, |lines| {
+        let batch =
+            Self { arrays: batch, shape, largest_bends: vec![], bearings: None, as_built: false };
+        let (one, largest_bends, known, as_built) = batch.with(py, |lines| {
             check_length("bends", lines.bends.len(), count, joints)?;
             check_length("twists", lines.twists.len(), count, joints - 1)?;
             check_length("phases", lines.phases.len(), count, joints - 1)?;
@@ -57,11 +61,23 @@ impl Lines {
                 check_length("lengths", lines.lengths.len(), count, joints + 1)?;
             }
             check_length("positions", lines.positions.len(), count, bearings.len())?;
-            let Drivelines { bends, twists, phases, directions, normals, lengths, positions } =
-                lines;
-            let own = [bends, twists, phases, directions, normals, lengths, positions];
+            let Drivelines {
+                bends,
+                twists,
+                phases,
+                directions,
+                normals,
+                lengths,
+                positions,
+                deviations,
+            } = lines;
+            if !deviations.is_empty() {
+                check_length("deviations", deviations.len(), count, 3 * joints)?;
+            }
+            let own = [bends, twists, phases, directions, normals, lengths, positions, deviations];
             let one = count == 1;
-            Ok((one.then(|| own.map(<[f64]>::to_vec)), lines.largest_bends(joints), known))
+            let kept = one.then(|| own.map(<[f64]>::to_vec));
+            Ok((kept, lines.largest_bends(joints), known, !deviations.is_empty()))
         })?;
         if let Some(place) = bearings.iter().position(|&shaft| shaft > joints) {
             let problem = format!("is on shaft {}; there are {}", bearings[place], joints + 1);
@@ -69,7 +85,7 @@ impl Lines {
         }
         let arrays = one.map_or(batch.arrays, Arrays::One);
         let bearings = known.then_some(bearings);
-        Ok(Self { arrays, shape: batch.shape, largest_bends, bearings })
+        Ok(Self { arrays, shape: batch.shape, largest_bends, bearings, as_built })
     }
 }
 
@@ -81,6 +97,20 @@ impl Lines {
     /// The shaft of each bearing, if the lengths of the shafts are known.
     pub(crate) fn bearings(&self) -> Option<&[usize]> {
         self.bearings.as_deref()
+    }
+
+    /// Whether the joints have deviations, so that drivelines are evaluated joint by joint.
+    pub(crate) fn is_as_built(&self) -> bool {
+        self.as_built
+    }
+
+    /// Refuses joints with deviations.
+    pub(crate) fn check_ideal(&self, what: &str) -> PyResult<()> {
+        if !self.as_built {
+            return Ok(());
+        }
+        let problem = format!("has joints with deviations; {what} for ideal joints only");
+        Err(argument_error("driveline", &[], problem))
     }
 
     /// The shape of the batch; empty for one driveline.
@@ -105,15 +135,25 @@ impl Lines {
     ) -> PyResult<R> {
         match &self.arrays {
             Arrays::One(own) => {
-                let [bends, twists, phases, directions, normals, lengths, positions] = own;
-                body(Drivelines { bends, twists, phases, directions, normals, lengths, positions })
+                let [bends, twists, phases, directions, normals, lengths, positions, deviations] =
+                    own;
+                body(Drivelines {
+                    bends,
+                    twists,
+                    phases,
+                    directions,
+                    normals,
+                    lengths,
+                    positions,
+                    deviations,
+                })
             }
             Arrays::Batch(arrays) => {
-                let [bends, twists, phases, directions, normals, lengths, positions] =
+                let [bends, twists, phases, directions, normals, lengths, positions, deviations] =
                     arrays.each_ref().map(|array| array.bind(py).try_readonly());
                 let (bends, twists, phases) = (bends?, twists?, phases?);
                 let (directions, normals) = (directions?, normals?);
-                let (lengths, positions) = (lengths?, positions?);
+                let (lengths, positions, deviations) = (lengths?, positions?, deviations?);
                 body(Drivelines {
                     bends: slice("bends", &bends)?,
                     twists: slice("twists", &twists)?,
@@ -122,6 +162,7 @@ impl Lines {
                     normals: slice("normals", &normals)?,
                     lengths: slice("lengths", &lengths)?,
                     positions: slice("positions", &positions)?,
+                    deviations: slice("deviations", &deviations)?,
                 })
             }
         }

@@ -140,6 +140,7 @@ impl NativePlan {
             load: end,
             inertias: &inertias,
             bearings: lines.get().bearings(),
+            as_built: lines.get().is_as_built(),
         };
         let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
         let precision = plan.precision(tolerance, single);

@@ -54,6 +54,7 @@ impl NativeTorsion {
         }
         let mut systems = vec![];
         reserve(&mut systems, line.len())?;
+        lines.check_ideal("torsional systems are")?;
         lines.with(py, |lines| {
             let part = |array: &[f64], each: usize, at: usize| {
                 array.get(at * each..(at + 1) * each).map(<[f64]>::to_vec)

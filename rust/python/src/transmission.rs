@@ -24,6 +24,7 @@ impl NativeTransmission {
                 joints + 1
             )));
         }
+        lines.check_ideal("a transmission by q is")?;
         lines.with(py, |lines| {
             let count = lines.bends.len() / joints;
             check_memory(count.saturating_mul(size_of::<Ideal>()))?;

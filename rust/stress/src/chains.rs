@@ -34,10 +34,11 @@ pub(crate) const MOTION: [(Quantity, Output); 5] = [
 ];
 
 /// A driveline's bends, twists and phases.
-struct ChainAngles {
-    bends: Vec<f64>,
-    twists: Vec<f64>,
-    phases: Vec<f64>,
+#[derive(Debug)]
+pub(crate) struct ChainAngles {
+    pub(crate) bends: Vec<f64>,
+    pub(crate) twists: Vec<f64>,
+    pub(crate) phases: Vec<f64>,
 }
 
 /// A kind of chain.
@@ -64,7 +65,7 @@ impl ChainShape {
         }
     }
 
-    fn line(self, random: &mut Random) -> ChainAngles {
+    pub(crate) fn line(self, random: &mut Random) -> ChainAngles {
         let n = match self {
             Self::NearStraight => 64,
             Self::Compensated => 2 * (1 + random.below(32)),
@@ -147,6 +148,7 @@ fn evaluate(line: &ChainAngles, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
         load: None,
         inertias: &[],
         bearings: None,
+        as_built: false,
     })
     .expect("the request is sound");
     let angle = Angles::Array(Source { data: angles, strides: &[1] });
@@ -179,8 +181,7 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut ChainErrors) {
         .map(|power| 2_f64.powi(power));
         for (q, plane) in planes.iter().enumerate() {
             for ((&angle, (motion, rates)), &got) in angles.iter().zip(&exact).zip(plane) {
-                let want =
-                    [motion.angle, motion.error, motion.ratio, motion.acceleration, motion.jerk][q];
+                let want = motion.all()[q];
                 // The angle may be small where the drive and the error cancel.
                 let ulp = match (q, tier) {
                     (0, Tier::Default) => want.ulp().max(motion.error.ulp()),

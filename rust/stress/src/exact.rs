@@ -43,6 +43,13 @@ pub(crate) struct ExactMotion {
     pub(crate) jerk: Wide,
 }
 
+impl ExactMotion {
+    /// Angle, angle error, speed ratio, acceleration ratio and jerk ratio.
+    pub(crate) fn all(&self) -> [Wide; 5] {
+        [self.angle, self.error, self.ratio, self.acceleration, self.jerk]
+    }
+}
+
 /// One joint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExactJoint {
@@ -58,8 +65,13 @@ pub(crate) struct ExactJoint {
 
 impl ExactJoint {
     pub(crate) fn bent(bend: f64) -> Self {
-        let (sin, cos) = sin_cos(&[bend]);
-        let (half_sin, half_cos) = sin_cos(&[0.5 * bend]);
+        Self::bent_by(&[bend])
+    }
+
+    /// Bent by a sum of doubles.
+    fn bent_by(parts: &[f64]) -> Self {
+        let (sin, cos) = sin_cos(parts);
+        let (half_sin, half_cos) = half_sin_cos(parts);
         let k = (half_sin / half_cos).square();
         // cos β = cos²(β/2) − sin²(β/2).
         let gap = cos / half_cos.square();
@@ -138,6 +150,18 @@ fn quotient_curvature(value: Wide, denominator: Wide, slope: Wide, curvature: Wi
     value * (relative.square().scaled(2.0) - curvature / denominator)
 }
 
+/// Sine and cosine of half a sum of doubles.
+fn half_sin_cos(parts: &[f64]) -> (Wide, Wide) {
+    sin_cos(&parts.iter().map(|x| 0.5 * x).collect::<Vec<_>>())
+}
+
+/// A parameter of a chain: the bend of a joint, or the phase of an intermediate shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ChainParameter {
+    Bend(usize),
+    Phase(usize),
+}
+
 /// A chain of joints.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExactChain {
@@ -153,19 +177,34 @@ pub(crate) struct ExactChain {
 
 impl ExactChain {
     pub(crate) fn of(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
+        Self::moved(bends, twists, phases, None)
+    }
+
+    /// The chain after a change of one parameter.
+    pub(crate) fn moved(
+        bends: &[f64],
+        twists: &[f64],
+        phases: &[f64],
+        change: Option<(ChainParameter, f64)>,
+    ) -> Self {
+        let step = |parameter| change.and_then(|(of, step)| (of == parameter).then_some(step));
         let mut a = WideComplex { re: Wide::ONE, im: Wide::ZERO };
         let mut b = WideComplex { re: Wide::ZERO, im: Wide::ZERO };
         let (mut determinant, mut total) = (Wide::ONE, 0.0);
         for (j, &bend) in bends.iter().enumerate() {
             if j > 0 {
                 // A quarter turn more than the phase less the twist.
-                let (s, c) = sin_cos(&[phases[j - 1], -twists[j - 1]]);
+                let mut parts = vec![phases[j - 1], -twists[j - 1]];
+                parts.extend(step(ChainParameter::Phase(j - 1)));
+                let (s, c) = sin_cos(&parts);
                 let turn = WideComplex { re: -s, im: c };
                 (a, b) = (a * turn, b * turn);
             }
             // (cos α, sin α) → (cos β cos α, sin α), half the sum and half the difference.
-            let joint = ExactJoint::bent(bend);
-            let (s, c) = sin_cos(&[0.5 * bend]);
+            let mut parts = vec![bend];
+            parts.extend(step(ChainParameter::Bend(j)));
+            let joint = ExactJoint::bent_by(&parts);
+            let (s, c) = half_sin_cos(&parts);
             let (keep, turn_back) = (c.square(), s.square());
             (a, b) = (
                 a.times(keep) - b.conj().times(turn_back),
@@ -176,6 +215,11 @@ impl ExactChain {
         }
         let k = (b.norm_squared() / a.norm_squared()).sqrt().high;
         Self { a, b, determinant, k, total }
+    }
+
+    /// `B/A`.
+    pub(crate) fn q(&self) -> WideComplex {
+        (self.b * self.a.conj()).times(Wide::ONE / self.a.norm_squared())
     }
 
     /// `|A|`.

@@ -282,6 +282,7 @@ impl Job {
             load: self.end,
             inertias: if self.flywheel { &[1] } else { &[] },
             bearings: None,
+            as_built: false,
         })
         .expect("the request is sound");
         let (rows, row) = (block.bends.len(), BLOCK / block.bends.len());

@@ -172,6 +172,7 @@ pub(crate) fn evaluate(
         normals: &normals,
         lengths: layout.map_or(&[], |own| &own.lengths),
         positions: layout.map_or(&[], |own| &own.positions),
+        deviations: &[],
     };
     let heavy = loading.heavy();
     let plan = Plan::new(&Request {
@@ -182,6 +183,7 @@ pub(crate) fn evaluate(
         load: Some(loading.end),
         inertias: &heavy,
         bearings: layout.map(|own| &own.bearings[..]),
+        as_built: false,
     })?;
     let given = [loading.torque, loading.speed, loading.acceleration];
     let constant = |i: usize| Source { data: &given[i..=i], strides: &[0] };

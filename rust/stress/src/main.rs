@@ -4,6 +4,7 @@
 
 mod angle;
 mod chains;
+mod derivatives;
 mod evaluated;
 mod exact;
 mod forces;
@@ -94,11 +95,13 @@ fn stress(options: &Options) -> Result<bool, String> {
     let points = points::run(options.seed, (options.samples / 20).max(5000));
     let loads = loads::run(options.seed, (options.samples / 20).max(5000));
     let forces = forces::run(options.seed, (options.samples / 20).max(5000));
+    let derivatives = derivatives::run(options.seed, (options.samples / 20).max(5000));
     let report = report::Report {
         ledger: &ledger,
         chains: &chains,
         loads: &loads,
         forces: &forces,
+        derivatives: &derivatives,
         points: &points,
         seconds,
     };

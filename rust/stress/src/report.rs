@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use crate::chains::{ChainErrors, MOTION};
+use crate::derivatives::{self, DerivativeErrors};
 use crate::forces::{self, ForceErrors};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
 use crate::loads::{self, Loads};
@@ -14,6 +15,7 @@ pub(crate) struct Report<'a> {
     pub(crate) chains: &'a [ChainErrors],
     pub(crate) loads: &'a [Loads],
     pub(crate) forces: &'a [ForceErrors],
+    pub(crate) derivatives: &'a [DerivativeErrors],
     pub(crate) points: &'a [Points],
     pub(crate) seconds: f64,
 }
@@ -100,6 +102,14 @@ impl Report<'_> {
                 }
             }
         }
+        for found in self.derivatives {
+            for ((off, place), limit) in
+                found.off.iter().zip(&found.place).zip(derivatives::limits())
+            {
+                let beyond = off.iter().zip(place).filter(|(off, _)| **off > limit);
+                lines.extend(beyond.map(|(off, place)| format!("{off:.3} units: {place}")));
+            }
+        }
         for points in self.points {
             for (which, limit) in points::limits().into_iter().enumerate() {
                 if points.off[which] > limit {
@@ -166,6 +176,20 @@ impl Report<'_> {
                 writeln!(text, "{:>30} {off}", tier.name()).expect("text grows");
             }
         }
+        writeln!(
+            text,
+            "\nderivatives, in the units of the documentation: {}",
+            derivatives::names().join(", ")
+        )
+        .expect("text grows");
+        for found in self.derivatives {
+            writeln!(text, "{} ({} samples)", found.shape.name(), found.judged)
+                .expect("text grows");
+            for (by, off) in derivatives::BY.iter().zip(found.off) {
+                let off = off.map(|off| format!("{off:.3}")).join("  ");
+                writeln!(text, "{by:>30} {off}").expect("text grows");
+            }
+        }
         text.push_str("\npoints: bends and twists, in the units of the documentation\n");
         for points in self.points {
             let [bends, twists] = points.off;
@@ -185,6 +209,27 @@ impl Report<'_> {
             let cells =
                 Quantity::ALL.map(|q| shown(tier, self.ledger.of(tier, q).by[by as usize][i]));
             text.push_str(&row(name, cells));
+        }
+        text
+    }
+
+    /// The derivatives, as a part of the record.
+    fn derivatives_table(&self) -> String {
+        let mut text = String::from("\n## Derivatives\n\n");
+        text.push_str(include_str!("../derivatives.md"));
+        text.push('\n');
+        text.push_str(&head(
+            "chains",
+            ["by"].into_iter().chain(derivatives::names()).map(String::from),
+        ));
+        for (which, by) in derivatives::BY.iter().enumerate() {
+            let cells = |off: [String; 5]| [by.to_string()].into_iter().chain(off);
+            for found in self.derivatives {
+                let off = found.off[which].map(|off| format!("{off:.3}"));
+                text.push_str(&row(found.shape.name(), cells(off)));
+            }
+            let limit = derivatives::limits()[which].to_string();
+            text.push_str(&row("limit", cells(derivatives::names().map(|_| limit.clone()))));
         }
         text
     }
@@ -257,6 +302,7 @@ impl Report<'_> {
             let limits = forces::limits(tier).map(|limit| format!("{limit}"));
             text.push_str(&row("limit", cells(limits)));
         }
+        text.push_str(&self.derivatives_table());
         text.push_str("\n## Points\n\n");
         text.push_str(include_str!("../points.md"));
         text.push('\n');

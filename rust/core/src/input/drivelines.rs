@@ -1,6 +1,7 @@
 //! Batches of drivelines as flat arrays.
 
 use crate::error::{Error, Result};
+use crate::mechanics::as_built::DEVIATIONS;
 use crate::mechanics::exact::Chains;
 
 /// A batch of drivelines with the same number `n` of joints, as flat arrays in C order.
@@ -20,6 +21,9 @@ pub struct Drivelines<'a> {
     pub lengths: &'a [f64],
     /// Distance of each bearing from the upstream end of its shaft, in m.
     pub positions: &'a [f64],
+    /// Deviations of driving yoke, cross and driven yoke of each joint in rad, `(…, n, 3)`; empty
+    /// if all joints are ideal.
+    pub deviations: &'a [f64],
 }
 
 impl Drivelines<'_> {
@@ -38,6 +42,12 @@ impl Drivelines<'_> {
                 let problem = format!("has {found} values; {count} drivelines need {each} each");
                 return Err(Error::new(name, &[], problem));
             }
+        }
+        let deviations = count * n * DEVIATIONS;
+        if !self.deviations.is_empty() && self.deviations.len() != deviations {
+            let found = self.deviations.len();
+            let problem = format!("has {found} values; {count} drivelines need {deviations}");
+            return Err(Error::new("deviations", &[], problem));
         }
         if count == 0 {
             return Err(Error::new("bends", &[], "has no driveline"));

@@ -20,6 +20,8 @@
 
 use crate::error::{Error, Result};
 use crate::mechanics::joint::Joint;
+use crate::number::Number;
+use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 use crate::number::reduction;
@@ -40,34 +42,27 @@ pub(crate) struct JointAsBuilt<T = f64> {
     driving: T,
     driven: T,
     cross: T,
-    /// `D` at a right angle, `√(1 + μ² − κ²)`.
+    /// `D` and `V` at a right angle: `√(1 + μ² − κ²)` and `1 + μ²`.
     root: T,
+    square: T,
     /// `D² = root² + linear cos α − curved cos² α`.
     linear: T,
     curved: T,
+    /// `t₁` and `t₃`, and both times `cos β`.
+    leans: [T; 2],
+    along: [T; 2],
+    /// What the tilts of the cross subtract: `sin e₁ sin e₂/cos e₃` and `sin e₂ sin e₃/cos e₁`.
+    tilt_offsets: [T; 2],
+    /// `cos e₁` and `cos e₃`.
+    cosines: [T; 2],
 }
 
 impl JointAsBuilt<DoubleDouble> {
     /// A joint with a bend and deviations in rad.
     pub(crate) fn with_error_terms(bend: f64, deviations: [f64; DEVIATIONS]) -> Self {
-        let Joint { cos, sin, sin2, versine, .. } = Joint::of_chain(bend);
-        let [(s1, c1), (s2, _), (s3, c3)] =
-            deviations.map(|e| series::sin_cos(reduction::reduce_any(e)));
-        let (lean, lean_driven) = (s1 / c1, s3 / c3);
-        let (driving, driven) = (lean * sin, lean_driven * sin);
-        let cross = s2 / (c1 * c3) - lean * lean_driven * cos;
-        Self {
-            cos,
-            sin,
-            sin2,
-            versine,
-            driving,
-            driven,
-            cross,
-            root: (DoubleDouble::ONE + driving.square() - cross.square()).sqrt(),
-            linear: (cross * driven - driving * cos).scaled(2.0),
-            curved: sin2 + driven.square(),
-        }
+        let Joint { cos, sin, versine, .. } = Joint::of_chain(bend);
+        let sin_cos = |e| series::sin_cos(reduction::reduce_any(e));
+        Self::of_parts([cos, sin, versine], deviations.map(sin_cos))
     }
 
     /// Whether the joint turns: `|C| < √V` at every angle.
@@ -113,6 +108,35 @@ struct Position<T> {
 }
 
 impl<T: Real> JointAsBuilt<T> {
+    /// A joint from cosine, sine and versine of its bend, and sines and cosines of its deviations.
+    pub(crate) fn of_parts(
+        [cos, sin, versine]: [T; 3],
+        [(s1, c1), (s2, _), (s3, c3)]: [(T, T); DEVIATIONS],
+    ) -> Self {
+        let (lean, lean_driven) = (s1 / c1, s3 / c3);
+        let (driving, driven) = (lean * sin, lean_driven * sin);
+        let cross = s2 / (c1 * c3) - lean * lean_driven * cos;
+        let square = T::from_f64(1.0) + driving.square();
+        let sin2 = sin.square();
+        Self {
+            cos,
+            sin,
+            sin2,
+            versine,
+            driving,
+            driven,
+            cross,
+            root: (square - cross.square()).sqrt(),
+            square,
+            linear: (cross * driven - driving * cos).scaled(2.0),
+            curved: sin2 + driven.square(),
+            leans: [lean, lean_driven],
+            along: [lean * cos, lean_driven * cos],
+            tilt_offsets: [s1 * s2 / c3, s2 * s3 / c1],
+            cosines: [c1, c3],
+        }
+    }
+
     /// The constants rounded to a number type.
     pub(crate) fn nearest(joint: &JointAsBuilt<DoubleDouble>) -> Self {
         let near = T::from_double_double;
@@ -125,8 +149,13 @@ impl<T: Real> JointAsBuilt<T> {
             driven: near(joint.driven),
             cross: near(joint.cross),
             root: near(joint.root),
+            square: near(joint.square),
             linear: near(joint.linear),
             curved: near(joint.curved),
+            leans: joint.leans.map(near),
+            along: joint.along.map(near),
+            tilt_offsets: joint.tilt_offsets.map(near),
+            cosines: joint.cosines.map(near),
         }
     }
 
@@ -164,12 +193,22 @@ impl<T: Real> JointAsBuilt<T> {
         (b.mul_add(c_term, s * root) * inverse, s.mul_add(c_term, -(b * root)) * inverse)
     }
 
-    /// Speed ratio `r`, acceleration ratio and jerk ratio.
+    /// `(Q D + C P − C′ V)/(V D)` with `P = V′/2` and `Q = a b′ − b a′`.
+    #[inline(always)]
+    pub(crate) fn speed_ratio(&self, s: T, c: T) -> T {
+        let Position { c_term, square, root, .. } = self.position(s, c);
+        let p = s * self.sin2.mul_add(c, self.cos * self.driving);
+        let q = (-self.driving).mul_add(c, self.cos);
+        let rest = c_term.mul_add(p, -(self.driven * s * square));
+        q.mul_add(root, rest) / (square * root)
+    }
+
+    /// Speed ratio `r`, acceleration ratio and, if `JERK`, jerk ratio; otherwise the last is 0.
     ///
     /// `r = G + E/D` with `G = Q/V`, `F = P/V` and `E = C F − C′`. The derivative of `1/D` is
     /// `−L/D` with `L = (P − C C′)/D²`.
     #[inline(always)]
-    pub(crate) fn rates(&self, s: T, c: T) -> [T; 3] {
+    pub(crate) fn rates<const JERK: bool>(&self, s: T, c: T) -> [T; 3] {
         let Position { c_term, square, root, .. } = self.position(s, c);
         let two = T::from_f64(2.0);
         let both = (square * root).recip();
@@ -191,6 +230,9 @@ impl<T: Real> JointAsBuilt<T> {
         let k = (-e).mul_add(l, e1);
         let ratio = e.mul_add(of_root, g);
         let acceleration = k.mul_add(of_root, g1);
+        if !JERK {
+            return [ratio, acceleration, T::from_f64(0.0)];
+        }
         let p2 = -(s * (self.sin2 * c).mul_add(T::from_f64(4.0), swing));
         let q2 = self.driving * c;
         let f2 = of_square * (-(two * f)).mul_add(p1, p2) - T::from_f64(4.0) * f * f1;
@@ -201,6 +243,97 @@ impl<T: Real> JointAsBuilt<T> {
         let jerk = (-k).mul_add(l, k1).mul_add(of_root, g2);
         [ratio, acceleration, jerk]
     }
+
+    /// The moment on the joint's driven shaft for a torsion of 1 in the driving shaft is
+    /// `u + M₁ e_in − M₃ m`; its part across the driven shaft is `−M₂ e_out − M₃ m`. Returns `M₁`,
+    /// `M₂` and `M₃`.
+    ///
+    /// The moment is normal to both pins: `p × q` divided by its component along `u`.
+    #[inline(always)]
+    pub(crate) fn moments(&self, s: T, c: T) -> [T; 3] {
+        let Pins { sine, cosine, along_driving } = self.pins(s, c);
+        let inverse = along_driving.recip();
+        let [lean, lean_driven] = self.leans;
+        let driven_along_u = self.sin.mul_add(sine, self.along[1]);
+        let driving_along_v = self.sin.mul_add(c, self.along[0]);
+        let in_plane = s.mul_add(driven_along_u, -(lean * cosine));
+        let out_plane = s.mul_add(lean_driven, -(driving_along_v * cosine));
+        let normal = lean.mul_add(self.across(sine), -(c * driven_along_u));
+        [in_plane * inverse, -(out_plane * inverse), -(normal * inverse)]
+    }
+
+    /// Numerator and denominator of the tangent of [`JointAsBuilt::tilt_driving`].
+    #[inline(always)]
+    pub(crate) fn tilt_driving_tangent(&self, s: T, c: T) -> (T, T) {
+        let Pins { sine, along_driving, .. } = self.pins(s, c);
+        let along = self.sin.mul_add(sine, self.along[1]) - self.tilt_offsets[0];
+        (along, self.cosines[0] * along_driving)
+    }
+
+    /// Numerator and denominator of the tangent of [`JointAsBuilt::tilt_driven`].
+    #[inline(always)]
+    pub(crate) fn tilt_driven_tangent(&self, s: T, c: T) -> (T, T) {
+        let along = self.sin.mul_add(c, self.along[0]) - self.tilt_offsets[1];
+        (along, self.cosines[1] * self.position(s, c).root)
+    }
+
+    /// `sin ψ`, `cos ψ` and `(p × q)·u`.
+    #[inline(always)]
+    fn pins(&self, s: T, c: T) -> Pins<T> {
+        let (sine, cosine) = self.driven(s, c);
+        let along_driving = (-s).mul_add(self.across(sine), c * cosine);
+        Pins { sine, cosine, along_driving }
+    }
+
+    /// `λ − cos β sin ψ`, the component of the driven pin along `e_in`.
+    #[inline(always)]
+    fn across(&self, sine: T) -> T {
+        (-self.cos).mul_add(sine, self.driven)
+    }
+}
+
+/// The driven pin, and the component of the normal of both pins along the driving shaft.
+#[derive(Clone, Copy)]
+struct Pins<T> {
+    sine: T,
+    cosine: T,
+    along_driving: T,
+}
+
+impl<T: Number> JointAsBuilt<T> {
+    /// The angle error within a range of tangents, without its value at a right angle. The widest
+    /// range adds the shares of bend and deviations: their sum may exceed a right angle.
+    #[inline(always)]
+    pub(crate) fn angle_error(&self, range: AtanRange, s: T, c: T) -> T {
+        let (y, x) = self.error_tangent(s, c);
+        match range {
+            AtanRange::Hundredth | AtanRange::Tenth => T::atan_tenth(y, x),
+            AtanRange::Third => T::atan_third(y, x),
+            AtanRange::One | AtanRange::Any => {
+                let Position { c_term, root, .. } = self.position(s, c);
+                let x = s * self.versine.mul_add(c, self.driving);
+                let y = self.cos.mul_add(c, -self.driving).mul_add(c, s.square());
+                let right = T::atan_any(self.cross, self.root);
+                T::atan_any(x, y) + (right - T::atan_any(c_term, root))
+            }
+        }
+    }
+
+    /// Tilt of the cross against the driving shaft in rad: its angle about the driving pin, from
+    /// where the driven pin is normal to the driving shaft.
+    #[inline(always)]
+    pub(crate) fn tilt_driving(&self, s: T, c: T) -> T {
+        let (y, x) = self.tilt_driving_tangent(s, c);
+        T::atan_any(y, x)
+    }
+
+    /// Tilt of the cross against the driven shaft in rad: its angle about the driven pin, from
+    /// where the driving pin is normal to the driven shaft.
+    #[inline(always)]
+    pub(crate) fn tilt_driven(&self, s: T, c: T) -> T {
+        let (y, x) = self.tilt_driven_tangent(s, c);
+        T::atan_any(y, x)
+    }
 }
 
 impl JointAsBuilt {
@@ -208,5 +341,27 @@ impl JointAsBuilt {
     /// the share of the driving yoke.
     pub(crate) fn lag_at_right_angle(&self) -> f64 {
         self.cross.atan2(self.root)
+    }
+}
+
+impl JointAsBuilt<DoubleDouble> {
+    /// A range that contains the tangents of the angle error.
+    ///
+    /// The error is at most the ideal joint's, `asin tan²(β/2)`, and the shares of the driving yoke,
+    /// `asin(tan e₁ tan β)`, and of `C`.
+    pub(crate) fn range(&self) -> AtanRange {
+        let [cos, versine, driving, driven, cross, root] =
+            [self.cos, self.versine, self.driving, self.driven, self.cross, self.root]
+                .map(DoubleDouble::value);
+        let least = cos - driving.abs();
+        let sines = [
+            versine / (1.0 + cos),
+            driving.abs() / cos,
+            (cross.abs() + driven.abs()) / least,
+            cross.abs() / cross.hypot(root),
+        ];
+        let sum: f64 = sines.map(f64::asin).iter().sum();
+        // A NaN means that no bound was found.
+        if sum < 0.75 { AtanRange::holding(sum.tan() * (1.0 + 1e-9)) } else { AtanRange::Any }
     }
 }

@@ -53,6 +53,12 @@ impl General {
         Ok(Self::of_joints(bends, twists, phases, deviations.as_chunks().0))
     }
 
+    /// The mean over a turn of the sum of the joints' angle errors, each without its value at a
+    /// right angle.
+    pub(crate) fn mean(&self) -> f64 {
+        self.mean
+    }
+
     /// The mean over a turn by which the shaft is ahead of the drive, in rad: the sum of what each
     /// joint's driven angle is ahead of its input angle. The angle of the shaft leaves it out.
     pub fn mean_lead(&self) -> f64 {
@@ -60,7 +66,7 @@ impl General {
     }
 
     /// The transmission of joints as built whose deviations were checked.
-    fn of_joints(
+    pub(crate) fn of_joints(
         bends: &[f64],
         twists: &[f64],
         phases: &[f64],
@@ -87,7 +93,7 @@ impl General {
         };
         for (turn, joint) in &self.stages {
             (s, c) = turned((s, c), *turn);
-            let [speed_ratio, acceleration_ratio, jerk_ratio] = joint.rates(s, c);
+            let [speed_ratio, acceleration_ratio, jerk_ratio] = joint.rates::<true>(s, c);
             let (y, x) = joint.error_tangent(s, c);
             let angle_error = y.atan2(x);
             let own = Motion { angle_error, speed_ratio, acceleration_ratio, jerk_ratio };

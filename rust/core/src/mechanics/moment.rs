@@ -145,6 +145,38 @@ impl<T: Real> Pose<T> {
         }
     }
 
+    /// The pose of a joint as built: unit vectors, whose factors [`JointAsBuilt::moments`] gives.
+    ///
+    /// [`JointAsBuilt::moments`]: crate::mechanics::as_built::JointAsBuilt::moments
+    pub(crate) fn of_unit_vectors(
+        joint: &Joint<DoubleDouble>,
+        Frame { shaft, in_plane, normal }: Frame,
+    ) -> Self {
+        let out_plane = |i: usize| in_plane[i] * joint.cos - joint.sin * shaft[i];
+        let near = |vector: [DoubleDouble; 3]| vector.map(T::from_double_double);
+        let [zero, one] = [0.0, 1.0].map(T::from_f64);
+        Self {
+            matrix: [one, zero, zero, one],
+            sine: one,
+            cosine: one,
+            tangent: one,
+            shaft_axis: near(shaft),
+            in_plane: near(in_plane),
+            plane_normal: near(normal.map(|x| -x)),
+            out_plane: near([out_plane(0), out_plane(1), out_plane(2)]),
+        }
+    }
+
+    /// The moment vector on the driven shaft, from a torsion and the factors of the other axes.
+    #[inline(always)]
+    pub(crate) fn with_parts(&self, torsion: T, in_plane: T, normal: T) -> [T; 3] {
+        let part = |i: usize| {
+            let along = self.in_plane[i].mul_add(in_plane, self.shaft_axis[i] * torsion);
+            self.plane_normal[i].mul_add(normal, along)
+        };
+        [part(0), part(1), part(2)]
+    }
+
     /// The pose for sine and cosine of the joint's input angle.
     #[inline(always)]
     pub(crate) fn by_own_pins(self) -> Self {

@@ -141,7 +141,8 @@ macro_rules! plain {
 
             #[inline(always)]
             fn sin_cos(remainder: Self) -> (Self, Self) {
-                remainder.sin_cos()
+                let (sine, cosine) = sin_cos_of_double(remainder.into());
+                (sine as Self, cosine as Self)
             }
 
             #[inline(always)]
@@ -338,6 +339,16 @@ pub(crate) fn sin_cos_of_remainder(r: DoubleDouble) -> (DoubleDouble, DoubleDoub
     let rest = TWENTY_FOURTH.fast_add(DoubleDouble::exact(z.high * polynomial(z.high, &COSINE)));
     let head = DoubleDouble::ONE.fast_add(-z.scaled(0.5));
     (sine, head.fast_add(z.square() * rest))
+}
+
+/// Sine and cosine of a remainder, each within one ulp.
+#[inline(always)]
+fn sin_cos_of_double(r: f64) -> (f64, f64) {
+    let z = r * r;
+    let half = (-0.5_f64).mul_add(z, 1.0);
+    let low = (-0.5_f64).mul_add(z, 1.0 - half);
+    let rest = z.mul_add(polynomial(z, &COSINE), TWENTY_FOURTH.high);
+    ((r * z).mul_add(sine_tail(z), r), half + (z * z).mul_add(rest, low))
 }
 
 /// Whether any of the angles is too large for [`Angle::reduce`].

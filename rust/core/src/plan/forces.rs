@@ -302,6 +302,11 @@ impl Plan {
     /// number of drivelines.
     pub(crate) fn check_lines(&self, lines: &Drivelines<'_>) -> error::Result<usize> {
         let count = lines.check(self.joint_count)?;
+        if self.as_built == lines.deviations.is_empty() {
+            let (has, needs) = if self.as_built { ("no", "some") } else { ("some", "none") };
+            let problem = format!("has {has} deviations; the plan is for drivelines with {needs}");
+            return Err(Error::new("deviations", &[], problem));
+        }
         let Some(forces) = &self.forces else { return Ok(count) };
         let lengths = [
             ("lengths", lines.lengths.len(), self.joint_count + 1),

@@ -61,6 +61,9 @@ impl Routes {
         let per_sample = table.geometry_variation() == GeometryVariation::BySample;
         let period = period(plan, table);
         let mut routes = Self { period, ..Self::of_arrays(plan, precision) };
+        if plan.as_built {
+            return routes;
+        }
         // The last bit of a tangent sum depends on the middle of its group, and that of a repeated
         // period on the start of its block. A sweep may use only one of the two.
         let long = table.row_length() >= LONG_ROW && period.is_none();

@@ -38,6 +38,8 @@ pub struct Request<'a> {
     pub inertias: &'a [usize],
     /// The shaft of each bearing, if the lengths of the shafts are known.
     pub bearings: Option<&'a [usize]>,
+    /// Whether the drivelines have deviations, so that they are evaluated joint by joint.
+    pub as_built: bool,
 }
 
 /// The steps for one request. The planes of the result are numbered by output, then by shaft or
@@ -64,6 +66,8 @@ pub struct Plan {
     pub(crate) load: Option<LoadStep>,
     /// The balances behind the requested forces, if there are any.
     pub(crate) forces: Option<ForceStep>,
+    /// Whether the drivelines are evaluated joint by joint.
+    pub(crate) as_built: bool,
 }
 
 /// What to compute for one shaft: the plane of each output, and the rates that the load needs.
@@ -219,9 +223,10 @@ impl Plan {
             shafts: vec![],
             joints,
             any_joint: JointNeeds::default(),
-            first_bent: request.largest_bends.iter().position(|&bend| bend != 0.0).unwrap_or(n),
+            first_bent: first_bent(request),
             load: None,
             forces: None,
+            as_built: request.as_built,
         };
         let bearings: Vec<usize> = (0..request.bearings.map_or(0, <[usize]>::len)).collect();
         let mut torque = vec![None; n + 1];
@@ -240,6 +245,14 @@ impl Plan {
                 Per::Joint => request.joints,
                 Per::Bearing => &bearings,
             };
+            if row.needs == Needs::Force && request.as_built {
+                let problem = format!(
+                    "is {:?}, which joints as built do not have; the moments and support moments \
+                     that cause it are available",
+                    row.name
+                );
+                return Err(Error::new("outputs", &[i], problem));
+            }
             if row.needs == Needs::Force {
                 plan.start_forces(request, output, i)?;
             }
@@ -294,7 +307,8 @@ impl Plan {
         let stretch = if reach > 1 { (0.25 / self.least_cosines[reach]).max(1.0) } else { 1.0 };
         let double = Precision::DOUBLE_ERROR * Precision::STEEPEST;
         let tolerance = tolerance.unwrap_or(if single { Precision::SINGLE_ERROR } else { double });
-        if tolerance >= Precision::SINGLE_ERROR * stretch {
+        // Joints as built have no loops in single precision, which would save little of their time.
+        if tolerance >= Precision::SINGLE_ERROR * stretch && !self.as_built {
             Precision::Single
         } else if tolerance >= Precision::DOUBLE_ERROR * stretch {
             Precision::Double
@@ -376,12 +390,13 @@ impl Plan {
 
     /// Whether every output has its extremes at known angles.
     pub(crate) fn has_closed_extremes(&self) -> bool {
-        self.load.is_none() && !self.needs_poses() && !self.needs_angle()
+        !self.as_built && self.load.is_none() && !self.needs_poses() && !self.needs_angle()
     }
 
-    /// Whether the sense of a pin matters, not only its line.
+    /// Whether the sense of a pin matters, not only its line. Half a turn reverses the pins, and a
+    /// joint as built distinguishes the two positions.
     pub(crate) fn needs_sense(&self) -> bool {
-        self.any_joint.tilt
+        self.as_built || self.any_joint.tilt
     }
 
     /// The first joint that is bent in any driveline; the shafts before it turn with the drive.
@@ -464,6 +479,13 @@ impl Plan {
         }
         self.load = Some(LoadStep { end, has_inertias: !inertias.is_empty(), stations });
     }
+}
+
+/// The first joint that is bent in any driveline. A straight joint as built counts as bent.
+fn first_bent(request: &Request<'_>) -> usize {
+    let bends = request.largest_bends;
+    let is_bent = |&bend: &f64| request.as_built || bend != 0.0;
+    bends.iter().position(is_bent).unwrap_or(bends.len())
 }
 
 /// The range of the inverse tangent for bends with at least this cosine.

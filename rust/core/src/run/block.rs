@@ -382,7 +382,15 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     planes, window, row_offset, fresh,
                 )
             };
-            if !motion(scratch, fresh) {
+            if plan.as_built {
+                let window = window.clone();
+                let joints = &folded.as_built;
+                let buffers = &mut scratch.as_built;
+                kernels::find_motion_as_built(level, plan, drive, joints, geometry, buffers, size);
+                kernels::store_motion_as_built(
+                    level, plan, drive, joints, geometry, scratch, planes, window, row_offset,
+                );
+            } else if !motion(scratch, fresh) {
                 kernels::find_pins(level, plan, drive, None, scratch, size);
                 motion(scratch, false);
             }

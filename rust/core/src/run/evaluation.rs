@@ -86,6 +86,7 @@ impl Plan {
             _ => CHUNK,
         };
         let of_joint = 896 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
+        let of_joint = of_joint + if self.as_built { 192 * CHUNK } else { 0 };
         let of_planes = (16 * CHUNK).saturating_mul(self.planes);
         let of_forces = self.forces.as_ref().map_or(0, |forces| 48 * lanes * forces.terms());
         let of_thread = (self.joint_count + 1).saturating_mul(of_joint).saturating_add(of_planes);
@@ -119,6 +120,7 @@ impl Plan {
     ///     load: None,
     ///     inertias: &[],
     ///     bearings: None,
+    ///     as_built: false,
     /// })?;
     /// let ratio = &plan.evaluate(&joint, &[0.0])?[0];
     /// assert!((ratio[0] - 1.0 / 0.5_f64.cos()).abs() < 1e-15);

@@ -67,13 +67,11 @@ impl Plan {
             Some(_) => Table::by_rows(joints, loaded, samples)?,
             None => Table::new(joints, loaded, samples)?,
         };
+        if self.as_built {
+            return Ok(self.explain_as_built(table.sweep.is_some(), call));
+        }
         let choices = self.choices(&table, call.precision);
-        let kind = match call.precision {
-            Precision::Single => "single precision after a reduction in double",
-            Precision::Double => "double precision",
-            Precision::DoubleDouble => "double precision with error terms",
-        };
-        let mut text = format!("arithmetic: {kind}\nsteps:");
+        let mut text = format!("arithmetic: {}\nsteps:", kind(call.precision));
         for words in self.steps(&choices, call) {
             text.extend(["\n  ", &words]);
         }
@@ -84,10 +82,32 @@ impl Plan {
         for words in skipped {
             text.extend(["\n  ", &words]);
         }
-        let read = if choices.sweep { 0 } else { 8 };
+        Ok(text + &self.traffic(choices.sweep, call))
+    }
+
+    /// The bytes per sample.
+    fn traffic(&self, sweep: bool, call: Call) -> String {
+        let read = if sweep { 0 } else { 8 };
         let word = if call.single { 4 } else { 8 };
         let written = if call.reduction.is_some() { 0 } else { word * self.planes };
-        Ok(text + &format!("\nper sample: {read} bytes read, {written} bytes written"))
+        format!("\nper sample: {read} bytes read, {written} bytes written")
+    }
+
+    /// The description for drivelines with deviations.
+    fn explain_as_built(&self, sweep: bool, call: Call) -> String {
+        let from = if sweep { "sample number" } else { "angle" };
+        let mut text = format!("arithmetic: {}\nsteps:", kind(call.precision));
+        let mut steps = vec![format!("{from} to sine and cosine")];
+        let joint = |joint| format!("joint {joint}: as built, from its own input angle");
+        steps.extend((0..self.reach()).map(joint));
+        let shaft = |step: &ShaftStep| format!("shaft {}: {}", step.shaft, output_names(step));
+        steps.extend(self.shafts.iter().map(shaft));
+        steps.extend(self.step_texts_of_loads(call));
+        for words in &steps {
+            text.extend(["\n  ", words]);
+        }
+        text += "\nskipped:\n  one equivalent joint: chains of joints with deviations have none";
+        text + &self.traffic(sweep, call)
     }
 
     fn choices(&self, table: &Table<'_>, precision: Precision) -> Choices {
@@ -151,6 +171,13 @@ impl Plan {
             }
             steps.push(format!("shaft {shaft}: {names}{how}"));
         }
+        steps.extend(self.step_texts_of_loads(call));
+        steps
+    }
+
+    /// The steps of tilts, torques and moments, and the reduction.
+    fn step_texts_of_loads(&self, call: Call) -> Vec<String> {
+        let mut steps = vec![];
         for (j, step) in self.joints.iter().enumerate() {
             if step.needs_tilt {
                 steps.push(format!("joint {j}: tilts of the cross"));
@@ -258,6 +285,15 @@ impl Plan {
             }
         }
         vanishing
+    }
+}
+
+/// The arithmetic in words.
+fn kind(precision: Precision) -> &'static str {
+    match precision {
+        Precision::Single => "single precision after a reduction in double",
+        Precision::Double => "double precision",
+        Precision::DoubleDouble => "double precision with error terms",
     }
 }
 

@@ -19,6 +19,7 @@ use crate::number::trig::Angle;
 use crate::number::{Number, Precision};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::Plan;
+use crate::run::as_built_constants::FoldedAsBuilt;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::forces::FoldedForces;
 use crate::run::lanes::{FirstJoint, LANES, Lane, Maps, PassJoint, Reset, Turns};
@@ -40,6 +41,8 @@ pub(crate) struct Folded<T: Angle> {
     pub(crate) turnings: Vec<Vec<Turning<T>>>,
     /// The coefficients of forces, if any are requested.
     pub(crate) forces: FoldedForces<T>,
+    /// The constants of joints as built, if the drivelines have deviations.
+    pub(crate) as_built: FoldedAsBuilt<T>,
     /// The frames of the drivelines that are folded together, if vectors need their error terms.
     frames: Vec<Frame>,
     maps: Maps,
@@ -99,7 +102,18 @@ impl<T: Angle> Folded<T> {
         let (poses, waves) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
         let turnings = vec![vec![]; plan.joint_count + 1];
         let forces = FoldedForces::new(plan.forces.as_ref());
-        Self { shafts, poses, waves, turnings, lines: vec![], forces, frames: vec![], maps, turns }
+        Self {
+            shafts,
+            poses,
+            waves,
+            turnings,
+            lines: vec![],
+            forces,
+            as_built: FoldedAsBuilt::new(plan),
+            frames: vec![],
+            maps,
+            turns,
+        }
     }
 
     /// The route of a shaft in a chunk with this geometry, and its range of tangents.
@@ -125,7 +139,29 @@ impl<T: Angle> Folded<T> {
         lines: &Drivelines<'_>,
         numbers: &[usize],
     ) {
+        if plan.as_built {
+            return self.fold_as_built(plan, lines, numbers);
+        }
         compiled_for!(level, self.fold_all(plan, lines, numbers));
+    }
+
+    fn fold_as_built(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
+        let n = plan.joint_count;
+        self.as_built.fold(plan, lines, numbers);
+        self.poses.iter_mut().for_each(Vec::clear);
+        for &line in numbers.iter().filter(|_| plan.needs_poses()) {
+            let mut frame = stored_frame(lines, n, line, 0).orthonormal();
+            for j in 0..plan.reach() {
+                if j > 0 {
+                    frame.pass_shaft(lines.twists[line * (n - 1) + j - 1]);
+                }
+                let joint = Joint::of_chain(lines.bends[line * n + j]);
+                if plan.needs_pose(j) {
+                    self.poses[j].push(Pose::of_unit_vectors(&joint, frame));
+                }
+                frame.pass_joint(&joint);
+            }
+        }
     }
 
     #[inline(always)]

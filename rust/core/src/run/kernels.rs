@@ -9,18 +9,19 @@ use cardan_memory::Plane;
 
 use crate::input::table::Table;
 use crate::mechanics::exact::Chains;
-use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Float;
+use crate::number::{Number, Precision};
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::{LoadStep, Plan};
+use crate::run::as_built_constants::{BuffersAsBuilt, FoldedAsBuilt};
 use crate::run::constants::GeometryIndex;
 use crate::run::fold::Folded;
 use crate::run::level::{Compiled, Level, compiled_for};
 use crate::run::scratch::Scratch;
 use crate::run::sink::Outputs;
-use crate::run::{load, motion, sines};
+use crate::run::{as_built, load, motion, sines};
 use crate::sincos::array::DriveAngles;
 use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
@@ -98,6 +99,53 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
             )
         },
     )
+}
+
+/// [`as_built::find_motion`]. There is none in single precision.
+pub(crate) fn find_motion_as_built<T: Number + Compiled>(
+    level: Level,
+    plan: &Plan,
+    drive: DriveAngles<'_>,
+    folded: &FoldedAsBuilt<T>,
+    geometry: GeometryIndex,
+    buffers: &mut BuffersAsBuilt<T>,
+    size: usize,
+) {
+    if T::PRECISION != Precision::Single {
+        T::run(
+            level,
+            #[inline(always)]
+            |_, _| as_built::find_motion(plan, drive, folded, geometry, buffers, size),
+        );
+    }
+}
+
+/// [`as_built::store_motion`]. There is none in single precision.
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
+pub(crate) fn store_motion_as_built<T: Number + Compiled, W: Float>(
+    level: Level,
+    plan: &Plan,
+    drive: DriveAngles<'_>,
+    folded: &FoldedAsBuilt<T>,
+    geometry: GeometryIndex,
+    scratch: &mut Scratch<T>,
+    planes: &mut [Plane<'_, W>],
+    window: Range<usize>,
+    row_offset: usize,
+) {
+    if T::PRECISION != Precision::Single {
+        T::run(
+            level,
+            #[inline(always)]
+            |compact, stores| {
+                let size = window.len();
+                let outputs = &mut Outputs::new(planes, &window, stores, drive);
+                as_built::store_motion(
+                    plan, drive, folded, geometry, scratch, row_offset, outputs, size, compact,
+                );
+            },
+        );
+    }
 }
 
 /// [`motion::repeat_angle`].

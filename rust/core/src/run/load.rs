@@ -8,10 +8,11 @@ use crate::mechanics::turning::Turning;
 use crate::number::Number;
 use crate::number::float::Float;
 use crate::number::reduction::LargeAngleFlag;
-use crate::number::storage::{Column, View, ViewMut, views, views_mut};
-use crate::number::strips::{At, Same, Strips, mapped};
+use crate::number::storage::{Column, View, ViewMut, views_mut};
+use crate::number::strips::{At, Same, Strips};
 use crate::plan::output::Output;
-use crate::plan::steps::{End, JointStep, LoadStep, Plan, Station, Support};
+use crate::plan::steps::{End, JointStep, LoadStep, Plan, Station};
+use crate::run::as_built;
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
 use crate::run::forces::{ForceBuffers, run_forces};
@@ -19,6 +20,7 @@ use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
+use crate::run::supports::run_supports;
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
 
@@ -42,7 +44,17 @@ pub(crate) fn run_load<T: Number, W: Float>(
 ) -> bool {
     let too_large = Cell::new(LargeAngleFlag::for_quadrants());
     let Scratch {
-        gathered, pins, wide_pins, rates, power, torsion, parts, support, forces, ..
+        gathered,
+        pins,
+        wide_pins,
+        rates,
+        power,
+        torsion,
+        parts,
+        support,
+        forces,
+        as_built: built,
+        ..
     } = scratch;
     let column = |index: usize| &gathered[index][..size];
     let is_wide = T::LOW && plan.has_wide_loads();
@@ -94,11 +106,14 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 let pins = FreshPins::<T, false> { angles, turn, too_large: &too_large };
                 let geometry = GeometryIndex::Shared(index);
                 run_joint(
-                    joint, step, poses, geometry, pins, torsion, buffers, outputs, size, compact,
+                    joint, step, poses, geometry, pins, None, torsion, buffers, outputs, size,
+                    compact,
                 );
             } else {
+                let unit = plan.as_built.then(|| &built.moments[joint]);
                 run_joint(
-                    joint, step, poses, geometry, pins, torsion, buffers, outputs, size, compact,
+                    joint, step, poses, geometry, pins, unit, torsion, buffers, outputs, size,
+                    compact,
                 );
             }
         }
@@ -130,7 +145,8 @@ fn run_inertia<T: Number>(
     }
 }
 
-/// Moments of one joint and parts of its torsion.
+/// Moments of one joint and parts of its torsion. The moments of a joint as built for a torsion of 1
+/// are in `unit`.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one joint")]
 fn run_joint<T: Number, W: Float>(
@@ -139,32 +155,41 @@ fn run_joint<T: Number, W: Float>(
     poses: &[Pose<T>],
     geometry: GeometryIndex,
     pins: impl SinCosBlocks<T>,
+    unit: Option<&[Column<T>; 3]>,
     torsion: View<'_, T>,
     (parts, support, forces): (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     compact: bool,
 ) {
-    with_constants!(compact, geometry, poses, at => {
-        run_bending(step, at, pins, torsion, outputs);
-        if step.needs_force {
-            let parts = views_mut(&mut forces.parts[joint], 0, size);
-            map::parts(at, pins, torsion, parts);
-        }
-        if step.needs_support() {
-            map::parts(at, pins, torsion, views_mut(parts, 0, size));
-        }
-    });
+    if let Some(unit) = unit {
+        as_built::run_moments(step, poses, geometry, unit, torsion, parts, outputs, compact);
+    } else {
+        with_constants!(compact, geometry, poses, at => {
+            run_bending(step, at, pins, torsion, outputs);
+            if step.needs_force {
+                let parts = views_mut(&mut forces.parts[joint], 0, size);
+                map::parts(at, pins, torsion, parts);
+            }
+            if step.needs_support() {
+                map::parts(at, pins, torsion, views_mut(parts, 0, size));
+            }
+        });
+    }
     // Only a driveline that all samples share is treated as planar.
     if let GeometryIndex::Shared(index) = geometry
         && let Some(axes) = poses[index].plane_axes()
     {
         let at = Same(poses[index].with_axes(axes));
-        run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
+        if unit.is_none() {
+            run_moment::<true, T, W>(step, at, axes, pins, torsion, outputs);
+        }
         run_supports::<true, T, W>(step, at, axes, parts, support, outputs, size);
     } else {
         with_constants!(compact, geometry, poses, at => {
-            run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
+            if unit.is_none() {
+                run_moment::<false, T, W>(step, at, AXES, pins, torsion, outputs);
+            }
             run_supports::<false, T, W>(step, at, AXES, parts, support, outputs, size);
         });
     }
@@ -220,56 +245,5 @@ fn run_moment<const PLANAR: bool, T: Number, W: Float>(
     if let Some(plane) = step.planes.get(Output::Moment) {
         let out = outputs.several(axes.map(|axis| plane + axis));
         map::moment::<PLANAR, T>(at, pins, torsion, out);
-    }
-}
-
-/// The joint's contribution to the support moments of its shafts, from the parts of its torsion.
-#[inline(always)]
-fn run_supports<const PLANAR: bool, T: Number, W: Float>(
-    step: &JointStep,
-    at: impl Strips<Value = Pose<T>>,
-    axes: [usize; 3],
-    parts: &[Column<T>; 3],
-    support: &mut [Column<T>; 3],
-    outputs: &mut Outputs<'_, '_, W>,
-    size: usize,
-) {
-    // The shaft that the load leaves is completed before the contribution to the next is stored.
-    for step in step.support.iter().flatten() {
-        let [sine2, cosine2, product] = views(parts, size);
-        let numbers = [if step.driving { sine2 } else { cosine2 }, product];
-        let [x, y, z] = axes;
-        run_support::<PLANAR, 0, T, W>(step, at, x, numbers, &mut support[x], outputs);
-        run_support::<PLANAR, 1, T, W>(step, at, y, numbers, &mut support[y], outputs);
-        run_support::<PLANAR, 2, T, W>(step, at, z, numbers, &mut support[z], outputs);
-    }
-}
-
-/// One component of that contribution, along the axis `axis` of space.
-#[inline(always)]
-fn run_support<const PLANAR: bool, const COMPONENT: usize, T: Number, W: Float>(
-    step: &Support,
-    at: impl Strips<Value = Pose<T>>,
-    axis: usize,
-    numbers: [View<'_, T>; 2],
-    stored: &mut Column<T>,
-    outputs: &mut Outputs<'_, '_, W>,
-) {
-    let &Support { driving, plane, first, last } = step;
-    let (size, none) = (numbers[0].len(), Same(None));
-    match (first, last) {
-        (true, true) => {
-            let out = outputs.plane(plane + axis);
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, out);
-        }
-        (true, false) => {
-            let stored = stored.view_mut(size);
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, none, stored);
-        }
-        (false, _) => {
-            let previous = mapped(stored.view(size), Some);
-            let out = outputs.plane(plane + axis);
-            map::support::<PLANAR, COMPONENT, T>(at, driving, numbers, previous, out);
-        }
     }
 }

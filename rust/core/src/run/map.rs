@@ -87,11 +87,11 @@ pub(crate) fn formula<T: Real, C: Strips, V>(
 
 /// A value for each sample, from its inputs.
 #[inline(always)]
-pub(crate) fn over_samples<T: Real, I: Strips>(
+pub(crate) fn over_samples<I: Strips, V>(
     length: usize,
     inputs: I,
-    mut out: impl Sink<T>,
-    value: impl Fn(I::Value) -> T,
+    mut out: impl Sink<V>,
+    value: impl Fn(I::Value) -> V,
 ) {
     let strips = if out.takes_strips() { length / STRIP } else { 0 };
     for strip in 0..strips {

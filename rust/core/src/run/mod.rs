@@ -1,6 +1,8 @@
 //! Running a plan: threads, blocks, chunks, loops over slices, and sinks for the results.
 
 mod angle_sink;
+mod as_built;
+mod as_built_constants;
 mod block;
 mod constants;
 mod evaluation;
@@ -25,6 +27,7 @@ mod scratch;
 mod sines;
 mod sink;
 mod stores_as;
+mod supports;
 mod sweep_tables;
 #[cfg(test)]
 mod taken;

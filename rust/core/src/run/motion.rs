@@ -205,7 +205,7 @@ pub(crate) fn repeat_angle<T: Number, W: Float>(
 
 /// Outputs of a shaft without a bent joint before it, which turns with the drive.
 #[inline(always)]
-fn run_drive_shaft<T: Number, W: Float>(
+pub(super) fn run_drive_shaft<T: Number, W: Float>(
     step: &ShaftStep,
     drive: DriveAngles<'_>,
     [ratio, acceleration]: [&mut Column<T>; 2],

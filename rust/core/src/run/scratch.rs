@@ -6,6 +6,7 @@ use crate::number::storage::{Column, columns};
 use crate::plan::output::Output;
 use crate::plan::route::Routes;
 use crate::plan::steps::{JointStep, Plan};
+use crate::run::as_built_constants::BuffersAsBuilt;
 use crate::run::forces::ForceBuffers;
 use crate::sincos::rotation;
 
@@ -35,6 +36,7 @@ pub(crate) struct Scratch<T: Number> {
     /// Angle errors of a period that is to be repeated, or of a chunk if the kernels are compact, for
     /// each shaft whose angle is requested.
     pub(crate) errors: Vec<Column<T>>,
+    pub(crate) as_built: BuffersAsBuilt<T>,
 }
 
 impl<T: Number> Scratch<T> {
@@ -72,6 +74,7 @@ impl<T: Number> Scratch<T> {
             support: columns(size(supports)),
             forces: ForceBuffers::new(plan, longest),
             errors: vec![],
+            as_built: BuffersAsBuilt::new(plan, longest),
         }
     }
 

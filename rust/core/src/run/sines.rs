@@ -108,6 +108,9 @@ pub(crate) fn sines_needed<T: Number>(
     folded: &Folded<T>,
     geometry: GeometryIndex,
 ) -> NeededSines {
+    if plan.as_built {
+        return NeededSines { pins: false, wide_pins: false, double_angles: false };
+    }
     let wide_pins = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
     let poses = if wide_pins { plan.needs_first_tilt() } else { plan.needs_poses() };
     let mut needed = NeededSines { pins: poses, wide_pins, double_angles: false };

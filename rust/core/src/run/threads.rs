@@ -163,6 +163,7 @@ impl<'a, 's> Run<'a, 's> {
         let fresh_pins = T::PRECISION.costs().fresh_pins
             && has_wide_registers(level)
             && one
+            && !plan.as_built
             && table.rows() == 1
             && table.sweep.is_none();
         let stop = execution.stop;

@@ -40,6 +40,7 @@ impl Batch {
             load: None,
             inertias: &[],
             bearings: None,
+            as_built: false,
         };
         Plan::new(&request).unwrap()
     }

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use crate::input::Drivelines;
+use crate::mechanics::as_built::DEVIATIONS;
 use crate::mechanics::bearings::Carrier;
 use crate::mechanics::chain::Equivalent;
 use crate::mechanics::derivatives::{ChainMaps, Layout, Map, by_points, vector};
@@ -147,7 +148,8 @@ pub struct Wanted {
     pub phases: bool,
     /// By points, three numbers for each of the ends and joints.
     pub points: bool,
-    /// By the drive angle, one number.
+    /// By the drive angle, one number. A gradient of motions alone leaves it 0, because each sample has
+    /// an angle to itself.
     pub angle: bool,
     /// By the torque of the load, one number.
     pub torque: bool,
@@ -157,6 +159,8 @@ pub struct Wanted {
     pub lengths: bool,
     /// By the positions of the bearings, one number each.
     pub positions: bool,
+    /// By the deviations of the joints, three numbers each.
+    pub deviations: bool,
 }
 
 /// How many joints and bearings a driveline has.
@@ -182,6 +186,7 @@ impl Wanted {
             (self.inertias, joints + 1),
             (self.lengths, joints + 1),
             (self.positions, bearings),
+            (self.deviations, DEVIATIONS * joints),
         ];
         counts.iter().filter(|(wanted, _)| *wanted).map(|(_, count)| count).sum()
     }

@@ -4,12 +4,13 @@
 //! The samples of a driveline are cut into the same blocks for any number of threads, and their
 //! sums are added in order, so that results have the same bits.
 
+mod as_built;
+mod as_built_sums;
+mod blocks;
 mod forces;
 mod line;
 mod motion;
 mod sample;
-
-use nalgebra::Complex;
 
 use crate::input::{Drivelines, Sweep};
 use crate::mechanics::geometry::Vector;
@@ -19,9 +20,10 @@ use crate::plan::{End, Output, Per};
 use crate::run::execution::Execution;
 use crate::run::level::Level;
 use crate::run::queue::work_off;
+use blocks::{MOTIONS, Part};
 pub use line::{Counts, Wanted};
 use line::{LineConstants, Sums};
-use motion::{Buffers, CHUNK};
+use motion::{CHUNK, Pins};
 use sample::{Common, LineAt, LoadAt, Pull};
 
 /// The samples of a block that one thread sums.
@@ -116,6 +118,11 @@ impl Differentiated<'_> {
         Counts { joints: self.joints, bearings: self.bearings.len() }
     }
 
+    /// Whether its samples are enough for several threads.
+    pub fn is_parallel(&self) -> bool {
+        self.line_count().saturating_mul(self.samples) >= MIN_PARALLEL
+    }
+
     /// The number of planes: one per item and component.
     pub fn planes(&self) -> usize {
         self.outputs.iter().map(|(output, items)| output.components() * items.len()).sum()
@@ -175,7 +182,7 @@ impl Differentiated<'_> {
     }
 
     /// Whether all outputs are motions of shafts.
-    fn only_motion(&self) -> bool {
+    pub fn only_motion(&self) -> bool {
         self.load.is_none() && self.outputs.iter().all(|(output, _)| is_motion(*output))
     }
 
@@ -226,34 +233,34 @@ impl Differentiated<'_> {
         if columns == 0 {
             return;
         }
-        let threads = threads(self.line_count().saturating_mul(self.samples), execution.workers);
+        if self.is_as_built(wanted) {
+            return self.gradient_as_built(weights, wanted, out, execution);
+        }
+        let threads = threads(self.is_parallel(), execution.workers);
         let level = execution.level.unwrap_or_else(Level::new);
         let blocks = self.samples.div_ceil(BLOCK).max(1);
         let forces = self.forces().unwrap_or_default();
         let common = self.common(forces.as_ref());
-        let sum = |buffers: &mut Buffers, line: usize, own: &LineConstants<'_>, block: usize| {
+        let sum = |pins: &mut Pins, line: usize, own: &LineConstants<'_>, block: usize| {
             let first = block * BLOCK;
             let end = self.samples.min(first + BLOCK);
             let mut sums = Sums::new(self.counts());
             if is_set(execution.stop) {
                 return sums;
             }
-            if self.only_motion() && !self.driven {
-                self.sum_motion(own, line, first..end, weights, buffers, level, &mut sums);
-            } else {
-                self.sum_samples(common, own, line, first..end, weights, &mut sums);
-            }
+            let part = Part { own, line, samples: first..end, weights, level };
+            self.sum_block(common, &part, pins, &mut sums);
             sums
         };
         if blocks == 1 {
             // Pieces of several drivelines, so that the queue costs nothing.
             let size = (BLOCK / self.samples.max(1)).clamp(1, 256);
             let pieces = out.chunks_mut(size * columns).enumerate();
-            work_off(pieces, threads, Buffers::new, |buffers, (piece, out)| {
+            work_off(pieces, threads, Pins::new, |pins, (piece, out)| {
                 for (i, out) in out.chunks_mut(columns).enumerate() {
                     let line = piece * size + i;
                     let own = self.line(line);
-                    own.finish(&sum(buffers, line, &own, 0), wanted, out);
+                    own.finish(&sum(pins, line, &own, 0), wanted, out);
                 }
             });
             return;
@@ -261,106 +268,14 @@ impl Differentiated<'_> {
         for (line, out) in out.chunks_mut(columns).enumerate() {
             let own = self.line(line);
             let mut parts: Vec<_> = (0..blocks).map(|_| Sums::default()).collect();
-            work_off(parts.iter_mut().enumerate(), threads, Buffers::new, |buffers, (i, part)| {
-                *part = sum(buffers, line, &own, i);
+            work_off(parts.iter_mut().enumerate(), threads, Pins::new, |pins, (i, part)| {
+                *part = sum(pins, line, &own, i);
             });
             let mut sums = Sums::new(self.counts());
             for part in &parts {
                 sums.add(part);
             }
             own.finish(&sums, wanted, out);
-        }
-    }
-
-    /// Sums motions chunk by chunk.
-    #[allow(clippy::too_many_arguments, reason = "one block of one driveline")]
-    fn sum_motion(
-        &self,
-        own: &LineConstants<'_>,
-        line: usize,
-        samples: std::ops::Range<usize>,
-        weights: &[&[f64]],
-        buffers: &mut Buffers,
-        level: Level,
-        sums: &mut Sums,
-    ) {
-        let mut first = samples.start;
-        while first < samples.end {
-            let length = CHUNK.min(samples.end - first);
-            match &self.angle {
-                SpreadAngles::Array(Spread { data, per_line, per_sample: 1 }) => {
-                    let at = line * per_line + first;
-                    buffers.load(&data[at..at + length], level);
-                }
-                SpreadAngles::Array(spread) => {
-                    let mut angles = [0.0; CHUNK];
-                    angles[..length].fill(spread.at(line, first));
-                    buffers.load(&angles[..length], level);
-                }
-                SpreadAngles::Sweep(sweep) => buffers.load_sweep(sweep, first, length, level),
-            }
-            let at = line * self.samples + first;
-            let mut add = |shaft: usize, [value, re, im]: [f64; 3]| {
-                sums.value += value;
-                sums.q[shaft] += Complex::new(re, im);
-            };
-            for (shaft, planes) in self.motions() {
-                let of = |output: Output| {
-                    let plane = planes.iter().find(|(other, _)| *other == output);
-                    plane.map(|&(_, plane)| &weights[plane][at..at + length])
-                };
-                let constants = &own.shafts[shaft];
-                let rates = [Output::SpeedRatio, Output::AccelerationRatio, Output::JerkRatio];
-                let rates = rates.map(of);
-                if rates.iter().any(Option::is_some) {
-                    add(shaft, buffers.rates(constants, rates, length, level));
-                }
-                for (output, with_drive) in [(Output::Angle, true), (Output::AngleError, false)] {
-                    if let Some(weights) = of(output) {
-                        add(shaft, buffers.errors(constants, weights, with_drive, level));
-                    }
-                }
-            }
-            first += length;
-        }
-    }
-
-    /// The planes of each place in the list of shafts, which all motions share.
-    fn motions(&self) -> impl Iterator<Item = (usize, Vec<(Output, usize)>)> {
-        let shafts = self.outputs.first().map_or(&[][..], |(_, items)| items);
-        shafts.iter().enumerate().map(move |(place, &shaft)| {
-            let planes = self.outputs.iter().enumerate();
-            (shaft, planes.map(|(i, (output, _))| (*output, i * shafts.len() + place)).collect())
-        })
-    }
-
-    /// Sums any outputs sample by sample.
-    fn sum_samples(
-        &self,
-        common: Common<'_>,
-        own: &LineConstants<'_>,
-        line: usize,
-        samples: std::ops::Range<usize>,
-        weights: &[&[f64]],
-        sums: &mut Sums,
-    ) {
-        let mut pull = Pull::new(self.joints, common.forces);
-        for i in samples {
-            let load = self.load_at(line, i);
-            let sample = LineAt::new(common, own, load.as_ref(), self.angle_at(line, i));
-            let at = line * self.samples + i;
-            let mut plane = 0;
-            for (output, items) in &self.outputs {
-                for &item in items {
-                    let mut weight = Vector::zeros();
-                    for component in 0..output.components() {
-                        weight[component] = weights[plane][at];
-                        plane += 1;
-                    }
-                    sample.pull(*output, item, weight, &mut pull, sums);
-                }
-            }
-            sample.settle(&mut pull, sums);
         }
     }
 
@@ -373,6 +288,9 @@ impl Differentiated<'_> {
         if columns == 0 || total == 0 {
             return;
         }
+        if self.is_as_built(wanted) {
+            return self.derivatives_as_built(wanted, out, execution);
+        }
         let mut planes = vec![];
         for (output, items) in &self.outputs {
             for &item in items {
@@ -383,7 +301,7 @@ impl Differentiated<'_> {
         let pieces = out.chunks_mut(total * columns).zip(planes).flat_map(|(plane, of)| {
             plane.chunks_mut(size * columns).enumerate().map(move |x| (of, x))
         });
-        let threads = threads(total, execution.workers);
+        let threads = threads(self.is_parallel(), execution.workers);
         let forces = self.forces().unwrap_or_default();
         let common = self.common(forces.as_ref());
         let state = || (Sums::new(self.counts()), Pull::new(self.joints, common.forces));
@@ -412,23 +330,16 @@ impl Differentiated<'_> {
 }
 
 fn is_motion(output: Output) -> bool {
-    matches!(
-        output,
-        Output::Angle
-            | Output::AngleError
-            | Output::SpeedRatio
-            | Output::AccelerationRatio
-            | Output::JerkRatio
-    )
+    MOTIONS.contains(&output)
 }
 
 fn is_force(output: Output) -> bool {
     matches!(output, Output::JointForce | Output::BearingForce)
 }
 
-fn threads(samples: usize, workers: Option<usize>) -> usize {
+fn threads(parallel: bool, workers: Option<usize>) -> usize {
     // The pool, which may not exist, is not queried for one thread.
-    if samples < MIN_PARALLEL || workers == Some(1) {
+    if !parallel || workers == Some(1) {
         return 1;
     }
     let pool = rayon::current_num_threads();

@@ -1,0 +1,35 @@
+"""The orders of joints as built, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from cardan.figures.as_built import ORDERS, ShaftOrders
+from cardan.words.summary import figure_text
+
+
+def as_built_text(found: list[ShaftOrders], *, radians: bool = False) -> str:
+    """Return the orders as a table of plain text."""
+    table = [("Joints as built: amplitudes", *(f"order {order}" for order in ORDERS))]
+    table += [(f"  {label}", *figures) for label, *figures in as_built_rows(found, radians=radians)]
+    widths = [max(map(len, column)) for column in zip(*table, strict=True)]
+    lines = []
+    for label, *figures in table:
+        right = (figure.rjust(width) for figure, width in zip(figures, widths[1:], strict=True))
+        lines.append("  ".join((label.ljust(widths[0]), *right)))
+    return "\n".join(lines)
+
+
+def as_built_rows(found: list[ShaftOrders], *, radians: bool = False) -> Iterator[tuple[str, ...]]:
+    """Yield what each row is about and its amplitudes by order."""
+    unit = "rad" if radians else "deg"
+    for each in found:
+        errors = each.angle_error if radians else np.degrees(each.angle_error)
+        kinds = [(f"angle error [{unit}]", errors)]
+        if each.acceleration is not None:
+            kinds.append(("acceleration [rad/s²]", each.acceleration))
+        for label, (built, drawing) in kinds:
+            yield (f"shaft {each.shaft}, {label}", *map(figure_text, built))
+            yield ("  of the drawing", *map(figure_text, drawing))

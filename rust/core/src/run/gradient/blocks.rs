@@ -1,0 +1,144 @@
+//! Sums over a block of samples of one driveline: motions chunk by chunk, other outputs sample by
+//! sample.
+
+use nalgebra::Complex;
+
+use crate::mechanics::geometry::Vector;
+use crate::plan::Output;
+use crate::run::gradient::line::{LineConstants, Sums};
+use crate::run::gradient::motion::{CHUNK, Pins, ZEROS, sweep_angles};
+use crate::run::gradient::sample::{Common, LineAt, Pull};
+use crate::run::gradient::{Differentiated, Spread, SpreadAngles, is_motion};
+use crate::run::level::Level;
+
+/// Some samples of one driveline.
+pub(super) struct Part<'a> {
+    pub(super) own: &'a LineConstants<'a>,
+    pub(super) line: usize,
+    pub(super) samples: std::ops::Range<usize>,
+    /// One plane per item and component of an output.
+    pub(super) weights: &'a [&'a [f64]],
+    pub(super) level: Level,
+}
+
+/// The motions of a shaft.
+pub(super) const MOTIONS: [Output; 5] = [
+    Output::Angle,
+    Output::AngleError,
+    Output::SpeedRatio,
+    Output::AccelerationRatio,
+    Output::JerkRatio,
+];
+
+/// A shaft with the planes of its [`MOTIONS`].
+type MotionPlanes = (usize, [Option<usize>; MOTIONS.len()]);
+
+impl Differentiated<'_> {
+    /// Adds what the weighted outputs of a block contribute.
+    pub(super) fn sum_block(
+        &self,
+        common: Common<'_>,
+        part: &Part<'_>,
+        pins: &mut Pins,
+        sums: &mut Sums,
+    ) {
+        if self.only_motion() && !self.driven {
+            self.sum_motion(part, pins, sums);
+        } else {
+            self.sum_samples(common, part, sums);
+        }
+    }
+
+    /// The wanted outputs with their items and first planes.
+    fn items(&self, wanted: impl Fn(Output) -> bool) -> Vec<(Output, usize, usize)> {
+        let (mut found, mut plane) = (vec![], 0);
+        for (output, items) in &self.outputs {
+            for &item in items {
+                found.push((*output, item, plane));
+                plane += output.components();
+            }
+        }
+        found.retain(|&(output, ..)| wanted(output));
+        found
+    }
+
+    /// The shafts whose motions are wanted, each as often as it is named.
+    fn motions(&self) -> Vec<MotionPlanes> {
+        let mut shafts: Vec<MotionPlanes> = vec![];
+        for (output, shaft, plane) in self.items(is_motion) {
+            let Some(of) = MOTIONS.iter().position(|&motion| motion == output) else { continue };
+            let free = |(other, planes): &MotionPlanes| *other == shaft && planes[of].is_none();
+            let place = shafts.iter().position(free).unwrap_or(shafts.len());
+            if place == shafts.len() {
+                shafts.push((shaft, [None; MOTIONS.len()]));
+            }
+            shafts[place].1[of] = Some(plane);
+        }
+        shafts
+    }
+
+    /// Sums motions chunk by chunk.
+    fn sum_motion(&self, part: &Part<'_>, pins: &mut Pins, sums: &mut Sums) {
+        let &Part { own, line, ref samples, weights, level } = part;
+        let shafts = self.motions();
+        let mut buffer = ZEROS;
+        for first in samples.clone().step_by(CHUNK) {
+            let length = CHUNK.min(samples.end - first);
+            let angles = match &self.angle {
+                SpreadAngles::Array(Spread { data, per_line, per_sample: 1 }) => {
+                    let at = line * per_line + first;
+                    &data[at..at + length]
+                }
+                SpreadAngles::Array(spread) => {
+                    buffer[..length].fill(spread.at(line, first));
+                    &buffer[..length]
+                }
+                SpreadAngles::Sweep(sweep) => {
+                    sweep_angles(sweep, first, &mut buffer[..length], level);
+                    &buffer[..length]
+                }
+            };
+            pins.turn(angles, level);
+            let at = line * self.samples + first;
+            let mut add = |shaft: usize, [value, re, im]: [f64; 3]| {
+                sums.value += value;
+                sums.q[shaft] += Complex::new(re, im);
+            };
+            for &(shaft, planes) in &shafts {
+                let weights = planes.map(|plane| Some(&weights[plane?][at..at + length]));
+                let [angle, error, ratio, acceleration, jerk] = weights;
+                let constants = &own.shafts[shaft];
+                if ratio.or(acceleration).is_some() {
+                    add(shaft, pins.rates(constants, [ratio, acceleration], level));
+                }
+                if let Some(weights) = jerk {
+                    add(shaft, pins.jerks(constants, weights, level));
+                }
+                for (weights, drive) in [(angle, Some(angles)), (error, None)] {
+                    if let Some(weights) = weights {
+                        add(shaft, pins.errors(constants, weights, drive, level));
+                    }
+                }
+            }
+        }
+    }
+
+    /// Sums any outputs sample by sample.
+    fn sum_samples(&self, common: Common<'_>, part: &Part<'_>, sums: &mut Sums) {
+        let (items, mut pull) = (self.items(|_| true), Pull::new(self.joints, common.forces));
+        for i in part.samples.clone() {
+            let load = self.load_at(part.line, i);
+            let angle = self.angle_at(part.line, i);
+            let sample = LineAt::new(common, part.own, load.as_ref(), angle);
+            let at = part.line * self.samples + i;
+            for &(output, item, plane) in &items {
+                let mut weight = Vector::zeros();
+                for component in 0..output.components() {
+                    weight[component] = part.weights[plane + component][at];
+                }
+                sample.pull(output, item, weight, &mut pull, sums);
+            }
+            sample.settle(&mut pull, sums);
+        }
+    }
+}
