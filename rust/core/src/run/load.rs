@@ -5,11 +5,11 @@ use std::cell::Cell;
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
-use crate::number::Number;
 use crate::number::float::Float;
 use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, View, ViewMut, views_mut};
 use crate::number::strips::{At, Same, Strips};
+use crate::number::{Number, Precision};
 use crate::plan::output::Output;
 use crate::plan::steps::{End, JointStep, LoadStep, Plan, Station};
 use crate::run::as_built;
@@ -110,7 +110,8 @@ pub(crate) fn run_load<T: Number, W: Float>(
                     compact,
                 );
             } else {
-                let unit = plan.as_built.then(|| &built.moments[joint]);
+                let is_as_built = plan.as_built && T::PRECISION != Precision::Single;
+                let unit = is_as_built.then(|| &built.moments[joint]);
                 run_joint(
                     joint, step, poses, geometry, pins, unit, torsion, buffers, outputs, size,
                     compact,
