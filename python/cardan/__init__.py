@@ -35,6 +35,7 @@ from cardan.limits import Limit, Limits
 from cardan.load import Load
 from cardan.losses import Losses
 from cardan.optimisation import ActiveLimit, Optimum, optimise
+from cardan.order_tolerances import OrderTolerances
 from cardan.outputs import OUTPUTS, Output
 from cardan.plan import Plan
 from cardan.result import Result
@@ -75,6 +76,7 @@ __all__ = [
     "Losses",
     "Motion",
     "Optimum",
+    "OrderTolerances",
     "Output",
     "Plan",
     "Result",

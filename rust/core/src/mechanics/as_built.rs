@@ -209,9 +209,15 @@ impl<T: Real> JointAsBuilt<T> {
     /// `−L/D` with `L = (P − C C′)/D²`.
     #[inline(always)]
     pub(crate) fn rates<const JERK: bool>(&self, s: T, c: T) -> [T; 3] {
+        let Position { square, root, .. } = self.position(s, c);
+        self.rates_by::<JERK>(s, c, (square * root).recip())
+    }
+
+    /// The same, given `1/(V D)`.
+    #[inline(always)]
+    fn rates_by<const JERK: bool>(&self, s: T, c: T, both: T) -> [T; 3] {
         let Position { c_term, square, root, .. } = self.position(s, c);
         let two = T::from_f64(2.0);
-        let both = (square * root).recip();
         let (of_square, of_root) = (root * both, square * both);
         let of_root2 = of_root.square();
         let swing = self.cos * self.driving;
@@ -251,23 +257,23 @@ impl<T: Real> JointAsBuilt<T> {
     /// The moment is normal to both pins: `p × q` divided by its component along `u`.
     #[inline(always)]
     pub(crate) fn moments(&self, s: T, c: T) -> [T; 3] {
-        let Pins { sine, cosine, along_driving } = self.pins(s, c);
+        let Pins { sine, cosine, across, square, along_driving } = self.pins(s, c);
         let inverse = along_driving.recip();
         let [lean, lean_driven] = self.leans;
-        let driven_along_u = self.sin.mul_add(sine, self.along[1]);
+        let driven_along_u = self.sin.mul_add(sine, self.along[1] * square);
         let driving_along_v = self.sin.mul_add(c, self.along[0]);
         let in_plane = s.mul_add(driven_along_u, -(lean * cosine));
-        let out_plane = s.mul_add(lean_driven, -(driving_along_v * cosine));
-        let normal = lean.mul_add(self.across(sine), -(c * driven_along_u));
+        let out_plane = (s * lean_driven).mul_add(square, -(driving_along_v * cosine));
+        let normal = lean.mul_add(across, -(c * driven_along_u));
         [in_plane * inverse, -(out_plane * inverse), -(normal * inverse)]
     }
 
     /// Numerator and denominator of the tangent of [`JointAsBuilt::tilt_driving`].
     #[inline(always)]
     pub(crate) fn tilt_driving_tangent(&self, s: T, c: T) -> (T, T) {
-        let Pins { sine, along_driving, .. } = self.pins(s, c);
-        let along = self.sin.mul_add(sine, self.along[1]) - self.tilt_offsets[0];
-        (along, self.cosines[0] * along_driving)
+        let Pins { sine, square, along_driving, .. } = self.pins(s, c);
+        let offset = self.along[1] - self.tilt_offsets[0];
+        (self.sin.mul_add(sine, offset * square), self.cosines[0] * along_driving)
     }
 
     /// Numerator and denominator of the tangent of [`JointAsBuilt::tilt_driven`].
@@ -277,30 +283,46 @@ impl<T: Real> JointAsBuilt<T> {
         (along, self.cosines[1] * self.position(s, c).root)
     }
 
-    /// `sin ψ`, `cos ψ` and `(p × q)·u`.
+    /// The driven pin and its product with the driving one, without a division.
     #[inline(always)]
     fn pins(&self, s: T, c: T) -> Pins<T> {
-        let (sine, cosine) = self.driven(s, c);
-        let along_driving = (-s).mul_add(self.across(sine), c * cosine);
-        Pins { sine, cosine, along_driving }
-    }
-
-    /// `λ − cos β sin ψ`, the component of the driven pin along `e_in`.
-    #[inline(always)]
-    fn across(&self, sine: T) -> T {
-        (-self.cos).mul_add(sine, self.driven)
+        let Position { b, c_term, square, root } = self.position(s, c);
+        let sine = b.mul_add(c_term, s * root);
+        let cosine = s.mul_add(c_term, -(b * root));
+        let across = (-self.cos).mul_add(sine, self.driven * square);
+        let along_driving = (-s).mul_add(across, c * cosine);
+        Pins { sine, cosine, across, square, along_driving }
     }
 }
 
-/// The driven pin, and the component of the normal of both pins along the driving shaft.
+/// The driven pin and the component of the normal of both pins along the driving shaft, each
+/// multiplied by `V`.
 #[derive(Clone, Copy)]
 struct Pins<T> {
+    /// `sin ψ` and `cos ψ`.
     sine: T,
     cosine: T,
+    /// `λ − cos β sin ψ`, the component of the driven pin along `e_in`.
+    across: T,
+    /// `V` itself.
+    square: T,
     along_driving: T,
 }
 
 impl<T: Number> JointAsBuilt<T> {
+    /// The angle error within a third, without its value at a right angle, speed ratio and
+    /// acceleration ratio, with one division.
+    #[inline(always)]
+    pub(crate) fn motion(&self, s: T, c: T) -> [T; 3] {
+        let (y, x) = self.error_tangent(s, c);
+        let Position { square, root, .. } = self.position(s, c);
+        let product = square * root;
+        let inverse = (product * x).recip();
+        let [ratio, acceleration, _] = self.rates_by::<false>(s, c, x * inverse);
+        let error = T::atan_third(y * (product * inverse), T::from_f64(1.0));
+        [error, ratio, acceleration]
+    }
+
     /// The angle error within a range of tangents, without its value at a right angle. The widest
     /// range adds the shares of bend and deviations: their sum may exceed a right angle.
     #[inline(always)]

@@ -12,7 +12,7 @@ use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
 use crate::number::storage::{Column, View, views, views_mut};
-use crate::number::strips::{At, Same};
+use crate::number::strips::{At, Same, Strips};
 use crate::plan::output::Output;
 use crate::plan::steps::{JointStep, Plan};
 use crate::run::as_built_constants::{BuffersAsBuilt, FoldedAsBuilt, Needs, Stage, has_angle};
@@ -20,7 +20,7 @@ use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::map;
 use crate::run::motion::run_drive_shaft;
 use crate::run::scratch::Scratch;
-use crate::run::sink::Outputs;
+use crate::run::sink::{Outputs, Sink};
 use crate::sincos::array::{self, DriveAngles, PlainSinCos, SinCos};
 
 /// Motion, tilts and unit moments of every joint, for one chunk.
@@ -33,7 +33,7 @@ pub(crate) fn find_motion<T: Number>(
     buffers: &mut BuffersAsBuilt<T>,
     size: usize,
 ) {
-    let needs = Needs::of(plan);
+    let needs = Needs::of::<T>(plan);
     let [sine, cosine] = views_mut(&mut buffers.pins[0], 0, size);
     array::fill_sin_cos::<PlainSinCos, T>(drive, false, sine, cosine);
     let (parts, length) = match geometry {
@@ -120,12 +120,8 @@ fn run_motion<T: Number>(
             out,
             #[inline(always)]
             |(joint, [sum, r, a]), s, c| {
-                let [ratio, acceleration, _] = joint.rates::<false>(s, c);
-                [
-                    sum + joint.angle_error(AtanRange::Third, s, c),
-                    ratio * r,
-                    acceleration.mul_add(r * r, ratio * a),
-                ]
+                let [error, ratio, acceleration] = joint.motion(s, c);
+                [sum + error, ratio * r, acceleration.mul_add(r * r, ratio * a)]
             },
         );
     }
@@ -150,14 +146,14 @@ fn run_motion<T: Number>(
     }
     match needs.rates {
         0 => {}
-        1 => map::over_sin_cos(
+        1 if !T::LOW => map::over_sin_cos(
             pins,
             (at, before(1)),
             ratio.window_mut(first, length),
             #[inline(always)]
             |(joint, before), s, c| joint.speed_ratio(s, c) * before,
         ),
-        2 => map::over_sin_cos(
+        2 if !T::LOW => map::over_sin_cos(
             pins,
             (at, before(1), before(2)),
             (ratio.window_mut(first, length), acceleration.window_mut(first, length)),
@@ -211,25 +207,20 @@ pub(crate) fn store_motion<T: Number, W: Float>(
         }
         if has_angle(step) {
             let means = &folded.means[step.shaft][..geometry.count(size)];
-            let mut centred = if kept.is_empty() {
-                buffers.centred.window_mut(0, size)
-            } else {
-                kept.window_mut(row_offset, size)
-            };
             let errors = buffers.errors[step.shaft].view(size);
-            with_constants!(compact, geometry, means, at => {
-                map::over_samples(
-                    size,
-                    (errors, at),
-                    centred.reborrow(),
-                    #[inline(always)]
-                    |(error, mean)| error - mean,
-                );
-            });
             if let Some(plane) = step.planes.get(Output::AngleError) {
-                map::copy::<T>(centred.view(), outputs.plane(plane));
+                let out = outputs.plane(plane);
+                with_constants!(compact, geometry, means, at => subtract(errors, at, out));
             }
             if let Some(plane) = step.planes.get(Output::Angle) {
+                let mut centred = if kept.is_empty() {
+                    buffers.centred.window_mut(0, size)
+                } else {
+                    kept.window_mut(row_offset, size)
+                };
+                with_constants!(compact, geometry, means, at => {
+                    subtract(errors, at, centred.reborrow());
+                });
                 map::add_drive(drive, centred.view(), outputs.words(plane));
             }
         }
@@ -253,6 +244,18 @@ pub(crate) fn store_motion<T: Number, W: Float>(
             }
         }
     }
+}
+
+/// The angle errors without their means.
+#[inline(always)]
+fn subtract<T: Number>(errors: View<'_, T>, means: impl Strips<Value = T>, out: impl Sink<T>) {
+    map::over_samples(
+        errors.len(),
+        (errors, means),
+        out,
+        #[inline(always)]
+        |(error, mean)| error - mean,
+    );
 }
 
 /// Bending moments and the moment of one joint, and the parts of its torsion that support moments

@@ -81,7 +81,8 @@ pub(super) struct Needs {
 }
 
 impl Needs {
-    pub(super) fn of(plan: &Plan) -> Self {
+    /// With error terms the loop of the third order serves all: the others would save little.
+    pub(super) fn of<T: Real>(plan: &Plan) -> Self {
         let any = |output| plan.shafts.iter().any(|step| step.planes.get(output).is_some());
         let accelerates = plan.shafts.iter().any(|step| step.keep_acceleration);
         let turns = plan.shafts.iter().any(|step| step.keep_ratio);
@@ -92,6 +93,7 @@ impl Needs {
         } else {
             usize::from(any(Output::SpeedRatio) || turns)
         };
+        let rates = if T::LOW && rates > 0 { 3 } else { rates };
         Self { angle: plan.shafts.iter().any(has_angle), rates }
     }
 }
@@ -122,7 +124,7 @@ impl<T: Real> BuffersAsBuilt<T> {
                 centred: Column::new(0),
             };
         }
-        let (needs, joints) = (Needs::of(plan), plan.reach());
+        let (needs, joints) = (Needs::of::<T>(plan), plan.reach());
         let size = |needed: bool| if needed { longest } else { 0 };
         let steps = &plan.joints[..joints];
         let rates = || [1, 2, 3].map(|order| Column::new(size(order <= needs.rates)));

@@ -5,11 +5,11 @@ use std::cell::Cell;
 use crate::input::table::{ACCELERATION, SPEED, TORQUE, Table};
 use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
-use crate::number::Number;
 use crate::number::float::{Float, Real};
 use crate::number::reduction::LargeAngleFlag;
 use crate::number::storage::{Column, View, ViewMut, views_mut};
 use crate::number::strips::{At, OneByOne, Same, Strips};
+use crate::number::{Number, Precision};
 use crate::plan::load::{LoadStep, Station};
 use crate::plan::output::Output;
 use crate::plan::steps::{End, JointStep, Plan};
@@ -96,11 +96,12 @@ pub(crate) fn run_load<T: Number, W: Float>(
             } else {
                 power
             };
+            let is_as_built = plan.as_built && T::PRECISION != Precision::Single;
             let loads = JointLoads {
                 torsion: station.torsion.then_some(torsion),
                 power: station.force_power.then_some(power),
                 forces: plan.joints[joint].needs_force && !plan.refers_forces,
-                unit: plan.as_built.then(|| &built.moments[joint]),
+                unit: is_as_built.then(|| &built.moments[joint]),
             };
             let step = &plan.joints[joint];
             let poses = &folded.poses[joint][..geometry.count(size)];
@@ -113,6 +114,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 let turn = [T::from_f64(0.0); 2];
                 let pins = FreshPins::<T, false> { angles, turn, too_large: &too_large };
                 let geometry = GeometryIndex::Shared(index);
+                let loads = JointLoads { unit: None, ..loads };
                 run_joint(
                     joint, step, poses, geometry, pins, loads, buffers, outputs, size, compact,
                 );

@@ -1,0 +1,144 @@
+"""What tolerances of joints make of one order of the angle error.
+
+To first order the complex amplitude of an order is that of the drawing plus one vector for each
+deviation, in proportion to it. The vectors are the derivatives by the deviations, summed over a
+turn with the order's wave. Their tolerances span a convex polygon. Its corners are combinations of
+tolerances with signs, and the one that is farthest from zero is the worst (derived here).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, SupportsIndex
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cardan.arrays import FloatArray
+from cardan.errors import ArgumentValueError
+from cardan.request import item_index
+from cardan.rows import ComplexArray
+from cardan.sweep import Sweep
+
+_FEWEST = 256
+
+
+@dataclass(frozen=True, eq=False)
+class OrderTolerances:
+    """What tolerances of joints make of one order; made by ``Driveline.order_tolerances``.
+
+    Amplitudes are those of the angle error in rad. Multiply by ``(order speed)**2`` for the
+    acceleration of the shaft at a steady speed of the drive.
+
+    Attributes:
+        order: the order.
+        drawing: complex amplitude of the drawing.
+        contributions: complex amplitude that each tolerance adds, ``(n, 3)``: driving yoke, cross
+            and driven yoke of each joint.
+        worst: amplitude of a driveline as built with the combination of tolerances that is worst to
+            first order.
+        worst_deviations: its deviations in rad, ``(n, 3)``.
+        normal: whether tolerances are three standard deviations of a normal distribution.
+    """
+
+    order: int
+    drawing: complex
+    contributions: ComplexArray
+    worst: float
+    worst_deviations: FloatArray
+    normal: bool
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the amplitude of drivelines within the tolerances."""
+        return float(np.sqrt(np.abs(self.drawing) ** 2 + np.sum(self._variances)))
+
+    @property
+    def shares(self) -> FloatArray:
+        """Share of each deviation in the variance, ``(n, 3)``; they sum to 1, or are all 0."""
+        total = np.sum(self._variances)
+        return self._variances / total if total > 0.0 else np.zeros(self._variances.shape)
+
+    def quantile(
+        self, probability: float, samples: SupportsIndex = 100_000, seed: int | None = 0
+    ) -> float:
+        """Return the amplitude that such a share of random drivelines does not exceed.
+
+        Args:
+            probability: the share, in (0, 1).
+            samples: number of random drivelines.
+            seed: of the random numbers.
+
+        Raises:
+            ValueError: a probability outside (0, 1).
+        """
+        if not 0.0 < probability < 1.0:
+            raise ArgumentValueError("probability", f"is {probability}; it must lie in (0, 1)")
+        random, vectors = np.random.default_rng(seed), self.contributions.ravel()
+        shape = (int(samples), len(vectors))
+        if self.normal:
+            drawn = random.standard_normal(shape) / 3.0
+        else:
+            drawn = random.uniform(-1.0, 1.0, shape)
+        return float(np.quantile(np.abs(self.drawing + drawn @ vectors), probability))
+
+    @property
+    def _variances(self) -> FloatArray:
+        return np.abs(self.contributions) ** 2 / (9.0 if self.normal else 3.0)
+
+
+def order_tolerances(
+    line: Any,  # noqa: ANN401 - a driveline
+    halves: FloatArray,
+    order: SupportsIndex,
+    shaft: SupportsIndex,
+    distribution: Literal["uniform", "normal"],
+) -> OrderTolerances:
+    """Find what ``Driveline.order_tolerances`` returns, from tolerances ``(n, 3)`` in rad."""
+    if line.shape:
+        raise ArgumentValueError("driveline", f"has shape {line.shape}; it must be one driveline")
+    if distribution not in ("uniform", "normal"):
+        raise ArgumentValueError(
+            "distribution", f"is {distribution!r}; it must be 'uniform' or 'normal'"
+        )
+    number = int(order)
+    if number < 1:
+        raise ArgumentValueError("order", f"is {number}; it must be positive")
+    index = item_index("shaft", shaft, line.n_joints + 1)
+    count = max(_FEWEST, 32 * number)
+    slopes = line.plan("angle_error", shafts=index).derivatives(
+        Sweep.revolutions(1, count), by="deviations"
+    )["angle_error"]["deviations"]
+    # Whole numbers of steps lose no digit of a high order's angle.
+    wave = np.exp(-2j * np.pi / count * (np.arange(count) * number % count))
+    whole = 2.0 / count * np.tensordot(wave, slopes, axes=1) * halves
+    contributions = np.asarray(whole, np.complex128)
+    drawing = _amplitude(line, number, index)
+    corner = halves * _farthest(drawing, contributions.ravel()).reshape(halves.shape)
+    deviations = line.deviations + corner
+    worst = abs(_amplitude(line.with_deviations(*deviations.T), number, index))
+    return OrderTolerances(
+        number, drawing, contributions, worst, deviations, distribution == "normal"
+    )
+
+
+def _amplitude(line: Any, order: int, shaft: int) -> complex:  # noqa: ANN401 - a driveline
+    found = line.harmonics([order], shaft, outputs="angle_error")
+    return complex(found.complex_amplitude["angle_error"][0])
+
+
+def _farthest(middle: complex, vectors: ComplexArray) -> NDArray[np.float64]:
+    """Signs of the vectors whose sum with the middle is farthest from zero.
+
+    Seen from a direction, the farthest corner adds each vector with the sign of its part along the
+    direction. Signs change only where a direction is at a right angle to a vector.
+    """
+    known = vectors[vectors != 0.0]
+    if not len(known):
+        return np.ones(len(vectors))
+    turned = np.unique((np.angle(known) + 0.5 * np.pi) % np.pi)
+    between = turned + 0.5 * (np.roll(turned, -1) - turned + np.pi * (turned == turned[-1]))
+    directions = np.exp(1j * np.concatenate([between, between + np.pi]))
+    signs = np.where(np.outer(directions.conj(), vectors).real < 0.0, -1.0, 1.0)
+    best: NDArray[np.float64] = signs[np.argmax(np.abs(middle + signs @ vectors))]
+    return best
