@@ -260,7 +260,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
         '"a\\nb" = 1',
         None,
         r"unknown key 'a\nb'; known are title, driveline, bearing, load, sweep, angles, limits, "
-        "tolerances, slip, steering, joints, life, tubes, torsion, ball_joint, study, states, "
+        "tolerances, slip, steering, joints, offsets, life, tubes, torsion, ball_joint, study, states, "
         "optimise, output",
     ),
     (
