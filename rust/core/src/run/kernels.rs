@@ -19,7 +19,7 @@ use crate::plan::steps::Plan;
 use crate::run::as_built_constants::{BuffersAsBuilt, FoldedAsBuilt};
 use crate::run::constants::GeometryIndex;
 use crate::run::fold::Folded;
-use crate::run::level::{Compiled, Level, compiled_for};
+use crate::run::level::{Compiled, Level, compiled_for, compiled_up_to_avx2};
 use crate::run::scratch::Scratch;
 use crate::run::sink::Outputs;
 use crate::run::{as_built, load, motion, sines};
@@ -112,12 +112,18 @@ pub(crate) fn find_motion_as_built<T: Number + Compiled>(
     buffers: &mut BuffersAsBuilt<T>,
     size: usize,
 ) {
-    if T::PRECISION != Precision::Single {
-        T::run(
+    match T::PRECISION {
+        Precision::Single => {}
+        Precision::Double => T::run(
             level,
             #[inline(always)]
             |_, _| as_built::find_motion(plan, drive, folded, geometry, buffers, size),
-        );
+        ),
+        // Its divisions and square roots take as long in either width.
+        Precision::DoubleDouble => compiled_up_to_avx2!(
+            level,
+            as_built::find_motion(plan, drive, folded, geometry, buffers, size)
+        ),
     }
 }
 
