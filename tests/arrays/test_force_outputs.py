@@ -84,9 +84,9 @@ def test_steep_drivelines() -> None:
     together = Driveline.concatenate([LINE, steep])[:, None].evaluate(ANGLE, NAMES, load=load)
     for name in NAMES:
         for i, line in enumerate((LINE, steep)):
-            want = line.evaluate(ANGLE, name, load=load)[name]
-            atol = 1e-13 * np.abs(want).max()
-            np.testing.assert_allclose(together[name][:, i], want, rtol=0, atol=atol)
+            alone = line.evaluate(ANGLE, name, load=load)[name]
+            atol = 1e-13 * np.abs(alone).max()
+            np.testing.assert_allclose(together[name][:, i], alone, rtol=0, atol=atol)
 
 
 def test_both_forces_of_a_shaft_past_the_caches() -> None:
@@ -211,9 +211,7 @@ def test_drivelines_that_are_computed_later() -> None:
 
 def test_the_plan_says_what_it_does() -> None:
     text = LINE.plan(NAMES, load=LOAD).explain()
-    for line in (
-        "joint 2: parts for the forces from the torsion",
-    ):
+    for line in ("joint 2: parts for the forces from the torsion",):
         assert line in text.replace("  ", ""), text
     held = Driveline.from_points(POINTS[:3]).plan("joint_force", load=LOAD_OF_TWO).explain()
     assert "joint 0: force, zero because both its shafts have other supports" in held

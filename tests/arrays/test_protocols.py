@@ -192,6 +192,7 @@ OBJECTS = [
     LINE.losses(LOAD, friction=0.01, pin_radius=0.01, arm=0.03),
     LINE.life(cardan.Load(drive_torque=1.0, speed=1.0), rating=100.0),
     LINE.tolerances(bends=0.01, samples=100, seed=1),
+    LINE.order_tolerances(driving_yoke=0.002),
     LINE.plan("speed_ratio").gradient(GRID, {"speed_ratio": 1.0}),
     LINE.plan("speed_ratio").derivatives(GRID, "bends"),
     cardan.tube(0.09, 0.003, length=1.5),
