@@ -198,17 +198,9 @@ impl<T: Angle> Folded<T> {
             kept.extend(numbers);
         }
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
-        let first = numbers[0];
-        let apart = numbers.iter().enumerate().filter(|&(i, &line)| line != first + i).count();
-        let contiguous = apart == 0;
+        let apart = numbers.iter().enumerate().filter(|&(i, &line)| line != numbers[0] + i).count();
         let gather = |data: &[f64], each: usize, j: usize, out: &mut [f64]| {
-            if each == 1 && contiguous {
-                out.copy_from_slice(&data[first..first + out.len()]);
-                return;
-            }
-            for (x, line) in out.iter_mut().zip(numbers) {
-                *x = data[line * each + j];
-            }
+            gather(data, (each, j), numbers, apart == 0, out);
         };
         let stored = |i: usize, j: usize| stored_frame(lines, n, numbers[i], j);
         for j in 0..plan.reach() {
@@ -295,6 +287,24 @@ impl<T: Angle> Folded<T> {
                 None => {}
             }
         }
+    }
+}
+
+/// Parameter `j` of the drivelines with these numbers, each of which has `each`.
+#[inline(always)]
+fn gather(
+    data: &[f64],
+    (each, j): (usize, usize),
+    numbers: &[usize],
+    contiguous: bool,
+    out: &mut [f64],
+) {
+    if each == 1 && contiguous {
+        out.copy_from_slice(&data[numbers[0]..numbers[0] + out.len()]);
+        return;
+    }
+    for (x, line) in out.iter_mut().zip(numbers) {
+        *x = data[line * each + j];
     }
 }
 
