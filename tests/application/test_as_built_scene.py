@@ -90,10 +90,12 @@ def test_commands_and_report_show_order_1(tmp_path: Path) -> None:
         assert table[0].split()[-8:] == [word for order in ORDERS for word in ("order", str(order))]
         acceleration = next(row for row in table if "acceleration [rad/s²]" in row)
         assert float(acceleration.split()[-4]) == pytest.approx(34.6, abs=0.1)
+        assert "Equivalent bend, non-uniformity and limits are those of the drawing." in table
     assert "Each extreme recurs every turn." in command("run", path).output
     page = tmp_path / "page.html"
     write_report(Scene.load(path), page)
-    assert "Joints as built: amplitudes by order of the drive" in page.read_text("utf-8")
+    caption = "Joints as built: amplitudes by order of the drive. Equivalent bend"
+    assert caption in page.read_text("utf-8")
 
 
 @pytest.mark.parametrize("radians", [False, True])

@@ -19,7 +19,7 @@ from cardan.report.samples import PeakSample, Samples
 from cardan.scene.bearings import has_lengths
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
-from cardan.words.as_built import as_built_rows
+from cardan.words.as_built import BY_DRAWING, as_built_rows
 from cardan.words.forces import HEADINGS, force_rows
 from cardan.words.summary import figure_text, range_ends
 from cardan.workshop import VIEW, turn
@@ -149,7 +149,9 @@ def results(samples: Samples) -> list[Table]:
     if built := as_built_orders(scene):
         heads = ["Amplitude", *(f"Order {order}" for order in ORDERS)]
         rows = [*as_built_rows(built)]
-        tables.append(Table("Joints as built: amplitudes by order of the drive", heads, rows))
+        tables.append(
+            Table(f"Joints as built: amplitudes by order of the drive. {BY_DRAWING}", heads, rows)
+        )
     if not scene.line.shape:
         orders = (2, 4, 6)
         series = (scene.drivelines() if scene.states else scene.line).harmonics(orders)

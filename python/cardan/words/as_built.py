@@ -9,9 +9,11 @@ import numpy as np
 from cardan.figures.as_built import ORDERS, ShaftOrders
 from cardan.words.summary import figure_text
 
+BY_DRAWING = "Equivalent bend, non-uniformity and limits are those of the drawing."
+
 
 def as_built_text(found: list[ShaftOrders], *, radians: bool = False) -> str:
-    """Return the orders as a table of plain text."""
+    """Return the orders as a table of plain text, and what they do not change."""
     table = [("Joints as built: amplitudes", *(f"order {order}" for order in ORDERS))]
     table += [(f"  {label}", *figures) for label, *figures in as_built_rows(found, radians=radians)]
     widths = [max(map(len, column)) for column in zip(*table, strict=True)]
@@ -19,7 +21,7 @@ def as_built_text(found: list[ShaftOrders], *, radians: bool = False) -> str:
     for label, *figures in table:
         right = (figure.rjust(width) for figure, width in zip(figures, widths[1:], strict=True))
         lines.append("  ".join((label.ljust(widths[0]), *right)))
-    return "\n".join(lines)
+    return "\n".join([*lines, BY_DRAWING])
 
 
 def as_built_rows(found: list[ShaftOrders], *, radians: bool = False) -> Iterator[tuple[str, ...]]:
