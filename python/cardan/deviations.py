@@ -57,8 +57,8 @@ class AsBuilt(Mounted):
         ``evaluate``, ``plan`` and ``harmonics`` take it like any other driveline and compute it
         joint by joint. What needs one equivalent joint, such as ``equivalent`` and
         ``optimal_phases``, refuses it; without arguments, ``with_deviations()`` returns the ideal
-        driveline for these. A joint turns if ``abs(C) < R`` at every angle (the four-bar linkage of
-        the documentation's page Joints as built), for which ``abs(driving_yoke) + abs(cross) +
+        driveline for these. A joint turns if ``abs(C) < R`` at every angle (the four-bar linkage
+        of ``docs/theory/as-built.md``), for which ``abs(driving_yoke) + abs(cross) +
         abs(driven_yoke) < 90° - bend`` is enough.
 
         Args:
