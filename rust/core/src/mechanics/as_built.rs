@@ -257,7 +257,7 @@ impl<T: Real> JointAsBuilt<T> {
     /// The moment is normal to both pins: `p × q` divided by its component along `u`.
     #[inline(always)]
     pub(crate) fn moments(&self, s: T, c: T) -> [T; 3] {
-        let Pins { sine, cosine, across, square, along_driving } = self.pins(s, c);
+        let LeaningPins { sine, cosine, across, square, along_driving } = self.pins(s, c);
         let inverse = along_driving.recip();
         let [lean, lean_driven] = self.leans;
         let driven_along_u = self.sin.mul_add(sine, self.along[1] * square);
@@ -271,7 +271,7 @@ impl<T: Real> JointAsBuilt<T> {
     /// Numerator and denominator of the tangent of [`JointAsBuilt::tilt_driving`].
     #[inline(always)]
     pub(crate) fn tilt_driving_tangent(&self, s: T, c: T) -> (T, T) {
-        let Pins { sine, square, along_driving, .. } = self.pins(s, c);
+        let LeaningPins { sine, square, along_driving, .. } = self.pins(s, c);
         let offset = self.along[1] - self.tilt_offsets[0];
         (self.sin.mul_add(sine, offset * square), self.cosines[0] * along_driving)
     }
@@ -285,20 +285,20 @@ impl<T: Real> JointAsBuilt<T> {
 
     /// The driven pin and its product with the driving one, without a division.
     #[inline(always)]
-    fn pins(&self, s: T, c: T) -> Pins<T> {
+    fn pins(&self, s: T, c: T) -> LeaningPins<T> {
         let Position { b, c_term, square, root } = self.position(s, c);
         let sine = b.mul_add(c_term, s * root);
         let cosine = s.mul_add(c_term, -(b * root));
         let across = (-self.cos).mul_add(sine, self.driven * square);
         let along_driving = (-s).mul_add(across, c * cosine);
-        Pins { sine, cosine, across, square, along_driving }
+        LeaningPins { sine, cosine, across, square, along_driving }
     }
 }
 
 /// The driven pin and the component of the normal of both pins along the driving shaft, each
 /// multiplied by `V`.
 #[derive(Clone, Copy)]
-struct Pins<T> {
+struct LeaningPins<T> {
     /// `sin ψ` and `cos ψ`.
     sine: T,
     cosine: T,

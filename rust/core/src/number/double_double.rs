@@ -7,8 +7,6 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::number::float::Real;
-
 /// The unevaluated sum of a double and a much smaller one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DoubleDouble {
@@ -33,13 +31,6 @@ impl DoubleDouble {
     #[inline(always)]
     pub const fn exact(high: f64) -> Self {
         Self { high, low: -0.0 }
-    }
-
-    /// The same number with an error term.
-    #[inline(always)]
-    pub(crate) fn of<T: Real>(number: T) -> Self {
-        let [high, low] = number.words();
-        Self { high: high.into(), low: low.into() }
     }
 
     /// The nearest double.
@@ -94,7 +85,7 @@ impl DoubleDouble {
 
     /// `self/divisor`, given the reciprocal of the divisor's high word.
     #[inline(always)]
-    fn divided(self, divisor: Self, inverse: f64) -> Self {
+    pub(crate) fn divided(self, divisor: Self, inverse: f64) -> Self {
         let high = self.high * inverse;
         let rest = (-high).mul_add(divisor.high, self.high) + self.low;
         Self { high, low: (-high).mul_add(divisor.low, rest) * inverse }
@@ -153,94 +144,5 @@ impl Div for DoubleDouble {
     #[inline(always)]
     fn div(self, divisor: Self) -> Self {
         self.divided(divisor, 1.0 / divisor.high)
-    }
-}
-
-impl Real for DoubleDouble {
-    type Float = f64;
-
-    const LOW: bool = true;
-
-    #[inline(always)]
-    fn from_words(high: f64, low: f64) -> Self {
-        Self { high, low }
-    }
-
-    #[inline(always)]
-    fn words(self) -> [f64; 2] {
-        [self.high, self.low]
-    }
-
-    #[inline(always)]
-    fn from_double_double(pair: Self) -> Self {
-        pair
-    }
-
-    #[inline(always)]
-    fn value(self) -> f64 {
-        Self::value(self)
-    }
-
-    #[inline(always)]
-    fn mul_add(self, a: Self, b: Self) -> Self {
-        self * a + b
-    }
-
-    #[inline(always)]
-    fn times(self, a: Self) -> Self {
-        let Self { high, low } = self * a;
-        Self { high: high + 0.0, low }
-    }
-
-    #[inline(always)]
-    fn fast_add(self, other: Self) -> Self {
-        Self::fast_add(self, other)
-    }
-
-    #[inline(always)]
-    fn scaled(self, power: f64) -> Self {
-        Self::scaled(self, power)
-    }
-
-    #[inline(always)]
-    fn recip(self) -> Self {
-        let high = 1.0 / self.high;
-        let rest = (-high).mul_add(self.low, (-high).mul_add(self.high, 1.0));
-        Self { high, low: rest * high }
-    }
-
-    #[inline(always)]
-    fn over(self, _: Self, inverse: Self) -> Self {
-        self * inverse
-    }
-
-    #[inline(always)]
-    fn both_over(a: Self, b: Self, divisor: Self) -> [Self; 2] {
-        let inverse = 1.0 / divisor.high;
-        [a.divided(divisor, inverse), b.divided(divisor, inverse)]
-    }
-
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        let high = self.high.sqrt();
-        let rest = (-high).mul_add(high, self.high) + self.low;
-        // The root of zero has no error.
-        Self { high, low: if high > 0.0 { rest / (high + high) } else { 0.0 } }
-    }
-
-    #[inline(always)]
-    fn abs(self) -> Self {
-        if self.high < 0.0 { -self } else { self }
-    }
-
-    #[inline(always)]
-    fn copysign(self, sign: Self) -> Self {
-        let opposite = self.high.is_sign_negative() != sign.high.is_sign_negative();
-        if opposite { -self } else { self }
-    }
-
-    #[inline(always)]
-    fn exceeds(self, other: Self) -> bool {
-        self.high > other.high
     }
 }

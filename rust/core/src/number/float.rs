@@ -1,7 +1,6 @@
 //! The number types of the kernels: single precision, double precision and double-double.
 //!
-//! Each formula is written once, over [`Real`]. The third type is in
-//! [`crate::number::double_double`].
+//! Each formula is written once, over [`Real`].
 
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -223,4 +222,102 @@ macro_rules! plain {
 plain! {
     f32, short: true;
     f64, short: false;
+}
+
+impl DoubleDouble {
+    /// The same number with an error term.
+    #[inline(always)]
+    pub(crate) fn of<T: Real>(number: T) -> Self {
+        let [high, low] = number.words();
+        Self { high: high.into(), low: low.into() }
+    }
+}
+
+impl Real for DoubleDouble {
+    type Float = f64;
+
+    const LOW: bool = true;
+
+    #[inline(always)]
+    fn from_words(high: f64, low: f64) -> Self {
+        Self { high, low }
+    }
+
+    #[inline(always)]
+    fn words(self) -> [f64; 2] {
+        [self.high, self.low]
+    }
+
+    #[inline(always)]
+    fn from_double_double(pair: Self) -> Self {
+        pair
+    }
+
+    #[inline(always)]
+    fn value(self) -> f64 {
+        Self::value(self)
+    }
+
+    #[inline(always)]
+    fn mul_add(self, a: Self, b: Self) -> Self {
+        self * a + b
+    }
+
+    #[inline(always)]
+    fn times(self, a: Self) -> Self {
+        let Self { high, low } = self * a;
+        Self { high: high + 0.0, low }
+    }
+
+    #[inline(always)]
+    fn fast_add(self, other: Self) -> Self {
+        Self::fast_add(self, other)
+    }
+
+    #[inline(always)]
+    fn scaled(self, power: f64) -> Self {
+        Self::scaled(self, power)
+    }
+
+    #[inline(always)]
+    fn recip(self) -> Self {
+        let high = 1.0 / self.high;
+        let rest = (-high).mul_add(self.low, (-high).mul_add(self.high, 1.0));
+        Self { high, low: rest * high }
+    }
+
+    #[inline(always)]
+    fn over(self, _: Self, inverse: Self) -> Self {
+        self * inverse
+    }
+
+    #[inline(always)]
+    fn both_over(a: Self, b: Self, divisor: Self) -> [Self; 2] {
+        let inverse = 1.0 / divisor.high;
+        [a.divided(divisor, inverse), b.divided(divisor, inverse)]
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        let high = self.high.sqrt();
+        let rest = (-high).mul_add(high, self.high) + self.low;
+        // The root of zero has no error.
+        Self { high, low: if high > 0.0 { rest / (high + high) } else { 0.0 } }
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        if self.high < 0.0 { -self } else { self }
+    }
+
+    #[inline(always)]
+    fn copysign(self, sign: Self) -> Self {
+        let opposite = self.high.is_sign_negative() != sign.high.is_sign_negative();
+        if opposite { -self } else { self }
+    }
+
+    #[inline(always)]
+    fn exceeds(self, other: Self) -> bool {
+        self.high > other.high
+    }
 }

@@ -2,13 +2,9 @@
 
 use std::ops::Range;
 
-use crate::error::{self, Error};
-use crate::input::Drivelines;
 use crate::mechanics::bearings::{Carried, Carrier, Statics};
 use crate::mechanics::forces::PARTS;
-use crate::plan::load::Station;
-use crate::plan::output::{Output, Per};
-use crate::plan::steps::{Plan, Request};
+use crate::plan::output::Per;
 
 /// A value, or the reason why it is not determinate.
 type Determinate<T> = Result<T, String>;
@@ -258,94 +254,4 @@ impl Balance {
     pub(crate) fn index(&self, joint: usize, part: usize) -> usize {
         (joint - self.joints.start) * PARTS + part
     }
-}
-
-impl Plan {
-    /// Begins with the forces of a request, of which output `place` is one.
-    ///
-    /// # Errors
-    /// Unknown lengths, and forces of bearings without a bearing.
-    pub(crate) fn start_forces(
-        &mut self,
-        request: &Request<'_>,
-        output: Output,
-        place: usize,
-    ) -> error::Result<()> {
-        let Some(bearings) = request.bearings else {
-            let rule = "the lengths of the shafts; drivelines from points have them, others get \
-                        them with their bearings";
-            return Err(refused(output, place, &format!(", which needs {rule}")));
-        };
-        if output.row().per == Per::Bearing && bearings.is_empty() {
-            return Err(refused(output, place, "; the driveline has no bearings"));
-        }
-        self.forces.get_or_insert_with(|| ForceStep::new(self.joint_count, bearings));
-        Ok(())
-    }
-
-    /// Plans the force of one joint or bearing.
-    ///
-    /// # Errors
-    /// A force that is not determinate.
-    pub(crate) fn plan_force(
-        &mut self,
-        request: &Request<'_>,
-        output: Output,
-        item: usize,
-        plane: usize,
-        place: usize,
-    ) -> error::Result<()> {
-        let (Some(forces), Some(bearings)) = (&mut self.forces, request.bearings) else {
-            return Ok(());
-        };
-        let planned = match output.row().per {
-            Per::Bearing => forces.add_bearing(item, bearings[item], plane),
-            _ => forces.add_joint(item, plane),
-        };
-        planned.map_err(|reason| refused(output, place, &format!("; {reason}")))
-    }
-
-    /// Finds the joints from which forces are computed: the first station's for all of them, or each
-    /// joint for itself.
-    pub(super) fn find_force_sources(&mut self, stations: &mut [Station]) {
-        let Some(forces) = &mut self.forces else { return };
-        let mut source = None;
-        for station in stations {
-            if let Some(joint) = station.shaft.checked_sub(1)
-                && self.joints[joint].needs_force
-            {
-                station.force_power = self.refers_forces && source.is_none();
-                source = source.filter(|_| self.refers_forces).or(Some(joint));
-                self.joints[joint].force_source = source.unwrap_or(joint);
-            }
-        }
-        forces.set_sources(|joint| self.joints[joint].force_source);
-    }
-
-    /// Checks that the arrays of drivelines fit together and have what the plan needs; returns the
-    /// number of drivelines.
-    pub(crate) fn check_lines(&self, lines: &Drivelines<'_>) -> error::Result<usize> {
-        let count = lines.check(self.joint_count)?;
-        if self.as_built == lines.deviations.is_empty() {
-            let (has, needs) = if self.as_built { ("no", "some") } else { ("some", "none") };
-            let problem = format!("has {has} deviations; the plan is for drivelines with {needs}");
-            return Err(Error::new("deviations", &[], problem));
-        }
-        let Some(forces) = &self.forces else { return Ok(count) };
-        let lengths = [
-            ("lengths", lines.lengths.len(), self.joint_count + 1),
-            ("positions", lines.positions.len(), forces.bearings),
-        ];
-        for (name, found, each) in lengths {
-            if found != count * each {
-                let problem = format!("has {found} values; {count} drivelines need {each} each");
-                return Err(Error::new(name, &[], problem));
-            }
-        }
-        Ok(count)
-    }
-}
-
-fn refused(output: Output, place: usize, why: &str) -> Error {
-    Error::new("outputs", &[place], format!("is {:?}{why}", output.row().name))
 }

@@ -3,11 +3,14 @@
 pub(crate) mod forces;
 pub(crate) mod load;
 pub mod output;
+pub(crate) mod planning;
 pub mod reduction;
+pub(crate) mod request;
 pub(crate) mod route;
 pub(crate) mod steps;
 
 pub use output::{Output, Per, Row};
 pub use reduction::Reduction;
+pub use request::{End, Request};
 pub use route::Route;
-pub use steps::{End, Plan, Request};
+pub use steps::Plan;

@@ -5,43 +5,12 @@
 //! the driveline. [`crate::run`] runs it.
 
 use crate::error::{Error, Result};
-use crate::mechanics::joint::Joint;
+use crate::input::Drivelines;
 use crate::number::Precision;
 use crate::number::atan::AtanRange;
 use crate::plan::forces::ForceStep;
 use crate::plan::load::LoadStep;
-use crate::plan::output::{Needs, Output, OutputPlanes, Per};
-
-/// The end of the driveline at which the load's torque is given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The torque enters shaft 0.
-    Drive,
-    /// The torque leaves the last shaft.
-    Output,
-}
-
-/// What to compute for a driveline.
-#[derive(Clone, Copy, Debug)]
-pub struct Request<'a> {
-    /// The largest bend of each joint in rad, from [`crate::Drivelines::largest_bends`], or an
-    /// upper bound.
-    pub largest_bends: &'a [f64],
-    /// The outputs, each at most once.
-    pub outputs: &'a [Output],
-    /// The shafts, `0..=n`, each at most once.
-    pub shafts: &'a [usize],
-    /// The joints, `0..n`, each at most once.
-    pub joints: &'a [usize],
-    /// The end at which the load's torque is given, if there is a load.
-    pub load: Option<End>,
-    /// The shafts with an inertia.
-    pub inertias: &'a [usize],
-    /// The shaft of each bearing, if the lengths of the shafts are known.
-    pub bearings: Option<&'a [usize]>,
-    /// Whether the drivelines have deviations, so that they are evaluated joint by joint.
-    pub as_built: bool,
-}
+use crate::plan::output::{Output, OutputPlanes};
 
 /// The steps for one request. The planes of the result are numbered by output, then by shaft or
 /// joint, then by component.
@@ -52,7 +21,7 @@ pub struct Plan {
     pub(crate) largest_bends: Vec<f64>,
     /// A lower bound on the cosine of the bend equivalent to the joints before each shaft. It holds
     /// for the aligned chain, whose cosines multiply.
-    least_cosines: Vec<f64>,
+    pub(super) least_cosines: Vec<f64>,
     /// Whether the equivalent bend of the whole chain is moderate.
     pub(crate) moderate: bool,
     /// Whether forces are sums over the torsion parts of the drive shaft: the chain is moderate, and
@@ -66,7 +35,7 @@ pub struct Plan {
     /// One step per joint, needed or not.
     pub(crate) joints: Vec<JointStep>,
     pub(crate) any_joint: JointNeeds,
-    first_bent: usize,
+    pub(super) first_bent: usize,
     pub(crate) load: Option<LoadStep>,
     /// The balances behind the requested forces, if there are any.
     pub(crate) forces: Option<ForceStep>,
@@ -128,7 +97,7 @@ pub(crate) struct JointStep {
     pub(crate) planes: OutputPlanes,
     /// Whether any output is a tilt, and whether any needs the torsion.
     pub(crate) needs_tilt: bool,
-    needs_moment: bool,
+    pub(super) needs_moment: bool,
     /// Whether any force depends on the joint's torsion.
     pub(crate) needs_force: bool,
     /// The joint from which those forces are computed: itself, or the first one on the path of the
@@ -170,7 +139,7 @@ impl JointStep {
 
     /// The number of loops over pins for the joint with the number `joint`. Those of the tilts need
     /// the sense of the pins as well.
-    fn pin_loops(&self, joint: usize) -> usize {
+    pub(super) fn pin_loops(&self, joint: usize) -> usize {
         let outputs = [
             Output::TiltDriving,
             Output::TiltDriven,
@@ -201,99 +170,27 @@ impl JointStep {
 }
 
 impl Plan {
-    /// Plans a request.
-    ///
-    /// # Errors
-    /// A shaft or joint that does not exist or is repeated, a repeated output, or an output that
-    /// needs a load where the request has none.
-    pub fn new(request: &Request<'_>) -> Result<Self> {
-        let n = request.largest_bends.len();
-        check_items("shafts", request.shafts, n + 1)?;
-        check_items("joints", request.joints, n)?;
-        check_items("inertias", request.inertias, n + 1)?;
-        let joints = vec![JointStep::default(); n];
-        let least_cosines = least_cosines(request.largest_bends);
-        let mut plan = Self {
-            joint_count: n,
-            largest_bends: request.largest_bends.to_vec(),
-            moderate: range(least_cosines[n]).is_moderate(),
-            refers_forces: false,
-            least_cosines,
-            planes: 0,
-            components: vec![],
-            shafts: vec![],
-            joints,
-            any_joint: JointNeeds::default(),
-            first_bent: first_bent(request),
-            load: None,
-            forces: None,
-            as_built: request.as_built,
-        };
-        let bearings: Vec<usize> = (0..request.bearings.map_or(0, <[usize]>::len)).collect();
-        let mut torque = vec![None; n + 1];
-        for (i, &output) in request.outputs.iter().enumerate() {
-            if request.outputs[..i].contains(&output) {
-                let problem = format!("is {:?} again; name each output once", output.row().name);
-                return Err(Error::new("outputs", &[i], problem));
-            }
-            if output.needs_load() && request.load.is_none() {
-                let problem = format!("is {:?}, which needs a load", output.row().name);
-                return Err(Error::new("outputs", &[i], problem));
-            }
-            let row = output.row();
-            let items = match row.per {
-                Per::Shaft => request.shafts,
-                Per::Joint => request.joints,
-                Per::Bearing => &bearings,
-            };
-            if row.needs == Needs::Force && request.as_built {
-                let problem = format!(
-                    "is {:?}, which joints as built do not have; the moments and support moments \
-                     that cause it are available",
-                    row.name
-                );
-                return Err(Error::new("outputs", &[i], problem));
-            }
-            if row.needs == Needs::Force {
-                plan.start_forces(request, output, i)?;
-            }
-            for &item in items {
-                let plane = plan.planes;
-                plan.planes += row.components.len();
-                plan.components.push(row.components.len());
-                match row.needs {
-                    Needs::Motion(_) => plan.step(item).planes.set(output, plane),
-                    Needs::Power => torque[item] = Some(plane),
-                    Needs::Support => {
-                        if let Some(end) = request.load {
-                            plan.plan_support(end, item, plane);
-                        }
-                    }
-                    Needs::Torsion => {
-                        plan.joints[item].planes.set(output, plane);
-                        plan.joints[item].needs_moment = true;
-                    }
-                    Needs::Tilt => {
-                        plan.joints[item].planes.set(output, plane);
-                        plan.joints[item].needs_tilt = true;
-                    }
-                    Needs::Force => plan.plan_force(request, output, item, plane, i)?,
-                }
+    /// Checks that the arrays of drivelines fit together and have what the plan needs; returns the
+    /// number of drivelines.
+    pub(crate) fn check_lines(&self, lines: &Drivelines<'_>) -> Result<usize> {
+        let count = lines.check(self.joint_count)?;
+        if self.as_built == lines.deviations.is_empty() {
+            let (has, needs) = if self.as_built { ("no", "some") } else { ("some", "none") };
+            let problem = format!("has {has} deviations; the plan is for drivelines with {needs}");
+            return Err(Error::new("deviations", &[], problem));
+        }
+        let Some(forces) = &self.forces else { return Ok(count) };
+        let lengths = [
+            ("lengths", lines.lengths.len(), self.joint_count + 1),
+            ("positions", lines.positions.len(), forces.bearings),
+        ];
+        for (name, found, each) in lengths {
+            if found != count * each {
+                let problem = format!("has {found} values; {count} drivelines need {each} each");
+                return Err(Error::new(name, &[], problem));
             }
         }
-        for joint in plan.forces.iter().flat_map(ForceStep::joints) {
-            plan.joints[joint].needs_force = true;
-        }
-        if let Some(end) = request.load {
-            plan.plan_load(end, request.inertias, &torque);
-        }
-        plan.shafts.sort_by_key(|step| step.shaft);
-        plan.any_joint = JointNeeds {
-            tilt: plan.joints.iter().any(|step| step.needs_tilt),
-            torsion: plan.joints.iter().any(JointStep::needs_load),
-            pin_loops: plan.joints.iter().enumerate().map(|(j, step)| step.pin_loops(j)).sum(),
-        };
-        Ok(plan)
+        Ok(count)
     }
 
     /// The cheapest arithmetic whose errors are within a tolerance, relative to the largest value
@@ -409,48 +306,10 @@ impl Plan {
     pub(crate) fn range(&self, shaft: usize) -> AtanRange {
         range(self.least_cosines[shaft])
     }
-
-    pub(super) fn step(&mut self, shaft: usize) -> &mut ShaftStep {
-        let index = self.shafts.iter().position(|step| step.shaft == shaft);
-        let index = index.unwrap_or_else(|| {
-            self.shafts.push(ShaftStep { shaft, ..ShaftStep::default() });
-            self.shafts.len() - 1
-        });
-        &mut self.shafts[index]
-    }
-}
-
-/// The first joint that is bent in any driveline. A straight joint as built counts as bent.
-fn first_bent(request: &Request<'_>) -> usize {
-    let bends = request.largest_bends;
-    let is_bent = |&bend: &f64| request.as_built || bend != 0.0;
-    bends.iter().position(is_bent).unwrap_or(bends.len())
 }
 
 /// The range of the inverse tangent for bends with at least this cosine.
-fn range(cos: f64) -> AtanRange {
+pub(super) fn range(cos: f64) -> AtanRange {
     // An upper bound on the tangent, with a margin for rounding.
     AtanRange::holding((1.0 + 1e-12 - cos) / (2.0 * cos.sqrt()) * (1.0 + 1e-12))
-}
-
-fn least_cosines(bends: &[f64]) -> Vec<f64> {
-    let mut cosine = 1.0;
-    let next = |&bend: &f64| {
-        cosine *= Joint::new(bend).cos;
-        cosine
-    };
-    std::iter::once(1.0).chain(bends.iter().map(next)).collect()
-}
-
-fn check_items(argument: &'static str, items: &[usize], count: usize) -> Result<()> {
-    for (i, &item) in items.iter().enumerate() {
-        if item >= count {
-            let problem = format!("is {item}; there are {count}, counted from 0");
-            return Err(Error::new(argument, &[i], problem));
-        }
-        if items[..i].contains(&item) {
-            return Err(Error::new(argument, &[i], format!("is {item} again; name each once")));
-        }
-    }
-    Ok(())
 }

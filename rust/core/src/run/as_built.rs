@@ -15,7 +15,9 @@ use crate::number::storage::{Column, View, views, views_mut};
 use crate::number::strips::{At, Same, Strips};
 use crate::plan::output::Output;
 use crate::plan::steps::{JointStep, Plan};
-use crate::run::as_built_constants::{BuffersAsBuilt, FoldedAsBuilt, Needs, Stage, has_angle};
+use crate::run::as_built_constants::{
+    BuffersAsBuilt, FoldedAsBuilt, JointStage, MotionNeeds, has_angle,
+};
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::map;
 use crate::run::motion::run_drive_shaft;
@@ -33,7 +35,7 @@ pub(crate) fn find_motion<T: Number>(
     buffers: &mut BuffersAsBuilt<T>,
     size: usize,
 ) {
-    let needs = Needs::of::<T>(plan);
+    let needs = MotionNeeds::of::<T>(plan);
     let [sine, cosine] = views_mut(&mut buffers.pins[0], 0, size);
     array::fill_sin_cos::<PlainSinCos, T>(drive, false, sine, cosine);
     let (parts, length) = match geometry {
@@ -53,8 +55,8 @@ pub(crate) fn find_motion<T: Number>(
 #[inline(always)]
 fn run_joint<T: Number>(
     joint: usize,
-    stage: &Stage<T>,
-    needs: Needs,
+    stage: &JointStage<T>,
+    needs: MotionNeeds,
     step: &JointStep,
     buffers: &mut BuffersAsBuilt<T>,
     first: usize,
@@ -100,8 +102,8 @@ fn run_joint<T: Number>(
 /// Sums of angle errors and products of rates behind a joint.
 #[inline(always)]
 fn run_motion<T: Number>(
-    stage: &Stage<T>,
-    needs: Needs,
+    stage: &JointStage<T>,
+    needs: MotionNeeds,
     pins: SinCos<'_, T>,
     (sum, errors): (&Column<T>, &mut Column<T>),
     (before, rates): (&[Column<T>; 3], &mut [Column<T>; 3]),

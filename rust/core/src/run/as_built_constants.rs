@@ -12,7 +12,7 @@ use crate::plan::steps::{Plan, ShaftStep};
 
 /// The constants of one joint of one driveline.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Stage<T> {
+pub(super) struct JointStage<T> {
     pub(super) joint: JointAsBuilt<T>,
     /// The range of the tangents of its angle error.
     pub(super) range: AtanRange,
@@ -24,7 +24,7 @@ pub(super) struct Stage<T> {
 #[derive(Clone, Debug)]
 pub(crate) struct FoldedAsBuilt<T> {
     /// Per joint.
-    pub(super) stages: Vec<Vec<Stage<T>>>,
+    pub(super) stages: Vec<Vec<JointStage<T>>>,
     /// Per shaft: the mean of the sum of the angle errors before it, if its angle is needed.
     pub(super) means: Vec<Vec<T>>,
 }
@@ -54,7 +54,7 @@ impl<T: Real> FoldedAsBuilt<T> {
                     [1.0, 0.0].map(T::from_f64)
                 };
                 let (joint, range) = (JointAsBuilt::nearest(&own), own.range());
-                stages.push(Stage { joint, range, turn });
+                stages.push(JointStage { joint, range, turn });
             }
             for step in plan.shafts.iter().filter(|step| step.shaft > 0 && has_angle(step)) {
                 let (bends, between) = (&bends[..step.shaft], step.shaft - 1);
@@ -73,14 +73,14 @@ pub(super) fn has_angle(step: &ShaftStep) -> bool {
 
 /// What is computed behind every joint of a driveline.
 #[derive(Clone, Copy)]
-pub(super) struct Needs {
+pub(super) struct MotionNeeds {
     /// Whether angle errors are summed.
     pub(super) angle: bool,
     /// The order of the highest derivative of the angle: 1 for the speed ratio, 0 for none.
     pub(super) rates: usize,
 }
 
-impl Needs {
+impl MotionNeeds {
     /// With error terms the loop of the third order serves all: the others would save little.
     pub(super) fn of<T: Real>(plan: &Plan) -> Self {
         let any = |output| plan.shafts.iter().any(|step| step.planes.get(output).is_some());
@@ -124,7 +124,7 @@ impl<T: Real> BuffersAsBuilt<T> {
                 centred: Column::new(0),
             };
         }
-        let (needs, joints) = (Needs::of::<T>(plan), plan.reach());
+        let (needs, joints) = (MotionNeeds::of::<T>(plan), plan.reach());
         let size = |needed: bool| if needed { longest } else { 0 };
         let steps = &plan.joints[..joints];
         let rates = || [1, 2, 3].map(|order| Column::new(size(order <= needs.rates)));

@@ -165,7 +165,7 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
     pub(crate) fn copy(&mut self, from: usize, to: usize, sign: f64) {
         let window = self.first..self.first + self.size;
         let planes = self.planes.get_disjoint_mut([from, to]);
-        let [from, to] = planes.expect("a plan gives every output planes of its own");
+        let [from, to] = planes.expect("no two outputs share a plane");
         let (from, to) = (&from.words()[window.clone()], &mut to.words()[window]);
         for (to, &from) in to.iter_mut().zip(from) {
             *to = W::near(sign * from.into());
@@ -184,7 +184,7 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
     pub(crate) fn several<const N: usize>(&mut self, planes: [usize; N]) -> [Words<'_, W>; N] {
         let Self { first, size, stores, angles, .. } = *self;
         let planes = self.planes.get_disjoint_mut(planes);
-        let planes = planes.expect("a plan gives every output planes of its own");
+        let planes = planes.expect("no two outputs share a plane");
         let mut several = planes.map(
             #[inline(always)]
             move |plane| {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::input::{Angles, Drivelines, Source, Sweep};
-use crate::plan::steps::Request;
+use crate::plan::request::Request;
 use crate::run::execution::{Execution, Planes};
 use crate::run::taken;
 

@@ -64,7 +64,7 @@ pub(super) struct LineAsBuilt<'a> {
 
 /// One joint, with the axes `u`, `e_in` and `m` of its driving shaft, and sine and cosine of the
 /// turn of the shaft before it.
-struct Stage {
+struct DualStage {
     joint: JointAsBuilt<Carried>,
     axes: [Direction; 3],
     turn: (Carried, Carried),
@@ -73,7 +73,7 @@ struct Stage {
 /// A driveline and some of the parameters by which its outputs are differentiated.
 pub(super) struct Pass {
     variables: Vec<Variable>,
-    stages: Vec<Stage>,
+    stages: Vec<DualStage>,
     /// The direction of the last shaft.
     last: Direction,
     /// Per shaft: the mean of the sum of the angle errors before it; empty if no angle is wanted.
@@ -109,7 +109,7 @@ impl Pass {
             let deviations = std::array::from_fn(deviation);
             let joint = JointAsBuilt::of_parts([cosine, sine, versine], deviations);
             let axes = [shaft, in_plane, normal];
-            pass.stages.push(Stage { joint, axes, turn: turn.sin_cos() });
+            pass.stages.push(DualStage { joint, axes, turn: turn.sin_cos() });
             (shaft, in_plane) = rotated(shaft, in_plane, (sine, cosine));
         }
         pass.last = shaft;
@@ -175,7 +175,7 @@ impl Pass {
         let (mut error, mut rates) = (zero, [one, zero, zero]);
         let mut at = MotionAt { errors: vec![error], rates: vec![rates], pins: vec![] };
         let (mut s, mut c) = angle.sin_cos();
-        for (j, Stage { joint, turn: (sine, cosine), .. }) in self.stages.iter().enumerate() {
+        for (j, DualStage { joint, turn: (sine, cosine), .. }) in self.stages.iter().enumerate() {
             if j > 0 {
                 (s, c) = (s * *cosine + c * *sine, c * *cosine - s * *sine);
             }

@@ -6,7 +6,7 @@ use nalgebra::Complex;
 use crate::mechanics::geometry::Vector;
 use crate::plan::Output;
 use crate::run::gradient::line::{LineConstants, Sums};
-use crate::run::gradient::motion::{CHUNK, Pins, ZEROS, sweep_angles};
+use crate::run::gradient::motion::{CHUNK, ChunkPins, ZEROS, sweep_angles};
 use crate::run::gradient::sample::{Common, LineAt, Pull};
 use crate::run::gradient::{Differentiated, Spread, SpreadAngles, is_motion};
 use crate::run::level::Level;
@@ -39,7 +39,7 @@ impl Differentiated<'_> {
         &self,
         common: Common<'_>,
         part: &Part<'_>,
-        pins: &mut Pins,
+        pins: &mut ChunkPins,
         sums: &mut Sums,
     ) {
         if self.only_motion() && !self.driven {
@@ -78,7 +78,7 @@ impl Differentiated<'_> {
     }
 
     /// Sums motions chunk by chunk.
-    fn sum_motion(&self, part: &Part<'_>, pins: &mut Pins, sums: &mut Sums) {
+    fn sum_motion(&self, part: &Part<'_>, pins: &mut ChunkPins, sums: &mut Sums) {
         let &Part { own, line, ref samples, weights, level } = part;
         let shafts = self.motions();
         let mut buffer = ZEROS;

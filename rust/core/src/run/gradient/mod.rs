@@ -23,7 +23,7 @@ use crate::run::queue::work_off;
 use blocks::{MOTIONS, Part};
 pub use line::{Counts, Wanted};
 use line::{LineConstants, Sums};
-use motion::{CHUNK, Pins};
+use motion::{CHUNK, ChunkPins};
 use sample::{Common, LineAt, LoadAt, Pull};
 
 /// The samples of a block that one thread sums.
@@ -241,7 +241,7 @@ impl Differentiated<'_> {
         let blocks = self.samples.div_ceil(BLOCK).max(1);
         let forces = self.forces().unwrap_or_default();
         let common = self.common(forces.as_ref());
-        let sum = |pins: &mut Pins, line: usize, own: &LineConstants<'_>, block: usize| {
+        let sum = |pins: &mut ChunkPins, line: usize, own: &LineConstants<'_>, block: usize| {
             let first = block * BLOCK;
             let end = self.samples.min(first + BLOCK);
             let mut sums = Sums::new(self.counts());
@@ -256,7 +256,7 @@ impl Differentiated<'_> {
             // Pieces of several drivelines, so that the queue costs nothing.
             let size = (BLOCK / self.samples.max(1)).clamp(1, 256);
             let pieces = out.chunks_mut(size * columns).enumerate();
-            work_off(pieces, threads, Pins::new, |pins, (piece, out)| {
+            work_off(pieces, threads, ChunkPins::new, |pins, (piece, out)| {
                 for (i, out) in out.chunks_mut(columns).enumerate() {
                     let line = piece * size + i;
                     let own = self.line(line);
@@ -268,7 +268,7 @@ impl Differentiated<'_> {
         for (line, out) in out.chunks_mut(columns).enumerate() {
             let own = self.line(line);
             let mut parts: Vec<_> = (0..blocks).map(|_| Sums::default()).collect();
-            work_off(parts.iter_mut().enumerate(), threads, Pins::new, |pins, (i, part)| {
+            work_off(parts.iter_mut().enumerate(), threads, ChunkPins::new, |pins, (i, part)| {
                 *part = sum(pins, line, &own, i);
             });
             let mut sums = Sums::new(self.counts());

@@ -45,13 +45,13 @@ pub(super) fn sweep_angles(sweep: &Sweep, first: usize, angles: &mut [f64], leve
 }
 
 /// The pins of a chunk, whose last row of [`LANES`] is filled up.
-pub(super) struct Pins {
+pub(super) struct ChunkPins {
     sines: Samples,
     cosines: Samples,
     length: usize,
 }
 
-impl Pins {
+impl ChunkPins {
     pub(super) fn new() -> Box<Self> {
         Box::new(Self { sines: ZEROS, cosines: ZEROS, length: 0 })
     }

@@ -1,0 +1,34 @@
+//! What a plan is made for.
+
+use crate::plan::output::Output;
+
+/// The end of the driveline at which the load's torque is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The torque enters shaft 0.
+    Drive,
+    /// The torque leaves the last shaft.
+    Output,
+}
+
+/// What to compute for a driveline.
+#[derive(Clone, Copy, Debug)]
+pub struct Request<'a> {
+    /// The largest bend of each joint in rad, from [`crate::Drivelines::largest_bends`], or an
+    /// upper bound.
+    pub largest_bends: &'a [f64],
+    /// The outputs, each at most once.
+    pub outputs: &'a [Output],
+    /// The shafts, `0..=n`, each at most once.
+    pub shafts: &'a [usize],
+    /// The joints, `0..n`, each at most once.
+    pub joints: &'a [usize],
+    /// The end at which the load's torque is given, if there is a load.
+    pub load: Option<End>,
+    /// The shafts with an inertia.
+    pub inertias: &'a [usize],
+    /// The shaft of each bearing, if the lengths of the shafts are known.
+    pub bearings: Option<&'a [usize]>,
+    /// Whether the drivelines have deviations, so that they are evaluated joint by joint.
+    pub as_built: bool,
+}
