@@ -24,7 +24,8 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
     let lines = u.int_in_range(1..=3)?;
     let count = u.int_in_range(0..=4)?;
     let bearings = (0..count).map(|_| u.int_in_range(0..=n)).collect::<Result<Vec<_>>>()?;
-    let mut flat = [const { Vec::<f64>::new() }; 7];
+    let as_built = u.arbitrary()?;
+    let mut flat = [const { Vec::<f64>::new() }; 8];
     for _ in 0..lines {
         let (bends, twists) = (several(u, n, bend)?, several(u, n - 1, number)?);
         let Ok(line) = Geometry::from_bends(&bends, &twists, &several(u, n - 1, number)?) else {
@@ -37,24 +38,13 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
         flat[4].extend(line.normals.iter().flat_map(|v| v.iter()));
         flat[5].extend(several(u, n + 1, number)?);
         flat[6].extend(several(u, bearings.len(), number)?);
+        flat[7].extend(several(u, if as_built { 3 * n } else { 0 }, number)?);
     }
     if u.ratio(1, 64)? {
-        let array = u.int_in_range(0..=6)?;
+        let array = u.int_in_range(0..=7)?;
         flat[array].pop();
     }
-    let [bends, twists, phases, directions, normals, lengths, positions] =
-        flat.each_ref().map(Vec::as_slice);
-    let deviations = &[];
-    let lines = Drivelines {
-        bends,
-        twists,
-        phases,
-        directions,
-        normals,
-        lengths,
-        positions,
-        deviations,
-    };
+    let lines = Drivelines::from_arrays(flat.each_ref().map(Vec::as_slice));
 
     let outputs: Vec<Output> =
         Output::ALL.into_iter().filter(|_| u.arbitrary().unwrap_or(false)).collect();
@@ -71,7 +61,8 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
         load,
         inertias: &inertias,
         bearings: if u.arbitrary()? { Some(&bearings) } else { None },
-        as_built: false,
+        // A plan that does not fit the drivelines must be refused.
+        as_built: as_built ^ u.ratio(1, 64)?,
     };
     let Ok(plan) = Plan::new(&request) else { return Ok(()) };
 
@@ -83,7 +74,7 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
     if total > MOST {
         return Ok(());
     }
-    let line_strides = strides(u, &shape, bends.len() / n)?;
+    let line_strides = strides(u, &shape, lines.bends.len() / n)?;
     let angle = source(u, &shape)?;
     let sweep = match (shape.last(), u.arbitrary::<u8>()? % 4) {
         (Some(&count), 0) => Sweep::new(number(u)?, number(u)?, about(u, count)?).ok(),
@@ -112,7 +103,7 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
         assert!(text.contains("per sample"));
     }
 
-    let one_line = bends.len() == n && line_strides.iter().all(|&stride| stride == 0);
+    let one_line = lines.bends.len() == n && line_strides.iter().all(|&stride| stride == 0);
     let constants = if one_line { plan.fold(&lines, precision).ok() } else { None };
     let rows = shape.len().checked_sub(1).map_or(1, |last| shape[..last].iter().product());
     let mut first: Option<Vec<Vec<u64>>> = None;

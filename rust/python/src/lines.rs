@@ -61,23 +61,13 @@ impl Lines {
                 check_length("lengths", lines.lengths.len(), count, joints + 1)?;
             }
             check_length("positions", lines.positions.len(), count, bearings.len())?;
-            let Drivelines {
-                bends,
-                twists,
-                phases,
-                directions,
-                normals,
-                lengths,
-                positions,
-                deviations,
-            } = lines;
-            if !deviations.is_empty() {
-                check_length("deviations", deviations.len(), count, 3 * joints)?;
+            let as_built = !lines.deviations.is_empty();
+            if as_built {
+                check_length("deviations", lines.deviations.len(), count, 3 * joints)?;
             }
-            let own = [bends, twists, phases, directions, normals, lengths, positions, deviations];
             let one = count == 1;
-            let kept = one.then(|| own.map(<[f64]>::to_vec));
-            Ok((kept, lines.largest_bends(joints), known, !deviations.is_empty()))
+            let kept = one.then(|| lines.arrays().map(<[f64]>::to_vec));
+            Ok((kept, lines.largest_bends(joints), known, as_built))
         })?;
         if let Some(place) = bearings.iter().position(|&shaft| shaft > joints) {
             let problem = format!("is on shaft {}; there are {}", bearings[place], joints + 1);
@@ -134,36 +124,18 @@ impl Lines {
         body: impl FnOnce(Drivelines<'_>) -> PyResult<R>,
     ) -> PyResult<R> {
         match &self.arrays {
-            Arrays::One(own) => {
-                let [bends, twists, phases, directions, normals, lengths, positions, deviations] =
-                    own;
-                body(Drivelines {
-                    bends,
-                    twists,
-                    phases,
-                    directions,
-                    normals,
-                    lengths,
-                    positions,
-                    deviations,
-                })
-            }
+            Arrays::One(own) => body(Drivelines::from_arrays(own.each_ref().map(Vec::as_slice))),
             Arrays::Batch(arrays) => {
-                let [bends, twists, phases, directions, normals, lengths, positions, deviations] =
-                    arrays.each_ref().map(|array| array.bind(py).try_readonly());
-                let (bends, twists, phases) = (bends?, twists?, phases?);
-                let (directions, normals) = (directions?, normals?);
-                let (lengths, positions, deviations) = (lengths?, positions?, deviations?);
-                body(Drivelines {
-                    bends: slice("bends", &bends)?,
-                    twists: slice("twists", &twists)?,
-                    phases: slice("phases", &phases)?,
-                    directions: slice("directions", &directions)?,
-                    normals: slice("normals", &normals)?,
-                    lengths: slice("lengths", &lengths)?,
-                    positions: slice("positions", &positions)?,
-                    deviations: slice("deviations", &deviations)?,
-                })
+                let borrowed = arrays.each_ref().map(|array| array.bind(py).try_readonly());
+                let mut views = [&[][..]; 8];
+                for ((view, name), array) in views.iter_mut().zip(Drivelines::NAMES).zip(&borrowed)
+                {
+                    let array = array.as_ref();
+                    let array =
+                        array.map_err(|error| argument_error(name, &[], error.to_string()))?;
+                    *view = slice(name, array)?;
+                }
+                body(Drivelines::from_arrays(views))
             }
         }
     }

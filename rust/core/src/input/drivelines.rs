@@ -26,7 +26,32 @@ pub struct Drivelines<'a> {
     pub deviations: &'a [f64],
 }
 
-impl Drivelines<'_> {
+impl<'a> Drivelines<'a> {
+    /// The names of the arrays, in the order of the fields.
+    pub const NAMES: [&'static str; 8] = [
+        "bends",
+        "twists",
+        "phases",
+        "directions",
+        "normals",
+        "lengths",
+        "positions",
+        "deviations",
+    ];
+
+    /// The drivelines with these arrays, in the order of the fields.
+    pub fn from_arrays(arrays: [&'a [f64]; 8]) -> Self {
+        let [bends, twists, phases, directions, normals, lengths, positions, deviations] = arrays;
+        Self { bends, twists, phases, directions, normals, lengths, positions, deviations }
+    }
+
+    /// The arrays, in the order of the fields.
+    pub fn arrays(&self) -> [&'a [f64]; 8] {
+        let Self { bends, twists, phases, directions, normals, lengths, positions, deviations } =
+            *self;
+        [bends, twists, phases, directions, normals, lengths, positions, deviations]
+    }
+
     /// Checks that the arrays fit together; returns the number of drivelines.
     pub(crate) fn check(&self, n: usize) -> Result<usize> {
         let count = self.bends.len() / n;
