@@ -214,6 +214,80 @@ def test_the_command_writes_a_folder_and_goes_on(
     assert CliRunner().invoke(commands(), arguments).exit_code == 0
 
 
+SECTIONS = {
+    "bearings that move and shafts that change their length": """[driveline]
+bends_deg = [10, 12]
+twists_deg = [180]
+lengths_mm = [300, 1200, 300]
+[[bearing]]
+shaft = 0
+position_mm = 100
+[[bearing]]
+shaft = 0
+position_mm = 250
+[[bearing]]
+shaft = 2
+position_m = 0.05
+[[bearing]]
+shaft = 2
+position_mm = 200
+[load]
+output_torque_Nm = 50
+inertias_kgm2 = [0, 0.1, 0]
+speed_rpm = 2000
+[study]
+bearing.1.position_mm = {from = 120, to = 280, steps = 7}
+lengths_mm.1 = [800, 1200, 1600]
+[output]
+quantities = ["joint_force", "bearing_force", "support_moment"]
+reduce = ["peak", "mean"]
+""",
+    "points whose lengths make a spline slide": """[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1500, -150, 20], [1800, -150, 20]]
+[load]
+drive_torque_Nm = 80
+speed_rpm = 1500
+[slip]
+shaft = 1
+friction = 0.1
+radius_mm = 20
+[study]
+points_mm.2.y = {from = -250, to = -50, steps = 11}
+points_mm.1.y = [-20, 0, 20]
+[output]
+quantities = ["speed_ratio", "joint_force"]
+""",
+    "a steering column with a centred double joint": """[driveline]
+double_joint_deg = 30
+joint_distance_mm = 60
+synchronous_deg = 35
+[study]
+double_joint_deg = {from = 0, to = 40, steps = 21}
+pivot_wear_mm = [0, 0.5]
+[output]
+quantities = ["angle_error", "speed_ratio", "jerk_ratio"]
+reduce = ["peak"]
+""",
+}
+
+
+@pytest.mark.parametrize("text", SECTIONS.values(), ids=SECTIONS)
+def test_every_section_gives_the_bits_of_one_process(
+    tmp_path: Path,
+    client: Any,  # noqa: ANN401
+    text: str,
+) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(f'{text}table = "study.parquet"\n')
+    study = Scene.load(scene).study
+    assert study
+    folder = tmp_path / "study.parquet"
+    cluster.write_study(study, folder, client, part_rows=PART)
+    assert len(list(folder.glob("part-*"))) > 2
+    assert parquet.read_table(folder).equals(in_one_process(scene))
+
+
+
 def test_a_point_that_makes_no_driveline_is_named(
     scene: Path,
     tmp_path: Path,
