@@ -287,7 +287,6 @@ def test_every_section_gives_the_bits_of_one_process(
     assert parquet.read_table(folder).equals(in_one_process(scene))
 
 
-
 def test_a_point_that_makes_no_driveline_is_named(
     scene: Path,
     tmp_path: Path,

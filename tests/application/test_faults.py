@@ -49,7 +49,10 @@ WRITING = {
     "tolerances": ["--output", "new.svg"],
     "torsion": ["--output", "new.svg"],
 }
+SIGNALS = [("SIGINT", 130), ("SIGTERM", -15), ("SIGKILL", -9)]
 IDENTIFY = ["identify", "a.csv", "--drive", "drive", "--driven", "driven"]
+
+needs_proc = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc here")
 
 
 @pytest.fixture
@@ -125,17 +128,11 @@ def busy(process: subprocess.Popen[str], seconds: float) -> bool:
     return int(fields[11]) + int(fields[12]) > 100.0 * seconds
 
 
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="no /proc here")
-@pytest.mark.parametrize("command", WRITING)
-@pytest.mark.parametrize(("number", "status"), [("SIGINT", 130), ("SIGTERM", -15), ("SIGKILL", -9)])
-def test_a_signal_while_it_computes(folder: Path, command: str, number: str, status: int) -> None:
+def interrupted(arguments: list[str], number: str) -> tuple[int, str, str]:
+    """Start a command and send it a signal while it computes; return its status and output."""
     assert SCRIPT
-    Path("a.toml").write_text(LINE.format(**LONG))
-    *_, new = WRITING[command]
-    Path(new).write_text("old")
-    before = there(folder)
     with subprocess.Popen(
-        [SCRIPT, command, "a.toml", *WRITING[command]],
+        [SCRIPT, *arguments],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -152,6 +149,48 @@ def test_a_signal_while_it_computes(folder: Path, command: str, number: str, sta
             out, errors = process.communicate(timeout=120)
         finally:
             process.kill()
-    assert (process.returncode, out, errors.strip()) == (status, "", "")
+    return process.returncode, out, errors.strip()
+
+
+@needs_proc
+@pytest.mark.parametrize("command", WRITING)
+@pytest.mark.parametrize(("number", "status"), SIGNALS)
+def test_a_signal_while_it_computes(folder: Path, command: str, number: str, status: int) -> None:
+    Path("a.toml").write_text(LINE.format(**LONG))
+    *_, new = WRITING[command]
+    Path(new).write_text("old")
+    before = there(folder)
+    assert interrupted([command, "a.toml", *WRITING[command]], number) == (status, "", "")
     assert there(folder) == before
     assert Path(new).read_text() == "old"
+
+
+@pytest.fixture
+def recording(folder: Path) -> Path:
+    """A recording whose identification takes some seconds and a gigabyte."""
+    path = folder / "a.npz"
+    angle = np.linspace(0.0, 1e5, 3_000_000)
+    np.savez(path, drive=angle, driven=angle + 0.02 * np.sin(2.0 * angle))
+    return path
+
+
+@needs_proc
+@pytest.mark.parametrize(("number", "status"), SIGNALS)
+def test_a_signal_while_it_identifies(recording: Path, number: str, status: int) -> None:
+    arguments = ["identify", recording.name, *IDENTIFY[2:], "--radians"]
+    assert interrupted(arguments, number) == (status, "", "")
+
+
+def test_a_recording_that_does_not_fit_into_memory(recording: Path) -> None:
+    import resource
+
+    limit = (1_300_000_000, 1_300_000_000)
+    done = script(
+        *("identify", recording.name, *IDENTIFY[2:]),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, limit),
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    # The library of linear algebra may print a line before.
+    assert done.stderr.endswith(
+        "cardan: not enough memory; fewer samples or a smaller study need less\n"
+    )
