@@ -281,8 +281,8 @@ def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
     found = line.check(50.0 * np.pi, limits)
     page = written(scene(text), tmp_path)
     assert '<p class="verdict fair">Tolerably. The driveline is tolerable' in page
-    assert "<strong>Catalogue: within</strong>" in page
-    assert "<strong>Practice (industrial): tolerable</strong>" in page
+    assert '<p class="good"><strong>Catalogue: within</strong>' in page
+    assert '<p class="fair"><strong>Practice (industrial): tolerable</strong>' in page
     rows = {row[0]: row[1:] for row in tables(page)["Limits"]}
     for finding in found.findings:
         value, verdict, limit, maximum, within, tolerable, source = rows[
