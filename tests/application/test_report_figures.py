@@ -288,6 +288,20 @@ def test_extremes_of_a_study(tmp_path: Path) -> None:
         assert [float(cell) for cell in row[3:]] == [bend, phases[place]]
 
 
+def test_figures_that_are_not_finite_are_named_and_not_drawn(tmp_path: Path) -> None:
+    text = (
+        "[driveline]\nbends_deg = [10]\n[study]\nbends_deg.0 = [10, 20, 89.999999999999]\n"
+        '[output]\nquantities = ["jerk_ratio"]\nreduce = ["peak"]\ntolerance = 1e-6\n'
+    )
+    page = page_of(text, tmp_path)
+    extremes = tables(page)["Extremes"][1:]
+    assert ["largest jerk ratio, shaft 1", "", "not finite", ""] in extremes
+    assert "Not drawn, because some values are not finite: largest jerk ratio, shaft 1." in page
+    headings = re.findall("<figcaption>(.*?)</", page)
+    assert "largest angle error, shaft 1 [deg]" in headings
+    assert "largest jerk ratio, shaft 1" not in headings
+
+
 def test_a_map_of_a_study_has_its_keys_the_right_way_round(tmp_path: Path) -> None:
     """Each value lies in the band that the legend names, whichever key the scene has first."""
     text = STUDY.replace("[9, 3, 6]", "{from = 1, to = 8, steps = 8}")
@@ -296,6 +310,16 @@ def test_a_map_of_a_study_has_its_keys_the_right_way_round(tmp_path: Path) -> No
     svg = drawn[1]
     labels = [text.text for text in svg.iter("text") if text.get("class") == "middle"][-2:]
     assert labels == ["phase, shaft 1 [deg]", "bend, joint 0 [deg]"]
+    ticks = [text for text in svg.iter("text") if text.get("class") in ("middle", "end")][:-2]
+    across = [text for text in ticks if text.get("class") == "middle"]
+    assert [value(text.text or "") for text in across] == [-60.0, -30.0, 0.0, 30.0, 60.0, 90.0]
+    places = np.interp([-60.0, -30.0, 0.0, 30.0, 60.0, 90.0], [-65.0, 95.0], [56.0, 344.0])
+    assert [float(text.attrib["x"]) for text in across] == pytest.approx(places, abs=0.06)
+    upwards = [text for text in ticks if text.get("class") == "end"]
+    assert [value(text.text or "") for text in upwards] == [2.0, 4.0, 6.0, 8.0]
+    places = np.interp([2.0, 4.0, 6.0, 8.0], [0.5, 8.5], [142.0, 8.0])
+    # The foot of a number is 4 below its place.
+    assert [float(text.attrib["y"]) - 4.0 for text in upwards] == pytest.approx(places, abs=0.06)
     legend = legend_of(drawn)
     phases, bends = np.linspace(-60.0, 90.0, 16), np.arange(1.0, 9.0)
     seen = 0
