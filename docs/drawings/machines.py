@@ -61,12 +61,27 @@ def both_ways(d: Drawing, middle: Point, reach: float, colour: str = RED) -> Non
         d.arrow(middle, (middle[0], middle[1] + sense * reach), colour=colour)
 
 
+def side_view(
+    name: str,
+    size: tuple[int, int],
+    title: str,
+    origin: Point,
+    scale: float,
+    stretch: float = 1.0,
+) -> tuple[dict[str, Any], Any, Drawing, View]:
+    """Begin the drawing of a scene from the side: its tables, points x and y, drawing and view."""
+    scene = scene_of(name)
+    points = np.array(scene["driveline"]["points_mm"], dtype=float)[:, :2]
+    d = Drawing(*size, title)
+    return scene, points, d, View(d, origin, scale, stretch)
+
+
 def machine_truck() -> Drawing:
     """Side view of a truck's driveline with its bearings."""
-    scene = scene_of("truck_centre_bearing")
-    points = np.array(scene["driveline"]["points_mm"], dtype=float)[:, :2]
-    d = Drawing(745, 235, "Driveline of a truck with a centre bearing, from the side")
-    see = View(d, (70.0, 165.0), 0.165, 3.0)
+    title = "Driveline of a truck with a centre bearing, from the side"
+    scene, points, d, see = side_view(
+        "truck_centre_bearing", (745, 235), title, (70.0, 165.0), 0.165, 3.0
+    )
     box(d, 8, 118, 118, 205)
     start, end = see(points[3]), see(points[4])
     box(d, start[0] + 6, end[1] - 40, end[0] + 8, end[1] + 30)
@@ -156,10 +171,8 @@ def machine_pto() -> Drawing:
 
 def machine_mill() -> Drawing:
     """Side view of a mill spindle with its bearings."""
-    scene = scene_of("mill_spindle")
-    points = np.array(scene["driveline"]["points_mm"], dtype=float)[:, :2]
-    d = Drawing(700, 225, "Spindle of a rolling mill, from the side")
-    see = View(d, (140.0, 150.0), 0.075, 2.0)
+    title = "Spindle of a rolling mill, from the side"
+    scene, points, d, see = side_view("mill_spindle", (700, 225), title, (140.0, 150.0), 0.075, 2.0)
     start, end = see(points[0]), see(points[3])
     box(d, start[0] - 15, 105, start[0] + 90, 192)
     box(d, see((4700, 0))[0] - 8, 60, see((4950, 0))[0], 190)
@@ -221,10 +234,8 @@ def machine_rig() -> Drawing:
 
 def machine_ship() -> Drawing:
     """Side view of a boat's shaft with its bearings."""
-    scene = scene_of("ship_shaft")
-    points = np.array(scene["driveline"]["points_mm"], dtype=float)[:, :2]
-    d = Drawing(700, 215, "Shaft of a boat, from the side")
-    see = View(d, (130.0, 165.0), 0.19)
+    title = "Shaft of a boat, from the side"
+    scene, points, d, see = side_view("ship_shaft", (700, 215), title, (130.0, 165.0), 0.19)
     start, end = see(points[0]), see(points[3])
     box(d, 15, 135, start[0] + 2, 205)
     for x in (35.0, 105.0):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import base64
 import doctest
 import hashlib
-import html
 import json
 import os
 import re
@@ -45,6 +44,7 @@ from cardan.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.scene import Scene, load_scene
 from cardan.scene.study import Column
 from cardan.words.summary import figure_text
+from pages import curves, scales, tables
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
@@ -104,17 +104,6 @@ class PageText(HTMLParser):
     def handle_data(self, data: str) -> None:
         if self._inside not in ("script", "style"):
             self.text += data if self._inside == "pre" else re.sub(r"\s+", " ", data)
-
-
-def tables(page: str) -> dict[str, list[list[str]]]:
-    """The rows of every table by its caption, the head first."""
-    return {
-        html.unescape(caption): [
-            [html.unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)]
-            for row in re.findall(r"<tr>(.*?)</tr>", rows)
-        ]
-        for caption, rows in re.findall(r"<caption>(.*?)</caption>(.*?)</table>", page, re.S)
-    }
 
 
 def test_tables_are_the_librarys(tmp_path: Path) -> None:
@@ -292,8 +281,8 @@ def test_verdicts_have_limits_speeds_and_sources(tmp_path: Path) -> None:
     found = line.check(50.0 * np.pi, limits)
     page = written(scene(text), tmp_path)
     assert '<p class="verdict fair">Tolerably. The driveline is tolerable' in page
-    assert "<strong>Catalogue: within</strong>" in page
-    assert "<strong>Practice (industrial): tolerable</strong>" in page
+    assert '<p class="good"><strong>Catalogue: within</strong>' in page
+    assert '<p class="fair"><strong>Practice (industrial): tolerable</strong>' in page
     rows = {row[0]: row[1:] for row in tables(page)["Limits"]}
     for finding in found.findings:
         value, verdict, limit, maximum, within, tolerable, source = rows[
@@ -677,22 +666,14 @@ def test_curves_stand_where_the_axes_say() -> None:
     panel = Panel("a < b", "N m", (Curve("one", rising), Curve("two", other)))
     root = drawn(panel, x, "drive angle [deg]")
     assert root[0].text == "a < b [N m]"
-    ticks: dict[str, list[tuple[float, float]]] = {"x": [], "y": []}
-    for line, text in pairwise(root[1]):
-        if line.get("class") == "grid":
-            axis = "x" if line.get("x1") == line.get("x2") else "y"
-            value = float((text.text or "").replace("\N{MINUS SIGN}", "-"))
-            ticks[axis].append((float(line.attrib[f"{axis}1"]), value))
+    ticks = scales(root)
     assert [value for _, value in ticks["x"]] == [0.0, 90.0, 180.0]
     assert [value for _, value in ticks["y"]] == [-1.0, -0.5, 0.0, 0.5, 1.0]
-    x_axis, y_axis = (
-        np.polyfit([place for place, _ in found], [value for _, value in found], 1)
-        for found in ticks.values()
-    )
-    for line, values in zip(root.iter("polyline"), (rising, other), strict=True):
-        points = np.array([point.split(",") for point in line.attrib["points"].split()], float)
-        assert np.max(np.abs(np.polyval(x_axis, points[:, 0]) - x)) < 0.1
-        assert np.max(np.abs(np.polyval(y_axis, points[:, 1]) - values)) < 0.01
+    found = curves(root)
+    assert list(found) == ["one", "two"]
+    for points, values in zip(found.values(), (rising, other), strict=True):
+        assert np.max(np.abs(points[:, 0] - x)) < 0.1
+        assert np.max(np.abs(points[:, 1] - values)) < 0.01
 
 
 @pytest.mark.parametrize(

@@ -95,6 +95,7 @@ def commands() -> click.Group:
                 say(f"cardan: {' '.join(message.split())}", on_error=True)
             sys.exit(2)
 
+    file_argument = click.argument("file", type=click.Path(path_type=Path))
     scene_argument = click.argument("scene", type=click.Path(path_type=Path))
     as_json = click.option("--json", "as_json", is_flag=True, help="Print JSON for programs.")
     into_option = click.option(
@@ -109,8 +110,10 @@ def commands() -> click.Group:
         help="Unit of angles in print and in tables; default: degrees. Pictures use degrees.",
     )
 
-    def output_option(text: str) -> Callable[[_Function], _Function]:
-        return click.option("--output", type=click.Path(path_type=Path), metavar="FILE", help=text)
+    def file_option(name: str, text: str) -> Callable[[_Function], _Function]:
+        return click.option(name, type=click.Path(path_type=Path), metavar="FILE", help=text)
+
+    picture_as_well = file_option("--output", "Picture to write as well.")
 
     @click.group(cls=OneLine, help=help_text.HELP, invoke_without_command=True)
     @click.version_option(__version__, prog_name="cardan", message="%(prog)s %(version)s")
@@ -121,7 +124,7 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.NEW, short_help="Write a scene to start from.")
     @click.argument("kind", type=click.Choice(list(starters.STARTERS)), metavar="KIND")
-    @click.argument("file", type=click.Path(path_type=Path))
+    @file_argument
     def new(kind: str, file: Path) -> None:
         for path in starters.write_starter(kind, file):
             say(f"wrote {path}")
@@ -189,7 +192,7 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.PLOT, short_help="Draw a scene.")
     @scene_argument
-    @output_option("Picture to write; default: the scene's name with .svg.")
+    @file_option("--output", "Picture to write; default: the scene's name with .svg.")
     @click.option(
         "--study",
         metavar="FIGURE",
@@ -247,7 +250,7 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.REPORT, short_help="Write a page to share.")
     @scene_argument
-    @output_option("Page to write; default: the scene's name with .html.")
+    @file_option("--output", "Page to write; default: the scene's name with .html.")
     def report(scene: Path, output: Path | None) -> None:
         path = output or Path(f"{scene.stem}.html")
         loaded = load_scene(scene)
@@ -271,17 +274,12 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.OPTIMISE, short_help="Find the best values of a scene.")
     @scene_argument
-    @click.option(
-        "--to",
-        type=click.Path(path_type=Path),
-        metavar="FILE",
-        help="Scene to write; default: beside the scene, its name with .optimised.toml.",
+    @file_option(
+        "--to", "Scene to write; default: beside the scene, its name with .optimised.toml."
     )
-    @click.option(
+    @file_option(
         "--picture",
-        type=click.Path(path_type=Path),
-        metavar="FILE",
-        help="Also draw the quantity over each variable and each state, before and after.",
+        "Also draw the quantity over each variable and each state, before and after.",
     )
     @as_json
     def optimise(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
@@ -289,21 +287,21 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.TOLERANCES, short_help="Say how much tolerances matter.")
     @scene_argument
-    @output_option("Picture to write as well.")
+    @picture_as_well
     @as_json
     def tolerances(scene: Path, output: Path | None, as_json: bool) -> None:
         tolerancing.run(scene, output, as_json=as_json)
 
     @cardan.command(help=help_text.LIFE, short_help="Say how long the joints last.")
     @scene_argument
-    @output_option("Picture to write as well.")
+    @picture_as_well
     @as_json
     def life(scene: Path, output: Path | None, as_json: bool) -> None:
         in_service.run(scene, output, as_json=as_json)
 
     @cardan.command(help=help_text.TORSION, short_help="Find resonances of the shafts.")
     @scene_argument
-    @output_option("Picture to write as well.")
+    @picture_as_well
     @click.option(
         "--plot",
         "picture",
@@ -315,7 +313,7 @@ def commands() -> click.Group:
         vibration.run(scene, output, picture, as_json=as_json)
 
     @cardan.command(help=help_text.IDENTIFY, short_help="Find the bend in a recording.")
-    @click.argument("file", type=click.Path(path_type=Path))
+    @file_argument
     @click.option("--drive", metavar="COLUMN", required=True, help="Angle of the drive.")
     @click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
     @click.option(
@@ -352,7 +350,7 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.SCHEMA, short_help="Print the JSON Schema of scenes.")
     @click.option("--answers", is_flag=True, help="The schema of the answers of --json instead.")
-    @output_option("File to write; default: standard output.")
+    @file_option("--output", "File to write; default: standard output.")
     def schema(answers: bool, output: Path | None) -> None:
         text = as_json_text(answers_schema() if answers else Scene.schema())
         if output is None:

@@ -19,8 +19,7 @@ _WIDTH = 79
 # Smaller changes, in the unit of the key, are not worth a word.
 _SHOWN = 5e-4
 
-
-# Keys of which the words stand in another order.
+# In words, the plane comes before the quantity.
 _QUANTITIES = {
     f"{name}_{plane}_deg": f"{plane} {name.replace('_', ' ')}"
     for name in ("slopes", "projected_bends")

@@ -1,0 +1,296 @@
+"""Printed answers read back: each label beside a number that a formula or the library gives."""
+
+from __future__ import annotations
+
+import csv
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import cardan
+from cardan.command import commands
+from cardan.figures.life import needed_life
+from cardan.figures.torsion import TorsionFigures, needed_torsion
+from cardan.scene import Scene
+from cardan.words.summary import figure_text
+from cardan.words.torsion import torsion_text
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+def printed(command: str, name: str, *more: str | Path) -> str:
+    arguments = [command, str(EXAMPLES / f"{name}.toml"), *map(str, more)]
+    result = CliRunner().invoke(commands(), arguments)
+    assert result.exit_code in (0, 1), result.output
+    return result.output
+
+
+def blocks(text: str) -> dict[str, dict[str, str]]:
+    """Return the two columns below each heading, lines that are continued put together."""
+    found: dict[str, dict[str, str]] = {}
+    heading, label = "", ""
+    for line in text.splitlines():
+        if not line.startswith("  "):
+            heading, label = line, ""
+        elif line.startswith("      "):
+            found[heading][label] += f" {line.strip()}"
+        else:
+            label, _, words = line.strip().partition("  ")
+            found.setdefault(heading, {})[label] = words.strip()
+    return found
+
+
+def rows(text: str, heading: str) -> list[list[str]]:
+    """Return the cells of the table below a heading, the head first."""
+    lines = text.partition(f"{heading}\n")[2].partition("\n\n")[0].splitlines()
+    return [re.split(r"\s{2,}", line.strip()) for line in lines]
+
+
+def first_number(text: str) -> float:
+    found = re.match(r"-?[\d.]+", text)
+    assert found, text
+    return float(found[0])
+
+
+def test_life_of_joints() -> None:
+    text = printed("life", "conveyor")
+    given = tomllib.loads((EXAMPLES / "conveyor.toml").read_text(encoding="utf-8"))
+    with open(EXAMPLES / "joint_sizes.csv", encoding="utf-8", newline="") as file:
+        sizes = {row["size"]: row for row in csv.DictReader(file)}
+    duty, own = given["life"], sizes[given["joints"]["size"]]
+    found = needed_life(Scene.load(EXAMPLES / "conveyor.toml"))
+    # Palmgren and Miner: turns times the power 10/3 of the torque.
+    wear = [
+        hours * speed * torque ** (10.0 / 3.0)
+        for hours, speed, torque in zip(
+            duty["hours"], duty["speed_rpm"], duty["output_torque_Nm"], strict=True
+        )
+    ]
+    most = int(np.argmax(wear))
+    for joint, bend in enumerate(given["driveline"]["bends_deg"]):
+        shown = blocks(text)[f"Joint {joint}"]
+        assert shown["size"] == own["size"]
+        assert shown["rating"] == f"{own['rating_Nm']} N m"
+        assert shown["largest bend"] == f"{bend}°; permitted {own['max_bend_deg']}°"
+        product = f"{bend * max(duty['speed_rpm'])} rpm °"
+        limit = f"permitted {own['max_speed_bend_rpm_deg']} rpm °"
+        assert shown["largest speed times bend"] == f"{product}; {limit}"
+        share = f"{100.0 * wear[most] / sum(wear):.0f} % of the damage"
+        assert shown["most wear"] == f"{duty['names'][most]}, {share}"
+        figures = found.joints[joint]
+        assert figures.hours is not None
+        assert figures.catalogue is not None
+        assert figures.heat is not None
+        assert shown["L10h by the load of the pins"] == f"{figures.hours:.0f} h"
+        assert shown["L10h by the catalogue's law"] == f"{figures.catalogue:.0f} h"
+        assert figures.hours < figures.catalogue
+        mean, largest = figures.heat.mean, figures.heat.largest
+        assert mean < largest
+        name = duty["names"][figures.heat.step]
+        assert shown["heat"] == f"{figure_text(mean)} W, at most {figure_text(largest)} W in {name}"
+
+
+def test_duty_cycle_and_sizes() -> None:
+    text = printed("life", "conveyor")
+    given = tomllib.loads((EXAMPLES / "conveyor.toml").read_text(encoding="utf-8"))
+    duty = given["life"]
+    assert rows(text, "Duty cycle")[1:] == [
+        [name, f"{hours} %", f"{speed}", f"{torque} at the output", "12, 18"]
+        for name, hours, speed, torque in zip(
+            duty["names"], duty["hours"], duty["speed_rpm"], duty["output_torque_Nm"], strict=True
+        )
+    ]
+    found = needed_life(Scene.load(EXAMPLES / "conveyor.toml"))
+    hours_of = {one.size.name: one.hours for one in found.sizes}
+    heat = sum(joint.heat.mean for joint in found.joints if joint.heat)
+    with open(EXAMPLES / "joint_sizes.csv", encoding="utf-8", newline="") as file:
+        sizes = list(csv.DictReader(file))
+    shown = rows(text, "Sizes")[1:]
+    assert len(shown) == len(sizes)
+    for row, size in zip(shown, sizes, strict=True):
+        # The bends are 12° and 18°, at up to 1500 rpm.
+        fits = float(size["max_bend_deg"]) >= 18.0
+        fits = fits and float(size["max_speed_bend_rpm_deg"]) >= 27_000.0
+        hours = hours_of[size["size"]]
+        assert row == [
+            *(size["size"], size["rating_Nm"], f"{hours:.0f} h", "1"),
+            *(figure_text(heat), "within" if fits else "beyond"),
+        ]
+    # What is chosen is the smallest size that lasts and fits.
+    assert found.decisive is not None
+    sentence = " ".join(text.split("\n\n")[1].split())
+    assert sentence.startswith(
+        f"L10h {found.decisive.hours:.0f} h, below the required 8000 h; joint 1 decides; size "
+        f"1550 would give {hours_of['1550']:.0f} h."
+    )
+
+
+def test_tube() -> None:
+    shown = blocks(printed("life", "conveyor"))["Tube of shaft 1"]
+    tube = cardan.tube(0.09, 0.003, length=1.5)
+    assert shown["torsional stiffness"] == f"{figure_text(float(tube.stiffness))} N m/rad"
+    assert shown["moment of inertia"] == f"{figure_text(float(tube.inertia))} kg m²"
+    # In the start 700 N m at the output; joint 1, bent by 18°, lifts the torque of shaft 1.
+    torque = 700.0 / np.cos(np.radians(18.0))
+    assert shown["largest torque"] == f"{figure_text(torque)} N m"
+    area = np.pi / 32.0 * (0.09**4 - 0.084**4)
+    assert shown["shear stress"] == f"{1e-6 * torque * 0.045 / area:.4g} MPa; permitted 60 MPa"
+    assert shown["critical bending speed"].endswith(" rpm")
+    margin = first_number(shown["critical bending speed"]) / 1500.0
+    assert shown["margin"] == f"{margin:.3g} times the largest speed 1500 rpm; at least 1.5"
+    over = printed("life", "ship_shaft")
+    shown = blocks(over)["Tube of shaft 1"]
+    stress, _, limit = shown["shear stress"].partition("; permitted ")
+    assert first_number(stress) > first_number(limit)
+    words = f"The shear stress in the tube of shaft 1 is {stress}, beyond the permitted {limit}."
+    assert words in " ".join(over.split())
+
+
+def needed(name: str) -> TorsionFigures:
+    return needed_torsion(Scene.load(EXAMPLES / f"{name}.toml"))
+
+
+def test_natural_frequencies_and_critical_speeds() -> None:
+    found = needed("truck_torsion")
+    shown = blocks(torsion_text(found))
+    system = found.torsion.system
+    frequencies = []
+    for (hertz, words), mode in zip(shown["Natural frequencies"].items(), found.modes, strict=True):
+        frequencies.append(first_number(hertz))
+        assert hertz.endswith(" Hz")
+        assert frequencies[-1] == pytest.approx(mode.frequency / (2.0 * np.pi), rel=1e-3)
+        shares = re.findall(r"shaft (\d) \((\d+) %\)", words)
+        by_shaft = dict(zip(system.compliant, mode.shares, strict=True))
+        assert [int(shaft) for shaft, _ in shares] == sorted(
+            by_shaft, key=lambda shaft: -by_shaft[shaft]
+        )
+        for shaft, percent in shares:
+            assert float(percent) == pytest.approx(100.0 * by_shaft[int(shaft)], abs=0.5)
+        ratio = float(words.rpartition("damping ratio ")[2])
+        assert ratio == pytest.approx(mode.damping_ratio, rel=1e-3)
+    criticals = shown["Critical speeds"]
+    orders = []
+    for speed, words in criticals.items():
+        found_words = re.fullmatch(
+            r"order (\d) meets ([\d.]+) Hz: ([\d.]+) N m of this order in shaft (\d)"
+            r"(, outside the speed range)?",
+            words,
+        )
+        assert found_words, words
+        order, hertz, amplitude, shaft, outside = found_words.groups()
+        orders.append((int(order), float(hertz)))
+        rpm = first_number(speed)
+        assert rpm == pytest.approx(60.0 * float(hertz) / int(order), rel=2e-3)
+        assert bool(outside) == (not 500.0 <= rpm <= 3000.0)
+        steady = system.steady(60.0 * float(hertz) / int(order) * np.pi / 30.0, int(order))
+        sizes = np.abs(steady.torque_orders[:, 0])
+        place = list(system.compliant).index(int(shaft))
+        assert float(amplitude) == pytest.approx(sizes[place], rel=0.02)
+    assert orders == [(order, hertz) for order in (2, 4) for hertz in frequencies]
+
+
+def test_largest_torques() -> None:
+    found = needed("truck_torsion")
+    shown = blocks(torsion_text(found))["Largest torque, 500 to 3000 rpm"]
+    system = found.torsion.system
+    speed = np.linspace(500.0, 3000.0, 2501)
+    steady = system.steady(speed * np.pi / 30.0)
+    for place, (shaft, words) in enumerate(shown.items()):
+        assert shaft == f"shaft {system.compliant[place]}"
+        numbers = re.fullmatch(r"(\S+) to (\S+) N m at (\S+) rpm, mean (\S+) N m", words)
+        assert numbers, words
+        least, most, rpm, mean = map(float, numbers.groups())
+        at = int(np.argmax(np.fmax(steady.torque_max, -steady.torque_min)[place]))
+        assert rpm == pytest.approx(speed[at], abs=1.0)
+        assert least == pytest.approx(steady.torque_min[place, at], rel=2e-3)
+        assert most == pytest.approx(steady.torque_max[place, at], rel=2e-3)
+        assert mean == pytest.approx(steady.torque_mean[place, at], rel=5e-3)
+    sentences = " ".join(torsion_text(found).rpartition("\n\n")[2].split())
+    largest = max(found.largest, key=lambda torque: torque.size)
+    ratio = largest.size / abs(largest.mean)
+    (said,) = re.findall(r"in shaft 1 at \d+ rpm, ([\d.]+) times the mean torque there", sentences)
+    assert float(said) == pytest.approx(ratio, rel=1e-3)
+
+
+def test_unstable_speeds() -> None:
+    found = needed("rig_torsion")
+    assert found.unstable
+    shown = blocks(torsion_text(found))["Stability"]
+    assert len(shown) == len(found.unstable)
+    for (speeds, words), region in zip(shown.items(), found.unstable, strict=True):
+        ends = [float(end) for end in speeds.removesuffix(" rpm").split(" to ")]
+        rpm = [speed * 30.0 / np.pi for speed in (region.start, region.stop)]
+        assert ends == pytest.approx(rpm, rel=1e-3)
+        percent = re.fullmatch(r"unstable, a deviation grows by up to (\S+) % per half turn", words)
+        assert percent, words
+        assert float(percent[1]) == pytest.approx(100.0 * (region.multiplier - 1.0), rel=6e-3)
+
+
+def test_figures_before_and_after(tmp_path: Path) -> None:
+    text = printed("optimise", "truck_heights", "--to", tmp_path / "a.toml")
+    before, after = (
+        np.degrees(Scene.load(path).drivelines().equivalent().bend)
+        for path in (EXAMPLES / "truck_heights.toml", tmp_path / "a.toml")
+    )
+    scene = Scene.load(EXAMPLES / "truck_heights.toml")
+    assert scene.states
+    head, _, table = text[text.index("equivalent bend [deg]") :].partition("\n")
+    assert head.split()[-2:] == ["before", "after"]
+    lines = [line.split() for line in table.partition("\n\n")[0].splitlines()]
+    assert [line[0] for line in lines] == list(scene.states.names)
+    assert [float(line[1]) for line in lines] == pytest.approx(before.tolist(), rel=1e-3)
+    assert [float(line[2]) for line in lines] == pytest.approx(after.tolist(), rel=1e-3)
+    assert (
+        f"Equivalent bend, largest of 9 states: {figure_text(before.max())}° before, "
+        f"{figure_text(after.max())}° after." in text
+    )
+    # The changes that the sentences name are those of the scene that is written.
+    old, new = (
+        tomllib.loads(path.read_text(encoding="utf-8"))["driveline"]
+        for path in (EXAMPLES / "truck_heights.toml", tmp_path / "a.toml")
+    )
+    rise = new["points_mm"][2][1] - old["points_mm"][2][1]
+    assert rise < 0.0
+    assert f"- move joint 1 by {-rise:g} mm along -y (points_mm.2.y:" in text
+    turn = new["phases_deg"][0] - old["phases_deg"][0]
+    assert turn < 0.0
+    teeth = -turn / 360.0 * scene.options.get("teeth", 24)
+    assert f"of shaft 1 by {teeth:g} teeth counter-clockwise ({-turn:.2f}°)" in text
+    assert new["phases_deg"][1] == old["phases_deg"][1]
+    assert "- leave the output-side yoke of shaft 2 as it is (phases_deg.1)" in text
+
+
+def test_spline() -> None:
+    shown = blocks(printed("check", "slip"))["Spline of shaft 1"]
+
+    def length(y: float) -> float:
+        return float(np.linalg.norm([1200.0, y, 40.0]))
+
+    rest = length(-110.0)
+    lengths = [first_number(shown[f"{name} length"]) for name in ("shortest", "longest")]
+    assert first_number(shown["length at the points of the scene"]) == pytest.approx(rest, abs=0.05)
+    given = tomllib.loads((EXAMPLES / "slip.toml").read_text(encoding="utf-8"))
+    heights = given["study"]["points_mm"]["2-3"]["y"]
+    every = [length(y) for y in np.linspace(heights["from"], heights["to"], heights["steps"])]
+    assert lengths == pytest.approx([min(every), max(every)], abs=0.05)
+    assert shown["longest length"].endswith(" at points_mm.2-3.y = -180")
+    travel = max(every) - min(every)
+    assert shown["travel"] == f"{figure_text(travel)} mm; at most 40.00 mm"
+    engaged = 80.0 - (max(every) - rest)
+    assert shown["least engaged length"] == f"{figure_text(engaged)} mm; at least 65.00 mm"
+    assert shown["left to push in"] == f"{figure_text(25.0 - (rest - min(every)))} mm"
+    # The torque of the shaft is largest where joint 1 is bent most; friction 0.12 at 20 mm.
+    cosine = 1200.0 / length(-180.0)
+    torque = 400.0 / cosine
+    force = 0.12 * torque / 0.02
+    place = " at points_mm.2-3.y = -180"
+    assert shown["largest torque of the shaft"] == f"{figure_text(torque)} N m{place}"
+    assert shown["largest axial force"] == f"{figure_text(force)} N"
+    along, across = force * cosine, force * np.sqrt(1.0 - cosine**2)
+    for shaft in ("shaft 0, upstream", "shaft 2, downstream"):
+        words = f"{figure_text(along)} N along it, {figure_text(across)} N across"
+        assert shown[f"on {shaft}"] == words

@@ -1,0 +1,68 @@
+"""What a page of the report shows, read back: the cells of its tables, the values of its curves."""
+
+from __future__ import annotations
+
+import html
+import re
+from itertools import pairwise
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def tables(page: str) -> dict[str, list[list[str]]]:
+    """Return the rows of every table by its caption, the head first."""
+    return {
+        html.unescape(caption): [
+            [html.unescape(cell) for cell in re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row)]
+            for row in re.findall(r"<tr>(.*?)</tr>", rows)
+        ]
+        for caption, rows in re.findall(r"<caption>(.*?)</caption>(.*?)</table>", page, re.S)
+    }
+
+
+def figure(page: str, heading: str) -> ElementTree.Element:
+    """Return the figure with a heading; there must be exactly one."""
+    found = [
+        element
+        for element in map(ElementTree.fromstring, re.findall(r"<figure>.*?</figure>", page, re.S))
+        if element[0].text == heading
+    ]
+    assert len(found) == 1, heading
+    return found[0]
+
+
+def value(text: str) -> float:
+    """Return a number as the page writes it, with a true minus sign."""
+    return float(text.replace("\N{MINUS SIGN}", "-"))
+
+
+def scales(chart: ElementTree.Element) -> dict[str, list[tuple[float, float]]]:
+    """Return place and value of every tick of each axis."""
+    ticks: dict[str, list[tuple[float, float]]] = {"x": [], "y": []}
+    for line, text in pairwise(chart[1]):
+        if line.get("class") == "grid":
+            axis = "x" if line.get("x1") == line.get("x2") else "y"
+            ticks[axis].append((float(line.attrib[f"{axis}1"]), value(text.text or "")))
+    return ticks
+
+
+def legend_of(chart: ElementTree.Element) -> list[str]:
+    """Return the words beside the curves or bands."""
+    return [" ".join("".join(item.itertext()).split()) for item in chart[2]]
+
+
+def curves(chart: ElementTree.Element) -> dict[str, NDArray[np.float64]]:
+    """Return the points ``(n, 2)`` of every curve by its legend, as its axes say where they are."""
+    ticks = {axis: np.array(found) for axis, found in scales(chart).items()}
+    x_axis, y_axis = (np.polyfit(ticks[axis][:, 0], ticks[axis][:, 1], 1) for axis in "xy")
+    found: dict[str, list[str]] = {}
+    for line in chart.iter("polyline"):
+        label = legend_of(chart)[int(line.attrib["class"].removeprefix("curve c"))]
+        found.setdefault(label, []).extend(line.attrib["points"].split())
+    drawn = {}
+    for label, points in found.items():
+        x, y = np.transpose([point.split(",") for point in points]).astype(np.float64)
+        drawn[label] = np.stack([np.polyval(x_axis, x), np.polyval(y_axis, y)], axis=-1)
+    return drawn
