@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from cardan import Driveline, Load, Scene, Sweep, TorsionalSystem, optimise
+from cardan import Driveline, Load, Scene, Sweep, TorsionalSystem, identify, optimise
 
 THREADS = 4
 GROWTH = 0.03
@@ -66,6 +66,9 @@ def jobs() -> dict[str, Callable[[], Any]]:
         damping_ratios=0.02,
         load_torque=30.0,
     )
+    as_built = shaft.with_deviations(driving_yoke=0.01, cross=[0.0, 0.02])
+    orders = shaft.plan(("speed_ratio", "moment"), load=torque)
+    recorded = small + 0.02 * np.sin(2.0 * small)
     steps = Load(output_torque=[400.0, 700.0], speed_rpm=[1500.0, 900.0])
 
     def filled() -> Any:  # noqa: ANN401
@@ -92,6 +95,14 @@ def jobs() -> dict[str, Callable[[], Any]]:
     def lasting() -> Any:  # noqa: ANN401
         found = shaft.reshape(1).life(steps, rating=RATING, shares=[0.7, 0.3])
         return {"hours": found.hours, "each": found.mean_hours}
+
+    def analysed() -> Any:  # noqa: ANN401
+        found = orders.harmonics(8)
+        return {name: found.amplitude[name] for name in ("speed_ratio", "moment")}
+
+    def identified() -> Any:  # noqa: ANN401
+        found = identify(small, angle=recorded)
+        return {"bend": found.bend, "deviation": found.std}
 
     def optimised() -> Any:  # noqa: ANN401
         best = optimise(
@@ -132,6 +143,9 @@ def jobs() -> dict[str, Callable[[], Any]]:
         "tolerances": toleranced,
         "torsion": vibrating,
         "life": lasting,
+        "as built": lambda: as_built.evaluate(angle[:20_000], ("angle", "moment"), load=torque),
+        "harmonics": analysed,
+        "identified": identified,
         "optimum": optimised,
     }
 
