@@ -52,6 +52,19 @@ impl<'a> TableColumn<'a> {
     fn of(source: &Source<'a>) -> Self {
         Self { data: source.data, strides: Cow::Borrowed(source.strides) }
     }
+
+    /// Reads values that lie `step` apart, from the one at `begin` on.
+    pub(crate) fn read(&self, begin: usize, step: usize, out: &mut [f64]) {
+        match step {
+            0 => out.fill(self.data[begin]),
+            1 => out.copy_from_slice(&self.data[begin..begin + out.len()]),
+            _ => {
+                for (x, &value) in out.iter_mut().zip(self.data[begin..].iter().step_by(step)) {
+                    *x = value;
+                }
+            }
+        }
+    }
 }
 
 impl<'a> Table<'a> {

@@ -334,7 +334,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             }
             (None, _) => {
                 self.angles.resize(size, 0.0);
-                gather(table.columns[ANGLE].data, begin, step, &mut self.angles);
+                table.columns[ANGLE].read(begin, step, &mut self.angles);
                 DriveAngles::Array(&self.angles)
             }
         };
@@ -398,8 +398,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             for index in loads.clone() {
                 let (origin, step) = scratch.cursors[index];
                 if step != 0 {
-                    let (data, buffer) = (table.columns[index].data, &mut scratch.gathered[index]);
-                    gather(data, origin + samples.start * step, step, &mut buffer[..size]);
+                    let begin = origin + samples.start * step;
+                    table.columns[index].read(begin, step, &mut scratch.gathered[index][..size]);
                 }
             }
             let mut load = |scratch: &mut Scratch<T>, fresh| {
@@ -488,18 +488,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     kernels::convert(level, angles, &mut planes[plane].words()[place]);
                 }
                 at += size;
-            }
-        }
-    }
-}
-
-fn gather(data: &[f64], origin: usize, step: usize, buffer: &mut [f64]) {
-    match step {
-        0 => buffer.fill(data[origin]),
-        1 => buffer.copy_from_slice(&data[origin..origin + buffer.len()]),
-        _ => {
-            for (x, &value) in buffer.iter_mut().zip(data[origin..].iter().step_by(step)) {
-                *x = value;
             }
         }
     }
