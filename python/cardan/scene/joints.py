@@ -10,7 +10,7 @@ from typing import Any
 import cardan.scene.values as kinds
 from cardan.errors import ArgumentValueError
 from cardan.outputs import nearest
-from cardan.scene.joint_deviations import OF_DEVIATIONS
+from cardan.scene.joint_deviations import IN_DEGREES_OR_MM, OF_DEVIATIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.sizes import FRICTION, OF_SIZE, JointSize, read_sizes, size_of
 
@@ -27,6 +27,7 @@ JOINTS = Section(
         **OF_SIZE,
         **OF_DEVIATIONS,
     },
+    together=IN_DEGREES_OR_MM,
     fewest=1,
     with_key=(("size", "sizes"),),
 )

@@ -11,7 +11,7 @@ from cardan.driveline import Driveline
 from cardan.load import Load
 from cardan.scene.document import Document
 from cardan.scene.duty import DutyCycle, duty_cycle
-from cardan.scene.joint_deviations import OF_DEVIATIONS
+from cardan.scene.joint_deviations import OF_DEVIATIONS, in_mm
 from cardan.scene.joints import Joints, joints_of
 from cardan.scene.layout import SceneLayout
 from cardan.scene.offsets import AxisOffsets, offsets_of
@@ -62,6 +62,9 @@ def service_of(
     joints = duty = tubes = offsets = None
     with document.within("joints", "sizes"):
         sizes = {k: v for k, v in given.get("joints", {}).items() if k not in OF_DEVIATIONS}
+        if in_mm(given) and sizes.keys().isdisjoint({"sizes", "friction", "pin_radius_mm"}):
+            # Then it is there for the deviations alone.
+            sizes.pop("arm_mm", None)
         if sizes:
             joints = joints_of(sizes, line.n_joints, folder)
     with document.within("life"):
@@ -78,6 +81,11 @@ def service_of(
     if duty is None and (joints or tubes) and layout and load is not None and _is_one_step(load):
         duty = duty_cycle({}, line, load, layout, states)
     return Service(joints, duty, tubes, offsets)
+
+
+def known_arms(service: Service) -> list[float | None]:
+    """Return the arm of each joint in m where its size says it; nothing without sizes."""
+    return [size.arm for size in service.joints.each] if service.joints else []
 
 
 def _is_one_step(load: Load) -> bool:
