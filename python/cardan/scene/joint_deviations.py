@@ -142,8 +142,8 @@ def arms_of_lengths(values: Mapping[str, Any], arms: FloatArray | None) -> dict[
 
 
 def in_mm(sections: Mapping[str, Mapping[str, Any]]) -> bool:
-    """Whether a scene gives deviations or their tolerances as lengths, which need an arm."""
-    keys = {mm for _, mm in IN_DEGREES_OR_MM}
+    """Whether a scene gives deviations, their tolerances or play as lengths, which need an arm."""
+    keys = {"play_mm", *(mm for _, mm in IN_DEGREES_OR_MM)}
     return any(not keys.isdisjoint(sections.get(name, {})) for name in ("joints", "tolerances"))
 
 

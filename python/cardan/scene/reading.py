@@ -149,7 +149,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             states = states_of(given["states"], layout)
     service = service_of(document, folder, line, loaded.load, layout, states)
-    joints, arms = given.get("joints", {}), known_arms(service)
+    joints, arms = given.get("joints", {}), known_arms(service.joints)
     with document.within("joints"):
         deviations = deviations_of(joints, line, given, arms_of(joints, line.n_joints, arms))
     if deviations is not None:
