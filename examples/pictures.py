@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 import cardan
 from cardan import plots
+from cardan.figures.backlash import drawn_backlash
 from cardan.figures.life import needed_life
 from cardan.figures.optimise import optimised
 from cardan.figures.scene_forces import scene_force_paths
@@ -70,6 +71,11 @@ save("forces", plots.plot_forces(scene_force_paths(scene), scene.title))
 scene = cardan.Scene.load(Path(__file__).with_name("axial_travel.toml"))
 plots.write_slides(drawn_slides(scene), folder / "axial_travel.svg", scene.title)
 print("wrote axial_travel.svg")
+
+# The backlash loop of worn joints.
+scene = cardan.Scene.load(Path(__file__).with_name("worn_joints.toml"))
+plots.write_backlash(drawn_backlash(scene), folder / "backlash.svg", scene.title)
+print("wrote backlash.svg")
 
 # Thoma's moments of a flywheel, exact and for small bends.
 figure, axes = panels(3)

@@ -205,8 +205,8 @@ class AsBuilt(Mounted):
     ) -> OrderTolerances:
         """Return what tolerances of the joints make of one order of the angle error.
 
-        The corner of the tolerances that is worst to first order is evaluated as built; the spread
-        is of first order.
+        The worst corner of the tolerances is evaluated as built, the spread is of first order.
+        ``tolerances`` has quantiles of drivelines as built, and other figures.
 
         Args:
             driving_yoke: tolerance of this deviation, ± each, as for ``with_deviations``: one

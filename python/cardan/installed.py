@@ -107,6 +107,9 @@ class Installed(AsBuilt):
         twists: ArrayLike | None = None,
         phases: ArrayLike | None = None,
         points: ArrayLike | None = None,
+        driving_yoke: ArrayLike | None = None,
+        cross: ArrayLike | None = None,
+        driven_yoke: ArrayLike | None = None,
         degrees: bool = False,
         distribution: Literal["uniform", "normal"] = "uniform",
         teeth: ArrayLike | None = None,
@@ -136,6 +139,11 @@ class Installed(AsBuilt):
             points: of every coordinate of the points, in their unit: one number, ``(..., n + 2,
                 1)`` or ``(..., n + 2, 3)``. Bends and twists follow from the points; only phases
                 can have tolerances besides.
+            driving_yoke: of the deviations of the joints, as ``with_deviations`` has them, one
+                number or ``(..., n)`` like the following two. ``0.1 mm`` at an arm of ``40 mm`` are
+                ``0.1 / 40`` rad. Deviations that the driveline has are the middle.
+            cross: of the crosses.
+            driven_yoke: of the driven yokes.
             degrees: whether tolerances and limits that are angles are in degrees.
             distribution: ``"uniform"`` within ± the tolerance, or ``"normal"`` with the tolerance
                 as three standard deviations.
@@ -145,9 +153,10 @@ class Installed(AsBuilt):
             of: one name or several: ``"equivalent_bend"``, ``"non_uniformity"``,
                 ``"max_angle_error"``, ``"torsional_excitation"``, ``"inertia_excitation_driving"``,
                 ``"inertia_excitation_coasting"``, ``"inertia_excitation"`` for the larger of both,
-                an output reduced over a turn of 360 samples, such as ``"support_moment_1_peak"``,
-                or an output from ``cardan.OUTPUTS`` alone, with ``reduce``, ``shafts`` and
-                ``joints``.
+                an order of the motion, such as ``"angle_error_order_1"`` or, at ``speed``,
+                ``"acceleration_order_1"``, an output reduced over a turn of 360 samples, such as
+                ``"support_moment_1_peak"``, or an output from ``cardan.OUTPUTS`` alone, with
+                ``reduce``, ``shafts`` and ``joints``.
             limit: what must not be exceeded, in the unit of the figure; with several figures a
                 mapping by name. Default: the 3° of the catalogues for the first three figures.
             speed: drive speed in rad/s, for the excitations; broadcasts to the batch.
@@ -173,14 +182,22 @@ class Installed(AsBuilt):
             TypeError: values that are not real numbers.
             ValueError: no tolerances, a negative one, one that permits a bend of 90°, points of a
                 driveline that was not made from points, an unknown figure, shapes that do not fit,
-                states with different tolerances.
+                states with different tolerances; deviations with which a joint could not turn, and
+                with them the first six figures and forces, which are those of ideal joints.
 
         >>> import cardan
         >>> shaft = cardan.Driveline.from_bends([10, 10], degrees=True)
         >>> shaft.tolerances(phases=5.0, degrees=True).worst_deg.round(4)
         np.float64(4.184)
+
+        What 0.1 mm at 40 mm on every yoke does to order 1 at 3000 rpm:
+
+        >>> yokes = dict(driving_yoke=0.0025, driven_yoke=0.0025)
+        >>> speed = 3000 * 3.14159265 / 30
+        >>> found = shaft.tolerances(**yokes, of="acceleration_order_1", speed=speed)
+        >>> found.worst.round(1)
+        np.float64(122.4)
         """
-        self._geometry.check_ideal("tolerances are computed")
         line: Any = self
         return tolerances.tolerances(
             line,
@@ -189,6 +206,9 @@ class Installed(AsBuilt):
             twists=twists,
             phases=phases,
             points=points,
+            driving_yoke=driving_yoke,
+            cross=cross,
+            driven_yoke=driven_yoke,
             degrees=degrees,
             distribution=distribution,
             teeth=teeth,

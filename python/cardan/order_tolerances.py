@@ -12,13 +12,14 @@ from dataclasses import dataclass
 from typing import Any, Literal, SupportsIndex
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
+from cardan.order_quantities import farthest_signs, order_amplitude
 from cardan.request import item_index
 from cardan.rows import ComplexArray
 from cardan.sweep import Sweep
+from cardan.tolerances.worst import largest_of_corners
 
 _FEWEST = 256
 
@@ -35,8 +36,9 @@ class OrderTolerances:
         drawing: complex amplitude of the drawing.
         contributions: complex amplitude that each tolerance adds, ``(n, 3)``: driving yoke, cross
             and driven yoke of each joint.
-        worst: amplitude of a driveline as built with the combination of tolerances that is worst to
-            first order.
+        worst: amplitude of a driveline as built with the worst combination of tolerances: of those
+            that are reached from the one that is worst to first order by turning one deviation
+            after another to its other end.
         worst_deviations: its deviations in rad, ``(n, 3)``.
         normal: whether tolerances are three standard deviations of a normal distribution.
     """
@@ -113,32 +115,16 @@ def order_tolerances(
     wave = np.exp(-2j * np.pi / count * (np.arange(count) * number % count))
     whole = 2.0 / count * np.tensordot(wave, slopes, axes=1) * halves
     contributions = np.asarray(whole, np.complex128)
-    drawing = _amplitude(line, number, index)
-    corner = halves * _farthest(drawing, contributions.ravel()).reshape(halves.shape)
-    deviations = line.deviations + corner
-    worst = abs(_amplitude(line.with_deviations(*deviations.T), number, index))
+    drawing = complex(order_amplitude(line, number, index))
+    own = line.deviations
+
+    def size(units: FloatArray) -> FloatArray:
+        moved = own + halves * units.T.reshape(-1, *halves.shape)
+        built = line.with_deviations(*np.moveaxis(moved, -1, 0))
+        return np.abs(order_amplitude(built, number, index))
+
+    worst, corner = largest_of_corners(size, farthest_signs(drawing, contributions.ravel()))
+    deviations = own + halves * corner.reshape(halves.shape)
     return OrderTolerances(
         number, drawing, contributions, worst, deviations, distribution == "normal"
     )
-
-
-def _amplitude(line: Any, order: int, shaft: int) -> complex:  # noqa: ANN401 - a driveline
-    found = line.harmonics([order], shaft, outputs="angle_error")
-    return complex(found.complex_amplitude["angle_error"][0])
-
-
-def _farthest(middle: complex, vectors: ComplexArray) -> NDArray[np.float64]:
-    """Signs of the vectors whose sum with the middle is farthest from zero.
-
-    Seen from a direction, the farthest corner adds each vector with the sign of its part along the
-    direction. Signs change only where a direction is at a right angle to a vector.
-    """
-    known = vectors[vectors != 0.0]
-    if not len(known):
-        return np.ones(len(vectors))
-    turned = np.unique((np.angle(known) + 0.5 * np.pi) % np.pi)
-    between = turned + 0.5 * (np.roll(turned, -1) - turned + np.pi * (turned == turned[-1]))
-    directions = np.exp(1j * np.concatenate([between, between + np.pi]))
-    signs = np.where(np.outer(directions.conj(), vectors).real < 0.0, -1.0, 1.0)
-    best: NDArray[np.float64] = signs[np.argmax(np.abs(middle + signs @ vectors))]
-    return best

@@ -14,6 +14,7 @@ from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
+from cardan.order_quantities import order_quantity
 from cardan.outputs import OUTPUTS, nearest
 from cardan.reduced_quantities import reduced_quantity
 
@@ -165,7 +166,7 @@ def label(name: str) -> str:
     """Return a quantity or an output in words."""
     if name in MOTION_QUANTITIES:
         return MOTION_QUANTITIES[name].label
-    reduced = reduced_quantity(name)
-    if reduced:
-        return reduced.label
+    own = reduced_quantity(name) or order_quantity(name)
+    if own:
+        return own.label
     return OUTPUTS[name].label if name in OUTPUTS else name.replace("_", " ")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from cardan.arrays import FloatArray
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output
-from cardan.parameters import LayoutVariables
 from cardan.request import REDUCTIONS, Items, Reduction, item_index
 from cardan.sweep import Sweep
+
+_Kind = TypeVar("_Kind", bound=str)
 
 _SAMPLES_PER_TURN = 360
 
@@ -79,8 +80,8 @@ class ReducedQuantity:
         self,
         line: Any,  # noqa: ANN401
         load: Load | None,
-        by: Iterable[LayoutVariables],
-    ) -> dict[LayoutVariables, FloatArray]:
+        by: Iterable[_Kind],
+    ) -> dict[_Kind, FloatArray]:
         """Return the derivatives of ``of`` by parameters of each driveline.
 
         An end of the samples changes as the sample at which it lies, and the largest of several
@@ -89,25 +90,26 @@ class ReducedQuantity:
         Args:
             line: the drivelines.
             load: as of ``of``.
-            by: which parameters, any of ``LAYOUT_VARIABLES`` that the drivelines have.
+            by: which parameters, any of ``LAYOUT_VARIABLES`` that the drivelines have, or the
+                deviations of joints as built.
 
         Returns:
             for each of them an array in the shape of the batch, followed by that of the parameters.
         """
         plan, name = self._plan(line, load), self.output.name
-        values = np.asarray(plan(self._angles)[name])
+        values = np.asarray(plan(self._angles(line))[name])
         weights = self._weights(values)
         if weights.ndim > len(line.shape) + (2 if self.output.vector else 1):
             chosen = self._chosen(line, load, len(weights))
             weights = weights * chosen.reshape(*chosen.shape, *(1,) * (weights.ndim - chosen.ndim))
-        gradient = plan.gradient(self._angles, {name: weights})
+        gradient = plan.gradient(self._angles(line), {name: weights})
         return {kind: np.squeeze(getattr(gradient, kind), axis=len(line.shape)) for kind in by}
 
     def _each(self, line: Any, load: Load | None, workers: int | None = None) -> FloatArray:  # noqa: ANN401
         """The number of each driveline, behind an axis of the items if there are several."""
         self.check_item(line)
         plan = self._plan(line, load, reduce=self.reduction, workers=workers)
-        values = np.asarray(plan(self._angles)[self.output.name])
+        values = np.asarray(plan(self._angles(line))[self.output.name])
         if self._bearing is not None:
             values = values[self._bearing]
         if self.output.vector and self.reduction != "peak":
@@ -146,9 +148,10 @@ class ReducedQuantity:
             weights = np.where(chosen, _along(ends, own), 0.0)
         return np.asarray(weights if self.output.vector else weights[..., 0])
 
-    @property
-    def _angles(self) -> Sweep:
-        return Sweep.revolutions(1.0 if self.output.name in _PER_TURN else 0.5, _SAMPLES_PER_TURN)
+    def _angles(self, line: Any) -> Sweep:  # noqa: ANN401
+        # Joints as built repeat after a whole turn only.
+        whole = self.output.name in _PER_TURN or line.has_deviations
+        return Sweep.revolutions(1.0 if whole else 0.5, _SAMPLES_PER_TURN)
 
     def _plan(self, line: Any, load: Load | None, **options: Any) -> Any:  # noqa: ANN401
         """The plan of the output for drivelines with an axis for the drive angles."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+import json
 import re
 from pathlib import Path
+from typing import Any
 
 import jsonschema
 import numpy as np
@@ -17,8 +20,10 @@ from cardan.figures.limits import check_data, check_scene
 from cardan.figures.run import run_data
 from cardan.figures.schema import answers_schema
 from cardan.figures.summary import SummaryRow, summary
+from cardan.figures.tolerances import tolerance_figures
 from cardan.report import write_report
 from cardan.scene import Scene, SceneError
+from example_scenes import example
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 HEAD = "[driveline]\nbends_deg = [8, 8]\n[load]\nspeed_rpm = 3000\ndrive_torque_Nm = 100\n"
@@ -139,3 +144,132 @@ def test_sizes_and_deviations_share_a_section() -> None:
     assert scene.service.joints is not None
     assert scene.service.joints.each[0].rating == 900.0
     assert Scene.parse(TEXT).service.joints is None
+
+
+MM = HEAD + "[joints]\narm_mm = [40, 50]\ndriving_yoke_mm = [0.1, 0]\ncross_deg = 0.01\n"
+TOLERANCED = HEAD + (
+    "[tolerances]\ndriving_yoke_mm = 0.1\ndriven_yoke_deg = [0, 0.2]\narm_mm = 40\nsamples = 500\n"
+)
+HALVES = np.array([[0.0025, 0.0025], [0.0, 0.0], [0.0, np.radians(0.2)]])
+
+
+def test_millimetres_at_an_arm_are_angles() -> None:
+    scene = Scene.parse(MM)
+    assert scene.deviations is not None
+    want = [[0.1 / 40.0, np.radians(0.01), 0.0], [0.0, np.radians(0.01), 0.0]]
+    np.testing.assert_allclose(scene.deviations, want, rtol=1e-15)
+    # The arm of a size of joint serves as well, and then the joint rubs.
+    sized = MM.replace("[40, 50]", "40\nfriction = 0.05\npin_radius_mm = 8")
+    rubbing = Scene.parse(sized)
+    assert rubbing.service.joints is not None
+    assert rubbing.service.joints.each[1].arm == 0.04
+    assert Scene.parse(MM).service.joints is None
+    toleranced = Scene.parse(MM + "[tolerances]\ncross_mm = 0.2\nsamples = 9\n").tolerances
+    assert toleranced is not None
+    np.testing.assert_allclose(toleranced.given["cross"], [0.2 / 40.0, 0.2 / 50.0], rtol=1e-15)
+
+
+def test_tolerances_of_joints_are_those_of_the_library() -> None:
+    scene = Scene.parse(TOLERANCED)
+    found = tolerance_figures(scene)
+    assert found is not None
+    own = IDEAL.tolerances(
+        driving_yoke=HALVES[0],
+        driven_yoke=HALVES[2],
+        of="acceleration_order_1",
+        speed=SPEED,
+        samples=500,
+        seed=0,
+    )
+    (figure,) = found.figures
+    assert figure.name == "acceleration_order_1"
+    assert figure.worst == pytest.approx(own.worst, rel=1e-12)
+    assert figure.quantiles == pytest.approx(own.quantile([0.5, 0.95, 0.99]), rel=1e-12)
+    assert figure.guaranteed is None
+    assert found.given["driving_yoke"] == pytest.approx((0.1, 0.1, "mm"))
+    assert found.given["driven_yoke"] == pytest.approx((0.2, 0.2, "deg"))
+    still = Scene.parse(TOLERANCED.replace("speed_rpm = 3000\n", "")).tolerances
+    assert still is not None
+    assert still.of == ("angle_error_order_1",)
+
+
+def test_figures_of_the_layout_are_those_of_ideal_joints() -> None:
+    scene = Scene.parse(TOLERANCED.replace("samples", "phases_deg = 2\nsamples") + JOINTS)
+    found = tolerance_figures(scene)
+    assert found is not None
+    bend, order = found.figures
+    alone = IDEAL.tolerances(phases=2.0, degrees=True)
+    assert bend.label == "equivalent bend of ideal joints"
+    assert bend.worst == pytest.approx(alone.worst_deg, rel=1e-12)
+    assert bend.guaranteed == pytest.approx(alone.guaranteed_deg, rel=1e-12)
+    assert [share.label for share in bend.shares] == ["phase of shaft 1"]
+    assert (bend.measured, order.measured) == (False, True)
+    first = BUILT.harmonics([1], outputs="acceleration_ratio").acceleration_ratio[0] * SPEED**2
+    assert order.nominal == pytest.approx(first, rel=1e-9)
+    only = TOLERANCED.replace("samples", "of = 'equivalent_bend'\nsamples")
+    with pytest.raises(SceneError, match=re.escape("of is 'equivalent_bend', a figure of ideal")):
+        Scene.parse(only)
+
+
+def test_the_table_has_the_worst_of_each_order() -> None:
+    (found,) = as_built_orders(Scene.parse(TOLERANCED))
+    assert (found.deviates, found.toleranced) == (False, True)
+    signs = np.array([*itertools.product((-1.0, 1.0), repeat=4)])
+    lines = IDEAL.with_deviations(
+        signs[:, :2] * HALVES[0], 0.0, signs[:, 2:] * HALVES[2]
+    ).harmonics([1, 3], outputs="angle_error")
+    worst = lines.angle_error.max(axis=0)
+    np.testing.assert_allclose(found.angle_error[2, [0, 2]], worst, rtol=1e-9)
+    assert found.acceleration is not None
+    np.testing.assert_allclose(
+        found.acceleration[2, [0, 2]], worst * np.square([1, 3]) * SPEED**2, rtol=1e-9
+    )
+
+
+def test_the_example_answers_in_millimetres(tmp_path: Path) -> None:
+    path = example("rumble.toml")
+    for name, options in (("run", ["--into", str(tmp_path)]), ("check", [])):
+        text = command(name, path, *options).output
+        row = next(row for row in text.splitlines() if "within the tolerances" in row)
+        assert float(row.split()[-4]) > 0.0
+    text = command("tolerances", path).output
+    assert "tolerance of driving yokes  ±0.1 mm" in text
+    assert "as measured         34.68 rad/s²" in text
+    limit = re.search(r"driving yokes are exact to\s±([0-9.]+) mm", text)
+    assert limit
+    measured = np.array([0.0025, 0.0])
+    yokes: dict[str, Any] = {"driving_yoke": float(limit[1]) / 40.0, "driven_yoke": 0.0025}
+    found = IDEAL.with_deviations(measured).tolerances(
+        **yokes, of="acceleration_order_1", speed=SPEED
+    )
+    assert 99.5 < found.worst <= 100.0
+    data = json.loads(command("tolerances", path, "--json").output)
+    ANSWERS.validate(data)
+    assert data["permitted"][0]["unit"] == "mm"
+    checked = json.loads(command("check", path, "--json").output)
+    ANSWERS.validate(checked)
+    first = checked["as_built"][0]
+    assert first["worst"]["acceleration_rad_s2"] == pytest.approx(
+        data["figures"][0]["worst"], rel=1e-9
+    )
+    page = tmp_path / "page.html"
+    write_report(Scene.load(path), page)
+    words = page.read_text("utf-8")
+    assert "within the tolerances of the joints up to" in words
+    assert "As measured, the driveline is within the 100 rad/s² limit." in words
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("driving_yoke_mm = 0.1\n", "driving_yoke_mm needs arm_mm"),
+        ("driving_yoke_mm = 0.1\ndriving_yoke_deg = 0.1\narm_mm = 40\n", "driving_yoke_mm"),
+        ("cross_mm = [0.1]\narm_mm = 40\n", "cross_mm has length 1; it needs 2, one per joint"),
+        ("cross_mm = 0.1\narm_mm = [40]\n", "arm_mm has length 1; it needs 2, one per joint"),
+        ("driven_yoke_deg = -1\n", "driven_yoke_deg is -1; it must not be negative"),
+        ("driven_yoke_mm = 60\narm_mm = 40\n", "driven_yoke_mm and the others permit"),
+    ],
+)
+def test_wrong_tolerances_of_joints_are_refused(text: str, message: str) -> None:
+    with pytest.raises(SceneError, match=re.escape(message)):
+        Scene.parse(f"{HEAD}[tolerances]\n{text}")

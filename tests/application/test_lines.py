@@ -35,7 +35,7 @@ def normal(label: str) -> str:
     label = re.sub(r", order \d+$", ", order", label)
     label = re.sub(r"^point, [xz]$", "point, y", label)
     label = re.sub(r", column '.*'$", ", column", label)
-    label = re.sub(rf"^within {_NUMBER}°?$", "within", label)
+    label = re.sub(rf"^within {_NUMBER}(?:°| rad/s²)?$", "within", label)
     label = re.sub(rf"^{_NUMBER}(?= (?:%|Hz|rpm|to))", "N", label)
     label = re.sub(rf" to {_NUMBER} rpm$", " to N rpm", label)
     return label.strip().casefold()
@@ -49,7 +49,8 @@ def printed_labels(text: str) -> Iterator[str]:
                 yield normal(finding[1])
                 continue
             cells = re.split(r" {2,}", line.strip())
-            if line.startswith("    ") and len(cells) < 3 and not line.startswith("    p"):
+            share = re.match(r" {4}(?:p|(?:cross|driving yoke|driven yoke) of )", line)
+            if line.startswith("    ") and len(cells) < 3 and not share:
                 continue
             if len(cells) == 1:
                 continue
@@ -118,12 +119,13 @@ def labels_of_report(file: Path) -> set[str]:
     return judged(normal(html.unescape(re.sub("<.*?>", "", cell))) for cell in cells)
 
 
-# What no example has: tolerances of twists and of the teeth of splines.
+# What no example has: tolerances of twists, of crosses and of the teeth of splines.
 TOLERANCED = """
 [driveline]
 bends_deg = [4, 4, 4]
 [tolerances]
 twists_deg = 1
+cross_deg = 1
 teeth = 36
 samples = 100
 """
@@ -180,7 +182,8 @@ def test_page_explains_reports_and_nothing_else(
     found, page = labels_of_pages(), tmp_path / "page.html"
     (tmp_path / "toleranced.toml").write_text(TOLERANCED, encoding="utf-8")
     found |= judged(printed_labels(done("tolerances", "toleranced.toml")))
-    found |= judged(printed_labels(done("run", str(ROOT / "examples" / "steering_column.toml"))))
+    for name in ("steering_column", "rumble"):
+        found |= judged(printed_labels(done("run", str(ROOT / "examples" / f"{name}.toml"))))
     for name in ("truck_centre_bearing", "steering_column", "suspension", "run_up", "ball_joint"):
         done("report", str(ROOT / "examples" / f"{name}.toml"), "--output", str(page))
         found |= labels_of_report(page)

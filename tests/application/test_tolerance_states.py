@@ -131,7 +131,8 @@ def test_the_sentence_names_the_state() -> None:
     none = TEXT.replace("samples", "of = 'torque_1_peak'\nsamples") + "[load]\noutput_torque_Nm = 9"
     open_ = tolerance_figures(Scene.parse(none))
     assert open_ is not None
-    assert re.match(r"9\.\d+ N m as drawn in low; with these", verdict_texts(open_)[0])
+    said = r"Torque of shaft 1, peak: 9\.\d+ N m as drawn in low; with these"
+    assert re.match(said, verdict_texts(open_)[0])
     unnamed = TEXT.replace('names = ["low", "rest", "high"]\n', "")
     found = tolerance_figures(Scene.parse(unnamed))
     assert found is not None

@@ -58,7 +58,7 @@ def quantities(reduction: Any) -> list[ReducedQuantity]:  # noqa: ANN401
 def test_derivatives_are_those_of_differences(given: dict[str, Any], reduction: str) -> None:
     line, step = line_of(given), 1e-6
     for quantity in quantities(reduction):
-        found = quantity.derivatives(line, LOAD, given.keys())  # type: ignore[arg-type]
+        found = quantity.derivatives(line, LOAD, given.keys())
         for name, got in found.items():
             values = given[name]
             assert got.shape == values.shape

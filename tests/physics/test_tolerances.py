@@ -757,7 +757,7 @@ def test_corners_are_followed_to_the_last() -> None:
         right = np.cumprod(x > 0.0, axis=0)
         return np.asarray(np.sum(right, axis=0, dtype=np.float64))
 
-    assert largest_of_corners(below, -np.ones(5)) == 5.0
+    assert largest_of_corners(below, -np.ones(5))[0] == 5.0
 
 
 def test_blocks_of_outputs_are_whole(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -1100,7 +1100,8 @@ def test_reduced_outputs_keep_bearings_and_points() -> None:
     [
         (
             {},
-            "tolerances are missing; give at least one of bends, twists, phases, points and teeth",
+            "tolerances are missing; give at least one of bends, twists, phases, points, "
+            "driving_yoke, cross, driven_yoke and teeth",
         ),
         ({"bends": -0.1}, "bends is -0.1; a tolerance must be finite and not negative"),
         ({"bends": [0.1, np.nan, 0.1]}, "bends[1] is nan; a tolerance must be finite"),

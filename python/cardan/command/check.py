@@ -15,6 +15,7 @@ from cardan.command.terminal import (
 )
 from cardan.figures.advice import scene_advice
 from cardan.figures.as_built import as_built_orders
+from cardan.figures.backlash import scene_backlash
 from cardan.figures.drive_speed import drive_speed
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.slides import scene_slides
@@ -28,6 +29,7 @@ from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
 from cardan.words.advice import remedies
 from cardan.words.as_built import as_built_text
+from cardan.words.backlash import backlash_text
 from cardan.words.ball_joint import ball_joint_text
 from cardan.words.drive_speed import drive_speed_text
 from cardan.words.forces import forces_text
@@ -72,6 +74,8 @@ def _further(scene: Scene) -> Iterator[str]:
         yield drive_speed_text(speed)
     if built := as_built_orders(scene):
         yield as_built_text(built)
+    if loose := scene_backlash(scene):
+        yield backlash_text(loose)
     if forces := forces_of(scene):
         yield forces_text(forces)
     if slip := slip_figures(scene):

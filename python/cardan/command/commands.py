@@ -29,6 +29,7 @@ from cardan.command.terminal import (
     say,
 )
 from cardan.errors import ArgumentValueError
+from cardan.figures.backlash import drawn_backlash
 from cardan.figures.identification import identification_data
 from cardan.figures.scene_forces import scene_force_paths
 from cardan.figures.schema import answers_schema
@@ -36,7 +37,7 @@ from cardan.figures.slides import drawn_slides
 from cardan.figures.summary import recorded_angles
 from cardan.figures.yokes import yoke_settings
 from cardan.files.whole_file import whole_file
-from cardan.plots import plot_forces, save, write_picture, write_slides
+from cardan.plots import plot_forces, save, write_backlash, write_picture, write_slides
 from cardan.plots.abscissa import Over
 from cardan.plots.torsion import PICTURES
 from cardan.report import write_report
@@ -205,6 +206,7 @@ def commands() -> click.Group:
     )
     @click.option("--forces", is_flag=True, help="Draw the paths of the force vectors instead.")
     @click.option("--slides", is_flag=True, help="Draw the axial travel of offset axes instead.")
+    @click.option("--backlash", is_flag=True, help="Draw play and wind-up of the joints instead.")
     def plot(
         scene: Path,
         output: Path | None,
@@ -212,6 +214,7 @@ def commands() -> click.Group:
         over: Over | None,
         forces: bool,
         slides: bool,
+        backlash: bool,
     ) -> None:
         if study is not None and over is not None:
             raise click.UsageError("--over does not go with --study")
@@ -219,11 +222,15 @@ def commands() -> click.Group:
             raise click.UsageError("--forces does not go with --study or --over")
         if slides and (forces or study is not None or over is not None):
             raise click.UsageError("--slides does not go with --forces, --study or --over")
+        if backlash and (slides or forces or study is not None or over is not None):
+            raise click.UsageError(
+                "--backlash does not go with --slides, --forces, --study or --over"
+            )
         path = output or Path(f"{scene.stem}.svg")
         loaded = load_scene(scene)
         if isinstance(loaded, BallJointScene):
-            if forces or slides:
-                what = "forces" if forces else "slides"
+            if forces or slides or backlash:
+                what = "forces" if forces else "slides" if slides else "backlash"
                 raise ValueError(f"{loaded.name}: a ball joint alone has no {what} over a turn")
             ball_joint.plot(loaded, path, study)
             say(f"wrote {path}")
@@ -235,6 +242,10 @@ def commands() -> click.Group:
             return
         if slides:
             write_slides(drawn_slides(loaded), path, loaded.title)
+            say(f"wrote {path}")
+            return
+        if backlash:
+            write_backlash(drawn_backlash(loaded), path, loaded.title)
             say(f"wrote {path}")
             return
         with progress_bar() as progress:

@@ -79,7 +79,8 @@ Examples:
 one key, a map over two.
 With "--forces" the picture has the path of each force vector over a turn, of joints and
 bearings, seen along their shafts. With "--slides" it has the axial travel of shafts whose axes
-do not meet, over the turn and by order; the scene needs [offsets].
+do not meet, over the turn and by order; the scene needs [offsets]. With "--backlash" it has the
+torque over the angle of the last shaft while the drive is held, through the play of the joints.
 """
 
 CHECK = """\

@@ -23,6 +23,7 @@ from cardan.command.terminal import (
     say_before_files,
 )
 from cardan.figures.as_built import as_built_orders
+from cardan.figures.backlash import scene_backlash
 from cardan.figures.extremes import StudyTable
 from cardan.figures.run import run_data
 from cardan.figures.slides import scene_slides
@@ -35,6 +36,7 @@ from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.cluster import StudyFolder
 from cardan.scene.states import StatesResult
 from cardan.words.as_built import as_built_text
+from cardan.words.backlash import backlash_text
 from cardan.words.ball_joint import ball_joint_text
 from cardan.words.forces import forces_text
 from cardan.words.signals import signals_text
@@ -111,6 +113,8 @@ def run(
         say_before_files(f"\n{missing_of(whole)}")
     if built := as_built_orders(whole):
         say_before_files(f"\n{as_built_text(built, radians=radians)}")
+    if loose := scene_backlash(whole):
+        say_before_files(f"\n{backlash_text(loose, radians=radians)}")
     if forces := forces_of(whole):
         say_before_files(f"\n{forces_text(forces, radians=radians)}")
     if slip := slip_figures(whole):

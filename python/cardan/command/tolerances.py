@@ -30,7 +30,7 @@ def run(path: Path, output: Path | None, *, as_json: bool) -> None:
         write_tolerances(tolerances, output)
     say_answer(
         loaded.title,
-        lambda: tolerances_text(found, permitted_tolerances(tolerances)),
+        lambda: tolerances_text(found, permitted_tolerances(tolerances, loaded.tolerance_arms)),
         lambda: tolerances_data(loaded),
         output,
         as_json=as_json,

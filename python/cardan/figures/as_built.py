@@ -14,9 +14,12 @@ from cardan.driveline import Driveline
 from cardan.figures.answers import record
 from cardan.figures.extremes import finite_or_none
 from cardan.scene.scene import Scene
+from cardan.tolerances import JOINT_GROUPS
 
 ORDERS = (1, 2, 3, 4)
 """The orders that are told."""
+
+_STATES = ("as_built", "drawing", "worst")
 
 _LEAST = 1e-12
 """Amplitudes of the angle error in rad that are rounding."""
@@ -24,37 +27,60 @@ _LEAST = 1e-12
 
 @dataclass(frozen=True)
 class ShaftOrders:
-    """Amplitudes of a shaft by ``ORDERS``, each ``(2, orders)``: as built, and of the drawing.
+    """Amplitudes of a shaft by ``ORDERS``, ``(rows, orders)``: as built, of the drawing, and worst.
 
     Attributes:
         shaft: of which.
         angle_error: in rad.
         acceleration: in rad/s² at the speed of the drive; ``None`` without one.
+        deviates: whether the scene gives deviations, so that the first two rows differ.
+        toleranced: whether there is a third row: the worst within the tolerances of the joints.
     """
 
     shaft: int
     angle_error: FloatArray
     acceleration: FloatArray | None
+    deviates: bool
+    toleranced: bool
 
 
 def as_built_orders(scene: Scene) -> list[ShaftOrders]:
-    """Return the orders of the shafts of a scene; none if it gives no deviations."""
-    if scene.deviations is None or scene.line.shape:
+    """Return the orders of the shafts of a scene; none without deviations or their tolerances."""
+    halves = _joint_tolerances(scene)
+    if scene.line.shape or (scene.deviations is None and (halves is None or scene.states)):
         return []
     shafts = (scene.line.n_joints,) if scene.shafts is None else scene.shafts
-    return [_orders(scene, shaft) for shaft in shafts if shaft > 0]
+    return [_orders(scene, shaft, halves) for shaft in shafts if shaft > 0]
 
 
-def _orders(scene: Scene, shaft: int) -> ShaftOrders:
+def _joint_tolerances(scene: Scene) -> FloatArray | None:
+    """Tolerances of the deviations of the joints in rad, ``(3, n)``; ``None`` if there are none."""
+    given = scene.tolerances.given if scene.tolerances else {}
+    if given.keys().isdisjoint(JOINT_GROUPS):
+        return None
+    return np.stack([given.get(group, np.zeros(scene.line.n_joints)) for group in JOINT_GROUPS])
+
+
+def _orders(scene: Scene, shaft: int, halves: FloatArray | None) -> ShaftOrders:
     names = ("angle_error", "acceleration_ratio")
     lines: tuple[Driveline, ...] = (scene.line_as_built, scene.line)
     found = [line.harmonics(ORDERS, shaft, outputs=names) for line in lines]
-    errors = np.stack([each.angle_error for each in found])
-    ratios = np.stack([each.acceleration_ratio for each in found])
-    still = errors <= _LEAST
+    errors = [each.angle_error for each in found]
+    ratios = [each.acceleration_ratio for each in found]
+    if halves is not None:
+        worst = [
+            scene.line_as_built.order_tolerances(*halves, order=order, shaft=shaft).worst
+            for order in ORDERS
+        ]
+        errors.append(np.array(worst))
+        ratios.append(np.square(ORDERS) * worst)
+    still = np.stack(errors) <= _LEAST
     speed = scene.speed
-    acceleration = np.where(still, 0.0, ratios * speed**2) if speed else None
-    return ShaftOrders(shaft, np.where(still, 0.0, errors), acceleration)
+    acceleration = np.where(still, 0.0, np.stack(ratios) * speed**2) if speed else None
+    deviates, toleranced = scene.deviations is not None, halves is not None
+    return ShaftOrders(
+        shaft, np.where(still, 0.0, np.stack(errors)), acceleration, deviates, toleranced
+    )
 
 
 def as_built_data(found: list[ShaftOrders], *, radians: bool = False) -> list[dict[str, Any]]:
@@ -64,7 +90,7 @@ def as_built_data(found: list[ShaftOrders], *, radians: bool = False) -> list[di
     for each in found:
         for i, order in enumerate(ORDERS):
             entry: dict[str, Any] = {"shaft": each.shaft, "order": order}
-            for place, state in enumerate(("as_built", "drawing")):
+            for place, state in enumerate(_STATES[: len(each.angle_error)]):
                 entry[state] = {f"angle_error_{angle}": turned(each.angle_error[place, i])}
                 if each.acceleration is not None:
                     size = finite_or_none(float(each.acceleration[place, i]))
@@ -85,14 +111,21 @@ _AMPLITUDES = record(
 
 AS_BUILT_SCHEMA: Mapping[str, Any] = {
     "type": "array",
-    "description": "amplitudes by order of joints as built, if the scene gives deviations",
+    "description": "amplitudes by order of joints as built, if the scene gives deviations or "
+    "tolerances of them",
     "items": record(
         {
             "shaft": {"type": "integer", "minimum": 0},
             "order": {"enum": [*ORDERS]},
             "as_built": _AMPLITUDES,
             "drawing": _AMPLITUDES,
-        }
+        },
+        {
+            "worst": {
+                **_AMPLITUDES,
+                "description": "within the tolerances of the joints, if the scene has any",
+            }
+        },
     ),
 }
 """JSON Schema of ``as_built_data``."""

@@ -15,6 +15,7 @@ from cardan.check import Check
 from cardan.driveline import Driveline
 from cardan.figures.answers import answer, answers_with, record
 from cardan.figures.as_built import AS_BUILT_SCHEMA, as_built_data, as_built_orders
+from cardan.figures.backlash import BACKLASH_SCHEMA, backlash_data, scene_backlash
 from cardan.figures.ball_joint import (
     BALL_JOINT_SCHEMA,
     ball_joint_data,
@@ -133,6 +134,8 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
     more: dict[str, Any] = {"drive_speed": drive_speed_data(scene)}
     if built := as_built_orders(scene):
         more["as_built"] = as_built_data(built)
+    if (loose := scene_backlash(scene)) and scene.service.play:
+        more["backlash"] = backlash_data(loose, scene.service.play)
     if forces := forces_of(scene):
         more["forces"] = forces_data(forces)
     if slip := slip_figures(scene):
@@ -280,6 +283,7 @@ CHECK_SCHEMA = answers_with(
     optional={
         "drive_speed": DRIVE_SPEED_SCHEMA,
         "as_built": AS_BUILT_SCHEMA,
+        "backlash": BACKLASH_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slip": SLIP_SCHEMA,
         "slides": SLIDES_SCHEMA,

@@ -7,6 +7,7 @@ from typing import Any, get_args
 
 from cardan.figures.answers import ANGLE, answer, answers_with, one_of, record
 from cardan.figures.as_built import AS_BUILT_SCHEMA, as_built_data, as_built_orders
+from cardan.figures.backlash import BACKLASH_SCHEMA, backlash_data, scene_backlash
 from cardan.figures.ball_joint import BALL_JOINT_SCHEMA, ball_joint_data
 from cardan.figures.extremes import StudyTable, study_data
 from cardan.figures.scene_forces import FORCES_SCHEMA, forces_data
@@ -48,6 +49,8 @@ def run_data(
         data["study"] = study_data(study, len(scene.study.angle), radians=radians)
     if built := as_built_orders(scene):
         data["as_built"] = as_built_data(built, radians=radians)
+    if (loose := scene_backlash(scene)) and scene.service.play:
+        data["backlash"] = backlash_data(loose, scene.service.play, radians=radians)
     if forces := forces_of(scene):
         data["forces"] = forces_data(forces, radians=radians)
     if slip := slip_figures(scene):
@@ -190,6 +193,7 @@ RUN_SCHEMA: Mapping[str, Any] = answers_with(
     },
     optional={
         "as_built": AS_BUILT_SCHEMA,
+        "backlash": BACKLASH_SCHEMA,
         "forces": FORCES_SCHEMA,
         "slides": SLIDES_SCHEMA,
         "slip": SLIP_SCHEMA,

@@ -34,7 +34,7 @@ def tolerances_data(scene: Scene) -> dict[str, Any]:
             "factor": finite_or_none(part.factor),
             "needless": math.isinf(part.factor),
         }
-        for part in permitted_tolerances(scene.tolerances)
+        for part in permitted_tolerances(scene.tolerances, scene.tolerance_arms)
     ]
     return answer("tolerances", scene.title, **tolerances_part(found), permitted=permitted)
 

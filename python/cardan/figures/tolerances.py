@@ -13,13 +13,26 @@ from cardan.arrays import FloatArray
 from cardan.quantities import MOTION_QUANTITIES, label
 from cardan.scene.scene import Scene
 from cardan.scene.units import in_degrees
-from cardan.tolerances import Tolerances
+from cardan.tolerances import JOINT_GROUPS, Tolerances
 
 SHARES = (0.5, 0.95, 0.99)
 """Shares of the drivelines of which the largest figure is listed."""
 
-_GROUPS = {"bends": "joint", "twists": "shaft", "phases": "shaft", "points": "point"}
-_UNITS = {"bends": "deg", "twists": "deg", "phases": "deg", "points": "mm"}
+_GROUPS = {
+    "bends": "joint",
+    "twists": "shaft",
+    "phases": "shaft",
+    "points": "point",
+    **dict.fromkeys(JOINT_GROUPS, "joint"),
+}
+
+GROUP_NAMES = {
+    "points": "coordinates of the points",
+    "driving_yoke": "driving yokes",
+    "cross": "crosses",
+    "driven_yoke": "driven yokes",
+}
+"""What groups of parameters are called in words, where that is not their name."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +40,8 @@ class Share:
     """The part that one joint, shaft or point has in the scatter of a figure.
 
     Attributes:
-        group: ``"bends"``, ``"twists"``, ``"phases"`` or ``"points"``.
+        group: ``"bends"``, ``"twists"``, ``"phases"``, ``"points"``, ``"driving_yoke"``,
+            ``"cross"`` or ``"driven_yoke"``.
         of: ``"joint"``, ``"shaft"`` or ``"point"``.
         number: which one, counted from 0.
         share: of 1; of a point all its coordinates together.
@@ -41,11 +55,11 @@ class Share:
     @property
     def label(self) -> str:
         """What it is: ``phase of shaft 1``."""
-        return (
-            f"point {self.number}"
-            if self.of == "point"
-            else f"{self.group[:-1]} of {self.of} {self.number}"
-        )
+        if self.of == "point":
+            return f"point {self.number}"
+        if self.group in JOINT_GROUPS:
+            return f"{self.group.replace('_', ' ')} of joint {self.number}"
+        return f"{self.group[:-1]} of {self.of} {self.number}"
 
 
 @dataclass(frozen=True)
@@ -57,16 +71,13 @@ class Permitted:
         given: its tolerances in deg or mm, least and largest.
         factor: by which they may be multiplied; NaN if the others alone exceed the limit, infinite
             if nothing reaches it.
+        unit: ``"deg"`` or ``"mm"``.
     """
 
     group: str
     given: tuple[float, float]
     factor: float
-
-    @property
-    def unit(self) -> str:
-        """``"deg"`` or ``"mm"``."""
-        return _UNITS[self.group]
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -96,6 +107,7 @@ class ToleranceFigure:
         limit: ``None`` without one.
         passing: share of the drivelines within the limit, ``None`` without one.
         shares: of each joint, shaft or point, the largest first.
+        measured: whether the nominal driveline has deviations that were measured.
         worst_in: name of the state of the worst driveline; "" without states.
         nominal_in: name of the state in which the driveline as drawn has its value.
         states: the figure in each state.
@@ -112,6 +124,7 @@ class ToleranceFigure:
     limit: float | None
     passing: float | None
     shares: tuple[Share, ...]
+    measured: bool = False
     worst_in: str = ""
     nominal_in: str = ""
     states: tuple[ToleranceState, ...] = ()
@@ -122,7 +135,7 @@ class ToleranceFigures:
     """The figures of a scene's tolerances.
 
     Attributes:
-        given: tolerance of each group in deg or mm: least and largest.
+        given: tolerance of each group: least, largest and unit.
         half_tooth: half a tooth of the splines in deg: least and largest; ``None`` without teeth.
         distribution: of the tolerances.
         samples: random drivelines.
@@ -130,7 +143,7 @@ class ToleranceFigures:
         figures: what was asked for.
     """
 
-    given: Mapping[str, tuple[float, float]]
+    given: Mapping[str, tuple[float, float, str]]
     half_tooth: tuple[float, float] | None
     distribution: str
     samples: int
@@ -143,8 +156,8 @@ def tolerance_figures(scene: Scene) -> ToleranceFigures | None:
     found = scene.tolerances
     if found is None:
         return None
-    given = {group: ends for group, sizes in found.given.items() if (ends := _ends(group, sizes))}
-    half_tooth = _ends("phases", found.half_tooth.get("phases", np.zeros(0)))
+    given = _given(found, scene.tolerance_arms)
+    half_tooth = _ends(found.half_tooth.get("phases", np.zeros(0)), math.degrees(1.0))
     names = scene.states.names if scene.states else ()
     figures = tuple(figure_of(found, name, names) for name in found.of)
     return ToleranceFigures(
@@ -152,9 +165,27 @@ def tolerance_figures(scene: Scene) -> ToleranceFigures | None:
     )
 
 
-def _ends(group: str, sizes: FloatArray) -> tuple[float, float] | None:
-    """The least and the largest tolerance above 0, in deg or mm."""
-    known = sizes[sizes > 0.0] * (1e3 if group == "points" else math.degrees(1.0))
+def _given(
+    found: Tolerances, arms: Mapping[str, FloatArray]
+) -> dict[str, tuple[float, float, str]]:
+    """The tolerances above 0 by group: the least, the largest and the unit.
+
+    Args:
+        found: the tolerances.
+        arms: arm of each joint in m by the groups that are given as lengths.
+    """
+    given = {}
+    for group, sizes in found.given.items():
+        length = group == "points" or group in arms
+        factor = 1e3 * arms.get(group, 1.0) if length else math.degrees(1.0)
+        if ends := _ends(sizes, factor):
+            given[group] = (*ends, "mm" if length else "deg")
+    return given
+
+
+def _ends(sizes: FloatArray, factor: Any) -> tuple[float, float] | None:  # noqa: ANN401
+    """The least and the largest tolerance above 0, times a factor."""
+    known = (sizes * factor)[sizes > 0.0]
     return (float(known.min()), float(known.max())) if known.size else None
 
 
@@ -170,15 +201,20 @@ def needed_tolerances(scene: Scene) -> ToleranceFigures:
     return found
 
 
-def permitted_tolerances(found: Tolerances) -> tuple[Permitted, ...]:
-    """Return how exact each group must be, for a single figure with a limit."""
+def permitted_tolerances(
+    found: Tolerances, arms: Mapping[str, FloatArray] | None = None
+) -> tuple[Permitted, ...]:
+    """Return how exact each group must be, for a single figure with a limit.
+
+    Args:
+        found: the tolerances.
+        arms: arm of each joint in m by the groups of deviations that are given as lengths.
+    """
     if len(found.of) > 1 or math.isnan(float(found.limit)):
         return ()
-    given = {group: _ends(group, sizes) for group, sizes in found.given.items()}
     return tuple(
-        Permitted(group, ends, float(found.permitted(group)))
-        for group, ends in given.items()
-        if ends
+        Permitted(group, (low, high), float(found.permitted(group)), unit)
+        for group, (low, high, unit) in _given(found, arms or {}).items()
     )
 
 
@@ -208,7 +244,7 @@ def figure_of(found: Tolerances, name: str, states: Sequence[str] = ()) -> Toler
     each = tuple(_in_state(found, name, i, state) for i, state in enumerate(states))
     return ToleranceFigure(
         name,
-        label(name),
+        f"{label(name)}{_of_ideal_joints(found, name)}",
         unit_of(found, name),
         value(found.nominal),
         tuple(map(float, np.atleast_1d(in_figure_units(found, name, found.quantile(SHARES))))),
@@ -218,10 +254,16 @@ def figure_of(found: Tolerances, name: str, states: Sequence[str] = ()) -> Toler
         None if math.isnan(limit) else limit,
         _passing(found, name),
         tuple(sorted(_shares(found, name), key=lambda share: -share.share)),
+        found.measured and name not in MOTION_QUANTITIES,
         states[int(_one(found.worst_state, name))] if states else "",
         max(each, key=lambda state: state.nominal).name if each else "",
         each,
     )
+
+
+def _of_ideal_joints(found: Tolerances, name: str) -> str:
+    """What to add to a figure of the motion, which leaves deviations of the joints out."""
+    return " of ideal joints" if found.as_built and name in MOTION_QUANTITIES else ""
 
 
 def _in_state(found: Tolerances, name: str, state: int, called: str) -> ToleranceState:
@@ -252,6 +294,8 @@ def _one(value: Any, name: str) -> Any:  # noqa: ANN401
 def _shares(found: Tolerances, name: str) -> Iterator[Share]:
     groups = found.shares if found.shares.keys().isdisjoint(found.of) else found.shares[name]
     for group, values in groups.items():
+        if group in JOINT_GROUPS and name in MOTION_QUANTITIES:
+            continue
         first = 1 if group in ("twists", "phases") else 0
         parts = values.sum(axis=-1) if group == "points" else values
         for number, share in enumerate(parts.tolist(), first):

@@ -13,6 +13,7 @@ dashes as well as colour, so that they can be told apart in grey.
 """
 
 from cardan.files.pictures import SUFFIXES
+from cardan.plots.backlash import plot_backlash, plot_lash, write_backlash
 from cardan.plots.ball_joint import plot_ball_joint, plot_seat_pressure, plot_seat_section
 from cardan.plots.bend_vectors import plot_bend_vectors
 from cardan.plots.catalogue import (
@@ -50,6 +51,7 @@ __all__ = [
     "STYLE",
     "SUFFIXES",
     "plot_angle_error",
+    "plot_backlash",
     "plot_ball_joint",
     "plot_bend_vectors",
     "plot_bending_moments",
@@ -65,6 +67,7 @@ __all__ = [
     "plot_heat",
     "plot_hodograph",
     "plot_largest_angle_error",
+    "plot_lash",
     "plot_non_uniformity",
     "plot_optimise",
     "plot_optimised_states",
@@ -87,6 +90,7 @@ __all__ = [
     "plot_torsion",
     "plot_torsion_response",
     "save",
+    "write_backlash",
     "write_life",
     "write_picture",
     "write_slides",

@@ -95,7 +95,7 @@ def page(scene: Scene | BallJointScene, progress: Progress | None = None) -> str
         steering=steering(steered) if steered else None,
         torsion=torsion(vibration) if vibration else None,
         optimise=optimise(scene),
-        tolerances=tolerances(toleranced, scene.tolerances)
+        tolerances=tolerances(toleranced, scene.tolerances, scene.tolerance_arms)
         if toleranced and scene.tolerances
         else None,
         life=life(life_figures(scene), tube_figures(scene)),

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
+from cardan.arrays import FloatArray
 from cardan.figures.tolerances import (
     Share,
     ToleranceFigure,
@@ -24,27 +26,29 @@ from cardan.words.tolerances import (
     percent,
     permitted_texts,
     state_rows,
-    verdict_text,
+    verdict_texts,
 )
 
 _POINTS, _MOST_BARS = 200, 10
 
 
-def tolerances(found: ToleranceFigures, of: Tolerances) -> dict[str, Any]:
+def tolerances(
+    found: ToleranceFigures, of: Tolerances, arms: Mapping[str, FloatArray]
+) -> dict[str, Any]:
     """Return tolerances as plain data for ``tolerances.html``.
 
     Args:
         found: the figures of the scene.
         of: its tolerances, for the samples.
+        arms: of the groups of deviations that it gives as lengths.
     """
-    several = len(found.figures) > 1
     return {
         "given": Table("Tolerances", ("What", "How much"), given_lines(found)),
         "sentences": [
-            {"class": _class(figure), "words": verdict_text(figure, named=several)}
-            for figure in found.figures
+            {"class": _class(figure), "words": words}
+            for figure, words in zip(found.figures, verdict_texts(found), strict=True)
         ],
-        "permitted": permitted_texts(found, permitted_tolerances(of)),
+        "permitted": permitted_texts(found, permitted_tolerances(of, arms)),
         "figures": [
             {
                 "table": Table(

@@ -10,7 +10,8 @@ from typing import Any
 import cardan.scene.values as kinds
 from cardan.errors import ArgumentValueError
 from cardan.outputs import nearest
-from cardan.scene.joint_deviations import OF_DEVIATIONS
+from cardan.scene.backlash import OF_PLAY
+from cardan.scene.joint_deviations import IN_DEGREES_OR_MM, OF_DEVIATIONS
 from cardan.scene.sections import Key, Section
 from cardan.scene.sizes import FRICTION, OF_SIZE, JointSize, read_sizes, size_of
 
@@ -26,9 +27,11 @@ JOINTS = Section(
         "size": Key(kinds.SIZE_NAMES, "with sizes: which size the joints have"),
         **OF_SIZE,
         **OF_DEVIATIONS,
+        **OF_PLAY,
     },
+    together=IN_DEGREES_OR_MM,
     fewest=1,
-    with_key=(("size", "sizes"),),
+    with_key=(("size", "sizes"), ("stiffness_Nm_per_rad", "play_mm")),
 )
 """The section [joints]."""
 

@@ -1,9 +1,10 @@
-"""The rule for names of quantities: those of the motion, and reduced outputs."""
+"""The rule for names of quantities: those of the motion, its orders, and reduced outputs."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cardan.order_quantities import FIRST, PATTERN, order_quantity
 from cardan.outputs import OUTPUTS
 from cardan.quantities import MOTION_QUANTITIES, nearest_quantity
 from cardan.reduced_quantities import pattern, reduced_quantity
@@ -16,7 +17,7 @@ class QuantityName(Rule):
     """The name of a quantity.
 
     Attributes:
-        outputs: whether outputs are possible without item and reduction.
+        outputs: whether outputs are possible without item and reduction, and orders.
     """
 
     outputs: bool = False
@@ -28,13 +29,16 @@ class QuantityName(Rule):
     def read(self, where: Location, value: object) -> str:
         """Return the name."""
         name = Text().read(where, value)
-        if name not in self._names and reduced_quantity(name) is None:
-            raise where.error(f"is {shown(name)}; {nearest_quantity(name, self._names)}")
+        other = reduced_quantity(name) or (self.outputs and order_quantity(name))
+        if name not in self._names and not other:
+            known = [*self._names, *(FIRST if self.outputs and "order" in name else ())]
+            raise where.error(f"is {shown(name)}; {nearest_quantity(name, known)}")
         return name
 
     @property
     def schema(self) -> Schema:
         """A name of a list or of a form."""
         # Python's end of a text may have a line end behind it; that of JSON Schema may not.
-        outputs = f"^({'|'.join(map(pattern, OUTPUTS.values()))})$(?!\\n)"
+        forms = [*map(pattern, OUTPUTS.values()), *([PATTERN] if self.outputs else [])]
+        outputs = f"^({'|'.join(forms)})$(?!\\n)"
         return {"anyOf": [{"enum": self._names}, {"type": "string", "pattern": outputs}]}

@@ -23,7 +23,12 @@ from cardan.scene.bearings import Mounting, lengths_of
 from cardan.scene.document import Document
 from cardan.scene.driven import ANGLE_OF, at_drive, check_driven
 from cardan.scene.forms import TEETH, Form
-from cardan.scene.joint_deviations import check_as_built, deviations_of
+from cardan.scene.joint_deviations import (
+    arms_of,
+    arms_of_lengths,
+    check_as_built,
+    deviations_of,
+)
 from cardan.scene.layout import SceneLayout
 from cardan.scene.optimise import optimisation_of
 from cardan.scene.parts import (
@@ -37,12 +42,12 @@ from cardan.scene.parts import (
 from cardan.scene.recorded import Recording
 from cardan.scene.reductions import LENGTH
 from cardan.scene.requested import check_forces, check_sections, items, requested, to_reduce
-from cardan.scene.service import service_of
+from cardan.scene.service import known_arms, service_of
 from cardan.scene.slip import slip_of
 from cardan.scene.states import states_of, with_states
 from cardan.scene.steering import steering_of
 from cardan.scene.study import Study
-from cardan.scene.tolerances import tolerances_of
+from cardan.scene.tolerances import ToleratedLine, tolerances_of
 from cardan.scene.torsion import torsion_of
 
 _OPTIONS = ("axes", "tolerance", "dtype", "workers")
@@ -143,16 +148,21 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
             if layout is None:
                 raise ValueError("it does not go with recorded bends, which differ by sample")
             states = states_of(given["states"], layout)
+    service = service_of(document, folder, line, loaded.load, layout, states)
+    joints, arms = given.get("joints", {}), known_arms(service.joints)
     with document.within("joints"):
-        deviations = deviations_of(given.get("joints", {}), line, given)
+        deviations = deviations_of(joints, line, given, arms_of(joints, line.n_joints, arms))
     if deviations is not None:
         with document.within("output"):
             check_as_built(asked.quantities, {**asked.options, **asked.of_driven})
-    service = service_of(document, folder, line, loaded.load, layout, states)
-    tolerances = None
+    tolerances, tolerance_arms = None, {}
     with document.within("tolerances"):
         if "tolerances" in given:
-            tolerances = tolerances_of(given["tolerances"], line, limits, loaded.load, states)
+            own = {"arm_mm": joints["arm_mm"]} if "arm_mm" in joints else {}
+            values = {**own, **given["tolerances"]}
+            built = ToleratedLine(line, deviations, arms_of(values, line.n_joints, arms))
+            tolerances = tolerances_of(values, built, limits, loaded.load, states)
+            tolerance_arms = arms_of_lengths(values, built.arms)
     torsion = None
     with document.within("torsion"):
         if "torsion" in given:
@@ -197,6 +207,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "service": service,
         "torsion": torsion,
         "deviations": deviations,
+        "tolerance_arms": tolerance_arms,
     }
 
 

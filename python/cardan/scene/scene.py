@@ -89,6 +89,8 @@ class Scene:
         torsion: its shafts as torsion springs, if the scene says so.
         deviations: of the joints in rad, ``(n, 3)``, if the scene gives any. ``line`` is the
             driveline of the drawing, ``line_as_built`` has them.
+        tolerance_arms: arm of each joint in m by the groups of deviations whose tolerances are
+            lengths.
     """
 
     name: str
@@ -122,6 +124,7 @@ class Scene:
     service: Service = field(default_factory=Service)
     torsion: TorsionCase | None = None
     deviations: FloatArray | None = None
+    tolerance_arms: Mapping[str, FloatArray] = field(default_factory=dict)
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:

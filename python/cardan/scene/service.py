@@ -9,9 +9,10 @@ import numpy as np
 
 from cardan.driveline import Driveline
 from cardan.load import Load
+from cardan.scene.backlash import OF_PLAY, JointPlay, play_of
 from cardan.scene.document import Document
 from cardan.scene.duty import DutyCycle, duty_cycle
-from cardan.scene.joint_deviations import OF_DEVIATIONS
+from cardan.scene.joint_deviations import OF_DEVIATIONS, arms_of, in_mm
 from cardan.scene.joints import Joints, joints_of
 from cardan.scene.layout import SceneLayout
 from cardan.scene.offsets import AxisOffsets, offsets_of
@@ -28,12 +29,14 @@ class Service:
         duty: the duty cycle: that of [life], or the load as its only step.
         tubes: the round sections of shafts.
         offsets: distances of axes that should meet.
+        play: of the pins in their bearings.
     """
 
     joints: Joints | None = None
     duty: DutyCycle | None = None
     tubes: Tubes | None = None
     offsets: AxisOffsets | None = None
+    play: JointPlay | None = None
 
 
 def service_of(
@@ -56,14 +59,21 @@ def service_of(
 
     Raises:
         OSError: the table of sizes cannot be read.
-        ValueError: what ``joints_of``, ``duty_cycle``, ``tubes_of`` and ``offsets_of`` refuse.
+        ValueError: what ``joints_of``, ``play_of``, ``duty_cycle``, ``tubes_of`` and ``offsets_of``
+            refuse.
     """
     given = document.sections
     joints = duty = tubes = offsets = None
     with document.within("joints", "sizes"):
-        sizes = {k: v for k, v in given.get("joints", {}).items() if k not in OF_DEVIATIONS}
+        own = given.get("joints", {})
+        sizes = {k: v for k, v in own.items() if k not in {**OF_DEVIATIONS, **OF_PLAY}}
+        if in_mm(given) and sizes.keys().isdisjoint({"sizes", "friction", "pin_radius_mm"}):
+            # Then it is there for the deviations alone.
+            sizes.pop("arm_mm", None)
         if sizes:
             joints = joints_of(sizes, line.n_joints, folder)
+        n = line.n_joints
+        play = play_of(own, n, arms_of(own, n, known_arms(joints)))
     with document.within("life"):
         if "life" in given:
             duty = duty_cycle(given["life"], line, load, layout, states)
@@ -77,7 +87,12 @@ def service_of(
             offsets = offsets_of(given["offsets"], states.drivelines() if states else line)
     if duty is None and (joints or tubes) and layout and load is not None and _is_one_step(load):
         duty = duty_cycle({}, line, load, layout, states)
-    return Service(joints, duty, tubes, offsets)
+    return Service(joints, duty, tubes, offsets, play)
+
+
+def known_arms(joints: Joints | None) -> list[float | None]:
+    """Return the arm of each joint in m where its size says it; nothing without sizes."""
+    return [size.arm for size in joints.each] if joints else []
 
 
 def _is_one_step(load: Load) -> bool:

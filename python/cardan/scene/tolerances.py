@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from cardan import tolerances
+from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.limits import Limits
 from cardan.load import Load
+from cardan.order_quantities import OrderQuantity, order_quantity
 from cardan.outputs import OUTPUTS, Output
-from cardan.quantities import MOTION_QUANTITIES, modulus_of_bend
+from cardan.quantities import MOTION_QUANTITIES, MotionQuantity, modulus_of_bend
 from cardan.reduced_quantities import reduced_quantity
+from cardan.scene.joint_deviations import IN_DEGREES_OR_MM, angles_of
 from cardan.scene.parts import largest_speed
 from cardan.scene.states import States
 from cardan.tolerances import Tolerances
@@ -21,9 +26,24 @@ from cardan.tolerances import Tolerances
 _ANGLES = {"bends_deg": "bends", "twists_deg": "twists", "phases_deg": "phases"}
 
 
+@dataclass(frozen=True, eq=False)
+class ToleratedLine:
+    """The driveline of a scene for its tolerances.
+
+    Attributes:
+        line: of the drawing, with lengths in metres.
+        deviations: of its joints in rad, ``(n, 3)``, if the scene gives any.
+        arms: of its joints in m, ``(n,)``, if they are known.
+    """
+
+    line: Driveline
+    deviations: FloatArray | None
+    arms: FloatArray | None
+
+
 def tolerances_of(
     values: Mapping[str, Any],
-    line: Driveline,
+    own: ToleratedLine,
     limits: Limits,
     load: Load | None,
     states: States | None,
@@ -32,7 +52,8 @@ def tolerances_of(
 
     Args:
         values: values by key.
-        line: the driveline of the scene, with lengths in metres.
+        own: the driveline of the scene. Its deviations are the middle of their tolerances, in
+            figures of orders and outputs; those of the motion are of ideal joints.
         limits: of the scene.
         load: of the scene, if it has one.
         states: of the scene, if it has any; the driveline of [driveline] may be none of them.
@@ -40,6 +61,7 @@ def tolerances_of(
     Raises:
         ValueError: recorded bends, as ``Driveline.tolerances`` with the key as the argument.
     """
+    line = own.line
     if line.shape:
         raise ValueError("it does not go with recorded bends, which differ by sample")
     _check_lengths(values, line.n_joints)
@@ -48,12 +70,12 @@ def tolerances_of(
     if states:
         line, load = states.drivelines(), states.loads(load)
         speed = speed if load is None or load.speed.shape != line.shape else load.speed
-    of = values.get("of", ["equivalent_bend"])
+    of = values.get("of") or _default(values, speed)
     for name in of:
         output = _output_of(name)
         if output and output.needs_load and load is None:
             raise ArgumentValueError("of", f"has {name!r}, which needs a section [load]")
-        if not output and MOTION_QUANTITIES[name].needs_speed and not np.all(speed):
+        if not output and _motion_of(name).needs_speed and not np.all(speed):
             raise ArgumentValueError("of", f"has {name!r}, which needs a speed in [load]")
         if output and load is not None and (load.speed + load.torque).shape not in ((), line.shape):
             raise ArgumentValueError("of", f"has {name!r}, which does not go with a recorded load")
@@ -63,10 +85,19 @@ def tolerances_of(
     if "points_mm" in values:
         size = 1e-3 * np.asarray(values["points_mm"], dtype=float)
         given["points"] = size if size.ndim == 0 else size[:, np.newaxis]
+    given |= angles_of(values, line.n_joints, own.arms)
     keys = {argument: key for key, argument in _ANGLES.items()} | {"points": "points_mm"}
+    for group, pair in zip(tolerances.JOINT_GROUPS, IN_DEGREES_OR_MM, strict=True):
+        keys[group] = next((key for key in pair if key in values), pair[0])
+    groups = ("bends", "twists", "phases", "points", *tolerances.JOINT_GROUPS)
+    if own.deviations is not None:
+        line = line.with_deviations(*own.deviations.T)
     try:
-        return line.tolerances(
-            **given,
+        return tolerances.tolerances(
+            line,
+            type(line)._of,
+            **{group: given.get(group) for group in groups},
+            degrees=False,
             teeth=values.get("teeth"),
             distribution=values.get("distribution", "uniform"),
             of=of[0] if len(of) == 1 else of,
@@ -75,8 +106,13 @@ def tolerances_of(
             speed=speed,
             load=load,
             states=None if states is None else 0,
+            shaft=-1,
+            shafts=None,
+            joints=None,
             samples=values.get("samples", 100_000),
             seed=values.get("seed", 0),
+            workers=None,
+            motion_as_drawn=True,
         )
     except ArgumentValueError as error:
         key = keys.get(error.argument, error.argument)
@@ -99,6 +135,21 @@ def _check_lengths(values: Mapping[str, Any], joints: int) -> None:
             raise ArgumentValueError(
                 key, f"has length {len(given)}; it needs {count}, one per {part}"
             )
+
+
+def _default(values: Mapping[str, Any], speed: Any) -> list[str]:  # noqa: ANN401
+    """The figures of a section that names none: what its tolerances act on first."""
+    layout = (*_ANGLES, "points_mm", "teeth")
+    joints = [key for pair in IN_DEGREES_OR_MM for key in pair]
+    found = ["equivalent_bend"] if any(key in values for key in layout) else []
+    if any(key in values for key in joints):
+        found.append("acceleration_order_1" if np.all(speed) else "angle_error_order_1")
+    return found
+
+
+def _motion_of(name: str) -> MotionQuantity | OrderQuantity:
+    """The quantity of the motion, or of one order of it."""
+    return order_quantity(name) or MOTION_QUANTITIES[name]
 
 
 def _output_of(name: str) -> Output | None:
@@ -125,6 +176,6 @@ def _limits(values: Mapping[str, Any], of: list[str], limits: Limits) -> Any:  #
                 "limit", f"applies to a single figure, and 'of' names {len(of)}; give [limits]"
             )
         output = _output_of(of[0])
-        unit = output.unit if output else MOTION_QUANTITIES[of[0]].unit
+        unit = output.unit if output else _motion_of(of[0]).unit
         found[of[0]] = np.radians(values["limit"]) if unit == "rad" else values["limit"]
     return found if len(of) > 1 else found.get(of[0])

@@ -1,6 +1,7 @@
 """Tolerances: what the errors of a workshop make of a driveline."""
 
+from cardan.tolerances.box import JOINT_GROUPS
 from cardan.tolerances.request import REDUCTIONS, tolerances
 from cardan.tolerances.result import Tolerances
 
-__all__ = ["REDUCTIONS", "Tolerances", "tolerances"]
+__all__ = ["JOINT_GROUPS", "REDUCTIONS", "Tolerances", "tolerances"]

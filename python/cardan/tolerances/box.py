@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -17,7 +17,10 @@ from cardan.errors import ArgumentValueError, wrong_element
 from cardan.geometry import Geometry
 from cardan.tolerances.chain import Deviations, Nominal, ParameterPlace
 
-GROUPS = ("bends", "twists", "phases", "points")
+JOINT_GROUPS = ("driving_yoke", "cross", "driven_yoke")
+"""The groups of deviations of the joints, in the order of ``Driveline.deviations``."""
+
+GROUPS = ("bends", "twists", "phases", "points", *JOINT_GROUPS)
 """The groups of parameters that can have tolerances."""
 
 # A normal deviation beyond so many tolerances, six standard deviations, does not occur.
@@ -116,8 +119,7 @@ class Box:
 
     def by_group(self, values: FloatArray) -> dict[str, FloatArray]:
         """Return one number per parameter as arrays per group; 0 without a tolerance."""
-        n = self.nominal.n_joints
-        shapes = {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}
+        shapes = _shapes(self.nominal.n_joints)
         found: dict[str, FloatArray] = {}
         for (group, place), value in zip(self.places, values, strict=True):
             found.setdefault(group, np.zeros(shapes[group]))[place] = value
@@ -147,7 +149,7 @@ class Box:
         return self.cones[1:] + self.cones[:-1] + self.by_group(self.sizes).get("bends", 0.0)
 
     def check(self) -> None:
-        """Check that no driveline within the box has a bend of 90° or more.
+        """Check that no driveline within the box has a bend of 90° or a joint that cannot turn.
 
         Raises:
             ValueError: one has, or points change the direction of a shaft by 90° or more.
@@ -157,15 +159,33 @@ class Box:
         wide = self if times == 1.0 else Box(self.nominal, halves, {}, self.normal)
         most = self.nominal.bends + wide.bend_changes
         # It contains the changes of direction of both shafts, which stay below 90 deg with it.
+        where = " at six standard deviations" if self.normal else ""
         wrong = np.flatnonzero(~(most < np.pi / 2))
         if wrong.size:
             joint = int(wrong[0])
             group = "bends" if self.nominal.points is None else "points"
-            where = " at six standard deviations" if self.normal else ""
             raise ArgumentValueError(
                 group,
                 f"permit a bend of {np.degrees(most[joint]):.6g} deg at joint {joint}{where}; "
                 "every bend must stay below 90 deg",
+            )
+        given = [group for group in JOINT_GROUPS if any(place[0] == group for place in halves)]
+        own = self.nominal.deviations
+        if not given and (own is None or not wide.bend_changes.any()):
+            return
+        sizes = wide.by_group(wide.sizes)
+        turned = sum((sizes[group] for group in given), np.zeros(self.nominal.n_joints))
+        if own is not None:
+            turned += np.abs(own).sum(axis=-1)
+        # Enough for any joint to turn; without tolerances the exact condition is checked.
+        wrong = np.flatnonzero(~(turned + most < np.pi / 2))
+        if wrong.size:
+            joint = int(wrong[0])
+            raise ArgumentValueError(
+                given[0] if given else "bends" if self.nominal.points is None else "points",
+                f"and the others permit deviations of {np.degrees(turned[joint]):.6g} deg "
+                f"and a bend of {np.degrees(most[joint]):.6g} deg together at joint {joint}"
+                f"{where}; their sum must stay below 90 deg so that the joint can turn",
             )
 
 
@@ -193,7 +213,7 @@ def boxes(
 ) -> Boxes:
     """Return the boxes of ``Driveline.tolerances``, with all arguments checked."""
     n = line.n_joints
-    own = {"bends": (n,), "twists": (n - 1,), "phases": (n - 1,), "points": (n + 2, 3)}
+    own = _shapes(n)
     if distribution not in _FARTHEST:
         raise ArgumentValueError(
             "distribution", f"is {distribution!r}; it must be 'uniform' or 'normal'"
@@ -236,6 +256,18 @@ def boxes(
         box.check()
         each.append(box)
     return Boxes(shape, geometry, tuple(each))
+
+
+def _shapes(n: int) -> dict[str, tuple[int, ...]]:
+    """The shapes of the parameters of one driveline by group."""
+    joints: dict[str, tuple[int, ...]] = dict.fromkeys(JOINT_GROUPS, (n,))
+    return {
+        "bends": (n,),
+        "twists": (n - 1,),
+        "phases": (n - 1,),
+        "points": (n + 2, 3),
+        **joints,
+    }
 
 
 def _tolerance(name: str, value: ArrayLike, own: tuple[int, ...], degrees: bool) -> FloatArray:
@@ -296,11 +328,14 @@ def _nominals(geometry: Geometry, by_points: bool) -> Iterator[Nominal]:
         if by_points
         else None
     )
+    deviations: Sequence[FloatArray | None] = [None] * count
+    if geometry.is_as_built:
+        deviations = [*geometry.deviations.reshape(count, n, 3)]
     for i, (bends, twists, phases) in enumerate(zip(*flat, strict=True)):
         points = None
         if spans is not None:
             points = np.concatenate([np.zeros((1, 3)), np.cumsum(spans[i], axis=0)])
-        yield Nominal(bends, twists, phases, points)
+        yield Nominal(bends, twists, phases, points, deviations[i])
 
 
 def _positive(group: str, array: FloatArray) -> dict[ParameterPlace, float]:

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, TypeAlias
+from functools import cached_property, partial
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.geometry import Geometry
 from cardan.load import Load
-from cardan.parameters import PARAMETERS
+from cardan.order_quantities import OrderQuantity, farthest_signs
+from cardan.parameters import PARAMETERS, LayoutVariables
 from cardan.quantities import Amplitude, MotionQuantity
 from cardan.reduced_quantities import ReducedQuantity
 from cardan.tolerances.amplitudes import amplitude
-from cardan.tolerances.box import Box
+from cardan.tolerances.box import JOINT_GROUPS, Box
 from cardan.tolerances.chain import ComplexArray, Deviations
 from cardan.tolerances.deviating import as_drawn, in_blocks
 from cardan.tolerances.guaranteed import largest_modulus
+from cardan.tolerances.orders import order_amplitudes
 from cardan.tolerances.worst import (
     MOST_CORNERS,
     largest_in_box,
@@ -27,13 +30,13 @@ from cardan.tolerances.worst import (
     zonotope_radius,
 )
 
-Quantity: TypeAlias = MotionQuantity | ReducedQuantity
+Quantity: TypeAlias = MotionQuantity | OrderQuantity | ReducedQuantity
 
 # Differences by this part of a tolerance: 9 digits remain, and a tolerance is a small change.
 _STEP = 1e-4
 
-# Every trial of a reduced output is an evaluation over a turn.
-_MOST_REDUCED = 10
+# Every trial of an order or a reduced output is an evaluation over a turn.
+_MOST_OVER_A_TURN = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +61,12 @@ class Case:
     load: Load | None
     workers: int | None
 
+    @property
+    def is_as_built(self) -> bool:
+        """Whether the joints deviate or have tolerances."""
+        toleranced = any(group in JOINT_GROUPS for group, _ in self.box.places)
+        return toleranced or self.geometry.is_as_built
+
     def scaled(self, group: str, factor: float) -> Case:
         """Return the case with the tolerances of one group multiplied."""
         return replace(self, box=self.box.scaled(group, factor))
@@ -73,10 +82,16 @@ class Case:
         """
         by_place, samples = self.box.deviations(deviations), deviations.shape[1]
         moduli: dict[str, FloatArray] = {}
+        orders: dict[int, FloatArray] = {}
         found = {}
         for name, quantity in quantities.items():
             if isinstance(quantity, ReducedQuantity):
                 found[name] = self._outputs(quantity, by_place, samples)
+                continue
+            if isinstance(quantity, OrderQuantity):
+                if quantity.order not in orders:
+                    orders[quantity.order] = np.abs(self._order(quantity, by_place, samples))
+                found[name] = np.asarray(quantity.at(orders[quantity.order], self.speed))
                 continue
             for kind in quantity.amplitudes:
                 if kind not in moduli:
@@ -96,14 +111,26 @@ class Case:
 
         return in_blocks(of, self.geometry, self.box.nominal, deviations, samples)
 
+    def _order(self, quantity: OrderQuantity, deviations: Deviations, samples: int) -> ComplexArray:
+        """The complex amplitude of an order of each sample."""
+        return order_amplitudes(
+            self.line_of,
+            self.geometry,
+            self.box.nominal,
+            deviations,
+            samples,
+            quantity.order,
+            self.shaft,
+        )
+
     def nominal(self, quantity: Quantity) -> float:
         """Return the figure of the driveline as drawn."""
-        return float(self._of_units(quantity)(np.zeros((len(self.box.places), 1)))[0])
+        return float(self._of_units(quantity)(np.zeros((len(self._acting(quantity)), 1)))[0])
 
     def searched(self, quantity: Quantity) -> bool:
         """Whether the worst case is searched over the box, not found to first order."""
-        most = _MOST_REDUCED if isinstance(quantity, ReducedQuantity) else MOST_CORNERS
-        return len(self.box.places) <= most
+        most = MOST_CORNERS if isinstance(quantity, MotionQuantity) else _MOST_OVER_A_TURN
+        return len(self._acting(quantity)) <= most
 
     def worst(self, quantity: Quantity) -> float:
         """Return the worst figure.
@@ -116,19 +143,28 @@ class Case:
         linear = self.linear(quantity)
         if isinstance(quantity, MotionQuantity):
             return min(linear, self.guaranteed(quantity))
-        # A peak has kinks, beyond which it grows faster than its slope says.
-        signs = np.where(self._slopes_of_output(quantity) < 0.0, -1.0, 1.0)
-        return max(linear, largest_of_corners(self._of_units(quantity), signs))
+        if isinstance(quantity, OrderQuantity):
+            signs = farthest_signs(*self._order_vectors(quantity))
+        else:
+            # A peak has kinks, beyond which it grows faster than its slope says.
+            signs = np.where(self._slopes_of_output(quantity) < 0.0, -1.0, 1.0)
+        return max(linear, largest_of_corners(self._of_units(quantity), signs)[0])
 
     def worst_at(self, quantity: Quantity) -> FloatArray:
         """Return the deviations of the worst driveline, ``(parameters,)``."""
-        return np.asarray(self._search(quantity)[1] * self.box.sizes)
+        found = np.zeros(len(self.box.places))
+        acting = self._acting(quantity)
+        found[acting] = self._search(quantity)[1] * self.box.sizes[acting]
+        return found
 
     def linear(self, quantity: Quantity) -> float:
         """Return the worst figure to first order."""
         if isinstance(quantity, ReducedQuantity):
             changes = self._slopes_of_output(quantity) * self.box.sizes
             return self.nominal(quantity) + float(np.sum(np.abs(changes)))
+        if isinstance(quantity, OrderQuantity):
+            modulus = zonotope_radius(*self._order_vectors(quantity))
+            return float(quantity.at(modulus, self.speed))
         return self._figure(quantity, max(map(self._linear_modulus, quantity.amplitudes)))
 
     def guaranteed(self, quantity: MotionQuantity) -> float:
@@ -143,6 +179,8 @@ class Case:
         """
         if isinstance(quantity, ReducedQuantity):
             slopes = np.abs(self._slopes_of_output(quantity))
+        elif isinstance(quantity, OrderQuantity):
+            slopes = np.abs(self._order_vectors(quantity)[1]) / self.box.sizes
         else:
             slopes = np.abs(self._slopes(max(quantity.amplitudes, key=self._linear_modulus)))
         parts = np.square(slopes * self.box.sigmas)
@@ -151,20 +189,44 @@ class Case:
 
     def _slopes(self, kind: Amplitude) -> ComplexArray:
         """The derivatives of an amplitude by each parameter."""
+
+        def of(by_place: Deviations, samples: int) -> ComplexArray:
+            found = amplitude(kind, self.box.nominal, by_place, self.shaft)
+            return np.broadcast_to(found, samples)
+
+        return np.asarray(self._differences(of))
+
+    def _order_vectors(self, quantity: OrderQuantity) -> tuple[complex, ComplexArray]:
+        """The amplitude as drawn, and what each tolerance adds to first order."""
+        middle = complex(self._order(quantity, {}, 1)[0])
+        slopes = self._differences(partial(self._order, quantity))
+        return middle, np.asarray(slopes * self.box.sizes)
+
+    def _differences(self, of: Callable[[Deviations, int], Any]) -> Any:  # noqa: ANN401
+        """The derivatives by each parameter of what a function finds of many samples."""
         steps = np.diag(np.full(len(self.box.places), _STEP))
         units = np.concatenate([steps, -steps], axis=1)
         by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])
-        found = amplitude(kind, self.box.nominal, by_place, self.shaft)
-        plus, minus = np.split(np.broadcast_to(found, units.shape[1]), 2)
+        plus, minus = np.split(of(by_place, units.shape[1]), 2)
         return np.asarray((plus - minus) / (2.0 * _STEP * self.box.sizes))
 
     def _slopes_of_output(self, quantity: ReducedQuantity) -> FloatArray:
         """The derivatives of a reduced output by each parameter."""
-        line = self.line_of(as_drawn(self.geometry, self.box.nominal))
         used = {group for group, _ in self.box.places}
-        wanted = [group for group in PARAMETERS if group in used]
+        joints = not used.isdisjoint(JOINT_GROUPS)
+        if "points" in used and self.is_as_built:
+            # Outputs of joints as built have no derivatives by points.
+            return np.asarray(self._differences(partial(self._outputs, quantity)))
+        line = self.line_of(as_drawn(self.geometry, self.box.nominal, joints=joints))
+        wanted: list[LayoutVariables | Literal["deviations"]] = [
+            group for group in PARAMETERS if group in used
+        ]
+        if joints:
+            wanted.append("deviations")
         found = quantity.derivatives(line, self.load, wanted)
         by: dict[str, FloatArray] = {group: own[0] for group, own in found.items()}
+        if joints:
+            by |= dict(zip(JOINT_GROUPS, by["deviations"].T, strict=True))
         return np.array([by[group][place] for group, place in self.box.places])
 
     def _linear_modulus(self, kind: Amplitude) -> float:
@@ -177,17 +239,34 @@ class Case:
     def _figure(self, quantity: MotionQuantity, modulus: float) -> float:
         return float(quantity.at(modulus, self.speed))
 
+    def _acting(self, quantity: Quantity) -> NDArray[np.intp]:
+        """Numbers of the parameters on which a figure depends: those of ``q`` on the layout."""
+        layout_alone = isinstance(quantity, MotionQuantity)
+        acts = [not (layout_alone and group in JOINT_GROUPS) for group, _ in self.box.places]
+        return np.flatnonzero(acts)
+
     def _of_units(self, quantity: Quantity) -> Callable[[FloatArray], FloatArray]:
-        """The figure as a function of deviations in units of the tolerances."""
-        sizes = self.box.sizes[:, np.newaxis]
-        return lambda units: self.values({"": quantity}, units * sizes)[""]
+        """The figure as a function of the acting deviations in units of the tolerances."""
+        acting = self._acting(quantity)
+        sizes = self.box.sizes[acting, np.newaxis]
+
+        def of(units: FloatArray) -> FloatArray:
+            deviations = np.zeros((len(self.box.places), units.shape[1]))
+            deviations[acting] = units * sizes
+            return self.values({"": quantity}, deviations)[""]
+
+        return of
 
     def _search(self, quantity: Quantity) -> tuple[float, FloatArray]:
-        """The worst driveline: its figure, and the deviations in units of the tolerances."""
+        """The worst driveline: its figure, and the acting deviations in units of the tolerances."""
         # Figures of the same amplitudes have their maximum in one place.
-        key = quantity if isinstance(quantity, ReducedQuantity) else quantity.amplitudes
+        key: Any = quantity
+        if isinstance(quantity, MotionQuantity):
+            key = quantity.amplitudes
+        elif isinstance(quantity, OrderQuantity):
+            key = quantity.order
         if key not in self._searches:
-            _, at = largest_in_box(self._of_units(quantity), len(self.box.places))
+            _, at = largest_in_box(self._of_units(quantity), len(self._acting(quantity)))
             self._searches[key] = at
         at = self._searches[key]
         return float(self._of_units(quantity)(at[:, np.newaxis])[0]), at

@@ -40,12 +40,15 @@ class Nominal:
         twists: ``(n - 1,)``.
         phases: ``(n - 1,)``.
         points: ``(n + 2, 3)``, ``None`` if bends and twists are what deviates.
+        deviations: of the joints as built, ``(n, 3)``; ``None`` of ideal ones. ``q`` is that of
+            ideal joints.
     """
 
     bends: FloatArray
     twists: FloatArray
     phases: FloatArray
     points: FloatArray | None = None
+    deviations: FloatArray | None = None
 
     @property
     def n_joints(self) -> int:
@@ -63,12 +66,13 @@ Deviations: TypeAlias = Mapping[ParameterPlace, FloatArray]
 
 
 def reversed_deviations(nominal: Nominal, deviations: Deviations) -> Deviations:
-    """Return the deviations of the driveline that is driven from its other end."""
+    """Return the deviations of the layout of the driveline driven from its other end."""
     n = nominal.n_joints
     last = {"bends": n - 1, "twists": n - 2, "phases": n - 2, "points": n + 1}
     return {
         (group, (last[group] - place[0], *place[1:])): values
         for (group, place), values in deviations.items()
+        if group in last
     }
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan import geometry
 from cardan.arrays import FloatArray
 from cardan.geometry import Geometry
+from cardan.tolerances.box import JOINT_GROUPS
 from cardan.tolerances.chain import Deviations, Nominal
 
 # Drivelines at a time: each has its geometry with directions and normals.
@@ -16,12 +19,13 @@ _BLOCK = 2048
 
 
 def in_blocks(
-    of: Callable[[Geometry], FloatArray],
+    of: Callable[[Geometry], Any],
     own: Geometry,
     nominal: Nominal,
     deviations: Deviations,
     samples: int,
-) -> FloatArray:
+    dtype: type = np.float64,
+) -> NDArray[Any]:
     """Return one number for each sample.
 
     Args:
@@ -30,8 +34,12 @@ def in_blocks(
         nominal: its parameters.
         deviations: by how much they deviate, ``(samples,)`` each.
         samples: how many samples there are.
+        dtype: of the numbers.
+
+    Returns:
+        ``(samples,)``.
     """
-    found = np.empty(samples)
+    found: NDArray[Any] = np.empty(samples, dtype)
     for first in range(0, samples, _BLOCK):
         some = slice(first, min(first + _BLOCK, samples))
         part = {place: values[some] for place, values in deviations.items()}
@@ -39,9 +47,16 @@ def in_blocks(
     return found
 
 
-def as_drawn(own: Geometry, nominal: Nominal) -> Geometry:
-    """Return a batch of one driveline without deviations; from points if they have tolerances."""
-    return _geometry(own, nominal, {}, 1)
+def as_drawn(own: Geometry, nominal: Nominal, *, joints: bool) -> Geometry:
+    """Return a batch of one driveline as drawn; from points if they have tolerances.
+
+    Args:
+        own: its geometry.
+        nominal: its parameters.
+        joints: whether deviations of its joints have tolerances.
+    """
+    made = _geometry(own, nominal, {}, 1)
+    return made.as_built() if joints else made
 
 
 def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: int) -> Geometry:
@@ -66,4 +81,10 @@ def _geometry(own: Geometry, nominal: Nominal, deviations: Deviations, samples: 
         made = geometry.from_bends(np.abs(bends), twists, phases, False)
         lengths = np.repeat(own.lengths[np.newaxis], samples, axis=0)
     positions = np.repeat(own.positions[np.newaxis], samples, axis=0)
+    joints = [place for place in deviations if place[0] in JOINT_GROUPS]
+    if joints or own.is_as_built:
+        built = np.repeat(own.as_built().deviations[np.newaxis], samples, axis=0)
+        for group, (joint,) in joints:
+            built[:, joint, JOINT_GROUPS.index(group)] += deviations[group, (joint,)]
+        made = made._replace(deviations=built)
     return made._replace(lengths=lengths, positions=positions, bearings=own.bearings)

@@ -15,11 +15,12 @@ from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
 from cardan.geometry import Geometry
 from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.load import Load
+from cardan.order_quantities import FIRST, order_quantity
 from cardan.outputs import OUTPUTS, nearest
 from cardan.quantities import MOTION_QUANTITIES, MotionQuantity, modulus_of_bend, nearest_quantity
 from cardan.reduced_quantities import ReducedQuantity, reduced_quantity
 from cardan.request import Items, Reduction, item_index
-from cardan.tolerances.box import Toleranced, boxes
+from cardan.tolerances.box import JOINT_GROUPS, Toleranced, boxes
 from cardan.tolerances.case import Case, Quantity
 from cardan.tolerances.design import Design
 from cardan.tolerances.result import Tolerances
@@ -38,6 +39,9 @@ def tolerances(
     twists: ArrayLike | None,
     phases: ArrayLike | None,
     points: ArrayLike | None,
+    driving_yoke: ArrayLike | None,
+    cross: ArrayLike | None,
+    driven_yoke: ArrayLike | None,
     degrees: bool,
     distribution: str,
     teeth: ArrayLike | None,
@@ -53,20 +57,34 @@ def tolerances(
     samples: SupportsIndex,
     seed: int | None,
     workers: int | None,
+    motion_as_drawn: bool = False,
 ) -> Tolerances:
-    """Check the arguments of ``Driveline.tolerances`` and return its result."""
+    """Check the arguments of ``Driveline.tolerances`` and return its result.
+
+    With ``motion_as_drawn``, figures of the motion are those of ideal joints, and are not refused
+    where the joints deviate or have tolerances.
+    """
     names, several = _names(of)
     index = item_index("shaft", shaft, line.n_joints + 1)
     if index == 0:
         raise ArgumentValueError("shaft", "is 0; the drive shaft turns without errors")
-    given = {"bends": bends, "twists": twists, "phases": phases, "points": points}
+    layout = {"bends": bends, "twists": twists, "phases": phases, "points": points}
+    joint_sizes = dict(zip(JOINT_GROUPS, (driving_yoke, cross, driven_yoke), strict=True))
+    given = {**layout, **joint_sizes}
     each = boxes(line, given, teeth, distribution, degrees)
     quantities = {
         name: _quantity(name, i, line, reduce, {"shaft": shafts, "joint": joints})
         for i, name in enumerate(names)
     }
+    as_built = line._geometry.is_as_built
+    as_built |= any(size is not None for size in joint_sizes.values())
+    if as_built:
+        drawn = motion_as_drawn and any(size is not None for size in (*layout.values(), teeth))
+        _check_as_built(quantities, several, drawn)
     for name, quantity in quantities.items():
-        if isinstance(quantity, MotionQuantity) and quantity.needs_speed and speed is None:
+        if isinstance(quantity, ReducedQuantity):
+            continue
+        if quantity.needs_speed and speed is None:
             raise ArgumentValueError("speed", f"is missing; {name!r} needs it")
     speeds = np.zeros(each.shape) if speed is None else _speeds(speed, each.shape)
     loads = _loads(load, each.shape)
@@ -90,6 +108,32 @@ def tolerances(
         workers=workers,
         n_states=n_states,
     )
+
+
+def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn: bool) -> None:
+    """Refuse figures that joints as built do not have.
+
+    Raises:
+        ValueError: one of the motion, unless it may be that of ideal joints and these scatter;
+            forces.
+    """
+    for i, (name, quantity) in enumerate(quantities.items()):
+        place = (i,) if several else ()
+        if isinstance(quantity, MotionQuantity) and not as_drawn:
+            raise ArgumentValueError(
+                "of",
+                f"is {name!r}, a figure of ideal joints; joints with deviations have orders, such "
+                "as 'angle_error_order_1' and 'acceleration_order_1', and outputs, such as "
+                "'angle_error_peak'",
+                place,
+            )
+        if isinstance(quantity, ReducedQuantity) and quantity.unit == "N":
+            raise ArgumentValueError(
+                "of",
+                f"is {name!r}; forces are computed for ideal joints only, without tolerances of "
+                f"{', '.join(JOINT_GROUPS)}",
+                place,
+            )
 
 
 def _designs(
@@ -133,6 +177,8 @@ def _quantity(
     """The quantity of a name; of an output alone, with the reduction and the items given."""
     if name in MOTION_QUANTITIES:
         return MOTION_QUANTITIES[name]
+    if ordered := order_quantity(name):
+        return ordered
     found = reduced_quantity(name)
     if found is None and name in OUTPUTS:
         output = OUTPUTS[name]
@@ -140,7 +186,7 @@ def _quantity(
             raise ArgumentValueError("reduce", f"is {reduce!r}; it must be one of {_LISTED}")
         found = ReducedQuantity(output, items.get(output.per), reduce)
     elif found is None:
-        known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS])
+        known = nearest_quantity(name, [*MOTION_QUANTITIES, *OUTPUTS, *FIRST])
         raise ArgumentValueError("of", f"is {name!r}; {known}", (place,))
     elif found.reduction not in REDUCTIONS:
         raise ArgumentValueError(

@@ -123,6 +123,16 @@ class Tolerances:
         return self._by_group([design.box.tooth_sizes for design in self._designs])
 
     @property
+    def as_built(self) -> bool:
+        """Whether the joints deviate or have tolerances; figures of ``q`` leave that out."""
+        return any(case.is_as_built for design in self._designs for case in design.cases)
+
+    @property
+    def measured(self) -> bool:
+        """Whether the driveline in the middle of the tolerances has deviations itself."""
+        return any(case.geometry.is_as_built for design in self._designs for case in design.cases)
+
+    @property
     def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name
         """The figure of the driveline as drawn."""
         return self._each(Design.nominal)
@@ -166,7 +176,8 @@ class Tolerances:
     def linear(self) -> Any:  # noqa: ANN401
         """The largest figure to first order: the farthest vertex of ``q + sum of ± dq``.
 
-        For a reduced output: its value and the sum of the magnitudes of all first-order changes.
+        Of an order ``q`` is its complex amplitude. For a reduced output: its value and the sum of
+        the magnitudes of all first-order changes.
         """
         return self._each(Design.linear)
 
@@ -177,7 +188,7 @@ class Tolerances:
         With several figures, of those of which one is known.
 
         Raises:
-            ValueError: the only figure is a reduced output, of which no bound is known.
+            ValueError: the only figure is an order or a reduced output, of which no bound is known.
         """
         found = {
             name: self._batch([design.guaranteed(quantity) for design in self._designs])
@@ -189,7 +200,8 @@ class Tolerances:
         raise ArgumentValueError(
             "of",
             f"is {self.of[0]!r}; a guaranteed bound is known for {', '.join(MOTION_QUANTITIES)} "
-            "only, which depend on complex numbers",
+            "only, which are functions of a place in the hyperbolic plane; 'worst' searches all "
+            "combinations of tolerances",
         )
 
     @cached_property
@@ -247,10 +259,10 @@ class Tolerances:
     def shares(self) -> Any:  # noqa: ANN401
         """Share of each parameter in the scatter of the figure, by group; together they are 1.
 
-        ``|dq/dx|² sigma²`` of each parameter over the sum; for a reduced output with its own
-        derivative. With states, in the scatter of the state with the worst figure. ``"bends"``:
-        ``(..., n)``, ``"phases"`` and ``"twists"``: ``(..., n - 1)``, ``"points"``: ``(..., n + 2,
-        3)``.
+        ``|dq/dx|² sigma²`` of each parameter over the sum; for an order with its complex amplitude
+        and for a reduced output with its own derivative. With states, in the scatter of the state
+        with the worst figure. ``"bends"`` and the deviations of the joints: ``(..., n)``,
+        ``"phases"`` and ``"twists"``: ``(..., n - 1)``, ``"points"``: ``(..., n + 2, 3)``.
         """
 
         return self._grouped(Design.shares)
@@ -287,7 +299,8 @@ class Tolerances:
         and a single figure are judged.
 
         Args:
-            group: ``"bends"``, ``"twists"``, ``"phases"`` or ``"points"``.
+            group: ``"bends"``, ``"twists"``, ``"phases"``, ``"points"``, ``"driving_yoke"``,
+                ``"cross"`` or ``"driven_yoke"``.
             bound: what must not exceed the limit: ``"worst"``, ``"linear"`` or ``"guaranteed"``.
 
         Returns:

@@ -68,12 +68,15 @@ def largest_in_box(value: Value, parameters: int) -> tuple[float, FloatArray]:
     return float(found[top]), at[:, top]
 
 
-def largest_of_corners(value: Value, corner: FloatArray) -> float:
-    """Return the largest value of the corners that are reached by turning one parameter at a time.
+def largest_of_corners(value: Value, corner: FloatArray) -> tuple[float, FloatArray]:
+    """Return the largest value of corners that are reached by turning one parameter at a time.
 
     Args:
         value: the figure; parameters run from -1 to 1.
         corner: where to begin, ``(parameters,)``.
+
+    Returns:
+        the value, and the corner.
     """
     at, best = corner[:, np.newaxis], float(value(corner[:, np.newaxis])[0])
     turned = 1.0 - 2.0 * np.eye(len(corner))
@@ -83,7 +86,7 @@ def largest_of_corners(value: Value, corner: FloatArray) -> float:
         if values[top] <= best:
             break
         at, best = at * turned[:, [top]], float(values[top])
-    return best
+    return best, at[:, 0]
 
 
 def _along(value: Value, at: FloatArray, found: FloatArray, row: int) -> FloatArray:

@@ -32,6 +32,9 @@ def as_built_rows(found: list[ShaftOrders], *, radians: bool = False) -> Iterato
         kinds = [(f"angle error [{unit}]", errors)]
         if each.acceleration is not None:
             kinds.append(("acceleration [rad/s²]", each.acceleration))
-        for label, (built, drawing) in kinds:
+        for label, (built, drawing, *worst) in kinds:
             yield (f"shaft {each.shaft}, {label}", *map(figure_text, built))
-            yield ("  of the drawing", *map(figure_text, drawing))
+            if each.deviates:
+                yield ("  of the drawing", *map(figure_text, drawing))
+            for amplitudes in worst:
+                yield ("  within the tolerances of the joints up to", *map(figure_text, amplitudes))

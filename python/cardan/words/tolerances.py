@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 
 from cardan.figures.tolerances import (
+    GROUP_NAMES,
     Permitted,
     ToleranceFigure,
     ToleranceFigures,
@@ -43,8 +44,8 @@ def _filled(texts: Iterable[str]) -> str:
 def given_lines(found: ToleranceFigures) -> list[tuple[str, str]]:
     """Return what the scene permits, as pairs."""
     lines = [
-        (f"tolerance of {group}", _ends(ends, "mm" if group == "points" else "deg"))
-        for group, ends in found.given.items()
+        (f"tolerance of {_called(group)}", _ends((low, high), unit))
+        for group, (low, high, unit) in found.given.items()
     ]
     if found.half_tooth:
         lines.append(("half a tooth", _ends(found.half_tooth, "deg")))
@@ -52,11 +53,20 @@ def given_lines(found: ToleranceFigures) -> list[tuple[str, str]]:
     return [*lines, ("random drivelines", drawn)]
 
 
+def _nominal(figure: ToleranceFigure) -> str:
+    """What the driveline in the middle of the tolerances is."""
+    return "as measured" if figure.measured else "as drawn"
+
+
+def _called(group: str) -> str:
+    return group if group == "points" else GROUP_NAMES.get(group, group)
+
+
 def figure_lines(figure: ToleranceFigure) -> list[tuple[str, str]]:
     """Return the values of one figure as pairs."""
     half, most, nearly = (with_unit(value, figure.unit) for value in figure.quantiles)
     lines = [
-        ("as drawn", with_unit(_rounded(figure.nominal, figure.worst), figure.unit)),
+        (_nominal(figure), with_unit(_rounded(figure.nominal, figure.worst), figure.unit)),
         ("half of them up to", half),
         ("95 % up to", most),
         ("99 % up to", nearly),
@@ -119,7 +129,7 @@ def _in(state: str) -> str:
 def verdict_texts(found: ToleranceFigures) -> list[str]:
     """Return the verdict on each figure: as drawn, then with the tolerances."""
     several = len(found.figures) > 1
-    return [verdict_text(figure, named=several) for figure in found.figures]
+    return [verdict_text(figure, named=several or figure.limit is None) for figure in found.figures]
 
 
 def permitted_texts(found: ToleranceFigures, permitted: Sequence[Permitted]) -> list[str]:
@@ -137,8 +147,9 @@ def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
         worst += f", {most} from {'' if first.of == 'point' else 'the '}{first.label}"
     nominal = _rounded(figure.nominal, figure.worst)
     if figure.limit is None or figure.passing is None:
-        drawn = f"{with_unit(nominal, figure.unit)} as drawn{_in(figure.nominal_in)}"
+        drawn = f"{with_unit(nominal, figure.unit)} {_nominal(figure)}{_in(figure.nominal_in)}"
         return f"{name}{drawn}; with these tolerances {worst}."
+    start = _nominal(figure) if named else _nominal(figure).capitalize()
     limit, share = f"the {limit_text(figure)} limit", percent(figure.passing)
     every = " in every state" if figure.states else ""
     if figure.nominal <= figure.limit * (1.0 + 1e-9):
@@ -146,14 +157,14 @@ def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
     else:
         drawn = f"beyond {limit}{_in(figure.nominal_in)}"
     return (
-        f"{name}{'as' if named else 'As'} drawn, the driveline is {drawn}. With these tolerances, "
+        f"{name}{start}, the driveline is {drawn}. With these tolerances, "
         f"{share} of all drivelines are within it{every}; {worst}."
     )
 
 
 def _permitted(part: Permitted, found: ToleranceFigures) -> str:
     limit = limit_text(found.figures[0])
-    group = {"points": "coordinates of the points"}.get(part.group, part.group)
+    group = GROUP_NAMES.get(part.group, part.group)
     same = ", with the other tolerances unchanged" if len(found.given) > 1 else ""
     if math.isnan(part.factor):
         return f"No accuracy of the {group} brings every driveline within {limit}{same}."

@@ -1,0 +1,147 @@
+"""Play of joints in scenes: sentences, answers, and the numbers that the backlash loop shows."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from matplotlib import pyplot
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+import cardan
+from cardan.command import commands
+from cardan.figures.backlash import Backlash, backlash, drawn_backlash, scene_backlash
+from cardan.plots import plot_backlash, plot_lash, write_backlash
+from cardan.scene import Scene, SceneError
+from example_scenes import ANSWERS, SCENES, example
+
+PATH = example("worn_joints.toml")
+TEXT = PATH.read_text(encoding="utf-8")
+BEND, PLAY, STIFF, TORQUE = np.radians(30.0), 0.05 / 40.0, 1e5, 400.0
+SINGLE = TEXT.replace("[30, 12]", "[30]").replace("phases_deg = [0]\n", "")
+
+
+def command(*arguments: object) -> str:
+    done = CliRunner().invoke(commands(), [str(argument) for argument in arguments])
+    assert done.exit_code in (0, 1), done.output
+    return done.output
+
+
+def curves(axes: Axes) -> list[NDArray[np.float64]]:
+    """The curves with a label, ``(2, points)`` each."""
+    lines = [line for line in axes.get_lines() if not str(line.get_label()).startswith("_")]
+    return [np.array([line.get_xdata(), line.get_ydata()], dtype=float) for line in lines]
+
+
+def single() -> Backlash:
+    return drawn_backlash(Scene.parse(SINGLE))
+
+
+def test_the_loop_of_one_joint_is_the_closed_form() -> None:
+    # 2 asin(sin(d)/rho): largest, by 1/cos(bend), where the driving pin is in the bend plane.
+    axes = plot_backlash(single())
+    wound = TORQUE / (STIFF * np.cos(BEND))
+    for (angle, torque), rho in zip(curves(axes), (np.cos(BEND), 1.0), strict=True):
+        half = np.arcsin(np.sin(2.0 * PLAY) / rho)
+        want = np.degrees([-half - wound, -half, half, half + wound])
+        np.testing.assert_allclose(angle, want, rtol=1e-9)
+        np.testing.assert_allclose(torque, [TORQUE, 0.0, 0.0, -TORQUE])
+    labels = [line.get_label() for line in axes.get_lines()][2:]
+    assert [str(label).split(":")[0] for label in labels] == ["at 0°", "at 90°"]
+    assert axes.get_ylabel() == "torque at the drive [N m]"
+    pyplot.close("all")
+
+
+def test_the_lash_over_the_turn_is_the_closed_form() -> None:
+    loose, wound = curves(plot_lash(single()))
+    turn = np.radians(loose[0])
+    rho = np.hypot(np.sin(turn), np.cos(BEND) * np.cos(turn))
+    lash = 2.0 * np.arcsin(np.sin(2.0 * PLAY) / rho)
+    np.testing.assert_allclose(loose[1], np.degrees(lash), rtol=1e-9)
+    both = lash + 2.0 * TORQUE / (STIFF * np.cos(BEND))
+    np.testing.assert_allclose(wound[1], np.degrees(both), rtol=1e-9)
+    pyplot.close("all")
+
+
+def test_loops_that_hardly_differ_are_one() -> None:
+    line = cardan.Driveline.from_bends([0.01])
+    rigid = backlash(line, 0.05, 40.0, cardan.Load(output_torque=-9.0))
+    (loop,) = curves(plot_backlash(rigid))
+    assert loop[0][0] == loop[0][1]
+    assert loop[1].tolist() == [9.0, 0.0, 0.0, -9.0]
+    (loose,) = curves(plot_lash(rigid))
+    assert np.degrees(4.0 * 0.05 / 40.0) == pytest.approx(loose[1][0], rel=1e-3)
+    pyplot.close("all")
+
+
+def test_scenes_are_those_of_the_library(tmp_path: Path) -> None:
+    scene = Scene.parse(TEXT)
+    found = drawn_backlash(scene)
+    turn = np.asarray(cardan.Sweep.revolutions(721 / 720, 720))
+    np.testing.assert_allclose(found.lash, scene.line.lash(turn, 0.05, 40.0), rtol=1e-12)
+    load = cardan.Load(drive_torque=TORQUE)
+    np.testing.assert_allclose(found.wind_up, scene.line.wind_up(turn, load, STIFF), rtol=1e-12)
+    low, high = np.degrees([found.lash.min(), found.lash.max()])
+    said = f"is loose by {low:.4g}° to {high:.4f}° over the turn. 400.0 N m at the drive wind it up"
+    for name, options in (("run", ("--into", tmp_path)), ("check", ())):
+        assert said in " ".join(command(name, PATH, *options).split())
+    data = json.loads(command("check", PATH, "--json"))
+    ANSWERS.validate(data)
+    assert data["backlash"]["lash_deg"] == pytest.approx({"min": low, "max": high}, rel=1e-12)
+    assert data["backlash"]["wind_up_deg"]["max"] == pytest.approx(
+        np.degrees(found.wind_up.max()), rel=1e-12
+    )
+    assert scene.service.joints is None
+    SCENES.validate(tomllib.loads(TEXT))
+
+
+def test_states_have_the_largest_lash() -> None:
+    states = Scene.parse(TEXT + '[states]\n"bends_deg.0" = [5, 35]\nnames = ["a", "b"]\n')
+    found = drawn_backlash(states)
+    alone = drawn_backlash(Scene.parse(TEXT.replace("[30, 12]", "[35, 12]")))
+    np.testing.assert_allclose(found.lash, alone.lash, rtol=1e-12)
+
+
+def test_the_command_draws(tmp_path: Path) -> None:
+    path = tmp_path / "loop.svg"
+    assert command("plot", PATH, "--backlash", "--output", path) == f"wrote {path}\n"
+    again = tmp_path / "again.svg"
+    write_backlash(drawn_backlash(Scene.load(PATH)), again, "Two joints with play")
+    assert path.read_bytes() == again.read_bytes()
+    none = CliRunner().invoke(commands(), ["plot", str(example("foeppl.toml")), "--backlash"])
+    assert none.exit_code == 2
+    assert "backlash needs play_mm and arm_mm in [joints]" in none.stderr
+    both = CliRunner().invoke(commands(), ["plot", str(PATH), "--slides", "--backlash"])
+    assert "--backlash does not go with --slides" in both.stderr
+    ball = CliRunner().invoke(commands(), ["plot", str(example("ball_joint.toml")), "--backlash"])
+    assert "a ball joint alone has no backlash" in ball.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("arm_mm = 40", "", "play_mm needs arm_mm"),
+        ("play_mm = 0.05", "play_mm = [0.05]", "play_mm has length 1; it needs 2, one per joint"),
+        ("play_mm = 0.05", "play_mm = -1", "play_mm is -1; it must not be negative"),
+        ("play_mm = 0.05", "", "stiffness_Nm_per_rad"),
+        ("= 1e5", "= [1e5]", "stiffness_Nm_per_rad has length 1; it needs 2, one per joint"),
+    ],
+)
+def test_wrong_play_is_refused(old: str, new: str, said: str) -> None:
+    with pytest.raises(SceneError, match=re.escape(said)):
+        Scene.parse(TEXT.replace(old, new))
+
+
+def test_what_has_no_loop_is_refused() -> None:
+    line = cardan.Driveline.from_bends([[0.1], [0.2]])
+    with pytest.raises(ValueError, match="backlash is that of one driveline"):
+        backlash(line, 0.05, 40.0, cardan.Load(drive_torque=1.0))
+    with pytest.raises(ValueError, match="one torque that is not 0"):
+        backlash(line[0], 0.05, 40.0, cardan.Load(speed=1.0))
+    assert scene_backlash(Scene.parse(TEXT.replace("[load]\ndrive_torque_Nm = 400", ""))) is None
