@@ -14,6 +14,7 @@ from click.testing import CliRunner
 import cardan
 from cardan.command import commands
 from cardan.figures.life import needed_life
+from cardan.figures.slides import drawn_slides
 from cardan.figures.torsion import TorsionFigures, needed_torsion
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
@@ -294,3 +295,80 @@ def test_spline() -> None:
     for shaft in ("shaft 0, upstream", "shaft 2, downstream"):
         words = f"{figure_text(along)} N along it, {figure_text(across)} N across"
         assert shown[f"on {shaft}"] == words
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.005])
+def test_a_permitted_bend_is_the_largest_within_the_rule(ratio: float) -> None:
+    """With hundredths of a degree: ``tan²(bend/2)`` is at most the damping ratio."""
+    text = f"""\
+    [driveline]
+    bends_deg = [20]
+    [torsion]
+    inertias_kgm2 = [0, [0, 0.05]]
+    stiffnesses_Nm_per_rad = [8000, "rigid"]
+    speed_rpm = {{from = 3000, to = 4500, steps = 40}}
+    damping_ratio = {ratio}
+    """
+    said = " ".join(torsion_text(needed_torsion(Scene.parse(text))).split())
+    found = re.search(r"bend behind shaft 0 of at most (\S+)° instead of 20°", said)
+    assert found
+    bend = float(found[1])
+    assert np.tan(np.radians(bend) / 2.0) ** 2 <= ratio
+    assert np.tan(np.radians(bend + 0.01) / 2.0) ** 2 > ratio
+
+
+@pytest.mark.parametrize("name", ["workshop", "mill_spindle"])
+def test_tolerances(name: str) -> None:
+    text = printed("tolerances", name)
+    given = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["tolerances"]
+    lines = dict(re.findall(r"^ *(\S.*?)  +(\S.*)$", text, re.M))
+    for key, group in (("bends_deg", "bends"), ("phases_deg", "phases"), ("points_mm", "points")):
+        unit = " mm" if group == "points" else "°"
+        assert lines.get(f"tolerance of {group}") == (
+            f"±{given[key]:g}{unit}" if key in given else None
+        )
+    tolerances = Scene.load(EXAMPLES / f"{name}.toml").tolerances
+    assert tolerances
+    sampled = np.degrees(np.asarray(tolerances.ascending))
+    shares = {"half of them up to": 0.5, "95 % up to": 0.95, "99 % up to": 0.99}
+    for label, share in shares.items():
+        at = sampled[int(share * (len(sampled) - 1))]
+        assert first_number(lines[label]) == pytest.approx(at, rel=1e-3)
+    assert first_number(lines["worst"]) >= sampled[-1]
+    passing = 100.0 * np.mean(sampled <= 3.0)
+    assert first_number(lines["within 3°"]) == pytest.approx(passing, abs=0.06)
+    # The largest share is named, and whether it is more than half of the scatter.
+    parts = re.findall(r"^    (\S.*?)  +([\d.]+) %$", text, re.M)
+    most, percent = max(parts, key=lambda part: float(part[1]))
+    words = "mostly" if float(percent) > 50.0 else "the largest share"
+    article = "" if most.startswith("point ") else "the "
+    assert f", {words} from {article}{most}." in " ".join(text.split())
+
+
+@pytest.mark.parametrize("most", [90, 360, 500])
+def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None:
+    """The extent of the angles is printed, also of a swing within a turn."""
+    angles = [*range(0, most), *range(most, 20, -1)]
+    (tmp_path / "a.csv").write_text("deg\n" + "\n".join(map(str, angles)), encoding="utf-8")
+    (tmp_path / "a.toml").write_text(
+        "[driveline]\nbends_deg = [8]\n[angles]\nfile = 'a.csv'\nangle_column_deg = 'deg'\n",
+        encoding="utf-8",
+    )
+    result = CliRunner().invoke(
+        commands(), ["run", str(tmp_path / "a.toml"), "--into", str(tmp_path)]
+    )
+    assert result.exit_code == 0, result.output
+    turns, samples = (2 * most - 21) / 360.0, 2 * most - 20
+    assert (
+        f"In these {samples} samples, first 0.00°, last 21.00°, least 0.00°, largest {most}.00°, "
+        f"{turns:.4g} turns forward and back, 360 samples per turn"
+    ) in " ".join(result.output.split())
+    assert max(map(len, result.output.splitlines())) <= 79
+
+
+def test_slides_that_do_not_move_are_named_as_such() -> None:
+    text = printed("check", "axial_travel")
+    assert "What is not listed does not slide." in text
+    scene = Scene.load(EXAMPLES / "axial_travel.toml")
+    travels = drawn_slides(scene).travel()
+    assert re.search(rf"joint 0, shaft 1 axially +{travels[0]:.4f}\b", text)

@@ -19,7 +19,7 @@ from cardan.figures.torsion import torsion_figures
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
-from pages import curves, figure, legend_of, tables, value
+from pages import curves, figure, legend_of, scales, tables, value
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -351,6 +351,8 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     sampled = np.degrees(np.asarray(scene.tolerances.ascending))
     for at, percent in share[::20]:
         assert percent == pytest.approx(100.0 * np.mean(sampled <= at), abs=1.5)
+    assert limit[0, 1] == pytest.approx(0.0, abs=0.5)
+    assert limit[-1, 1] == pytest.approx(100.0, abs=0.5)
     assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(shown.limit, abs=0.02)
     bars = figure(page, f"What makes the {shown.label} scatter")[1]
     widths = [float(bar.attrib["width"]) for bar in bars.iter("rect")]
@@ -428,7 +430,10 @@ def test_torques_over_the_speed_are_those_of_their_shaft(tmp_path: Path) -> None
     response = found.response
     assert len(response.compliant) > 1
     for place, shaft in enumerate(response.compliant):
-        drawn = curves(figure(page, f"Torque of shaft {shaft} over a turn [N m]"))
+        chart = figure(page, f"Torque of shaft {shaft} over a turn [N m]")
+        # Round numbers, and not parts of a turn.
+        assert [rpm for _, rpm in scales(chart)["x"]] == [1000.0, 2000.0, 3000.0]
+        drawn = curves(chart)
         assert list(drawn) == ["largest", "mean", "least"]
         largest = np.asarray(response.torque_max)[place][response.found]
         for points, values in zip(
