@@ -143,6 +143,19 @@ def test_motion_over_states_is_that_of_all(over_states: str) -> None:
         )
 
 
+def test_speeds_of_states_are_their_own(tmp_path: Path) -> None:
+    speeds = (900.0, 2000.0, 1500.0)
+    text = STATES.replace("[limits]", f"speed_rpm = {list(speeds)}\n[limits]")
+    rows = {row[0]: row[1:] for row in tables(page_of(text, tmp_path))[f"{MOTION} and 3 states"]}
+    joints = [line.equivalent(2) for line in lines()]
+    ends = (
+        min(rpm * float(j.min_speed_ratio) for rpm, j in zip(speeds, joints, strict=True)),
+        max(rpm * float(j.max_speed_ratio) for rpm, j in zip(speeds, joints, strict=True)),
+    )
+    shown = [float(end) for end in rows["Speed [rpm]"][1].split(" to ")]
+    assert shown == pytest.approx(ends, abs=0.5)
+
+
 def test_largest_loads_over_states_name_their_state(over_states: str) -> None:
     (caption,) = (name for name in tables(over_states) if name.startswith("Loads of the shafts"))
     assert caption == "Loads of the shafts, largest over a whole turn and 3 states"
@@ -311,10 +324,10 @@ def test_a_map_of_a_study_has_its_keys_the_right_way_round(tmp_path: Path) -> No
     labels = [text.text for text in svg.iter("text") if text.get("class") == "middle"][-2:]
     assert labels == ["phase, shaft 1 [deg]", "bend, joint 0 [deg]"]
     ticks = [text for text in svg.iter("text") if text.get("class") in ("middle", "end")][:-2]
-    across = [text for text in ticks if text.get("class") == "middle"]
-    assert [value(text.text or "") for text in across] == [-60.0, -30.0, 0.0, 30.0, 60.0, 90.0]
+    below = [text for text in ticks if text.get("class") == "middle"]
+    assert [value(text.text or "") for text in below] == [-60.0, -30.0, 0.0, 30.0, 60.0, 90.0]
     places = np.interp([-60.0, -30.0, 0.0, 30.0, 60.0, 90.0], [-65.0, 95.0], [56.0, 344.0])
-    assert [float(text.attrib["x"]) for text in across] == pytest.approx(places, abs=0.06)
+    assert [float(text.attrib["x"]) for text in below] == pytest.approx(places, abs=0.06)
     upwards = [text for text in ticks if text.get("class") == "end"]
     assert [value(text.text or "") for text in upwards] == [2.0, 4.0, 6.0, 8.0]
     places = np.interp([2.0, 4.0, 6.0, 8.0], [0.5, 8.5], [142.0, 8.0])
