@@ -14,6 +14,7 @@ from click.testing import CliRunner
 import cardan
 from cardan.command import commands
 from cardan.figures.life import needed_life
+from cardan.figures.slides import drawn_slides
 from cardan.figures.torsion import TorsionFigures, needed_torsion
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
@@ -294,3 +295,169 @@ def test_spline() -> None:
     for shaft in ("shaft 0, upstream", "shaft 2, downstream"):
         words = f"{figure_text(along)} N along it, {figure_text(across)} N across"
         assert shown[f"on {shaft}"] == words
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.005])
+def test_a_permitted_bend_is_the_largest_within_the_rule(ratio: float) -> None:
+    """With hundredths of a degree: ``tan²(bend/2)`` is at most the damping ratio."""
+    text = f"""\
+    [driveline]
+    bends_deg = [20]
+    [torsion]
+    inertias_kgm2 = [0, [0, 0.05]]
+    stiffnesses_Nm_per_rad = [8000, "rigid"]
+    speed_rpm = {{from = 3000, to = 4500, steps = 40}}
+    damping_ratio = {ratio}
+    """
+    said = " ".join(torsion_text(needed_torsion(Scene.parse(text))).split())
+    found = re.search(r"bend behind shaft 0 of at most (\S+)° instead of 20°", said)
+    assert found
+    bend = float(found[1])
+    assert np.tan(np.radians(bend) / 2.0) ** 2 <= ratio
+    assert np.tan(np.radians(bend + 0.01) / 2.0) ** 2 > ratio
+
+
+@pytest.mark.parametrize("name", ["workshop", "mill_spindle"])
+def test_tolerances(name: str) -> None:
+    text = printed("tolerances", name)
+    given = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["tolerances"]
+    lines = dict(re.findall(r"^ *(\S.*?)  +(\S.*)$", text, re.M))
+    for key, group in (("bends_deg", "bends"), ("phases_deg", "phases"), ("points_mm", "points")):
+        unit = " mm" if group == "points" else "°"
+        assert lines.get(f"tolerance of {group}") == (
+            f"±{given[key]:g}{unit}" if key in given else None
+        )
+    tolerances = Scene.load(EXAMPLES / f"{name}.toml").tolerances
+    assert tolerances
+    sampled = np.degrees(np.asarray(tolerances.ascending))
+    shares = {"half of them up to": 0.5, "95 % up to": 0.95, "99 % up to": 0.99}
+    for label, share in shares.items():
+        at = sampled[int(share * (len(sampled) - 1))]
+        assert first_number(lines[label]) == pytest.approx(at, rel=1e-3)
+    assert first_number(lines["worst"]) >= sampled[-1]
+    assert first_number(lines["guaranteed bound"]) >= first_number(lines["worst"])
+    passing = 100.0 * np.mean(sampled <= 3.0)
+    assert first_number(lines["within 3°"]) == pytest.approx(passing, abs=0.06)
+    # The largest share is named, and whether it is more than half of the scatter.
+    parts = re.findall(r"^    (\S.*?)  +([\d.]+) %$", text, re.M)
+    most, percent = max(parts, key=lambda part: float(part[1]))
+    words = "mostly" if float(percent) > 50.0 else "the largest share"
+    article = "" if most.startswith("point ") else "the "
+    assert f", {words} from {article}{most}." in " ".join(text.split())
+
+
+@pytest.mark.parametrize("most", [90, 360, 500])
+def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None:
+    """The extent of the angles is printed, also of a swing within a turn."""
+    angles = [*range(0, most), *range(most, 20, -1)]
+    (tmp_path / "a.csv").write_text("deg\n" + "\n".join(map(str, angles)), encoding="utf-8")
+    (tmp_path / "a.toml").write_text(
+        "[driveline]\nbends_deg = [8]\n[angles]\nfile = 'a.csv'\nangle_column_deg = 'deg'\n",
+        encoding="utf-8",
+    )
+    result = CliRunner().invoke(
+        commands(), ["run", str(tmp_path / "a.toml"), "--into", str(tmp_path)]
+    )
+    assert result.exit_code == 0, result.output
+    turns, samples = (2 * most - 21) / 360.0, 2 * most - 20
+    assert (
+        f"In these {samples} samples, first 0.00°, last 21.00°, least 0.00°, largest {most}.00°, "
+        f"{turns:.4g} turns forward and back, 360 samples per turn"
+    ) in " ".join(result.output.split())
+    assert max(map(len, result.output.splitlines())) <= 79
+
+
+def test_slides_that_do_not_move_are_named_as_such() -> None:
+    text = printed("check", "axial_travel")
+    assert "What is not listed does not slide." in text
+    scene = Scene.load(EXAMPLES / "axial_travel.toml")
+    travels = drawn_slides(scene).travel()
+    assert re.search(rf"joint 0, shaft 1 axially +{travels[0]:.4f}\b", text)
+
+
+HEIGHTS = (-250.0, -110.0, 40.0)
+STATES = """\
+[driveline]
+points_mm = [[0, 0, 0], [300, 0, 0], [1500, -110, 40], [1800, -110, 60]]
+phases_deg = [60]
+[load]
+speed_rpm = 1500
+drive_torque_Nm = 300
+[states]
+names = ["low", "middle", "high"]
+"points_mm.2-3.y" = [-250, -110, 40]
+[limits]
+equivalent_bend_deg = 6
+"""
+NAMES = ("low", "middle", "high")
+
+
+def in_states(phase: float) -> list[cardan.Driveline]:
+    made = []
+    for height in HEIGHTS:
+        points = np.array([[0, 0, 0], [300, 0, 0], [1500, height, 40], [1800, height, 60]])
+        made.append(cardan.Driveline.from_points(points, [phase], degrees=True))
+    return made
+
+
+def answered(command: str, text: str, folder: Path) -> str:
+    path = folder / "a.toml"
+    path.write_text(text, encoding="utf-8")
+    into = ["--into", str(folder)] if command == "run" else []
+    return CliRunner().invoke(commands(), [command, str(path), *into]).output
+
+
+def test_the_tables_of_states_have_all_figures(tmp_path: Path) -> None:
+    text = answered("run", STATES, tmp_path)
+    cells: dict[str, dict[str, str]] = {}
+    for part in text.split("\n\n"):
+        if part.startswith("States "):
+            head, *below = (words.split() for words in part.splitlines())
+            for row in below:
+                cells.setdefault(row[0], {}).update(zip(head[1:], row[1:], strict=True))
+    assert tuple(cells) == NAMES
+    load = cardan.Load(drive_torque=300.0, speed=50.0 * np.pi)
+    turn = np.linspace(0.0, np.pi, 20_001)
+    for name, height, line in zip(NAMES, HEIGHTS, in_states(60.0), strict=True):
+        joint = line.equivalent()
+        torque = line.evaluate(turn, "torque", load=load).torque
+        moments = [
+            np.linalg.norm(line.evaluate(turn, "moment", load=load, joints=j).moment, axis=-1)
+            for j in (0, 1)
+        ]
+        assert cells[name] == {
+            "points_mm.2-3.y": f"{height:g}",
+            "equivalent_bend_deg": figure_text(float(np.degrees(joint.bend))),
+            "non_uniformity": figure_text(float(joint.non_uniformity)),
+            "max_angle_error_deg": figure_text(float(np.degrees(joint.max_angle_error))),
+            "torque_peak_Nm": figure_text(float(torque.max())),
+            "moment_0_peak_Nm": figure_text(float(moments[0].max())),
+            "moment_1_peak_Nm": figure_text(float(moments[1].max())),
+        }
+    largest = blocks(text)["Largest over the states"]
+    bends = [line.equivalent().bend for line in in_states(60.0)]
+    worst = int(np.argmax(bends))
+    bend = figure_text(float(np.degrees(bends[worst])))
+    assert largest["equivalent_bend_deg"] == f"{bend} in {NAMES[worst]}"
+
+
+def test_the_advice_for_states_leaves_what_it_says(tmp_path: Path) -> None:
+    text = " ".join(answered("check", STATES, tmp_path).split())
+    advice = re.search(
+        r"Turn the output-side yoke of shaft 1 by (\S+)° (clockwise|counter-clockwise).*?; that "
+        r"leaves at most (\S+)° in (\w+)\.",
+        text,
+    )
+    assert advice, text
+    turn = float(advice[1]) * (1.0 if advice[2] == "clockwise" else -1.0)
+    bends = [float(np.degrees(line.equivalent().bend)) for line in in_states(60.0 + turn)]
+    worst = int(np.argmax(bends))
+    assert float(advice[3]) == pytest.approx(bends[worst], abs=5e-3)
+    assert advice[4] == NAMES[worst]
+    assert max(bends) < 6.0
+
+
+def test_one_compliant_shaft_needs_no_shares() -> None:
+    shown = blocks(torsion_text(needed("rig_torsion")))["Natural frequencies"]
+    (words,) = shown.values()
+    assert re.fullmatch(r"shaft \d, damping ratio [\d.]+", words)

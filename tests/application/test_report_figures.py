@@ -19,7 +19,7 @@ from cardan.figures.torsion import torsion_figures
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
-from pages import curves, figure, legend_of, tables, value
+from pages import curves, figure, legend_of, scales, tables, value
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -141,6 +141,19 @@ def test_motion_over_states_is_that_of_all(over_states: str) -> None:
         assert [float(end) for end in shown["Speed [rpm]"].split(" to ")] == pytest.approx(
             [low, high], abs=0.5
         )
+
+
+def test_speeds_of_states_are_their_own(tmp_path: Path) -> None:
+    speeds = (900.0, 2000.0, 1500.0)
+    text = STATES.replace("[limits]", f"speed_rpm = {list(speeds)}\n[limits]")
+    rows = {row[0]: row[1:] for row in tables(page_of(text, tmp_path))[f"{MOTION} and 3 states"]}
+    joints = [line.equivalent(2) for line in lines()]
+    ends = (
+        min(rpm * float(j.min_speed_ratio) for rpm, j in zip(speeds, joints, strict=True)),
+        max(rpm * float(j.max_speed_ratio) for rpm, j in zip(speeds, joints, strict=True)),
+    )
+    shown = [float(end) for end in rows["Speed [rpm]"][1].split(" to ")]
+    assert shown == pytest.approx(ends, abs=0.5)
 
 
 def test_largest_loads_over_states_name_their_state(over_states: str) -> None:
@@ -311,10 +324,10 @@ def test_a_map_of_a_study_has_its_keys_the_right_way_round(tmp_path: Path) -> No
     labels = [text.text for text in svg.iter("text") if text.get("class") == "middle"][-2:]
     assert labels == ["phase, shaft 1 [deg]", "bend, joint 0 [deg]"]
     ticks = [text for text in svg.iter("text") if text.get("class") in ("middle", "end")][:-2]
-    across = [text for text in ticks if text.get("class") == "middle"]
-    assert [value(text.text or "") for text in across] == [-60.0, -30.0, 0.0, 30.0, 60.0, 90.0]
+    below = [text for text in ticks if text.get("class") == "middle"]
+    assert [value(text.text or "") for text in below] == [-60.0, -30.0, 0.0, 30.0, 60.0, 90.0]
     places = np.interp([-60.0, -30.0, 0.0, 30.0, 60.0, 90.0], [-65.0, 95.0], [56.0, 344.0])
-    assert [float(text.attrib["x"]) for text in across] == pytest.approx(places, abs=0.06)
+    assert [float(text.attrib["x"]) for text in below] == pytest.approx(places, abs=0.06)
     upwards = [text for text in ticks if text.get("class") == "end"]
     assert [value(text.text or "") for text in upwards] == [2.0, 4.0, 6.0, 8.0]
     places = np.interp([2.0, 4.0, 6.0, 8.0], [0.5, 8.5], [142.0, 8.0])
@@ -351,6 +364,8 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     sampled = np.degrees(np.asarray(scene.tolerances.ascending))
     for at, percent in share[::20]:
         assert percent == pytest.approx(100.0 * np.mean(sampled <= at), abs=1.5)
+    assert limit[0, 1] == pytest.approx(0.0, abs=0.5)
+    assert limit[-1, 1] == pytest.approx(100.0, abs=0.5)
     assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(shown.limit, abs=0.02)
     bars = figure(page, f"What makes the {shown.label} scatter")[1]
     widths = [float(bar.attrib["width"]) for bar in bars.iter("rect")]
@@ -428,7 +443,10 @@ def test_torques_over_the_speed_are_those_of_their_shaft(tmp_path: Path) -> None
     response = found.response
     assert len(response.compliant) > 1
     for place, shaft in enumerate(response.compliant):
-        drawn = curves(figure(page, f"Torque of shaft {shaft} over a turn [N m]"))
+        chart = figure(page, f"Torque of shaft {shaft} over a turn [N m]")
+        # Round numbers, and not parts of a turn.
+        assert [rpm for _, rpm in scales(chart)["x"]] == [1000.0, 2000.0, 3000.0]
+        drawn = curves(chart)
         assert list(drawn) == ["largest", "mean", "least"]
         largest = np.asarray(response.torque_max)[place][response.found]
         for points, values in zip(

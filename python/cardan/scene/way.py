@@ -44,7 +44,7 @@ class Way:
     @property
     def turns(self) -> float:
         """The way in turns."""
-        return (self._without_leaps if self._is_within else self._steps) / 360.0
+        return (self._without_leaps if self._starts_anew else self._steps) / 360.0
 
     @property
     def extent(self) -> tuple[float, float] | None:
@@ -53,10 +53,10 @@ class Way:
         Less than a hundredth of the way back is the noise of an encoder.
         """
         straight = float(np.sum(np.abs(self._last - self._first)))
-        if self._is_within or self._steps <= (1.0 + _NOISE) * straight:
+        if self._starts_anew or self._steps <= (1.0 + _NOISE) * straight:
             return None
         return self._low, self._high
 
     @property
-    def _is_within(self) -> bool:
-        return self._high - self._low <= 360.0
+    def _starts_anew(self) -> bool:
+        return self._high - self._low <= 360.0 and self._without_leaps < self._steps
