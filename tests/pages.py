@@ -5,10 +5,21 @@ from __future__ import annotations
 import html
 import re
 from itertools import pairwise
+from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 from numpy.typing import NDArray
+
+from cardan.report import write_report
+from cardan.scene import Scene
+
+
+def page_of(scene: Scene | str, folder: Path) -> str:
+    """Return the page of a scene, or of the text of one, that is written into a folder."""
+    scene = Scene.parse(scene, "a.toml") if isinstance(scene, str) else scene
+    write_report(scene, folder / "a.html")
+    return (folder / "a.html").read_text(encoding="utf-8")
 
 
 def tables(page: str) -> dict[str, list[list[str]]]:

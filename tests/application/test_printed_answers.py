@@ -15,46 +15,10 @@ import cardan
 from cardan.command import commands
 from cardan.figures.life import needed_life
 from cardan.figures.slides import drawn_slides
-from cardan.figures.torsion import TorsionFigures, needed_torsion
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
-from cardan.words.torsion import torsion_text
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
-
-
-def printed(command: str, name: str, *more: str | Path) -> str:
-    arguments = [command, str(EXAMPLES / f"{name}.toml"), *map(str, more)]
-    result = CliRunner().invoke(commands(), arguments)
-    assert result.exit_code in (0, 1), result.output
-    return result.output
-
-
-def blocks(text: str) -> dict[str, dict[str, str]]:
-    """Return the two columns below each heading, lines that are continued put together."""
-    found: dict[str, dict[str, str]] = {}
-    heading, label = "", ""
-    for line in text.splitlines():
-        if not line.startswith("  "):
-            heading, label = line, ""
-        elif line.startswith("      "):
-            found[heading][label] += f" {line.strip()}"
-        else:
-            label, _, words = line.strip().partition("  ")
-            found.setdefault(heading, {})[label] = words.strip()
-    return found
-
-
-def rows(text: str, heading: str) -> list[list[str]]:
-    """Return the cells of the table below a heading, the head first."""
-    lines = text.partition(f"{heading}\n")[2].partition("\n\n")[0].splitlines()
-    return [re.split(r"\s{2,}", line.strip()) for line in lines]
-
-
-def first_number(text: str) -> float:
-    found = re.match(r"-?[\d.]+", text)
-    assert found, text
-    return float(found[0])
+from heights import HEIGHTS, NAMES, SPEED, drivelines, scene_text
+from printed import EXAMPLES, blocks, first_number, printed, rows
 
 
 def test_life_of_joints() -> None:
@@ -151,86 +115,6 @@ def test_tube() -> None:
     assert words in " ".join(over.split())
 
 
-def needed(name: str) -> TorsionFigures:
-    return needed_torsion(Scene.load(EXAMPLES / f"{name}.toml"))
-
-
-def test_natural_frequencies_and_critical_speeds() -> None:
-    found = needed("truck_torsion")
-    shown = blocks(torsion_text(found))
-    system = found.torsion.system
-    frequencies = []
-    for (hertz, words), mode in zip(shown["Natural frequencies"].items(), found.modes, strict=True):
-        frequencies.append(first_number(hertz))
-        assert hertz.endswith(" Hz")
-        assert frequencies[-1] == pytest.approx(mode.frequency / (2.0 * np.pi), rel=1e-3)
-        shares = re.findall(r"shaft (\d) \((\d+) %\)", words)
-        by_shaft = dict(zip(system.compliant, mode.shares, strict=True))
-        assert [int(shaft) for shaft, _ in shares] == sorted(
-            by_shaft, key=lambda shaft: -by_shaft[shaft]
-        )
-        for shaft, percent in shares:
-            assert float(percent) == pytest.approx(100.0 * by_shaft[int(shaft)], abs=0.5)
-        ratio = float(words.rpartition("damping ratio ")[2])
-        assert ratio == pytest.approx(mode.damping_ratio, rel=1e-3)
-    criticals = shown["Critical speeds"]
-    orders = []
-    for speed, words in criticals.items():
-        found_words = re.fullmatch(
-            r"order (\d) meets ([\d.]+) Hz: ([\d.]+) N m of this order in shaft (\d)"
-            r"(, outside the speed range)?",
-            words,
-        )
-        assert found_words, words
-        order, hertz, amplitude, shaft, outside = found_words.groups()
-        orders.append((int(order), float(hertz)))
-        rpm = first_number(speed)
-        assert rpm == pytest.approx(60.0 * float(hertz) / int(order), rel=2e-3)
-        assert bool(outside) == (not 500.0 <= rpm <= 3000.0)
-        steady = system.steady(60.0 * float(hertz) / int(order) * np.pi / 30.0, int(order))
-        sizes = np.abs(steady.torque_orders[:, 0])
-        place = list(system.compliant).index(int(shaft))
-        assert float(amplitude) == pytest.approx(sizes[place], rel=0.02)
-    assert orders == [(order, hertz) for order in (2, 4) for hertz in frequencies]
-
-
-def test_largest_torques() -> None:
-    found = needed("truck_torsion")
-    shown = blocks(torsion_text(found))["Largest torque, 500 to 3000 rpm"]
-    system = found.torsion.system
-    speed = np.linspace(500.0, 3000.0, 2501)
-    steady = system.steady(speed * np.pi / 30.0)
-    for place, (shaft, words) in enumerate(shown.items()):
-        assert shaft == f"shaft {system.compliant[place]}"
-        numbers = re.fullmatch(r"(\S+) to (\S+) N m at (\S+) rpm, mean (\S+) N m", words)
-        assert numbers, words
-        least, most, rpm, mean = map(float, numbers.groups())
-        at = int(np.argmax(np.fmax(steady.torque_max, -steady.torque_min)[place]))
-        assert rpm == pytest.approx(speed[at], abs=1.0)
-        assert least == pytest.approx(steady.torque_min[place, at], rel=2e-3)
-        assert most == pytest.approx(steady.torque_max[place, at], rel=2e-3)
-        assert mean == pytest.approx(steady.torque_mean[place, at], rel=5e-3)
-    sentences = " ".join(torsion_text(found).rpartition("\n\n")[2].split())
-    largest = max(found.largest, key=lambda torque: torque.size)
-    ratio = largest.size / abs(largest.mean)
-    (said,) = re.findall(r"in shaft 1 at \d+ rpm, ([\d.]+) times the mean torque there", sentences)
-    assert float(said) == pytest.approx(ratio, rel=1e-3)
-
-
-def test_unstable_speeds() -> None:
-    found = needed("rig_torsion")
-    assert found.unstable
-    shown = blocks(torsion_text(found))["Stability"]
-    assert len(shown) == len(found.unstable)
-    for (speeds, words), region in zip(shown.items(), found.unstable, strict=True):
-        ends = [float(end) for end in speeds.removesuffix(" rpm").split(" to ")]
-        rpm = [speed * 30.0 / np.pi for speed in (region.start, region.stop)]
-        assert ends == pytest.approx(rpm, rel=1e-3)
-        percent = re.fullmatch(r"unstable, a deviation grows by up to (\S+) % per half turn", words)
-        assert percent, words
-        assert float(percent[1]) == pytest.approx(100.0 * (region.multiplier - 1.0), rel=6e-3)
-
-
 def test_figures_before_and_after(tmp_path: Path) -> None:
     text = printed("optimise", "truck_heights", "--to", tmp_path / "a.toml")
     before, after = (
@@ -297,26 +181,6 @@ def test_spline() -> None:
         assert shown[f"on {shaft}"] == words
 
 
-@pytest.mark.parametrize("ratio", [0.02, 0.005])
-def test_a_permitted_bend_is_the_largest_within_the_rule(ratio: float) -> None:
-    """With hundredths of a degree: ``tan²(bend/2)`` is at most the damping ratio."""
-    text = f"""\
-    [driveline]
-    bends_deg = [20]
-    [torsion]
-    inertias_kgm2 = [0, [0, 0.05]]
-    stiffnesses_Nm_per_rad = [8000, "rigid"]
-    speed_rpm = {{from = 3000, to = 4500, steps = 40}}
-    damping_ratio = {ratio}
-    """
-    said = " ".join(torsion_text(needed_torsion(Scene.parse(text))).split())
-    found = re.search(r"bend behind shaft 0 of at most (\S+)° instead of 20°", said)
-    assert found
-    bend = float(found[1])
-    assert np.tan(np.radians(bend) / 2.0) ** 2 <= ratio
-    assert np.tan(np.radians(bend + 0.01) / 2.0) ** 2 > ratio
-
-
 @pytest.mark.parametrize("name", ["workshop", "mill_spindle"])
 def test_tolerances(name: str) -> None:
     text = printed("tolerances", name)
@@ -375,29 +239,7 @@ def test_slides_that_do_not_move_are_named_as_such() -> None:
     assert re.search(rf"joint 0, shaft 1 axially +{travels[0]:.4f}\b", text)
 
 
-HEIGHTS = (-250.0, -110.0, 40.0)
-STATES = """\
-[driveline]
-points_mm = [[0, 0, 0], [300, 0, 0], [1500, -110, 40], [1800, -110, 60]]
-phases_deg = [60]
-[load]
-speed_rpm = 1500
-drive_torque_Nm = 300
-[states]
-names = ["low", "middle", "high"]
-"points_mm.2-3.y" = [-250, -110, 40]
-[limits]
-equivalent_bend_deg = 6
-"""
-NAMES = ("low", "middle", "high")
-
-
-def in_states(phase: float) -> list[cardan.Driveline]:
-    made = []
-    for height in HEIGHTS:
-        points = np.array([[0, 0, 0], [300, 0, 0], [1500, height, 40], [1800, height, 60]])
-        made.append(cardan.Driveline.from_points(points, [phase], degrees=True))
-    return made
+LIMIT = "[limits]\nequivalent_bend_deg = 6"
 
 
 def answered(command: str, text: str, folder: Path) -> str:
@@ -408,7 +250,7 @@ def answered(command: str, text: str, folder: Path) -> str:
 
 
 def test_the_tables_of_states_have_all_figures(tmp_path: Path) -> None:
-    text = answered("run", STATES, tmp_path)
+    text = answered("run", scene_text(60.0), tmp_path)
     cells: dict[str, dict[str, str]] = {}
     for part in text.split("\n\n"):
         if part.startswith("States "):
@@ -416,9 +258,9 @@ def test_the_tables_of_states_have_all_figures(tmp_path: Path) -> None:
             for row in below:
                 cells.setdefault(row[0], {}).update(zip(head[1:], row[1:], strict=True))
     assert tuple(cells) == NAMES
-    load = cardan.Load(drive_torque=300.0, speed=50.0 * np.pi)
+    load = cardan.Load(drive_torque=300.0, speed=SPEED)
     turn = np.linspace(0.0, np.pi, 20_001)
-    for name, height, line in zip(NAMES, HEIGHTS, in_states(60.0), strict=True):
+    for name, height, line in zip(NAMES, HEIGHTS, drivelines(60.0), strict=True):
         joint = line.equivalent()
         torque = line.evaluate(turn, "torque", load=load).torque
         moments = [
@@ -435,14 +277,14 @@ def test_the_tables_of_states_have_all_figures(tmp_path: Path) -> None:
             "moment_1_peak_Nm": figure_text(float(moments[1].max())),
         }
     largest = blocks(text)["Largest over the states"]
-    bends = [line.equivalent().bend for line in in_states(60.0)]
+    bends = [line.equivalent().bend for line in drivelines(60.0)]
     worst = int(np.argmax(bends))
     bend = figure_text(float(np.degrees(bends[worst])))
     assert largest["equivalent_bend_deg"] == f"{bend} in {NAMES[worst]}"
 
 
 def test_the_advice_for_states_leaves_what_it_says(tmp_path: Path) -> None:
-    text = " ".join(answered("check", STATES, tmp_path).split())
+    text = " ".join(answered("check", scene_text(60.0, LIMIT), tmp_path).split())
     advice = re.search(
         r"Turn the output-side yoke of shaft 1 by (\S+)° (clockwise|counter-clockwise).*?; that "
         r"leaves at most (\S+)° in (\w+)\.",
@@ -450,14 +292,8 @@ def test_the_advice_for_states_leaves_what_it_says(tmp_path: Path) -> None:
     )
     assert advice, text
     turn = float(advice[1]) * (1.0 if advice[2] == "clockwise" else -1.0)
-    bends = [float(np.degrees(line.equivalent().bend)) for line in in_states(60.0 + turn)]
+    bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(60.0 + turn)]
     worst = int(np.argmax(bends))
     assert float(advice[3]) == pytest.approx(bends[worst], abs=5e-3)
     assert advice[4] == NAMES[worst]
     assert max(bends) < 6.0
-
-
-def test_one_compliant_shaft_needs_no_shares() -> None:
-    shown = blocks(torsion_text(needed("rig_torsion")))["Natural frequencies"]
-    (words,) = shown.values()
-    assert re.fullmatch(r"shaft \d, damping ratio [\d.]+", words)

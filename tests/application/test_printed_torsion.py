@@ -1,0 +1,119 @@
+"""The printed answer of torsional vibration read back: each line against the library."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from cardan.figures.torsion import TorsionFigures, needed_torsion
+from cardan.scene import Scene
+from cardan.words.torsion import torsion_text
+from printed import EXAMPLES, blocks, first_number
+
+
+def needed(name: str) -> TorsionFigures:
+    return needed_torsion(Scene.load(EXAMPLES / f"{name}.toml"))
+
+
+def test_natural_frequencies_and_critical_speeds() -> None:
+    found = needed("truck_torsion")
+    shown = blocks(torsion_text(found))
+    system = found.torsion.system
+    frequencies = []
+    for (hertz, words), mode in zip(shown["Natural frequencies"].items(), found.modes, strict=True):
+        frequencies.append(first_number(hertz))
+        assert hertz.endswith(" Hz")
+        assert frequencies[-1] == pytest.approx(mode.frequency / (2.0 * np.pi), rel=1e-3)
+        shares = re.findall(r"shaft (\d) \((\d+) %\)", words)
+        by_shaft = dict(zip(system.compliant, mode.shares, strict=True))
+        assert [int(shaft) for shaft, _ in shares] == sorted(
+            by_shaft, key=lambda shaft: -by_shaft[shaft]
+        )
+        for shaft, percent in shares:
+            assert float(percent) == pytest.approx(100.0 * by_shaft[int(shaft)], abs=0.5)
+        ratio = float(words.rpartition("damping ratio ")[2])
+        assert ratio == pytest.approx(mode.damping_ratio, rel=1e-3)
+    criticals = shown["Critical speeds"]
+    orders = []
+    for speed, words in criticals.items():
+        found_words = re.fullmatch(
+            r"order (\d) meets ([\d.]+) Hz: ([\d.]+) N m of this order in shaft (\d)"
+            r"(, outside the speed range)?",
+            words,
+        )
+        assert found_words, words
+        order, hertz, amplitude, shaft, outside = found_words.groups()
+        orders.append((int(order), float(hertz)))
+        rpm = first_number(speed)
+        assert rpm == pytest.approx(60.0 * float(hertz) / int(order), rel=2e-3)
+        assert bool(outside) == (not 500.0 <= rpm <= 3000.0)
+        steady = system.steady(60.0 * float(hertz) / int(order) * np.pi / 30.0, int(order))
+        sizes = np.abs(steady.torque_orders[:, 0])
+        place = list(system.compliant).index(int(shaft))
+        assert float(amplitude) == pytest.approx(sizes[place], rel=0.02)
+    assert orders == [(order, hertz) for order in (2, 4) for hertz in frequencies]
+
+
+def test_largest_torques() -> None:
+    found = needed("truck_torsion")
+    shown = blocks(torsion_text(found))["Largest torque, 500 to 3000 rpm"]
+    system = found.torsion.system
+    speed = np.linspace(500.0, 3000.0, 2501)
+    steady = system.steady(speed * np.pi / 30.0)
+    for place, (shaft, words) in enumerate(shown.items()):
+        assert shaft == f"shaft {system.compliant[place]}"
+        numbers = re.fullmatch(r"(\S+) to (\S+) N m at (\S+) rpm, mean (\S+) N m", words)
+        assert numbers, words
+        least, most, rpm, mean = map(float, numbers.groups())
+        at = int(np.argmax(np.fmax(steady.torque_max, -steady.torque_min)[place]))
+        assert rpm == pytest.approx(speed[at], abs=1.0)
+        assert least == pytest.approx(steady.torque_min[place, at], rel=2e-3)
+        assert most == pytest.approx(steady.torque_max[place, at], rel=2e-3)
+        assert mean == pytest.approx(steady.torque_mean[place, at], rel=5e-3)
+    sentences = " ".join(torsion_text(found).rpartition("\n\n")[2].split())
+    largest = max(found.largest, key=lambda torque: torque.size)
+    ratio = largest.size / abs(largest.mean)
+    (said,) = re.findall(r"in shaft 1 at \d+ rpm, ([\d.]+) times the mean torque there", sentences)
+    assert float(said) == pytest.approx(ratio, rel=1e-3)
+
+
+def test_unstable_speeds() -> None:
+    found = needed("rig_torsion")
+    assert found.unstable
+    shown = blocks(torsion_text(found))["Stability"]
+    assert len(shown) == len(found.unstable)
+    for (speeds, words), region in zip(shown.items(), found.unstable, strict=True):
+        ends = [float(end) for end in speeds.removesuffix(" rpm").split(" to ")]
+        rpm = [speed * 30.0 / np.pi for speed in (region.start, region.stop)]
+        assert ends == pytest.approx(rpm, rel=1e-3)
+        percent = re.fullmatch(r"unstable, a deviation grows by up to (\S+) % per half turn", words)
+        assert percent, words
+        assert float(percent[1]) == pytest.approx(100.0 * (region.multiplier - 1.0), rel=6e-3)
+
+
+@pytest.mark.parametrize("ratio", [0.02, 0.005])
+def test_a_permitted_bend_is_the_largest_within_the_rule(ratio: float) -> None:
+    """With hundredths of a degree: ``tan²(bend/2)`` is at most the damping ratio."""
+    text = f"""\
+    [driveline]
+    bends_deg = [20]
+    [torsion]
+    inertias_kgm2 = [0, [0, 0.05]]
+    stiffnesses_Nm_per_rad = [8000, "rigid"]
+    speed_rpm = {{from = 3000, to = 4500, steps = 40}}
+    damping_ratio = {ratio}
+    """
+    said = " ".join(torsion_text(needed_torsion(Scene.parse(text))).split())
+    found = re.search(r"bend behind shaft 0 of at most (\S+)° instead of 20°", said)
+    assert found
+    bend = float(found[1])
+    assert np.tan(np.radians(bend) / 2.0) ** 2 <= ratio
+    assert np.tan(np.radians(bend + 0.01) / 2.0) ** 2 > ratio
+
+
+def test_one_compliant_shaft_needs_no_shares() -> None:
+    shown = blocks(torsion_text(needed("rig_torsion")))["Natural frequencies"]
+    (words,) = shown.values()
+    assert re.fullmatch(r"shaft \d, damping ratio [\d.]+", words)
