@@ -257,17 +257,6 @@ class AsBuilt(Mounted):
         return self._geometry.is_as_built
 
 
-def ideal_only(line: Any, what: str, instead: str = "") -> None:  # noqa: ANN401 - a driveline
-    """Raise a ``ValueError`` if a driveline has deviations.
-
-    Args:
-        line: a driveline.
-        what: what holds for ideal joints only, with its verb.
-        instead: what to use.
-    """
-    line._geometry.check_ideal(what, instead)
-
-
 def _with_deviations(own: Geometry, given: dict[str, ArrayLike], degrees: bool) -> Geometry:
     n = own.n_joints
     arrays = {name: _of_joints(name, value, n, degrees) for name, value in given.items()}

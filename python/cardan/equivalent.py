@@ -119,6 +119,11 @@ class Transmission:
 
     def __init__(self, line: Plannable, shaft: int = -1) -> None:
         """Take one shaft of a driveline, as ``Driveline.transmission`` does."""
+        own: Any = line
+        own._geometry.check_ideal(
+            "a transmission by q exists",
+            "evaluate gives the motion and Plan.derivatives its derivatives",
+        )
         index = item_index("shaft", shaft, line.n_joints + 1)
         self._arguments = (line, index)
         self._core = _core.Transmission(line._lines, index)

@@ -62,7 +62,10 @@ class Phased(InService):
             ValueError: an axis or a shaft that does not exist, weights or teeth that do not fit,
                 teeth or fixed shafts whose present phases differ between the states.
         """
-        self._geometry.check_ideal("best phases in closed form exist")
+        self._geometry.check_ideal(
+            "best phases follow from one equivalent joint, which exists",
+            "cardan.optimise minimises an output as built, such as 'angle_error_peak'",
+        )
         bends, twists, present, *_ = self._geometry.flat()
         best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
         phases = best.reshape(self.phases.shape)

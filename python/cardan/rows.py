@@ -52,7 +52,10 @@ def chain_before(line: Any, joint: int) -> tuple[ComplexArray, ComplexArray]:  #
     The chain takes ``w = exp(i a)`` to ``A w + B conj(w)``, whose argument is the input angle of
     the joint.
     """
-    line._geometry.check_ideal("a map of the chain before a joint exists")
+    line._geometry.check_ideal(
+        "losses, lives and angles of the cross in closed form are computed",
+        "evaluate gives moments and tilts as built",
+    )
     a = np.ones(line.shape, np.complex128)
     b = np.zeros(line.shape, np.complex128)
     for before in range(joint):

@@ -23,6 +23,7 @@ from cardan.figures.summary import SummaryRow, summary
 from cardan.figures.tolerances import tolerance_figures
 from cardan.report import write_report
 from cardan.scene import Scene, SceneError
+from cardan.words.as_built import BY_DRAWING
 from example_scenes import example
 
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())
@@ -95,7 +96,7 @@ def test_commands_and_report_show_order_1(tmp_path: Path) -> None:
         assert table[0].split()[-8:] == [word for order in ORDERS for word in ("order", str(order))]
         acceleration = next(row for row in table if "acceleration [rad/s²]" in row)
         assert float(acceleration.split()[-4]) == pytest.approx(34.6, abs=0.1)
-        assert "Equivalent bend, non-uniformity and limits are those of the drawing." in table
+        assert BY_DRAWING in table
     assert "Each extreme recurs every turn." in command("run", path).output
     page = tmp_path / "page.html"
     write_report(Scene.load(path), page)
@@ -125,8 +126,12 @@ def test_answers_have_the_orders(radians: bool) -> None:
         (HEAD + "[joints]\ncross_deg = 95\n", "cross_deg is 95 deg; it must lie between"),
         (HEAD + "[joints]\ncross_deg = 84\n", "the joint cannot turn"),
         (
-            TEXT + "[study]\nphases_deg.0 = [0, 90]\n",
-            "driving_yoke_deg does not go with [study]",
+            TEXT + '[optimise]\nvary = {"phases_deg.0" = "free"}\n',
+            "driving_yoke_deg does not go with [optimise], which searches drivelines of ideal",
+        ),
+        (
+            HEAD + "[joints]\ncross_deg = 40\n[study]\nbends_deg.0 = [0, 60]\n",
+            "and the deviations in [joints]",
         ),
         (
             HEAD + JOINTS + '[output]\naxes = "shaft"\n',
@@ -273,3 +278,42 @@ def test_the_example_answers_in_millimetres(tmp_path: Path) -> None:
 def test_wrong_tolerances_of_joints_are_refused(text: str, message: str) -> None:
     with pytest.raises(SceneError, match=re.escape(message)):
         Scene.parse(f"{HEAD}[tolerances]\n{text}")
+
+
+LINES = [Driveline.from_bends([8.0, bend], degrees=True) for bend in (5.0, 8.0, 11.0)]
+VARIED = TEXT.replace('"angle_error", "torque", "tilt_driving"', '"angle_error", "torque"')
+
+
+@pytest.mark.parametrize("section", ["study", "states"])
+def test_studies_and_states_have_outputs_as_built(section: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    key = "bends_deg.1" if section == "study" else '"bends_deg.1"'
+    path.write_text(f"{VARIED}[{section}]\n{key} = [5, 8, 11]\n")
+    scene = Scene.load(path)
+    table = scene.run().study
+    assert table is not None
+    turn = np.asarray(scene.angle)
+    for i, line in enumerate(LINES):
+        built = line.with_deviations([0.143, 0.0], 0.01, degrees=True)
+        at = built.evaluate(turn, ("angle_error", "torque"), load=scene.load_case)
+        for name, values in at.items():
+            found = table.values[f"{name}_peak"][i]
+            assert found == pytest.approx(np.abs(values).max(), rel=1e-12), name
+        assert table.values["equivalent_bend"][i] == pytest.approx(line.equivalent().bend, abs=1e-9)
+    for name in ("run", "check"):
+        assert "Joints as built" in command(name, path).output
+    assert command("report", path, "--output", tmp_path / "page.html").exit_code == 0
+    assert "as built" in scene.explain()
+
+
+def test_the_state_with_the_largest_order_1_is_told() -> None:
+    text = f'{VARIED}[states]\n"bends_deg.1" = [5, 8, 11]\nnames = ["low", "mid", "high"]\n'
+    scene = Scene.parse(text.replace("[0.143, 0]", "[0, 0.143]"))
+    (found,) = as_built_orders(scene)
+    built = LINES[2].with_deviations([0.0, 0.143], 0.01, degrees=True)
+    orders = built.harmonics(ORDERS, outputs="angle_error").angle_error
+    np.testing.assert_allclose(found.angle_error[0], orders, rtol=1e-9, atol=1e-12)
+    assert found.state == "high"
+    data = check_data(scene, check_scene(scene))
+    ANSWERS.validate(data)
+    assert data["as_built"][0]["state"] == "high"

@@ -31,6 +31,7 @@ class ShaftOrders:
 
     Attributes:
         shaft: of which.
+        state: name of the state, if there are any: that with the largest order 1.
         angle_error: in rad.
         acceleration: in rad/s² at the speed of the drive; ``None`` without one.
         deviates: whether the scene gives deviations, so that the first two rows differ.
@@ -38,6 +39,7 @@ class ShaftOrders:
     """
 
     shaft: int
+    state: str
     angle_error: FloatArray
     acceleration: FloatArray | None
     deviates: bool
@@ -47,10 +49,21 @@ class ShaftOrders:
 def as_built_orders(scene: Scene) -> list[ShaftOrders]:
     """Return the orders of the shafts of a scene; none without deviations or their tolerances."""
     halves = _joint_tolerances(scene)
-    if scene.line.shape or (scene.deviations is None and (halves is None or scene.states)):
+    if scene.line.shape or (scene.deviations is None and halves is None):
         return []
     shafts = (scene.line.n_joints,) if scene.shafts is None else scene.shafts
-    return [_orders(scene, shaft, halves) for shaft in shafts if shaft > 0]
+    each = [("", scene)]
+    if scene.states:
+        each = [(name, scene.in_state(i)) for i, name in enumerate(scene.states.names)]
+    return [
+        max(
+            (_orders(one, shaft, halves, name) for name, one in each),
+            # As built, or within the tolerances, which comes last.
+            key=lambda found: float(found.angle_error[2 if found.toleranced else 0, 0]),
+        )
+        for shaft in shafts
+        if shaft > 0
+    ]
 
 
 def _joint_tolerances(scene: Scene) -> FloatArray | None:
@@ -61,7 +74,7 @@ def _joint_tolerances(scene: Scene) -> FloatArray | None:
     return np.stack([given.get(group, np.zeros(scene.line.n_joints)) for group in JOINT_GROUPS])
 
 
-def _orders(scene: Scene, shaft: int, halves: FloatArray | None) -> ShaftOrders:
+def _orders(scene: Scene, shaft: int, halves: FloatArray | None, state: str) -> ShaftOrders:
     names = ("angle_error", "acceleration_ratio")
     lines: tuple[Driveline, ...] = (scene.line_as_built, scene.line)
     found = [line.harmonics(ORDERS, shaft, outputs=names) for line in lines]
@@ -79,7 +92,7 @@ def _orders(scene: Scene, shaft: int, halves: FloatArray | None) -> ShaftOrders:
     acceleration = np.where(still, 0.0, np.stack(ratios) * speed**2) if speed else None
     deviates, toleranced = scene.deviations is not None, halves is not None
     return ShaftOrders(
-        shaft, np.where(still, 0.0, np.stack(errors)), acceleration, deviates, toleranced
+        shaft, state, np.where(still, 0.0, np.stack(errors)), acceleration, deviates, toleranced
     )
 
 
@@ -90,6 +103,8 @@ def as_built_data(found: list[ShaftOrders], *, radians: bool = False) -> list[di
     for each in found:
         for i, order in enumerate(ORDERS):
             entry: dict[str, Any] = {"shaft": each.shaft, "order": order}
+            if each.state:
+                entry["state"] = each.state
             for place, state in enumerate(_STATES[: len(each.angle_error)]):
                 entry[state] = {f"angle_error_{angle}": turned(each.angle_error[place, i])}
                 if each.acceleration is not None:
@@ -121,10 +136,11 @@ AS_BUILT_SCHEMA: Mapping[str, Any] = {
             "drawing": _AMPLITUDES,
         },
         {
+            "state": {"type": "string", "description": "the one with the largest order 1"},
             "worst": {
                 **_AMPLITUDES,
                 "description": "within the tolerances of the joints, if the scene has any",
-            }
+            },
         },
     ),
 }

@@ -42,9 +42,6 @@ OF_DEVIATIONS: Mapping[str, Key] = {
 IN_DEGREES_OR_MM = tuple((f"{group}_deg", f"{group}_mm") for group in JOINT_GROUPS)
 """Pairs of keys of which at most one is given."""
 
-# Sections whose figures are those of ideal joints.
-_IDEAL_ONLY = ("study", "states", "optimise")
-
 
 def deviations_of(
     values: Mapping[str, Any],
@@ -67,11 +64,12 @@ def deviations_of(
     given = [key for key in OF_DEVIATIONS if key in values]
     if not given:
         return None
-    for section in _IDEAL_ONLY:
-        if section in sections:
-            raise ArgumentValueError(
-                given[0], f"does not go with [{section}], whose figures are those of ideal joints"
-            )
+    if "optimise" in sections:
+        raise ArgumentValueError(
+            given[0],
+            "does not go with [optimise], which searches drivelines of ideal joints; leave the "
+            "deviations out, or use cardan.optimise in Python, which takes joints as built",
+        )
     n = line.n_joints
     angles = angles_of(values, n, arms)
     each = [angles.get(group, np.zeros(n)) for group in JOINT_GROUPS]

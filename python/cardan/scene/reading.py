@@ -185,7 +185,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "joints": asked.joints,
         "teeth": described.teeth,
         "options": asked.options,
-        "study": _study(document, described, loaded, asked),
+        "study": _study(document, described, loaded, asked, deviations),
         "recording": folder / recorded["file"] if recorded else None,
         "curves_file": output.get("curves"),
         "table_file": output.get("table"),
@@ -287,7 +287,11 @@ def _has_table(document: Document) -> bool:
 
 
 def _study(
-    document: Document, described: _Described, loaded: _Loaded, asked: _Asked
+    document: Document,
+    described: _Described,
+    loaded: _Loaded,
+    asked: _Asked,
+    deviations: FloatArray | None,
 ) -> Study | None:
     given, angle = document.sections, asked.angle
     output, varied = given.get("output", {}), given.get("study", {})
@@ -317,6 +321,7 @@ def _study(
             all_joints if asked.joints is None else asked.joints,
             {**asked.options, **asked.of_driven},
             described.mounting,
+            deviations,
         )
         # The ends of the grid, so that a value out of range shows before a long run.
         study.check_ends()

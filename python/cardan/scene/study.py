@@ -152,6 +152,8 @@ class Study:
         joints: of which joints.
         options: further arguments of ``evaluate``.
         mounting: the bearings of every driveline.
+        deviations: of the joints of every driveline in rad, ``(n, 3)``; ``None`` of ideal ones.
+            Closed forms are those of ideal joints.
     """
 
     axes: tuple[Axis, ...]
@@ -166,6 +168,7 @@ class Study:
     joints: tuple[int, ...]
     options: Mapping[str, Any]
     mounting: Mounting
+    deviations: FloatArray | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -223,7 +226,7 @@ class Study:
             text += f"\nclosed forms, without samples: {', '.join(self.closed_forms)}"
         if self.quantities:
             first, *others = self.reductions
-            plan: Any = line
+            plan: Any = self._as_built(line)
             plan = plan.plan(
                 self.quantities,
                 reduce=first,
@@ -254,7 +257,10 @@ class Study:
             yield int(np.argmin(axis.values)) * step
 
     def blocks(self, rows: range | None = None) -> Iterator[tuple[int, Driveline, Load | None]]:
-        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows."""
+        """Yield first row, drivelines ``(rows, 1)`` and load of each block of the grid's rows.
+
+        The drivelines are those of the drawing, with ideal joints.
+        """
         rows = range(math.prod(self.shape)) if rows is None else rows
         # The geometry of one joint takes some 30 doubles itself, several times over.
         geometry = 64 * len(self.driveline[self.form.keys[0]])
@@ -279,6 +285,7 @@ class Study:
                 key = self.form.keys[0]
                 driveline[key] = per_row(driveline[key], len(rows))
             line = mounting.on(make_driveline(self.form, driveline))
+            self._as_built(line)
             return line, None if self.load is None else make_load(load)
         except ArgumentValueError as error:
             if len(rows) == 1:
@@ -298,6 +305,16 @@ class Study:
             for part in (rows[:half], rows[half:]):
                 self._block(part)
             raise
+
+    def _as_built(self, line: Driveline) -> Driveline:
+        """Drivelines with the deviations of their joints, which must be able to turn with them."""
+        if self.deviations is None:
+            return line
+        try:
+            return line.with_deviations(*self.deviations.T)
+        except ArgumentValueError as error:
+            problem = f"and the deviations in [joints] {error.problem}"
+            raise ArgumentValueError(self.form.keys[0], problem) from None
 
     def _figures(self, line: Driveline, load: Load | None) -> Iterator[tuple[Column, FloatArray]]:
         shafts = [line.n_joints] if self.shafts is None else list(self.shafts)
@@ -319,7 +336,7 @@ class Study:
         bearings = list(range(line.n_bearings))
         items = {"shaft": shafts, "joint": list(self.joints), "bearing": bearings}
         found = reduced(
-            line,
+            self._as_built(line),
             self.angle,
             self.quantities,
             self.reductions,

@@ -85,6 +85,7 @@ class TorsionalSystem:
             raise ArgumentValueError(
                 "dampings", "and damping_ratios are both given; give one of them"
             )
+        line._geometry.check_ideal("torsional systems are computed")
         self._line = line
         self._parameters = TorsionParameters.checked(
             line, inertias, stiffnesses, dampings, load_torque, load_damping

@@ -9,7 +9,9 @@ import numpy as np
 from cardan.figures.as_built import ORDERS, ShaftOrders
 from cardan.words.summary import figure_text
 
-BY_DRAWING = "Equivalent bend, non-uniformity and limits are those of the drawing."
+BY_DRAWING = (
+    "Equivalent bend, non-uniformity, other closed forms and limits are those of the drawing."
+)
 
 
 def as_built_text(found: list[ShaftOrders], *, radians: bool = False) -> str:
@@ -33,7 +35,8 @@ def as_built_rows(found: list[ShaftOrders], *, radians: bool = False) -> Iterato
         if each.acceleration is not None:
             kinds.append(("acceleration [rad/s²]", each.acceleration))
         for label, (built, drawing, *worst) in kinds:
-            yield (f"shaft {each.shaft}, {label}", *map(figure_text, built))
+            state = f", in {each.state}" if each.state else ""
+            yield (f"shaft {each.shaft}, {label}{state}", *map(figure_text, built))
             if each.deviates:
                 yield ("  of the drawing", *map(figure_text, drawing))
             for amplitudes in worst:

@@ -102,7 +102,7 @@ def _of_states(figure: ToleranceFigure) -> str:
 
 def state_rows(figure: ToleranceFigure) -> list[list[str]]:
     """Return the figure in each state as rows of texts, the heads first; without empty columns."""
-    rows = [["state", "as drawn", "worst", "bound", "within the limit"]]
+    rows = [["state", _nominal(figure), "worst", "bound", "within the limit"]]
     for state in figure.states:
         values = (_rounded(state.nominal, state.worst), state.worst, state.guaranteed)
         texts = ["" if value is None else with_unit(value, figure.unit) for value in values]
