@@ -76,12 +76,12 @@ def plot_lash(found: Backlash, *, ax: Axes | None = None) -> Axes:
     turn = np.degrees(np.asarray(TURN))
     with drawing(ax, height_mm=45.0) as axes:
         axes.plot(turn, np.degrees(found.lash), label="loose by", **line_style(0))
+        both = found.lash + 2.0 * found.wind_up
         if np.any(found.wind_up):
-            both = found.lash + 2.0 * found.wind_up
             label = f"from {found.torque:.4g} to \N{MINUS SIGN}{found.torque:.4g} N m"
             axes.plot(turn, np.degrees(both), label=label, **line_style(1))
         axes.set_xlim(0.0, 360.0)
-        axes.set_ylim(bottom=0.0)
+        axes.set_ylim(0.0, 1.1 * np.degrees(np.max(both)))
         degree_ticks(axes.xaxis, 0.0, 360.0)
         value_ticks(axes.yaxis)
         axes.set_xlabel("drive angle [deg]")
