@@ -247,10 +247,8 @@ def _laid_out(
 
 def _lengths(points: FloatArray) -> FloatArray:
     """The distances between successive points, without overflow of their squares."""
-    spans = np.diff(points, axis=-2)
-    largest = np.abs(spans).max(axis=-1, keepdims=True)
-    spans /= largest
-    lengths: FloatArray = largest[..., 0] * np.sqrt(np.einsum("...i,...i->...", spans, spans))
+    x, y, z = np.moveaxis(np.diff(points, axis=-2), -1, 0)
+    lengths: FloatArray = np.hypot(np.hypot(x, y), z)
     return lengths
 
 
