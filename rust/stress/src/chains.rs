@@ -21,6 +21,7 @@ use crate::evaluated::planes;
 use crate::exact::{ExactChain, Turn};
 use crate::judge::{Quantity, Tier};
 use crate::samples::{Kind, Random};
+use crate::shape_errors::ShapeErrors;
 
 /// Angles for each chain.
 const ANGLES: usize = 50;
@@ -39,6 +40,24 @@ pub(crate) struct ChainAngles {
     pub(crate) bends: Vec<f64>,
     pub(crate) twists: Vec<f64>,
     pub(crate) phases: Vec<f64>,
+}
+
+impl ChainAngles {
+    /// Directions of shafts for [`ChainAngles::drivelines`]: the motion does not depend on them.
+    pub(crate) fn zero_directions(&self) -> Vec<f64> {
+        vec![0.0; 3 * (self.bends.len() + 1)]
+    }
+
+    pub(crate) fn drivelines<'a>(&'a self, zero_directions: &'a [f64]) -> Drivelines<'a> {
+        Drivelines {
+            bends: &self.bends,
+            twists: &self.twists,
+            phases: &self.phases,
+            directions: zero_directions,
+            normals: &zero_directions[3..],
+            ..Drivelines::default()
+        }
+    }
 }
 
 /// A kind of chain.
@@ -104,42 +123,20 @@ impl ChainShape {
 }
 
 /// The worst errors of a kind of chain, tier by tier, in units and (single) parts of the largest.
-#[derive(Clone, Debug)]
-pub(crate) struct ChainErrors {
-    pub(crate) shape: ChainShape,
-    pub(crate) judged: u64,
-    pub(crate) off: [[f64; 5]; 4],
-    pub(crate) place: [[String; 5]; 4],
-}
+pub(crate) type ChainErrors = ShapeErrors<ChainShape, 4, 5>;
 
 /// At least so many samples of each kind.
 pub(crate) fn run(seed: u64, samples: u64) -> Vec<ChainErrors> {
     let mut random = Random::new(seed ^ 0xc4a1);
-    ChainShape::ALL
-        .into_iter()
-        .map(|shape| {
-            let mut found =
-                ChainErrors { shape, judged: 0, off: [[0.0; 5]; 4], place: Default::default() };
-            while found.judged < samples {
-                let line = shape.line(&mut random);
-                judge(&line, &mut random, &mut found);
-            }
-            found
-        })
-        .collect()
+    ShapeErrors::of_each(&ChainShape::ALL, samples, |shape, found| {
+        judge(&shape.line(&mut random), &mut random, found);
+    })
 }
 
 fn evaluate(line: &ChainAngles, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
     let n = line.bends.len();
-    let (directions, normals) = (vec![0.0; 3 * (n + 1)], vec![0.0; 3 * n]);
-    let lines = Drivelines {
-        bends: &line.bends,
-        twists: &line.twists,
-        phases: &line.phases,
-        directions: &directions,
-        normals: &normals,
-        ..Drivelines::default()
-    };
+    let zero_directions = line.zero_directions();
+    let lines = line.drivelines(&zero_directions);
     let plan = Plan::new(&Request {
         largest_bends: &line.bends,
         outputs: &MOTION.map(|(_, output)| output),
@@ -196,18 +193,15 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut ChainErrors) {
                 } else {
                     ulp + turned * rates[q] + folded * folds[q]
                 };
-                let off = want.distance(got) / unit;
-                let (tier, off) = (tier as usize, if off.is_nan() { f64::INFINITY } else { off });
-                if off > found.off[tier][q] {
-                    found.off[tier][q] = off;
+                found.take(tier as usize, q, want.distance(got) / unit, || {
                     let ChainAngles { bends, twists, phases } = line;
-                    found.place[tier][q] = format!(
+                    format!(
                         "{} at bends {bends:?}, twists {twists:?}, phases {phases:?}, angle {angle:?}: \
                          {got:e} instead of {:e}",
                         MOTION[q].0.name(),
                         want.high
-                    );
-                }
+                    )
+                });
             }
         }
     }

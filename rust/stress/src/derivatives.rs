@@ -4,12 +4,13 @@
 //! The oracle has no derivative: it takes differences of the exact chain at six steps `h`, which are
 //! wrong by `h⁶/140` of the seventh derivative, and by `2/h` of the digits of the oracle.
 
-use cardan::{Differentiated, Drivelines, Execution, Output, Spread, SpreadAngles, Wanted};
+use cardan::{Differentiated, Execution, Output, Spread, SpreadAngles, Wanted};
 
 use crate::chains::{ChainAngles, ChainShape};
 use crate::exact::{ChainParameter, ExactChain, ExactMotion, Turn};
 use crate::judge;
 use crate::samples::{Kind, Random};
+use crate::shape_errors::ShapeErrors;
 use crate::wide::Wide;
 
 /// Angles for each chain.
@@ -41,39 +42,24 @@ pub(crate) fn limits() -> [f64; 3] {
 }
 
 /// The worst errors of the derivatives of a kind of chain, by what they are by and by output.
-#[derive(Clone, Debug)]
-pub(crate) struct DerivativeErrors {
-    pub(crate) shape: ChainShape,
-    pub(crate) judged: u64,
-    pub(crate) off: [[f64; 5]; 3],
-    pub(crate) place: [[String; 5]; 3],
-}
+pub(crate) type DerivativeErrors = ShapeErrors<ChainShape, 3, 5>;
 
 /// At least so many samples of each kind.
 pub(crate) fn run(seed: u64, samples: u64) -> Vec<DerivativeErrors> {
     let mut random = Random::new(seed ^ 0xde71);
-    ChainShape::ALL
-        .into_iter()
-        .map(|shape| {
-            let (off, place) = ([[0.0; 5]; 3], Default::default());
-            let mut found = DerivativeErrors { shape, judged: 0, off, place };
-            while found.judged < samples {
-                let line = shape.line(&mut random);
-                judge(&line, &mut random, &mut found);
-            }
-            found
-        })
-        .collect()
+    ShapeErrors::of_each(&ChainShape::ALL, samples, |shape, found| {
+        judge(&shape.line(&mut random), &mut random, found);
+    })
 }
 
-/// By what a result is differentiated, and the column of its derivative in the core's.
+/// DerivativeBy what a result is differentiated, and the column of its derivative in the core's.
 #[derive(Clone, Copy, Debug)]
-enum By {
+enum DerivativeBy {
     Chain(ChainParameter),
     Angle,
 }
 
-impl By {
+impl DerivativeBy {
     fn column(self, joints: usize) -> usize {
         match self {
             Self::Chain(ChainParameter::Bend(joint)) => joint,
@@ -105,17 +91,10 @@ fn differentiated(
     weights: &[f64],
 ) -> (Vec<f64>, Vec<Vec<f64>>) {
     let n = line.bends.len();
-    let (directions, normals) = (vec![0.0; 3 * (n + 1)], vec![0.0; 3 * n]);
+    let zero_directions = line.zero_directions();
     let task = |outputs: &[Output]| Differentiated {
         joints: n,
-        lines: Drivelines {
-            bends: &line.bends,
-            twists: &line.twists,
-            phases: &line.phases,
-            directions: &directions,
-            normals: &normals,
-            ..Drivelines::default()
-        },
+        lines: line.drivelines(&zero_directions),
         bearings: &[],
         samples: angles.len(),
         outputs: outputs.iter().map(|&output| (output, vec![n])).collect(),
@@ -158,30 +137,30 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut DerivativeErrors) 
     let chain = ExactChain::of(bends, twists, phases);
     let (gap, k, total) = (chain.gap(), chain.k, chain.total.min(1.0));
     let h = 2_f64.powi(gap.min(1.0).log2().floor() as i32 - 14);
-    let mut by = vec![By::Angle];
+    let mut by = vec![DerivativeBy::Angle];
     for _ in 0..PARAMETERS {
-        by.push(By::Chain(ChainParameter::Bend(random.below(n))));
-        by.push(By::Chain(ChainParameter::Phase(random.below(n - 1))));
+        by.push(DerivativeBy::Chain(ChainParameter::Bend(random.below(n))));
+        by.push(DerivativeBy::Chain(ChainParameter::Phase(random.below(n - 1))));
     }
     for by in by {
         let after = |change: f64| match by {
-            By::Chain(parameter) => {
+            DerivativeBy::Chain(parameter) => {
                 ExactChain::moved(bends, twists, phases, Some((parameter, change)))
             }
-            By::Angle => chain,
+            DerivativeBy::Angle => chain,
         };
         let chains = STEPS.map(|count| [after(count * h), after(-count * h)]);
         let of_q = (chains[0][0].q() - chains[0][1].q()).norm_squared().high.sqrt() / (2.0 * h);
         let size = of_q.max(2.0 * total);
-        let (column, is_angle) = (by.column(n), matches!(by, By::Angle));
+        let (column, is_angle) = (by.column(n), matches!(by, DerivativeBy::Angle));
         let mut sums = [[Wide::ZERO; 2]; 5];
         for (i, (&angle, &weight)) in angles.iter().zip(&weights).enumerate() {
             let motions = std::array::from_fn::<_, 3, _>(|step| {
                 std::array::from_fn::<_, 2, _>(|side| {
                     let change = if side == 0 { STEPS[step] * h } else { -STEPS[step] * h };
                     let turn = match by {
-                        By::Angle => Turn::by(&[angle, change]),
-                        By::Chain(_) => Turn::by(&[angle]),
+                        DerivativeBy::Angle => Turn::by(&[angle, change]),
+                        DerivativeBy::Chain(_) => Turn::by(&[angle]),
                     };
                     chains[step][side].motion(&turn).0
                 })
@@ -200,7 +179,9 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut DerivativeErrors) 
                 let unit = want.ulp() + 2_f64.powi(-53) * n as f64 * size * bound + digits;
                 let got = each[(q * ANGLES + i) * columns + column];
                 found.take(usize::from(!is_angle), q, want.distance(got) / unit, || {
-                    format!("{by:?} {line:?}, angle {angle:?}: {got:e} instead of {:e}", want.high)
+                    let name = output.row().name;
+                    let place = format!("{name} by {by:?} {line:?}, angle {angle:?}");
+                    format!("{place}: {got:e} instead of {:e}", want.high)
                 });
                 sums[q][0] = sums[q][0] + want * weight;
                 sums[q][1] = sums[q][1] + Wide::from(weight.abs() * unit);
@@ -211,21 +192,12 @@ fn judge(line: &ChainAngles, random: &mut Random, found: &mut DerivativeErrors) 
         for (q, [want, unit]) in sums.into_iter().enumerate() {
             let got = summed[q][column];
             found.take(2, q, want.distance(got) / unit.high, || {
-                format!("the sum, {by:?} {line:?}: {got:e} instead of {:e}", want.high)
+                let place = format!("{}, the sum, by {by:?} {line:?}", names()[q]);
+                format!("{place}: {got:e} instead of {:e}", want.high)
             });
         }
     }
     found.judged += ANGLES as u64;
-}
-
-impl DerivativeErrors {
-    fn take(&mut self, which: usize, q: usize, off: f64, place: impl Fn() -> String) {
-        let off = if off.is_nan() { f64::INFINITY } else { off };
-        if off > self.off[which][q] {
-            self.off[which][q] = off;
-            self.place[which][q] = format!("{} {}", names()[q], place());
-        }
-    }
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::judge::{self, Tier};
 use crate::loads::{self, ANGLES, BearingLayout, Frames, LoadShape, Loading, Transmitted};
 use crate::points::{Span, cross, dot};
 use crate::samples::Random;
+use crate::shape_errors::ShapeErrors;
 use crate::wide::{Wide, hex};
 
 const OUTPUTS: [Output; 2] = [Output::JointForce, Output::BearingForce];
@@ -31,29 +32,14 @@ pub(crate) fn limits(tier: Tier) -> [f64; 2] {
 }
 
 /// The worst errors of the forces of a kind of chain, by tier and output.
-#[derive(Clone, Debug)]
-pub(crate) struct ForceErrors {
-    pub(crate) shape: LoadShape,
-    pub(crate) judged: u64,
-    pub(crate) off: [[f64; 2]; 4],
-    pub(crate) place: [[String; 2]; 4],
-}
+pub(crate) type ForceErrors = ShapeErrors<LoadShape, 4, 2>;
 
 /// At least so many samples of each kind.
 pub(crate) fn run(seed: u64, samples: u64) -> Vec<ForceErrors> {
     let mut random = Random::new(seed ^ 0xf0ce);
-    LoadShape::ALL
-        .into_iter()
-        .map(|shape| {
-            let mut found =
-                ForceErrors { shape, judged: 0, off: [[0.0; 2]; 4], place: Default::default() };
-            while found.judged < samples {
-                let line = shape.line(&mut random);
-                judge(&line, &mut random, &mut found);
-            }
-            found
-        })
-        .collect()
+    ShapeErrors::of_each(&LoadShape::ALL, samples, |shape, found| {
+        judge(&shape.line(&mut random), &mut random, found);
+    })
 }
 
 /// What carries the shafts of a driveline.
@@ -235,20 +221,18 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut ForceErrors) {
                     Tier::Loose | Tier::Float32 => largest,
                 };
                 for (k, x) in want.iter().enumerate() {
-                    let (got, tier) = (planes[3 * item + k][i], tier as usize);
+                    let got = planes[3 * item + k][i];
                     let off = if x.distance(got) == 0.0 { 0.0 } else { x.distance(got) / unit };
-                    let off = if off.is_nan() { f64::INFINITY } else { off };
-                    if off > found.off[tier][q] {
-                        found.off[tier][q] = off;
+                    found.take(tier as usize, q, off, || {
                         let Geometry { bends, twists, phases, .. } = line;
-                        found.place[tier][q] = format!(
+                        format!(
                             "{} {item}, component {k}, at bends {bends:?}, twists {twists:?}, \
                              phases {phases:?}, {arrangement:?}, angle {angle:?}, {loading:?}: \
                              {got:e} instead of {:e}",
                             OUTPUTS[q].row().name,
                             x.high
-                        );
-                    }
+                        )
+                    });
                 }
             }
         }

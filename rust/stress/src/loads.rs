@@ -16,6 +16,7 @@ use crate::exact::{ExactChain, Turn};
 use crate::judge::{self, Tier};
 use crate::points::{Span, cross, dot};
 use crate::samples::Random;
+use crate::shape_errors::ShapeErrors;
 use crate::wide::Wide;
 
 /// Angles for each chain.
@@ -123,28 +124,14 @@ impl Loading {
 }
 
 /// The worst errors of a kind of chain, by output.
-#[derive(Clone, Debug)]
-pub(crate) struct Loads {
-    pub(crate) shape: LoadShape,
-    pub(crate) judged: u64,
-    pub(crate) off: [f64; 5],
-    pub(crate) place: [String; 5],
-}
+pub(crate) type LoadErrors = ShapeErrors<LoadShape, 1, 5>;
 
 /// At least so many samples of each kind.
-pub(crate) fn run(seed: u64, samples: u64) -> Vec<Loads> {
+pub(crate) fn run(seed: u64, samples: u64) -> Vec<LoadErrors> {
     let mut random = Random::new(seed ^ 0x10ad);
-    LoadShape::ALL
-        .into_iter()
-        .map(|shape| {
-            let mut found = Loads { shape, judged: 0, off: [0.0; 5], place: Default::default() };
-            while found.judged < samples {
-                let line = shape.line(&mut random);
-                judge(&line, &mut random, &mut found);
-            }
-            found
-        })
-        .collect()
+    ShapeErrors::of_each(&LoadShape::ALL, samples, |shape, found| {
+        judge(&shape.line(&mut random), &mut random, found);
+    })
 }
 
 /// The planes of the outputs in each of the tiers.
@@ -327,7 +314,7 @@ fn scaled(v: Span, factor: Wide) -> Span {
     v.map(|x| x * factor)
 }
 
-fn judge(line: &Geometry, random: &mut Random, found: &mut Loads) {
+fn judge(line: &Geometry, random: &mut Random, found: &mut LoadErrors) {
     let n = line.bends.len();
     let loading = Loading::of(random, n + 1);
     let angles: Vec<f64> = (0..ANGLES).map(|_| random.between(-4.0, 4.0)).collect();
@@ -345,21 +332,18 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut Loads) {
                 let unit = want.iter().map(|x| x.ulp()).fold(0.0, f64::max);
                 for (k, x) in want.iter().enumerate() {
                     let got = planes[plane + k][i];
-                    let off = x.distance(got) / unit;
-                    let off = if off.is_nan() { f64::INFINITY } else { off };
-                    if off > found.off[q] {
-                        found.off[q] = off;
+                    found.take(0, q, x.distance(got) / unit, || {
                         let Geometry { bends, twists, phases, .. } = line;
                         let Loading { end, torque, speed, acceleration, inertias } = &loading;
-                        found.place[q] = format!(
+                        format!(
                             "{} {item}, component {k}, at bends {bends:?}, twists {twists:?}, \
                              phases {phases:?}, angle {angle:?}, {end:?} {torque:?}, \
                              speed {speed:?}, acceleration {acceleration:?}, \
                              inertias {inertias:?}: {got:e} instead of {:e}",
                             output.row().name,
                             x.high
-                        );
-                    }
+                        )
+                    });
                 }
                 plane += want.len();
             }

@@ -15,6 +15,7 @@ mod oracle;
 mod points;
 mod report;
 mod samples;
+mod shape_errors;
 mod wide;
 
 use std::fs;

@@ -9,6 +9,7 @@ use cardan::{Geometry, Vector};
 use crate::angle::atan2;
 use crate::judge::limit;
 use crate::samples::Random;
+use crate::shape_errors::ShapeErrors;
 use crate::wide::{Wide, two_sum};
 
 /// The largest errors of bends and of twists, in these units.
@@ -74,27 +75,14 @@ impl PointsShape {
 }
 
 /// The worst errors of bends and twists of a kind of points.
-#[derive(Clone, Debug)]
-pub(crate) struct Points {
-    pub(crate) shape: PointsShape,
-    pub(crate) judged: u64,
-    pub(crate) off: [f64; 2],
-    pub(crate) place: [String; 2],
-}
+pub(crate) type PointErrors = ShapeErrors<PointsShape, 1, 2>;
 
 /// At least so many bends of each kind.
-pub(crate) fn run(seed: u64, count: u64) -> Vec<Points> {
+pub(crate) fn run(seed: u64, count: u64) -> Vec<PointErrors> {
     let mut random = Random::new(seed ^ 0x9017);
-    PointsShape::ALL
-        .into_iter()
-        .map(|shape| {
-            let mut found = Points { shape, judged: 0, off: [0.0; 2], place: Default::default() };
-            while found.judged < count {
-                judge(&shape.points(&mut random), &mut found);
-            }
-            found
-        })
-        .collect()
+    ShapeErrors::of_each(&PointsShape::ALL, count, |shape, found| {
+        judge(&shape.points(&mut random), found);
+    })
 }
 
 pub(crate) type Span = [Wide; 3];
@@ -108,7 +96,7 @@ pub(crate) fn dot(a: Span, b: Span) -> Wide {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-fn judge(points: &[Vector], found: &mut Points) {
+fn judge(points: &[Vector], found: &mut PointErrors) {
     // Equal points and right angles are refused.
     let phases = vec![0.0; points.len() - 3];
     let Ok(line) = Geometry::from_points(points, &phases) else { return };
@@ -134,7 +122,7 @@ fn judge(points: &[Vector], found: &mut Points) {
         }
         found.judged += 1;
         let off = want.distance(line.bends[j]) / (want.ulp() + known);
-        note(found, 0, off, || format!("bends[{j}] of {points:?}: {:e}", line.bends[j]));
+        found.take(0, 0, off, || format!("bends[{j}] of {points:?}: {:e}", line.bends[j]));
     }
     if sines.iter().any(|&sine| sine < 1e-14) {
         return;
@@ -148,16 +136,8 @@ fn judge(points: &[Vector], found: &mut Points) {
         let turn = 2.0 * std::f64::consts::PI;
         let off = want.distance(line.twists[j - 1]);
         let off = off.min((turn - off).abs()) / unit;
-        note(found, 1, off, || {
+        found.take(0, 1, off, || {
             format!("twists[{}] of {points:?}: {:e}", j - 1, line.twists[j - 1])
         });
-    }
-}
-
-fn note(found: &mut Points, which: usize, off: f64, place: impl Fn() -> String) {
-    let off = if off.is_nan() { f64::INFINITY } else { off };
-    if off > found.off[which] {
-        found.off[which] = off;
-        found.place[which] = place();
     }
 }

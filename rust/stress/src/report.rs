@@ -6,17 +6,17 @@ use crate::chains::{ChainErrors, MOTION};
 use crate::derivatives::{self, DerivativeErrors};
 use crate::forces::{self, ForceErrors};
 use crate::judge::{By, Ledger, Quantity, Tier, Worst};
-use crate::loads::{self, Loads};
-use crate::points::{self, Points};
+use crate::loads::{self, LoadErrors};
+use crate::points::{self, PointErrors};
 use crate::wide::hex;
 
 pub(crate) struct Report<'a> {
     pub(crate) ledger: &'a Ledger,
     pub(crate) chains: &'a [ChainErrors],
-    pub(crate) loads: &'a [Loads],
+    pub(crate) loads: &'a [LoadErrors],
     pub(crate) forces: &'a [ForceErrors],
     pub(crate) derivatives: &'a [DerivativeErrors],
-    pub(crate) points: &'a [Points],
+    pub(crate) points: &'a [PointErrors],
     pub(crate) seconds: f64,
 }
 
@@ -74,49 +74,19 @@ impl Report<'_> {
                 sample.torque,
             ));
         }
-        for chains in self.chains {
-            for tier in Tier::ALL {
-                for (q, (quantity, _)) in MOTION.iter().enumerate() {
-                    let off = chains.off[tier as usize][q];
-                    if off > tier.chain_limit(*quantity) {
-                        let place = &chains.place[tier as usize][q];
-                        lines.push(format!("{} {off:.3e} units: {place}", tier.name()));
-                    }
-                }
-            }
+        for tier in Tier::ALL {
+            let (row, units) = (tier as usize, format!("units, {}", tier.name()));
+            let chain_limits = MOTION.map(|(quantity, _)| tier.chain_limit(quantity));
+            lines.extend(self.chains.iter().flat_map(|own| own.beyond(row, chain_limits, &units)));
+            let limits = forces::limits(tier);
+            lines.extend(self.forces.iter().flat_map(|own| own.beyond(row, limits, &units)));
         }
-        for found in self.loads {
-            for (q, limit) in loads::limits().into_iter().enumerate() {
-                if found.off[q] > limit {
-                    lines.push(format!("{:.3} ulp: {}", found.off[q], found.place[q]));
-                }
-            }
+        lines.extend(self.loads.iter().flat_map(|own| own.beyond(0, loads::limits(), "ulp")));
+        for (row, limit) in derivatives::limits().into_iter().enumerate() {
+            let beyond = |own: &DerivativeErrors| own.beyond(row, [limit; 5], "units");
+            lines.extend(self.derivatives.iter().flat_map(beyond));
         }
-        for found in self.forces {
-            for tier in Tier::ALL {
-                let worst = found.off[tier as usize].into_iter().zip(&found.place[tier as usize]);
-                for ((off, place), limit) in worst.zip(forces::limits(tier)) {
-                    if off > limit {
-                        lines.push(format!("{} {off:.3e} units: {place}", tier.name()));
-                    }
-                }
-            }
-        }
-        for found in self.derivatives {
-            for ((off, place), limit) in
-                found.off.iter().zip(&found.place).zip(derivatives::limits())
-            {
-                let beyond = off.iter().zip(place).filter(|(off, _)| **off > limit);
-                lines.extend(beyond.map(|(off, place)| format!("{off:.3} units: {place}")));
-            }
-        }
-        for points in self.points {
-            for (which, limit) in points::limits().into_iter().enumerate() {
-                if points.off[which] > limit {
-                    lines.push(format!("{:.3} units: {}", points.off[which], points.place[which]));
-                }
-            }
-        }
+        lines.extend(self.points.iter().flat_map(|own| own.beyond(0, points::limits(), "units")));
         lines
     }
 
@@ -158,7 +128,7 @@ impl Report<'_> {
         writeln!(text, "\nloads of chains with tolerance=0, in ulp: {}", loads::names().join(", "))
             .expect("text grows");
         for found in self.loads {
-            let off = found.off.map(|off| shown(Tier::Faithful, off)).join("  ");
+            let off = found.off[0].map(|off| shown(Tier::Faithful, off)).join("  ");
             writeln!(text, "{:50} {off} ({} samples)", found.shape.name(), found.judged)
                 .expect("text grows");
         }
@@ -192,7 +162,7 @@ impl Report<'_> {
         }
         text.push_str("\npoints: bends and twists, in the units of the documentation\n");
         for points in self.points {
-            let [bends, twists] = points.off;
+            let [[bends, twists]] = points.off;
             writeln!(text, "{:50} {bends:.2} {twists:.2}", points.shape.name())
                 .expect("text grows");
         }
@@ -282,7 +252,7 @@ impl Report<'_> {
         text.push('\n');
         text.push_str(&head("chains", loads::names().map(String::from)));
         for found in self.loads {
-            let off = found.off.map(|off| shown(Tier::Faithful, off));
+            let off = found.off[0].map(|off| shown(Tier::Faithful, off));
             text.push_str(&row(found.shape.name(), off));
         }
         text.push_str(&row("limit", loads::limits().map(|limit| limit.to_string())));
@@ -308,7 +278,7 @@ impl Report<'_> {
         text.push('\n');
         text.push_str(&head("points", ["bends", "twists"].map(String::from)));
         for points in self.points {
-            let off = points.off.map(|off| format!("{off:.2}"));
+            let off = points.off[0].map(|off| format!("{off:.2}"));
             text.push_str(&row(points.shape.name(), off));
         }
         let limits = points::limits().map(|limit| format!("{limit}"));
