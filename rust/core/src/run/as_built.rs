@@ -114,6 +114,18 @@ fn run_motion<T: Number>(
     let moderate = !T::LOW && stage.range <= AtanRange::Third;
     let [ratio, acceleration, jerk] = rates.each_mut();
     let before = |order: usize| before[order - 1].part(first, length);
+    if needs.angle && moderate && needs.rates == 1 {
+        return map::over_sin_cos(
+            pins,
+            (at, sum.part(first, length), before(1)),
+            (errors.window_mut(first, length), ratio.window_mut(first, length)),
+            #[inline(always)]
+            |(joint, sum, r), s, c| {
+                let [error, ratio, _] = joint.motion(s, c);
+                (sum + error, ratio * r)
+            },
+        );
+    }
     if needs.angle && moderate && needs.rates == 2 {
         let out = [errors, ratio, acceleration].map(|column| column.window_mut(first, length));
         return map::over_sin_cos(
