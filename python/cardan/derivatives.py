@@ -281,10 +281,13 @@ def gradient(
     if line.has_deviations:
         by.append("deviations")
     flat = samples.run(by, [*_planes(samples, weights)])
-    rows = flat.reshape(*line.shape, -1)
+    columns = [*_columns(by, line)]
+    width = sum(math.prod(shape) for _, _, shape in columns)
+    # The size of an axis cannot be left open in a batch of none.
+    rows = flat.reshape(*line.shape, width)
     parts = {
         name: rows[..., start : start + math.prod(shape)].reshape((*line.shape, *shape))[()]
-        for name, start, shape in _columns(by, line)
+        for name, start, shape in columns
     }
     value, bends, twists, phases = (parts.pop(name) for name in by[:4])
     return Gradient(value, bends, twists, phases, parts)

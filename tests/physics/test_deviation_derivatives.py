@@ -213,3 +213,10 @@ def test_what_is_not_differentiated_is_refused() -> None:
     plan = IDEAL.plan("speed_ratio", angle_of="driven")
     with pytest.raises(ArgumentValueError, match="derivatives are those at drive angles"):
         plan.derivatives(0.3, by="deviations")
+
+
+def test_a_batch_of_none_has_gradients() -> None:
+    empty = Driveline.from_bends(np.zeros((0, 1, 2)))
+    for line in (empty, empty.with_deviations(0.1)):
+        found = line.plan("angle_error").gradient(np.linspace(0.0, 1.0, 5), {"angle_error": 1.0})
+        assert (found.value.shape, found.bends.shape) == ((0, 1), (0, 1, 2))

@@ -178,17 +178,17 @@ class Case:
         Of several amplitudes, in the scatter of the one that is largest in the worst case.
         """
         if isinstance(quantity, ReducedQuantity):
-            slopes = np.abs(self._slopes_of_output(quantity))
+            changes = np.abs(self._slopes_of_output(quantity) * self.box.sizes)
         elif isinstance(quantity, OrderQuantity):
-            slopes = np.abs(self._order_vectors(quantity)[1]) / self.box.sizes
+            changes = np.abs(self._order_vectors(quantity)[1])
         else:
-            slopes = np.abs(self._slopes(max(quantity.amplitudes, key=self._linear_modulus)))
-        parts = np.square(slopes * self.box.sigmas)
+            changes = np.abs(self._vectors(max(quantity.amplitudes, key=self._linear_modulus)))
+        parts = np.square(changes * (self.box.sigmas / self.box.sizes))
         total = np.sum(parts)
         return np.asarray(parts / total if total > 0.0 else parts)
 
-    def _slopes(self, kind: Amplitude) -> ComplexArray:
-        """The derivatives of an amplitude by each parameter."""
+    def _vectors(self, kind: Amplitude) -> ComplexArray:
+        """What each tolerance adds to an amplitude, to first order."""
 
         def of(by_place: Deviations, samples: int) -> ComplexArray:
             found = amplitude(kind, self.box.nominal, by_place, self.shaft)
@@ -199,16 +199,15 @@ class Case:
     def _order_vectors(self, quantity: OrderQuantity) -> tuple[complex, ComplexArray]:
         """The amplitude as drawn, and what each tolerance adds to first order."""
         middle = complex(self._order(quantity, {}, 1)[0])
-        slopes = self._differences(partial(self._order, quantity))
-        return middle, np.asarray(slopes * self.box.sizes)
+        return middle, np.asarray(self._differences(partial(self._order, quantity)))
 
     def _differences(self, of: Callable[[Deviations, int], Any]) -> Any:  # noqa: ANN401
-        """The derivatives by each parameter of what a function finds of many samples."""
+        """What each tolerance adds to first order to what a function finds of many samples."""
         steps = np.diag(np.full(len(self.box.places), _STEP))
         units = np.concatenate([steps, -steps], axis=1)
         by_place = self.box.deviations(units * self.box.sizes[:, np.newaxis])
         plus, minus = np.split(of(by_place, units.shape[1]), 2)
-        return np.asarray((plus - minus) / (2.0 * _STEP * self.box.sizes))
+        return np.asarray((plus - minus) / (2.0 * _STEP))
 
     def _slopes_of_output(self, quantity: ReducedQuantity) -> FloatArray:
         """The derivatives of a reduced output by each parameter."""
@@ -216,7 +215,8 @@ class Case:
         joints = not used.isdisjoint(JOINT_GROUPS)
         if "points" in used and self.is_as_built:
             # Outputs of joints as built have no derivatives by points.
-            return np.asarray(self._differences(partial(self._outputs, quantity)))
+            changes = self._differences(partial(self._outputs, quantity))
+            return np.asarray(changes / self.box.sizes)
         line = self.line_of(as_drawn(self.geometry, self.box.nominal, joints=joints))
         wanted: list[LayoutVariables | Literal["deviations"]] = [
             group for group in PARAMETERS if group in used
@@ -232,7 +232,7 @@ class Case:
     def _linear_modulus(self, kind: Amplitude) -> float:
         """The largest magnitude of an amplitude to first order."""
         centre = complex(amplitude(kind, self.box.nominal, {}, self.shaft))
-        modulus = zonotope_radius(centre, self._slopes(kind) * self.box.sizes)
+        modulus = zonotope_radius(centre, self._vectors(kind))
         # Large tolerances leave the linear range; a joint has |q| < 1.
         return min(modulus, float(np.nextafter(1.0, 0.0))) if kind == "last" else modulus
 
