@@ -229,6 +229,8 @@ def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None
         f"{turns:.4g} turns forward and back, 360 samples per turn"
     ) in " ".join(result.output.split())
     assert max(map(len, result.output.splitlines())) <= 79
+    # However short, a recording is no sweep that could pass by an extreme.
+    assert "the sweep" not in result.output
 
 
 def test_slides_that_do_not_move_are_named_as_such() -> None:
