@@ -109,6 +109,25 @@ def test_speeds_of_states_are_their_own(tmp_path: Path) -> None:
     assert shown == pytest.approx(ends, abs=0.5)
 
 
+def test_motion_over_states_is_that_of_the_joints_as_built(tmp_path: Path) -> None:
+    text = scene_text(20.0, "[joints]\ndriving_yoke_deg = [2, 0]")
+    found = tables(page_of(text, tmp_path))
+    assert "Harmonics of shaft 2 of the drawing: amplitudes, largest of 3 states" in found
+    rows = {row[0]: row[1:] for row in found[f"{MOTION} and 3 states"]}
+    turn = np.linspace(0.0, 2.0 * np.pi, 20_001)
+    built = [line.with_deviations([2, 0], degrees=True) for line in drivelines(20.0)]
+    errors, low, high = [], [], []
+    for line in built:
+        at = line.evaluate(turn, ("angle_error", "speed_ratio"))
+        errors.append(float(np.degrees(np.abs(at.angle_error).max())))
+        low.append(1500.0 * at.speed_ratio.min())
+        high.append(1500.0 * at.speed_ratio.max())
+    shown = [float(end) for end in rows["Largest angle error [deg]"][1].split(" to ")]
+    assert shown == pytest.approx([min(errors), max(errors)], rel=1e-3)
+    shown = [float(end) for end in rows["Speed [rpm]"][1].split(" to ")]
+    assert shown == pytest.approx([min(low), max(high)], abs=0.1)
+
+
 def test_largest_loads_over_states_name_their_state(over_states: str) -> None:
     (caption,) = (name for name in tables(over_states) if name.startswith("Loads of the shafts"))
     assert caption == "Loads of the shafts, largest over a whole turn and 3 states"

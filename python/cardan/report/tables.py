@@ -14,7 +14,7 @@ from cardan.figures.as_built import ORDERS, as_built_orders
 from cardan.figures.catalogue import fork_signs
 from cardan.figures.states import forces_of
 from cardan.figures.summary import within_turn
-from cardan.report.motion import equivalent, turn_motion
+from cardan.report.motion import deviates, equivalent, turn_motion
 from cardan.report.samples import PeakSample, Samples
 from cardan.scene.bearings import has_lengths
 from cardan.scene.scene import Scene
@@ -165,7 +165,8 @@ def results(samples: Samples) -> list[Table]:
         ]
         heads = ["Order of the drive's rotation", "Angle error [deg]", "Speed ratio"]
         largest = f", largest of {scene.states.count} states" if scene.states else ""
-        caption = f"Harmonics of shaft {scene.line.n_joints}: amplitudes{largest}"
+        of = " of the drawing" if deviates(scene) else ""
+        caption = f"Harmonics of shaft {scene.line.n_joints}{of}: amplitudes{largest}"
         tables.append(Table(caption, heads, amplitudes))
     return tables
 
