@@ -201,6 +201,7 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     assert len(shares) > 1
     assert widths == pytest.approx([170.0 * one / max(shares) for one in shares], abs=0.02)
     words = [text.text or "" for text in bars.iter("text")]
+    assert words[::2] == ["Phase of shaft 1", "Bend of joint 0", "Bend of joint 1"]
     assert [float(text.removesuffix(" %")) for text in words[1::2]] == pytest.approx(
         [100.0 * share for share in shares], abs=0.06
     )
@@ -243,6 +244,8 @@ def test_curves_of_the_optimum(tmp_path: Path) -> None:
         unit = "mm" if "points" in variable.axis.key else "deg"
         best = variable.base + float(found.best.x[number])
         assert next(iter(drawn)) == f"best at {best:.6g} {unit}"
+        beyond = bool(np.any(np.isfinite(found.over(number).beyond)))
+        assert list(drawn)[1:] == (["beyond a limit"] if beyond else [])
         points = np.concatenate(list(drawn.values()))
         changes = np.repeat(found.best.x[None, :], len(points), axis=0)
         changes[:, number] = points[:, 0] - variable.base
