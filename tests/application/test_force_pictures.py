@@ -254,6 +254,14 @@ def test_views_of_the_report_show_the_forces() -> None:
         np.testing.assert_allclose(np.hypot(x, y), sizes, atol=0.01 * sizes.max())
         head = np.array(re.split("[ L]", view["arrow"][1:])[2:4], float)
         np.testing.assert_array_equal(head, drawn[sizes.argmax()])
+        foot, _, left, _, right = np.array(
+            [point.split() for point in view["arrow"][1:].split("L")], float
+        )
+        way = (head - foot) / np.linalg.norm(head - foot)
+        aside = np.array([-way[1], way[0]])
+        for barb, side in ((left, 1.0), (right, -1.0)):
+            assert (barb - head) @ way == pytest.approx(-9.0, abs=0.2)
+            assert side * (barb - head) @ aside == pytest.approx(3.6, abs=0.2)
         assert [name for *_, name in view["marks"]] in (
             [],
             ["0°", "30°", "60°", "90°", "120°", "150°"],

@@ -149,6 +149,17 @@ def test_figures_before_and_after(tmp_path: Path) -> None:
     assert "- leave the output-side yoke of shaft 2 as it is (phases_deg.1)" in text
 
 
+@pytest.mark.parametrize(("phase", "sense"), [(-0.4, "clockwise"), (0.4, "counter-clockwise")])
+def test_a_small_turn_has_its_sense(phase: float, sense: str, tmp_path: Path) -> None:
+    """Two equal bends cancel each other at a phase of 0."""
+    text = (
+        f"[driveline]\nbends_deg = [10, 10]\nphases_deg = [{phase}]\n"
+        '[optimise]\nvary = {"phases_deg.0" = "free"}\nminimise = "equivalent_bend"\n'
+    )
+    words = answered("optimise", text, tmp_path)
+    assert f"- turn the output-side yoke of shaft 1 by 0.40° {sense}" in words, words
+
+
 def test_spline() -> None:
     shown = blocks(printed("check", "slip"))["Spline of shaft 1"]
 
@@ -229,6 +240,8 @@ def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None
         f"{turns:.4g} turns forward and back, 360 samples per turn"
     ) in " ".join(result.output.split())
     assert max(map(len, result.output.splitlines())) <= 79
+    # However short, a recording is no sweep that could pass by an extreme.
+    assert "the sweep" not in result.output
 
 
 def test_slides_that_do_not_move_are_named_as_such() -> None:

@@ -77,6 +77,16 @@ def test_largest_torques() -> None:
     ratio = largest.size / abs(largest.mean)
     (said,) = re.findall(r"in shaft 1 at \d+ rpm, ([\d.]+) times the mean torque there", sentences)
     assert float(said) == pytest.approx(ratio, rel=1e-3)
+    # The worst critical speed of the table, with the amplitude that stands there.
+    amplitudes = {
+        float(words.split(": ")[1].split()[0]): speed
+        for speed, words in blocks(torsion_text(found))["Critical speeds"].items()
+        if "outside" not in words
+    }
+    worst = max(amplitudes)
+    assert f"The range contains {len(amplitudes)} critical speeds; the worst is" in sentences
+    assert f"at {amplitudes[worst]}, where this order of the torque of shaft 2 is" in sentences
+    assert f"is ±{worst:.0f} N m." in sentences
 
 
 def test_unstable_speeds() -> None:

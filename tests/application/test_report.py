@@ -220,6 +220,15 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
         assert places["drive"][0] < places["output"][0]
         foot, head = re.findall(r'class="flow" d="M([\d.]+) [\d.]+L([\d.]+)', drawing)[0]
         assert places["drive"][0] < float(foot) < float(head) < places["output"][0]
+        # The barbs of an arrow lie behind its head, one on either side.
+        for path in re.findall(r'class="(?:flow|axis)" d="(.*?)"', drawing):
+            points = np.array(re.findall(r"[-.\d]+", path), dtype=float).reshape(-1, 2)
+            foot_at, head_at, left, _, right = points
+            way = (head_at - foot_at) / np.linalg.norm(head_at - foot_at)
+            aside = np.array([-way[1], way[0]])
+            for barb, side in ((left, 1.0), (right, -1.0)):
+                assert (barb - head_at) @ way == pytest.approx(-13.0, abs=0.3)
+                assert side * (barb - head_at) @ aside == pytest.approx(6.5, abs=0.3)
         if "z" in places and "y" not in places:
             assert places["z"][1] > places["x"][1]
         if "y" in places:
@@ -257,6 +266,7 @@ def test_answers_are_the_librarys(tmp_path: Path) -> None:
     for shaft, peak in enumerate(peaks):
         assert f"shaft {shaft}: up to {figure_text(peak)} N m" in said
 
+    assert "Spatial arrangement: the bends lie in different planes." in said
     # 170 deg of twist are 10 deg counter-clockwise, and the yokes must follow.
     assert "input-side yoke, looking from the drive towards the output." in said
     assert "shaft 1: 10.00° counter-clockwise = 170.00° clockwise; turn it 30.00°" in said
@@ -697,6 +707,7 @@ def test_what_varies_by_rounding_alone_is_flat() -> None:
     figure = drawn(Panel("ratio", "", (Curve("one", noise),)), np.arange(50.0), "x")
     line = next(figure.iter("polyline"))
     assert len({point.split(",")[1] for point in line.attrib["points"].split()}) == 1
+    assert curves(figure)["one"][:, 1] == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("slope", [1.0, 0.0])

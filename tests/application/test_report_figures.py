@@ -10,13 +10,14 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from cardan import Driveline
+from cardan import Driveline, Load
 from cardan.figures.life import needed_life
 from cardan.figures.optimise import optimised
 from cardan.figures.slides import drawn_slides
 from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion import torsion_figures
 from cardan.scene import Scene
+from cardan.words.summary import figure_text
 from pages import curves, figure, legend_of, page_of, scales, tables, value
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -32,6 +33,58 @@ def test_a_driveline_that_turns_evenly(tmp_path: Path) -> None:
     assert "leads and lags" not in page
     rows = {row[0]: row[1:] for row in tables(page)[MOTION]}
     assert rows["Equivalent bend [deg]"] == ["10.00", "0"]
+
+
+AS_BUILT = """\
+[driveline]
+bends_deg = [8, 8]
+[load]
+speed_rpm = 3000
+drive_torque_Nm = 100
+[joints]
+driving_yoke_deg = [3, 0]
+cross_deg = 0.5
+"""
+
+
+def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
+    """Tables and the answer are those of the joints as built, as the curves are."""
+    page = page_of(AS_BUILT, tmp_path)
+    found = tables(page)
+    line = Driveline.from_bends([8, 8], degrees=True).with_deviations([3, 0], 0.5, degrees=True)
+    load = Load(drive_torque=100.0, speed=100.0 * np.pi)
+    turn = np.linspace(0.0, 2.0 * np.pi, 20_001)
+    outputs = ("angle_error", "speed_ratio", "acceleration_ratio", "support_moment")
+    at = line.evaluate(turn, outputs, shafts=slice(None), load=load)
+    motion = {row[0]: row[1:] for row in found[MOTION]}
+    for shaft in (1, 2):
+        shown = {name: cells[shaft - 1] for name, cells in motion.items()}
+        error = np.degrees(np.abs(at.angle_error[shaft]).max())
+        assert float(shown["Largest angle error [deg]"]) == pytest.approx(error, rel=1e-3)
+        ratios = at.speed_ratio[shaft]
+        ends = [float(end) for end in shown["Speed ratio"].split(" to ")]
+        assert ends == pytest.approx([ratios.min(), ratios.max()], abs=1e-4)
+        ends = [float(end) for end in shown["Speed [rpm]"].split(" to ")]
+        assert ends == pytest.approx([3000 * ratios.min(), 3000 * ratios.max()], abs=0.1)
+        steepest = np.abs(at.acceleration_ratio[shaft]).max()
+        assert float(shown["Largest acceleration ratio"]) == pytest.approx(steepest, rel=1e-3)
+    sizes = np.linalg.norm(at.support_moment, axis=-1)
+    rows = found["Loads of the shafts, largest over a whole turn"]
+    loads = {row[0]: row[1:] for row in rows}
+    shown_sizes = [float(cell) for cell in loads["Largest support moment [N m]"]]
+    assert shown_sizes == pytest.approx(sizes.max(axis=-1), rel=1e-3)
+    error = figure_text(float(np.degrees(np.abs(at.angle_error[2]).max())))
+    assert f"the last shaft leads and lags the drive by up to {error}°. Its speed" in page
+    # Once per turn, at one angle.
+    angle = np.degrees(turn[np.argmax(sizes[1])])
+    words = f"shaft 1, {figure_text(sizes[1].max())} N m, at {angle:.1f}° of drive angle."
+    assert words in page
+
+
+def test_deviations_of_nothing_are_the_drawing(tmp_path: Path) -> None:
+    page = page_of(AS_BUILT.replace("[3, 0]", "[0, 0]").replace("0.5", "0"), tmp_path)
+    assert "turns at the speed of the drive, without any variation." in page
+    assert "at 0.0° and 180.0° of drive angle" in page
 
 
 STUDY = """\
@@ -148,6 +201,7 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     assert len(shares) > 1
     assert widths == pytest.approx([170.0 * one / max(shares) for one in shares], abs=0.02)
     words = [text.text or "" for text in bars.iter("text")]
+    assert words[::2] == ["Phase of shaft 1", "Bend of joint 0", "Bend of joint 1"]
     assert [float(text.removesuffix(" %")) for text in words[1::2]] == pytest.approx(
         [100.0 * share for share in shares], abs=0.06
     )
@@ -190,6 +244,8 @@ def test_curves_of_the_optimum(tmp_path: Path) -> None:
         unit = "mm" if "points" in variable.axis.key else "deg"
         best = variable.base + float(found.best.x[number])
         assert next(iter(drawn)) == f"best at {best:.6g} {unit}"
+        beyond = bool(np.any(np.isfinite(found.over(number).beyond)))
+        assert list(drawn)[1:] == (["beyond a limit"] if beyond else [])
         points = np.concatenate(list(drawn.values()))
         changes = np.repeat(found.best.x[None, :], len(points), axis=0)
         changes[:, number] = points[:, 0] - variable.base

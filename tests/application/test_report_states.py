@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
+from cardan.scene import Scene
 from cardan.words.summary import figure_text
 from heights import HEIGHTS, NAMES, POINTS, SPEED, drivelines, scene_text
 from pages import curves, figure, page_of, tables
@@ -99,7 +100,13 @@ def test_motion_over_states_is_that_of_all(over_states: str) -> None:
 def test_speeds_of_states_are_their_own(tmp_path: Path) -> None:
     speeds = (900.0, 2000.0, 1500.0)
     text = f"{STATES}speed_rpm = {list(speeds)}\n"
-    rows = {row[0]: row[1:] for row in tables(page_of(text, tmp_path))[f"{MOTION} and 3 states"]}
+    page = page_of(text, tmp_path)
+    assert "2000 rpm" in dict(tables(page)["Load and drive"])["Speed of the drive"]
+    rows = {row[0]: row[1:] for row in tables(page)[f"{MOTION} and 3 states"]}
+    # Two keys vary, so no key is the axis of the charts.
+    chart = figure(page, "equivalent bend, shaft 2 [deg]")
+    assert "state, counted from 0" in [text.text for text in chart[1].iter("text")]
+    assert curves(chart)["as the yokes are"][:, 0] == pytest.approx([0.0, 1.0, 2.0], abs=0.01)
     joints = [line.equivalent(2) for line in drivelines(20.0)]
     ends = (
         min(rpm * float(j.min_speed_ratio) for rpm, j in zip(speeds, joints, strict=True)),
@@ -107,6 +114,25 @@ def test_speeds_of_states_are_their_own(tmp_path: Path) -> None:
     )
     shown = [float(end) for end in rows["Speed [rpm]"][1].split(" to ")]
     assert shown == pytest.approx(ends, abs=0.5)
+
+
+def test_motion_over_states_is_that_of_the_joints_as_built(tmp_path: Path) -> None:
+    text = scene_text(20.0, "[joints]\ndriving_yoke_deg = [2, 0]")
+    found = tables(page_of(text, tmp_path))
+    assert "Harmonics of shaft 2 of the drawing: amplitudes, largest of 3 states" in found
+    rows = {row[0]: row[1:] for row in found[f"{MOTION} and 3 states"]}
+    turn = np.linspace(0.0, 2.0 * np.pi, 20_001)
+    built = [line.with_deviations([2, 0], degrees=True) for line in drivelines(20.0)]
+    errors, low, high = [], [], []
+    for line in built:
+        at = line.evaluate(turn, ("angle_error", "speed_ratio"))
+        errors.append(float(np.degrees(np.abs(at.angle_error).max())))
+        low.append(1500.0 * at.speed_ratio.min())
+        high.append(1500.0 * at.speed_ratio.max())
+    shown = [float(end) for end in rows["Largest angle error [deg]"][1].split(" to ")]
+    assert shown == pytest.approx([min(errors), max(errors)], rel=1e-3)
+    shown = [float(end) for end in rows["Speed [rpm]"][1].split(" to ")]
+    assert shown == pytest.approx([min(low), max(high)], abs=0.1)
 
 
 def test_largest_loads_over_states_name_their_state(over_states: str) -> None:
@@ -199,3 +225,20 @@ def test_the_answer_over_states(over_states: str) -> None:
     error = figure_text(float(np.degrees(joint.max_angle_error)))
     name = NAMES[worst]
     assert f"leads and lags the drive by up to {error}°, twice per turn, in {name}." in text
+
+
+def test_why_there_is_no_setting(tmp_path: Path) -> None:
+    states = scene_text(20.0) + "phases_deg.0 = [10, 20, 30]\n"
+    recorded = "The bends vary along the recording. Yoke settings are given for fixed bends only."
+    own = "The states set the yokes themselves, so no setting can serve all of them."
+    page = page_of(states, tmp_path)
+    assert own in page
+    assert recorded not in page
+    (tmp_path / "b.csv").write_text("deg,b0,b1\n0,5,6\n10,5.5,6\n20,6,7\n", encoding="utf-8")
+    text = (
+        "[driveline]\n[angles]\nfile = 'b.csv'\nangle_column_deg = 'deg'\n"
+        "bend_columns_deg = ['b0', 'b1']\n"
+    )
+    page = page_of(Scene.parse(text, "b.toml", folder=tmp_path), tmp_path)
+    assert recorded in page
+    assert own not in page

@@ -115,6 +115,7 @@ def test_what_it_adds_to_bearings() -> None:
         ),
         ("push_in_mm = 25", "push_in_mm = 2", "mm too early at points_mm.2-3.y = 0"),
         ("engaged_mm = 80 ", "engaged_mm = 5 ", "it comes apart at points_mm.2-3.y = -180"),
+        ("engaged_mm = 80 ", "engaged_mm = 9 ", "64.39 mm of engaged length are missing at"),
     ],
 )
 def test_what_does_not_suffice(old: str, new: str, words: str, tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ from cardan.figures.states import forces_of
 from cardan.figures.tolerances import tolerance_figures
 from cardan.finding import counted
 from cardan.report.limits import groups, shown, verdict_of
+from cardan.report.motion import deviates, turn_motion
 from cardan.report.samples import Samples
-from cardan.report.tables import motion
 from cardan.scene.scene import Scene
 from cardan.words.advice import advice_text, arrangement_text, remedies
 from cardan.words.drive_speed import heading_text, sentences
@@ -27,6 +27,9 @@ from cardan.workshop import SAME_YOKE
 
 # Shafts that one reads in a list.
 _MOST = 8
+
+# Speed ratios that differ by less differ by rounding.
+_EVEN = 1e-14
 
 _SMOOTH = {
     "within": "Yes",
@@ -91,20 +94,22 @@ def _smooth(scene: Scene, found: Check) -> dict[str, Any]:
     }
 
 
-def _motion(scene: Scene, found: Check) -> str:
+def _motion(scene: Scene, check: Check) -> str:
     """How the last shaft turns, over states in the one with the largest equivalent bend."""
-    joint, place = motion(scene.line), ""
+    line, place = scene.line, ""
     if scene.states:
-        bend = next(one for one in found.findings if one.figure == "equivalent_bend")
-        joint = motion(scene.states.driveline(scene.states.names.index(bend.worst_in)))
+        bend = next(one for one in check.findings if one.figure == "equivalent_bend")
+        line = scene.states.driveline(scene.states.names.index(bend.worst_in))
         place = f", in {bend.worst_in}"
-    if joint.bend == 0.0:
+    found = turn_motion(scene, line, line.n_joints)
+    if found.fastest - found.slowest <= _EVEN:
         return "The last shaft turns at the speed of the drive, without any variation."
-    error = figure_text(float(np.degrees(joint.max_angle_error)))
-    slowest, fastest = range_ends(float(joint.min_speed_ratio), float(joint.max_speed_ratio))
+    error = figure_text(float(np.degrees(found.angle_error)))
+    slowest, fastest = range_ends(float(found.slowest), float(found.fastest))
+    often = "" if deviates(scene) else ", twice per turn"
     return (
-        f"At constant drive speed, the last shaft leads and lags the drive by up to {error}°, "
-        f"twice per turn{place}. Its speed varies from {slowest} to {fastest} times that of the "
+        f"At constant drive speed, the last shaft leads and lags the drive by up to "
+        f"{error}°{often}{place}. Its speed varies from {slowest} to {fastest} times that of the "
         "drive."
     )
 
@@ -119,8 +124,9 @@ def _bearings(samples: Samples) -> dict[str, Any] | None:
     place = "at every drive angle"
     if largest.at_deg is not None:
         at = [largest.at_deg]
-        if samples.result.scene.recording is None:
-            # Every joint repeats its motion after half a turn.
+        scene = samples.result.scene
+        if scene.recording is None and not deviates(scene):
+            # Every ideal joint repeats its motion after half a turn.
             at = sorted(angle % 360.0 for angle in (at[0], at[0] + 180.0))
         place = f"at {' and '.join(f'{angle:.1f}°' for angle in at)} of drive angle"
     scene = samples.result.scene

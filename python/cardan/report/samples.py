@@ -16,6 +16,7 @@ from cardan.figures.rounding import alike, first_peak
 from cardan.figures.turn_extremes import magnitudes, peak, values_of
 from cardan.load import Load
 from cardan.outputs import Output
+from cardan.report.motion import as_built
 from cardan.scene.angles import Angles
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.units import RPM
@@ -184,10 +185,14 @@ class Samples:
         """Name, driveline and load of each state; of a scene without states those of the scene."""
         scene = self.result.scene
         if not scene.states:
-            return [("", scene.line, scene.load_case)]
+            return [("", scene.line_as_built, scene.load_case)]
         loads = [scene.states.load(i) for i in range(scene.states.count)]
         return [
-            (name, scene.states.driveline(i), scene.load_case if self.nominal else loads[i])
+            (
+                name,
+                as_built(scene, scene.states.driveline(i)),
+                scene.load_case if self.nominal else loads[i],
+            )
             for i, name in enumerate(scene.states.names)
         ]
 

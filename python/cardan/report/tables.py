@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
-from cardan.equivalent import EquivalentJoint
 from cardan.figures.as_built import ORDERS, as_built_orders
 from cardan.figures.catalogue import fork_signs
-from cardan.figures.rounding import is_cancelled
 from cardan.figures.states import forces_of
 from cardan.figures.summary import within_turn
+from cardan.report.motion import deviates, equivalent, turn_motion
 from cardan.report.samples import PeakSample, Samples
 from cardan.scene.bearings import has_lengths
 from cardan.scene.scene import Scene
@@ -165,17 +165,10 @@ def results(samples: Samples) -> list[Table]:
         ]
         heads = ["Order of the drive's rotation", "Angle error [deg]", "Speed ratio"]
         largest = f", largest of {scene.states.count} states" if scene.states else ""
-        caption = f"Harmonics of shaft {scene.line.n_joints}: amplitudes{largest}"
+        of = " of the drawing" if deviates(scene) else ""
+        caption = f"Harmonics of shaft {scene.line.n_joints}{of}: amplitudes{largest}"
         tables.append(Table(caption, heads, amplitudes))
     return tables
-
-
-def motion(line: Driveline, shaft: int = -1) -> EquivalentJoint:
-    """Return the joint that moves a shaft as the chain does, straight if rounding alone is left."""
-    joint = line.equivalent(shaft)
-    if not line.shape and is_cancelled(line, joint):
-        return Driveline.from_bends([0.0]).equivalent()
-    return joint
 
 
 def _motion(scene: Scene) -> Table:
@@ -186,19 +179,21 @@ def _motion(scene: Scene) -> Table:
             speed = load.speed
     columns: _Columns = {}
     for shaft in range(1, line.n_joints + 1):
-        joint = motion(line, shaft)
-        slowest, fastest = joint.min_speed_ratio, joint.max_speed_ratio
+        # Of recorded bends each sample is a driveline, too many to be searched as built.
+        searched = scene if scene.states or not line.shape else replace(scene, deviations=None)
+        joint, found = equivalent(line, shaft), turn_motion(searched, line, shaft)
         cells = [
             ("Equivalent bend [deg]", _span(np.degrees(joint.bend))),
-            ("Largest angle error [deg]", _span(np.degrees(joint.max_angle_error))),
+            ("Largest angle error [deg]", _span(np.degrees(found.angle_error))),
             ("Non-uniformity U", _span(joint.non_uniformity)),
-            ("Speed ratio", _ends(slowest, fastest)),
+            ("Speed ratio", _ends(found.slowest, found.fastest)),
         ]
         if np.any(speed):
-            cells += [("Speed [rpm]", _ends(slowest * speed / RPM, fastest * speed / RPM))]
-        cells += [("Largest acceleration ratio", _span(joint.max_acceleration_ratio))]
+            rpm = speed / RPM
+            cells += [("Speed [rpm]", _ends(found.slowest * rpm, found.fastest * rpm))]
+        cells += [("Largest acceleration ratio", _span(found.acceleration))]
         if np.any(speed):
-            acceleration = joint.max_acceleration_ratio * speed * speed
+            acceleration = found.acceleration * speed * speed
             cells += [("Largest acceleration [rad/s²]", _span(acceleration))]
         columns[f"shaft {shaft}"] = cells
     over = (
