@@ -108,6 +108,15 @@ def test_states_have_the_largest_lash() -> None:
     np.testing.assert_allclose(found.lash, alone.lash, rtol=1e-12)
 
 
+def test_play_is_that_of_joints_as_built() -> None:
+    scene = Scene.parse(TEXT.replace("play_mm", "driving_yoke_deg = [5, 0]\nplay_mm"))
+    found = drawn_backlash(scene)
+    turn = np.asarray(cardan.Sweep.revolutions(721 / 720, 720))
+    line = scene.line.with_deviations([5.0, 0.0], degrees=True)
+    np.testing.assert_allclose(found.lash, line.lash(turn, 0.05, 40.0), rtol=1e-12)
+    assert np.max(np.abs(found.lash - scene.line.lash(turn, 0.05, 40.0))) > 1e-4
+
+
 def test_the_command_draws(tmp_path: Path) -> None:
     path = tmp_path / "loop.svg"
     assert command("plot", PATH, "--backlash", "--output", path) == f"wrote {path}\n"

@@ -94,9 +94,9 @@ def scene_backlash(scene: Scene) -> Backlash | None:
     play, load = scene.service.play, scene.load_case
     if play is None or load is None or scene.line.shape or load.torque.ndim or not load.torque:
         return None
-    lines = [scene.line]
+    lines = [scene.line_as_built]
     if scene.states:
-        lines = [scene.states.driveline(i) for i in range(scene.states.count)]
+        lines = [scene.in_state(i).line_as_built for i in range(scene.states.count)]
     found = [backlash(line, play.radial, play.arm, load, play.stiffness) for line in lines]
     return max(found, key=lambda one: float(np.max(one.lash)))
 

@@ -153,7 +153,10 @@ def check_as_built(quantities: Iterable[str], options: Mapping[str, Any]) -> Non
     """
     for i, name in enumerate(quantities):
         if OUTPUTS[name].unit == "N":
-            problem = f"is {name!r}, which joints with deviations do not have"
+            problem = (
+                f"is {name!r}, which joints with deviations do not have; 'moment' and "
+                "'support_moment', which cause it, are as built"
+            )
             raise ArgumentValueError("quantities", problem, (i,))
     for key, ideal in (("axes", "space"), ("angle_of", "drive")):
         if options.get(key, ideal) != ideal:

@@ -8,9 +8,11 @@ import numpy as np
 
 from cardan.figures.as_built import ORDERS, ShaftOrders
 from cardan.words.summary import figure_text
+from cardan.wrapping import fill
 
 BY_DRAWING = (
-    "Equivalent bend, non-uniformity, other closed forms and limits are those of the drawing."
+    "Curves, extremes and play are those as built. Equivalent bend, closed forms, limits, forces, "
+    "slides, life, torsional vibration and steering are those of the drawing."
 )
 
 
@@ -23,7 +25,7 @@ def as_built_text(found: list[ShaftOrders], *, radians: bool = False) -> str:
     for label, *figures in table:
         right = (figure.rjust(width) for figure, width in zip(figures, widths[1:], strict=True))
         lines.append("  ".join((label.ljust(widths[0]), *right)))
-    return "\n".join([*lines, BY_DRAWING])
+    return "\n".join([*lines, fill(BY_DRAWING, 79, break_on_hyphens=False)])
 
 
 def as_built_rows(found: list[ShaftOrders], *, radians: bool = False) -> Iterator[tuple[str, ...]]:
@@ -40,4 +42,4 @@ def as_built_rows(found: list[ShaftOrders], *, radians: bool = False) -> Iterato
             if each.deviates:
                 yield ("  of the drawing", *map(figure_text, drawing))
             for amplitudes in worst:
-                yield ("  within the tolerances of the joints up to", *map(figure_text, amplitudes))
+                yield ("  within the tolerances up to", *map(figure_text, amplitudes))
