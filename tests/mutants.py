@@ -10,8 +10,8 @@ call the changed function run until one fails.
 
 Mutants that survive are printed, except those that ``tests/data/equivalent_mutants.txt`` lists:
 these were judged to change nothing that matters, for the reason in the line with ``#`` above them.
-Add a test for a survivor, or its line to that file. With ``--strict`` the exit status is 1 if there are new survivors; otherwise it is 1 only if
-the tests fail without a mutant. Needs ``fork``.
+Add a test for a survivor, or its line to that file. With ``--strict`` the exit status is 1 if there
+are new survivors; otherwise it is 1 only if the tests fail without a mutant. Needs ``fork``.
 """
 
 from __future__ import annotations
