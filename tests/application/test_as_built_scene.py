@@ -218,6 +218,14 @@ def test_figures_of_the_layout_are_those_of_ideal_joints() -> None:
     assert (bend.measured, order.measured) == (False, True)
     first = BUILT.harmonics([1], outputs="acceleration_ratio").acceleration_ratio[0] * SPEED**2
     assert order.nominal == pytest.approx(first, rel=1e-9)
+    # Parameters of the joints do not count among those over which its worst case is searched.
+    four = HEAD.replace("[8, 8]", "[8, 8, 5, 5]") + (
+        "[tolerances]\nphases_deg = 2\ncross_deg = 0.1\ndriving_yoke_deg = 0.1\n"
+        "driven_yoke_deg = 0.1\nbends_deg = 0.1\nsamples = 9\nof = 'equivalent_bend'\n"
+    )
+    many = tolerance_figures(Scene.parse(four))
+    assert many is not None
+    assert many.figures[0].worst_kind == "box"
     only = TOLERANCED.replace("samples", "of = 'equivalent_bend'\nsamples")
     with pytest.raises(SceneError, match=re.escape("of is 'equivalent_bend', a figure of ideal")):
         Scene.parse(only)

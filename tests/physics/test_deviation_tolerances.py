@@ -149,6 +149,10 @@ def test_a_first_joint_that_is_straight_keeps_orders_smooth() -> None:
     )
     assert found.linear == pytest.approx(0.01 * np.tan(0.2), rel=0.02)
     assert found.worst == pytest.approx(found.linear, rel=0.02)
+    built = line.with_deviations(driving_yoke=[0.0, 0.01])
+    measured = built.tolerances(bends=[0.01, 0.0], of="angle_error_order_1")
+    assert measured.linear == pytest.approx(float(measured.nominal), rel=1e-3)
+    assert measured.worst == pytest.approx(float(measured.nominal), rel=1e-3)
 
 
 def test_points_turn_the_plane_and_not_the_orders() -> None:
