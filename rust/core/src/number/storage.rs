@@ -26,10 +26,14 @@ pub(crate) struct Column<T: Real> {
 impl<T: Real> Column<T> {
     const EMPTY: Self = Self { words: vec![], first: 0, length: 0 };
 
+    #[inline(always)]
     pub(crate) fn new(length: usize) -> Self {
-        if length == 0 {
-            return Self::EMPTY;
-        }
+        if length == 0 { Self::EMPTY } else { Self::allocated(length) }
+    }
+
+    /// It is not inlined, because a block has dozens of columns.
+    #[inline(never)]
+    fn allocated(length: usize) -> Self {
         let line = CACHE_LINE / size_of::<T::Float>();
         let count = Self::low_offset(length) + length + line;
         // Not `vec![0.0; count]`: memory that the allocator has to clear does not come from its

@@ -235,7 +235,11 @@ pub(crate) fn run_forces<T: Real, W: Float>(
                 terms.push(0);
             }
             let column = |term: usize| parts[target.sources[term / PARTS]][term % PARTS].view(size);
-            let groups = terms.chunks(GROUP);
+            let groups = terms.chunks(match geometry {
+                GeometryIndex::Shared(_) => GROUP,
+                // Folding takes most of the time, so that one loop for all groups suffices.
+                GeometryIndex::PerSample => PARTS,
+            });
             let last = groups.len() - 1;
             for (i, group) in groups.enumerate() {
                 let weighted = Terms { coefficients, group, axis, geometry };
@@ -244,7 +248,7 @@ pub(crate) fn run_forces<T: Real, W: Float>(
                 if i == last {
                     weighted.sum(column, previous, size, outputs.plane(target.plane + axis));
                 } else {
-                    weighted.sum_of::<GROUP>(column, previous, size, out.view_mut(size));
+                    weighted.sum_whole(column, previous, size, out.view_mut(size));
                     sums.swap(0, 1);
                 }
             }
@@ -271,43 +275,80 @@ impl<T: Real> Terms<'_, T> {
         size: usize,
         out: impl Sink<T>,
     ) {
+        let GeometryIndex::Shared(index) = self.geometry else {
+            return self.sum_per_sample(column, previous, size, out);
+        };
         match self.group.len() {
-            1 => self.sum_of::<1>(column, previous, size, out),
-            2 => self.sum_of::<2>(column, previous, size, out),
-            3 => self.sum_of::<3>(column, previous, size, out),
-            _ => self.sum_of::<GROUP>(column, previous, size, out),
+            1 => self.sum_of::<1>(index, column, previous, size, out),
+            2 => self.sum_of::<2>(index, column, previous, size, out),
+            3 => self.sum_of::<3>(index, column, previous, size, out),
+            _ => self.sum_of::<GROUP>(index, column, previous, size, out),
         }
     }
 
+    /// The same for a group that is followed by others, and so is whole.
     #[inline(always)]
-    fn sum_of<'a, const N: usize>(
+    fn sum_whole<'a>(
         self,
         column: impl Fn(usize) -> View<'a, T>,
         previous: Option<View<'_, T>>,
         size: usize,
         out: impl Sink<T>,
     ) {
+        match self.geometry {
+            GeometryIndex::Shared(index) => {
+                self.sum_of::<GROUP>(index, column, previous, size, out);
+            }
+            GeometryIndex::PerSample => self.sum_per_sample(column, previous, size, out),
+        }
+    }
+
+    #[inline(always)]
+    fn sum_of<'a, const N: usize>(
+        self,
+        index: usize,
+        column: impl Fn(usize) -> View<'a, T>,
+        previous: Option<View<'_, T>>,
+        size: usize,
+        out: impl Sink<T>,
+    ) {
+        let mut factors = [T::from_f64(0.0); N];
+        for (factor, &term) in factors.iter_mut().zip(self.group) {
+            *factor = self.coefficients[term / PARTS][index][term % PARTS][self.axis];
+        }
+        sum((self.columns::<N>(column, size), Same(factors)), previous, size, out);
+    }
+
+    /// The terms of one source, each sample with its own factors.
+    #[inline(always)]
+    fn sum_per_sample<'a>(
+        self,
+        column: impl Fn(usize) -> View<'a, T>,
+        previous: Option<View<'_, T>>,
+        size: usize,
+        out: impl Sink<T>,
+    ) {
+        let Some(&first) = self.group.first() else { return };
+        let axis = self.axis;
+        let factors = mapped(
+            OneByOne(&self.coefficients[first / PARTS][..size]),
+            #[inline(always)]
+            move |all: Coefficients<T>| all.map(|vector| vector[axis]),
+        );
+        sum((self.columns::<PARTS>(column, size), factors), previous, size, out);
+    }
+
+    #[inline(always)]
+    fn columns<'a, const N: usize>(
+        self,
+        column: impl Fn(usize) -> View<'a, T>,
+        size: usize,
+    ) -> [View<'a, T>; N] {
         let mut columns = [View::EMPTY; N];
         for (view, &term) in columns.iter_mut().zip(self.group) {
             *view = column(term).cut(size);
         }
-        match self.geometry {
-            GeometryIndex::Shared(index) => {
-                let mut factors = [T::from_f64(0.0); N];
-                for (factor, &term) in factors.iter_mut().zip(self.group) {
-                    *factor = self.coefficients[term / PARTS][index][term % PARTS][self.axis];
-                }
-                sum((columns, Same(factors)), previous, size, out);
-            }
-            GeometryIndex::PerSample => {
-                let factors: [_; N] = std::array::from_fn(|k| {
-                    let (source, part) = (self.group[k] / PARTS, self.group[k] % PARTS);
-                    let all = OneByOne(&self.coefficients[source][..size]);
-                    mapped(all, move |all: Coefficients<T>| all[part][self.axis])
-                });
-                sum((columns, factors), previous, size, out);
-            }
-        }
+        columns
     }
 }
 

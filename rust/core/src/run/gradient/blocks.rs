@@ -1,15 +1,21 @@
-//! Sums over a block of samples of one driveline: motions chunk by chunk, other outputs sample by
-//! sample.
+//! Sums over a block of samples of one driveline: motions and loads chunk by chunk, and what has no
+//! loops sample by sample.
 
 use nalgebra::Complex;
 
 use crate::mechanics::geometry::Vector;
 use crate::plan::Output;
+use crate::plan::forces::ForceStep;
+use crate::run::gradient::columns::{self, COLUMN, ChunkColumn};
 use crate::run::gradient::line::{LineConstants, Sums};
+use crate::run::gradient::load::{LoadBuffers, LoadChunk, LoadColumns, Weighted};
 use crate::run::gradient::motion::{CHUNK, ChunkPins, ZEROS, sweep_angles};
 use crate::run::gradient::sample::{Common, LineAt, Pull};
-use crate::run::gradient::{Differentiated, Spread, SpreadAngles, is_motion};
+use crate::run::gradient::{Differentiated, Spread, SpreadAngles, SpreadLoad, Wanted, is_motion};
 use crate::run::level::Level;
+
+/// The fewest samples of a driveline whose loads are summed in loops, which have whole chunks.
+const MIN_LOOPED: usize = 16;
 
 /// Some samples of one driveline.
 pub(super) struct Part<'a> {
@@ -19,6 +25,8 @@ pub(super) struct Part<'a> {
     /// One plane per item and component of an output.
     pub(super) weights: &'a [&'a [f64]],
     pub(super) level: Level,
+    /// Whether they are summed in loops.
+    pub(super) looped: bool,
 }
 
 /// The motions of a shaft.
@@ -33,19 +41,41 @@ pub(super) const MOTIONS: [Output; 5] = [
 /// A shaft with the planes of its [`MOTIONS`].
 type MotionPlanes = (usize, [Option<usize>; MOTIONS.len()]);
 
+/// The buffers of a thread.
+pub(super) struct Buffers {
+    pins: Box<ChunkPins>,
+    /// If loads are summed in loops.
+    load: Option<LoadBuffers>,
+}
+
 impl Differentiated<'_> {
+    pub(super) fn buffers(&self, forces: Option<&ForceStep>, looped: bool) -> Buffers {
+        let load = (looped && !self.only_motion()).then(|| LoadBuffers::new(self.joints, forces));
+        Buffers { pins: ChunkPins::new(), load }
+    }
+
+    /// Whether there are loops for what is wanted, for the axes and for the angle that is held, and
+    /// whether they pay.
+    pub(super) fn has_loops(&self, wanted: Wanted) -> bool {
+        let pays = self.only_motion() || self.samples >= MIN_LOOPED;
+        pays && !wanted.angle && !self.shaft_axes && !self.driven
+    }
+
     /// Adds what the weighted outputs of a block contribute.
+    #[inline(never)]
     pub(super) fn sum_block(
         &self,
         common: Common<'_>,
         part: &Part<'_>,
-        pins: &mut ChunkPins,
+        buffers: &mut Buffers,
         sums: &mut Sums,
     ) {
-        if self.only_motion() && !self.driven {
-            self.sum_motion(part, pins, sums);
-        } else {
-            self.sum_samples(common, part, sums);
+        if !part.looped {
+            return self.sum_samples(common, part, sums);
+        }
+        self.sum_motion(part, &mut buffers.pins, sums);
+        if let Some(buffers) = &mut buffers.load {
+            self.sum_loads(common.forces, part, buffers, sums);
         }
     }
 
@@ -79,8 +109,11 @@ impl Differentiated<'_> {
 
     /// Sums motions chunk by chunk.
     fn sum_motion(&self, part: &Part<'_>, pins: &mut ChunkPins, sums: &mut Sums) {
-        let &Part { own, line, ref samples, weights, level } = part;
+        let &Part { own, line, ref samples, weights, level, .. } = part;
         let shafts = self.motions();
+        if shafts.is_empty() {
+            return;
+        }
         let mut buffer = ZEROS;
         for first in samples.clone().step_by(CHUNK) {
             let length = CHUNK.min(samples.end - first);
@@ -120,6 +153,58 @@ impl Differentiated<'_> {
                     }
                 }
             }
+        }
+    }
+
+    /// Sums everything but motions chunk by chunk.
+    fn sum_loads(
+        &self,
+        forces: Option<&ForceStep>,
+        part: &Part<'_>,
+        buffers: &mut LoadBuffers,
+        sums: &mut Sums,
+    ) {
+        let &Part { own, line, ref samples, weights, level, .. } = part;
+        let items = self.items(|output| !is_motion(output));
+        let with_columns = |&(output, item, _): &_| (output, item, [columns::ZEROS; 3]);
+        let mut outputs: Vec<Weighted> = items.iter().map(with_columns).collect();
+        let columns = |load: &SpreadLoad<'_>| LoadColumns::new(load.end, load.inertias.len());
+        let (mut load, mut angles) = (self.load.as_ref().map(columns), columns::ZEROS);
+        for first in samples.clone().step_by(COLUMN) {
+            let length = COLUMN.min(samples.end - first);
+            // Constants stay from the first chunk on.
+            let fill = |spread: &Spread<'_>, column: &mut ChunkColumn| {
+                if first == samples.start || spread.per_sample > 0 {
+                    spread.fill(line, first, length, column);
+                }
+            };
+            match &self.angle {
+                SpreadAngles::Array(spread) => fill(spread, &mut angles),
+                SpreadAngles::Sweep(sweep) => {
+                    sweep_angles(sweep, first, &mut angles[..length], level);
+                    angles[length..].fill(sweep.at(first + length - 1));
+                }
+            }
+            if let (Some(given), Some(load)) = (&self.load, &mut load) {
+                fill(&given.torque, &mut load.torque);
+                fill(&given.speed, &mut load.speed);
+                fill(&given.acceleration, &mut load.acceleration);
+                for (inertia, column) in given.inertias.iter().zip(&mut load.inertias) {
+                    if let Some(inertia) = inertia {
+                        fill(inertia, column);
+                    }
+                }
+            }
+            let at = line * self.samples + first;
+            for ((_, _, columns), &(output, _, plane)) in outputs.iter_mut().zip(&items) {
+                let planes = &weights[plane..plane + output.components()];
+                for (column, weights) in columns.iter_mut().zip(planes) {
+                    column[..length].copy_from_slice(&weights[at..at + length]);
+                    column[length..].fill(0.0);
+                }
+            }
+            let chunk = LoadChunk { line: own, forces, load: load.as_ref(), level };
+            chunk.run(&angles, &outputs, buffers, sums);
         }
     }
 

@@ -7,9 +7,12 @@
 mod as_built;
 mod as_built_sums;
 mod blocks;
+mod columns;
 mod forces;
 mod line;
+mod load;
 mod motion;
+mod pulls;
 mod sample;
 
 use crate::input::{Drivelines, Sweep};
@@ -20,10 +23,11 @@ use crate::plan::{End, Output, Per};
 use crate::run::execution::Execution;
 use crate::run::level::Level;
 use crate::run::queue::work_off;
-use blocks::{MOTIONS, Part};
+use blocks::{Buffers, MOTIONS, Part};
+use columns::ChunkColumn;
 pub use line::{Counts, Wanted};
 use line::{LineConstants, Sums};
-use motion::{CHUNK, ChunkPins};
+use motion::CHUNK;
 use sample::{Common, LineAt, LoadAt, Pull};
 
 /// The samples of a block that one thread sums.
@@ -46,6 +50,19 @@ pub struct Spread<'a> {
 impl Spread<'_> {
     fn at(&self, line: usize, sample: usize) -> f64 {
         self.data[line * self.per_line + sample * self.per_sample]
+    }
+
+    /// Fills a column with some samples of a driveline, of which the last repeats.
+    fn fill(&self, line: usize, first: usize, length: usize, column: &mut ChunkColumn) {
+        let (known, rest) = column.split_at_mut(length);
+        if self.per_sample == 1 {
+            let at = line * self.per_line + first;
+            known.copy_from_slice(&self.data[at..at + length]);
+        } else {
+            let samples = known.iter_mut().enumerate();
+            samples.for_each(|(i, value)| *value = self.at(line, first + i));
+        }
+        rest.fill(self.at(line, first + length - 1));
     }
 
     /// Whether it has an element for each of the samples.
@@ -241,26 +258,28 @@ impl Differentiated<'_> {
         let blocks = self.samples.div_ceil(BLOCK).max(1);
         let forces = self.forces().unwrap_or_default();
         let common = self.common(forces.as_ref());
-        let sum = |pins: &mut ChunkPins, line: usize, own: &LineConstants<'_>, block: usize| {
+        let looped = self.has_loops(wanted);
+        let state = || self.buffers(forces.as_ref(), looped);
+        let sum = |buffers: &mut Buffers, line: usize, own: &LineConstants<'_>, block: usize| {
             let first = block * BLOCK;
             let end = self.samples.min(first + BLOCK);
             let mut sums = Sums::new(self.counts());
             if is_set(execution.stop) {
                 return sums;
             }
-            let part = Part { own, line, samples: first..end, weights, level };
-            self.sum_block(common, &part, pins, &mut sums);
+            let part = Part { own, line, samples: first..end, weights, level, looped };
+            self.sum_block(common, &part, buffers, &mut sums);
             sums
         };
         if blocks == 1 {
             // Pieces of several drivelines, so that the queue costs nothing.
             let size = (BLOCK / self.samples.max(1)).clamp(1, 256);
             let pieces = out.chunks_mut(size * columns).enumerate();
-            work_off(pieces, threads, ChunkPins::new, |pins, (piece, out)| {
+            work_off(pieces, threads, state, |buffers, (piece, out)| {
                 for (i, out) in out.chunks_mut(columns).enumerate() {
                     let line = piece * size + i;
                     let own = self.line(line);
-                    own.finish(&sum(pins, line, &own, 0), wanted, out);
+                    own.finish(&sum(buffers, line, &own, 0), wanted, out);
                 }
             });
             return;
@@ -268,8 +287,8 @@ impl Differentiated<'_> {
         for (line, out) in out.chunks_mut(columns).enumerate() {
             let own = self.line(line);
             let mut parts: Vec<_> = (0..blocks).map(|_| Sums::default()).collect();
-            work_off(parts.iter_mut().enumerate(), threads, ChunkPins::new, |pins, (i, part)| {
-                *part = sum(pins, line, &own, i);
+            work_off(parts.iter_mut().enumerate(), threads, state, |buffers, (i, part)| {
+                *part = sum(buffers, line, &own, i);
             });
             let mut sums = Sums::new(self.counts());
             for part in &parts {

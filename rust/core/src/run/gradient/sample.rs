@@ -492,6 +492,7 @@ impl<'a> LineAt<'a> {
 }
 
 /// The sign, 0 for 0: where a magnitude vanishes it has no derivative.
-fn sign(x: f64) -> f64 {
+#[inline(always)]
+pub(super) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { 1_f64.copysign(x) }
 }
