@@ -94,7 +94,7 @@ pub(crate) fn balance<T: Real>(
 #[inline(always)]
 fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
     let along = v[0].mul_add(u[0], v[1].mul_add(u[1], v[2] * u[2]));
-    [0, 1, 2].map(|i| v[i] - u[i] * along)
+    [0, 1, 2].map(|i| (-along).mul_add(u[i], v[i]))
 }
 
 impl<T: Real> Pose<T> {

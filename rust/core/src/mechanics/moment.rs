@@ -58,8 +58,13 @@ impl<T: Real> TorsionParts<T> {
     /// The parts of a torsion, from sine and cosine of the input angle multiplied by a common length.
     #[inline(always)]
     pub(crate) fn new(torsion: T, sine: T, cosine: T) -> Self {
+        let scale = torsion * (sine.square() + cosine.square()).recip();
+        Self::scaled(scale, sine, cosine)
+    }
+
+    #[inline(always)]
+    fn scaled(scale: T, sine: T, cosine: T) -> Self {
         let (sine2, cosine2) = (sine.square(), cosine.square());
-        let scale = torsion * (sine2 + cosine2).recip();
         Self { sine2: sine2 * scale, cosine2: cosine2 * scale, product: sine * cosine * scale }
     }
 }
@@ -206,6 +211,15 @@ impl<T: Real> Pose<T> {
     pub(crate) fn parts(&self, torsion: T, s: T, c: T) -> TorsionParts<T> {
         let (sine, cosine) = self.turn(s, c);
         TorsionParts::new(torsion, sine, cosine)
+    }
+
+    /// The parts of the torsion that this power gives, multiplied by the determinant of the map, from
+    /// sine and cosine of the drive angle. If these have the squared length `l`, the power is to be
+    /// divided by it.
+    #[inline(always)]
+    pub(crate) fn power_parts(&self, power: T, s: T, c: T) -> TorsionParts<T> {
+        let (sine, cosine) = self.turn(s, c);
+        TorsionParts::scaled(power, sine, cosine)
     }
 
     /// Magnitude of the bending moment in the driving shaft, `D tan β |sin α|` (Grossmann (6)).

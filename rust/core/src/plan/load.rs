@@ -21,7 +21,6 @@ pub(crate) struct Station {
     pub(crate) torque: Option<usize>,
     /// Whether the torsion entering the joint before this shaft is needed.
     pub(crate) torsion: bool,
-    /// Whether forces need the power entering that joint, because they are sums over the parts of the
-    /// drive shaft.
+    /// Whether forces are computed from the power entering that joint.
     pub(crate) force_power: bool,
 }

@@ -99,7 +99,13 @@ impl Plan {
         plan.any_joint = JointNeeds {
             tilt: plan.joints.iter().any(|step| step.needs_tilt),
             torsion: plan.joints.iter().any(JointStep::needs_load),
-            pin_loops: plan.joints.iter().enumerate().map(|(j, step)| step.pin_loops(j)).sum(),
+            pin_loops: plan
+                .joints
+                .iter()
+                .enumerate()
+                .map(|(j, step)| step.pin_loops(j))
+                .sum::<usize>()
+                + usize::from(plan.needs_inverse_squares()),
         };
         Ok(plan)
     }
@@ -136,6 +142,8 @@ impl Plan {
     /// Lists the shafts from the end where the torque is given to the last one whose entering power
     /// is needed; inertias beyond it do not matter.
     pub(super) fn plan_load(&mut self, end: End, inertias: &[usize], torque: &[Option<usize>]) {
+        // In steep chains the terms of the drive shaft cancel, and so do those of different powers.
+        self.refers_forces = self.moderate && !self.is_force_power_absorbed(inertias);
         let (n, bent) = (self.joint_count, self.first_bent());
         let joint_before = |shaft: usize| shaft.checked_sub(1).map(|joint| &self.joints[joint]);
         let needed = |shaft: &usize| {
@@ -152,16 +160,13 @@ impl Plan {
             },
         };
         let last = range[range.len() - 1];
-        // In steep chains the terms of the drive shaft cancel, and so do those of different powers.
-        let one_power = !inertias.iter().any(|&shaft| shaft > 0 && shaft < n);
-        self.refers_forces = self.moderate && one_power;
         let mut stations: Vec<Station> = range
             .into_iter()
             .map(|shaft| {
                 let passed = end == End::Output || shaft != last;
                 let absorbs = passed && inertias.contains(&shaft);
                 let step = joint_before(shaft);
-                let torsion = step.is_some_and(|step| step.needs_torsion(self.refers_forces));
+                let torsion = step.is_some_and(JointStep::needs_torsion);
                 Station { shaft, absorbs, torque: torque[shaft], torsion, force_power: false }
             })
             .collect();
@@ -227,6 +232,15 @@ impl Plan {
         planned.map_err(|reason| refused(output, place, &format!("; {reason}")))
     }
 
+    /// Whether a shaft absorbs power between the joints that forces depend on.
+    fn is_force_power_absorbed(&self, inertias: &[usize]) -> bool {
+        let needed = |&joint: &usize| self.joints[joint].needs_force;
+        let first = (0..self.joint_count).find(needed);
+        let last = (0..self.joint_count).rfind(needed);
+        let (Some(first), Some(last)) = (first, last) else { return false };
+        inertias.iter().any(|&shaft| first < shaft && shaft <= last)
+    }
+
     /// Finds the joints from which forces are computed: the first station's for all of them, or each
     /// joint for itself.
     pub(super) fn find_force_sources(&mut self, stations: &mut [Station]) {
@@ -236,9 +250,9 @@ impl Plan {
             if let Some(joint) = station.shaft.checked_sub(1)
                 && self.joints[joint].needs_force
             {
-                station.force_power = self.refers_forces && source.is_none();
                 source = source.filter(|_| self.refers_forces).or(Some(joint));
                 self.joints[joint].force_source = source.unwrap_or(joint);
+                station.force_power = source == Some(joint);
             }
         }
         forces.set_sources(|joint| self.joints[joint].force_source);

@@ -25,7 +25,7 @@ pub struct Plan {
     /// Whether the equivalent bend of the whole chain is moderate.
     pub(crate) moderate: bool,
     /// Whether forces are sums over the torsion parts of the drive shaft: the chain is moderate, and
-    /// one power passes all joints.
+    /// one power passes all joints that they depend on.
     pub(crate) refers_forces: bool,
     pub(crate) planes: usize,
     /// The number of planes of each shaft or joint of each output, in order.
@@ -162,10 +162,9 @@ impl JointStep {
         self.needs_moment || self.needs_support() || self.needs_force
     }
 
-    /// Whether the torsion itself is needed, not only the power, which suffices for forces that are
-    /// referred to the drive shaft.
-    pub(crate) fn needs_torsion(&self, refers_forces: bool) -> bool {
-        self.needs_moment || self.needs_support() || self.needs_force && !refers_forces
+    /// Whether the torsion itself is needed, not only the power, which suffices for forces.
+    pub(crate) fn needs_torsion(&self) -> bool {
+        self.needs_moment || self.needs_support()
     }
 }
 
@@ -263,6 +262,11 @@ impl Plan {
     /// not depend on which torques and moments are requested, so neither do their bits.
     pub(crate) fn has_wide_loads(&self) -> bool {
         self.load.as_ref().is_some_and(|load| self.joint_count > 1 || load.has_inertias)
+    }
+
+    /// Whether the torsion parts of several joints need the length of the pins.
+    pub(crate) fn needs_inverse_squares(&self) -> bool {
+        self.forces.is_some() && !self.refers_forces
     }
 
     /// Whether any step of the load reads pins.

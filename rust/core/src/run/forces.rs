@@ -28,8 +28,8 @@ pub(crate) struct FoldedForces<T> {
     coefficients: Vec<Vec<Vec<Coefficients<T>>>>,
     /// The forces of each balance, for one driveline.
     balances: Vec<[LinearForce<T>; 2]>,
-    /// For each joint: the determinants of the drivelines' maps before it.
-    determinants: Vec<Vec<DoubleDouble>>,
+    /// For each joint: the inverse determinants of the drivelines' maps before it.
+    inverse_determinants: Vec<Vec<T>>,
 }
 
 impl<T: Real> FoldedForces<T> {
@@ -44,13 +44,13 @@ impl<T: Real> FoldedForces<T> {
         Self {
             coefficients: targets.iter().map(|target| vec![vec![]; target.sources.len()]).collect(),
             balances: balances.iter().map(of).collect(),
-            determinants: vec![vec![]; if step.is_some() { plan.joint_count } else { 0 }],
+            inverse_determinants: vec![vec![]; if step.is_some() { plan.joint_count } else { 0 }],
         }
     }
 
     pub(crate) fn clear(&mut self) {
         self.coefficients.iter_mut().flatten().for_each(Vec::clear);
-        self.determinants.iter_mut().for_each(Vec::clear);
+        self.inverse_determinants.iter_mut().for_each(Vec::clear);
     }
 
     /// Appends the determinants of the maps before a joint.
@@ -60,7 +60,8 @@ impl<T: Real> FoldedForces<T> {
         joint: usize,
         determinants: impl Iterator<Item = DoubleDouble>,
     ) {
-        self.determinants[joint].extend(determinants);
+        let inverses = determinants.map(|determinant| DoubleDouble::ONE / determinant);
+        self.inverse_determinants[joint].extend(inverses.map(T::from_double_double));
     }
 
     /// Appends the coefficients of a driveline with the number `line`, which has the index `index`
@@ -93,12 +94,12 @@ impl<T: Real> FoldedForces<T> {
                 if target.sources[place] != plan.joints[joint].force_source {
                     place += 1;
                 }
+                let inverse = self.inverse_determinants[joint][index];
                 if plan.refers_forces {
-                    let determinant = T::from_double_double(self.determinants[joint][index]);
-                    let forms = pose_of(joint).parts_of_drive(determinant.recip());
+                    let forms = pose_of(joint).parts_of_drive(inverse);
                     add_referred(own, forms, &mut columns[place][index]);
                 } else {
-                    columns[place][index] = own;
+                    columns[place][index] = own.map(|vector| vector.map(|x| x * inverse));
                 }
             }
         }
@@ -179,9 +180,11 @@ fn solve<T: Real>(
 
 /// The buffers of one block.
 pub(crate) struct ForceBuffers<T: Real> {
-    /// The torsion parts of each joint that a force depends on, or those of the drive shaft under the
-    /// power of the joint.
+    /// The torsion parts of each joint that a force depends on, multiplied by the determinant of the
+    /// map before it, or those of the drive shaft under the power of the joint.
     pub(crate) parts: Vec<[Column<T>; PARTS]>,
+    /// The inverse of each pin's squared length, if the parts of several joints need it.
+    pub(crate) inverse_squares: Column<T>,
     /// Sums of some of the terms of a force.
     sums: [Column<T>; 2],
     /// The terms of a component that do not vanish.
@@ -197,6 +200,7 @@ impl<T: Real> ForceBuffers<T> {
         let sources = plan.joints.iter().enumerate().map(|(joint, step)| step.is_source(joint));
         Self {
             parts: sources.map(|is_source| columns(size(is_source))).collect(),
+            inverse_squares: Column::new(size(plan.needs_inverse_squares())),
             sums: columns(size(long)),
             terms: vec![],
         }
@@ -209,7 +213,7 @@ pub(crate) fn run_forces<T: Real, W: Float>(
     step: &ForceStep,
     folded: &FoldedForces<T>,
     geometry: GeometryIndex,
-    ForceBuffers { parts, sums, terms }: &mut ForceBuffers<T>,
+    ForceBuffers { parts, sums, terms, .. }: &mut ForceBuffers<T>,
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
 ) {

@@ -23,6 +23,7 @@ use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
 use crate::run::supports::run_supports;
+use crate::run::torsion_parts;
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
 
@@ -76,6 +77,10 @@ pub(crate) fn run_load<T: Number, W: Float>(
         End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
     };
     map::from_doubles(column(TORQUE), first, power.view_mut(size));
+    let weighs_power = plan.needs_inverse_squares();
+    if weighs_power {
+        torsion_parts::inverse_squares(pins, forces.inverse_squares.view_mut(size));
+    }
     for station in &load.stations {
         if load.end == End::Output {
             run_inertia(1.0, station, table, gathered, rates, power.view_mut(size));
@@ -90,7 +95,15 @@ pub(crate) fn run_load<T: Number, W: Float>(
         }
         if station.torsion || station.force_power {
             let joint = station.shaft - 1;
+            let poses = &folded.poses[joint][..geometry.count(size)];
             let power = power.view(size);
+            if station.force_power && weighs_power {
+                let inputs = (power, forces.inverse_squares.view(size));
+                let parts = views_mut(&mut forces.parts[joint], 0, size);
+                with_constants!(compact, geometry, OneByOne(poses), at => {
+                    torsion_parts::of_power(at, pins, inputs, parts);
+                });
+            }
             let torsion = if station.torsion && joint > bent {
                 map::divide(power, ratio(joint), torsion.view_mut(size));
                 torsion.view(size)
@@ -100,12 +113,10 @@ pub(crate) fn run_load<T: Number, W: Float>(
             let is_as_built = plan.as_built && T::PRECISION != Precision::Single;
             let loads = JointLoads {
                 torsion: station.torsion.then_some(torsion),
-                power: station.force_power.then_some(power),
-                forces: plan.joints[joint].needs_force && !plan.refers_forces,
+                power: (station.force_power && !weighs_power).then_some(power),
                 unit: is_as_built.then(|| &built.moments[joint]),
             };
             let step = &plan.joints[joint];
-            let poses = &folded.poses[joint][..geometry.count(size)];
             let buffers = (&mut *parts, &mut *support, &mut *forces);
             if T::PRECISION.costs().fresh_pins
                 && outputs.has_wide_registers()
@@ -158,10 +169,8 @@ fn run_inertia<T: Number>(
 struct JointLoads<'a, T: Real> {
     /// The torsion, if it is needed.
     torsion: Option<View<'a, T>>,
-    /// The power, if forces need its parts.
+    /// The power, if forces need the parts of the drive shaft.
     power: Option<View<'a, T>>,
-    /// Whether forces need the parts of the torsion.
-    forces: bool,
     /// The moments of a joint as built for a torsion of 1.
     unit: Option<&'a [Column<T>; 3]>,
 }
@@ -175,14 +184,14 @@ fn run_joint<T: Number, W: Float>(
     poses: &[Pose<T>],
     geometry: GeometryIndex,
     pins: impl SinCosBlocks<T>,
-    JointLoads { torsion, power, forces: of_torsion, unit }: JointLoads<'_, T>,
+    JointLoads { torsion, power, unit }: JointLoads<'_, T>,
     (parts, support, forces): (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     compact: bool,
 ) {
     if let Some(power) = power {
-        map::drive_parts(pins, power, views_mut(&mut forces.parts[joint], 0, size));
+        torsion_parts::of_drive(pins, power, views_mut(&mut forces.parts[joint], 0, size));
     }
     let Some(torsion) = torsion else { return };
     if let Some(unit) = unit {
@@ -190,12 +199,8 @@ fn run_joint<T: Number, W: Float>(
     } else {
         with_constants!(compact, geometry, OneByOne(poses), at => {
             run_bending(step, at, pins, torsion, outputs);
-            if of_torsion {
-                let parts = views_mut(&mut forces.parts[joint], 0, size);
-                map::parts(at, pins, torsion, parts);
-            }
             if step.needs_support() {
-                map::parts(at, pins, torsion, views_mut(parts, 0, size));
+                torsion_parts::of_torsion(at, pins, torsion, views_mut(parts, 0, size));
             }
         });
     }

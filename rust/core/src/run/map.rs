@@ -16,7 +16,7 @@
 //! the instruction set of its loop.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is constant")]
 
-use crate::mechanics::moment::{self, Pose, TorsionParts};
+use crate::mechanics::moment::{self, Pose};
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
@@ -288,45 +288,6 @@ pub(crate) fn from_doubles<T: Real>(a: &[f64], b: Option<View<'_, T>>, out: View
             |a| T::from_f64(a),
         ),
     }
-}
-
-/// A joint's torsion multiplied by the squares and the product of its pin's sine and cosine.
-#[inline(always)]
-pub(crate) fn parts<T: Real>(
-    at: impl Strips<Value = Pose<T>>,
-    pins: impl SinCosBlocks<T>,
-    torsion: View<'_, T>,
-    parts: [ViewMut<'_, T>; 3],
-) {
-    over_sin_cos(
-        pins,
-        (at, torsion),
-        parts,
-        #[inline(always)]
-        |(pose, torsion), s, c| {
-            let TorsionParts { sine2, cosine2, product } = pose.parts(torsion, s, c);
-            [sine2, cosine2, product]
-        },
-    );
-}
-
-/// The torsion parts of the drive shaft, if its torsion is the power divided by its speed.
-#[inline(always)]
-pub(crate) fn drive_parts<T: Real>(
-    pins: impl SinCosBlocks<T>,
-    power: View<'_, T>,
-    parts: [ViewMut<'_, T>; 3],
-) {
-    over_sin_cos(
-        pins,
-        power,
-        parts,
-        #[inline(always)]
-        |power, s, c| {
-            let TorsionParts { sine2, cosine2, product } = TorsionParts::new(power, s, c);
-            [sine2, cosine2, product]
-        },
-    );
 }
 
 /// The moment vector that a joint transmits.

@@ -32,4 +32,5 @@ mod sweep_tables;
 #[cfg(test)]
 mod taken;
 pub mod threads;
+mod torsion_parts;
 mod turned;
