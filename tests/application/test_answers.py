@@ -114,7 +114,11 @@ BEND_RULES = {
     *("bend_rules", "shaft", "equivalent_bend_deg", "factor", "damping_ratio", "exceeded"),
     *("speed_rpm", "inside", "critical_speeds", "order"),
 }
-AS_BUILT = ("as_built", "drawing", "angle_error_deg", "angle_error_rad", "acceleration_rad_s2")
+AS_BUILT = (
+    *("as_built", "drawing", "worst", "angle_error_deg", "angle_error_rad", "acceleration_rad_s2"),
+    *("backlash", "torque_Nm", "end", "lash_deg", "lash_rad", "wind_up_deg", "wind_up_rad"),
+    *("min", "max"),
+)
 KEYS = {
     "run": {
         *AS_BUILT,
