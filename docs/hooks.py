@@ -56,7 +56,13 @@ def on_page_markdown(markdown: str, **_: Any) -> str:  # noqa: ANN401
 
 def included(name: str) -> str:
     """Return the text to put in for a name."""
-    own = {"scene-keys": scene_keys, "outputs": outputs, "limits": limits, "commands": command_help}
+    own = {
+        "scene-keys": scene_keys,
+        "outputs": outputs,
+        "limits": limits,
+        "limits-as-built": limits_as_built,
+        "commands": command_help,
+    }
     if name in own:
         return own[name]()
     file, _, heading = name.partition("#")
@@ -88,20 +94,36 @@ def outputs() -> str:
 
 def limits() -> str:
     """Return the table of accuracy limits of one joint that tests and stress read."""
-    text = (ROOT / "tests" / "data" / "limits.toml").read_text(encoding="utf-8")
-    columns = ("tolerance_0", "samples", "worst", "single")
-    head = (
-        "| output | `tolerance=0` | default, regular tests | default, long searches "
-        "| single precision, relative to the largest value |"
+    return limits_of(
+        "output",
+        {
+            "tolerance_0": "`tolerance=0`",
+            "samples": "default, regular tests",
+            "worst": "default, long searches",
+            "single": "single precision, relative to the largest value",
+        },
     )
+
+
+def limits_as_built() -> str:
+    """Return the table of those of joints as built."""
+    columns = {
+        "tolerance_0": "`tolerance=0`",
+        "worst": "default",
+        "single": "single precision, relative to the largest value",
+    }
+    return limits_of("as_built", columns)
+
+
+def limits_of(table: str, columns: dict[str, str]) -> str:
+    """Return some columns, with their titles, of a table of the limits."""
+    text = (ROOT / "tests" / "data" / "limits.toml").read_text(encoding="utf-8")
     rows = [
-        " | ".join(
-            [f"| {name}", *(str(row.get(column, "–")).replace("e-0", "e-") for column in columns)]
-        )
-        + " |"
-        for name, row in tomllib.loads(text)["output"].items()
+        [name, *(str(row.get(column, "–")).replace("e-0", "e-") for column in columns)]
+        for name, row in tomllib.loads(text)[table].items()
     ]
-    return "\n".join([head, "|---|---|---|---|---|", *rows])
+    lines = [["output", *columns.values()], ["---"] * (len(columns) + 1), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def command_help() -> str:

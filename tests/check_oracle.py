@@ -3,14 +3,15 @@
 What it prints is compared with mpmath from the vector picture: pins that stay at right angles, the
 moment normal to both, joint after joint along a chain, and the equilibrium of all shafts. Exits
 with 1 if anything is more than 2**-92 off, of the number itself, of the largest part of a jerk
-ratio, which is a sum, of the largest force of a driveline, or, in a chain, of what another angle
-would change it by.
+ratio, which is a sum, of the largest force of a driveline, in a chain of what another angle would
+change it by, or of 1 if that is larger with joints as built.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import mpmath
@@ -179,6 +180,74 @@ def forces(
     return dict(zip(names, in_order, strict=True))
 
 
+@dataclass(frozen=True)
+class Leaning:
+    """Joints as built: the driven pin is turned until it has its angle to the driving one."""
+
+    bends: list[MpNumber]
+    twists: list[MpNumber]
+    phases: list[MpNumber]
+    deviations: list[MpNumber]
+
+    def at(self, angle: MpNumber) -> tuple[MpNumber, dict[str, MpNumber]]:
+        """Return the sum of angle errors with its mean, and what the last joint does."""
+        u: MpVector = (mp.mpf(1), mp.mpf(0), mp.mpf(0))
+        normal: MpVector = (mp.mpf(0), mp.mpf(0), mp.mpf(1))
+        errors, ratio, found = mp.mpf(0), mp.mpf(1), {}
+        for j, bend in enumerate(self.bends):
+            lean, skew, lean_driven = self.deviations[3 * j : 3 * j + 3]
+            if j > 0:
+                normal = turned(normal, u, self.twists[j - 1])
+                angle += self.phases[j - 1] - self.twists[j - 1] + mp.pi / 2
+            level = turned(cross(normal, u), u, angle)
+            p = add(times(u, mp.sin(lean)), level, mp.cos(lean))
+            v = turned(u, normal, bend)
+
+            def pin(
+                psi: MpNumber, v: MpVector = v, m: MpVector = normal, e: MpNumber = lean_driven
+            ) -> MpVector:
+                return add(times(v, mp.sin(e)), turned(m, v, psi), mp.cos(e))
+
+            near = angle + error(bend, angle)
+            psi = mp.findroot(
+                lambda x, p=p, pin=pin, skew=skew: dot(p, pin(x)) - mp.sin(skew), near
+            )
+            q = pin(psi)
+            across = cross(p, q)
+            found["moment"] = times(across, 1 / (ratio * dot(across, u)))
+            ratio *= dot(across, u) / dot(across, v)
+            level_p, level_q = unit(cross(u, p)), unit(cross(v, q))
+            found["tilt_driving"] = mp.atan2(dot(q, cross(p, level_p)), dot(q, level_p))
+            found["tilt_driven"] = mp.atan2(dot(p, cross(q, level_q)), -dot(p, level_q))
+            errors += psi - angle
+            angle, u = psi, v
+        return errors, found
+
+
+def leaning(
+    bends: list[MpNumber],
+    twists: list[MpNumber],
+    phases: list[MpNumber],
+    deviations: list[MpNumber],
+    angle: MpNumber,
+) -> dict[str, MpNumber]:
+    """Return what the last joint and the shaft behind it do."""
+    samples, line = 128, Leaning(bends, twists, phases, deviations)
+    lags = [line.at(2 * mp.pi * i / samples)[0] for i in range(samples)]
+    own, found = line.at(angle)
+
+    def turn(x: MpNumber) -> MpNumber:
+        return x + line.at(x)[0]
+
+    rates = [mp.diff(turn, angle, order, h=mp.mpf(10) ** -22) for order in (1, 2, 3)]
+    names = ("speed_ratio", "acceleration_ratio", "jerk_ratio")
+    want = dict(zip(names, rates, strict=True)) | {"angle_error": own - mp.fsum(lags) / samples}
+    want |= {name: found[name] for name in ("tilt_driving", "tilt_driven")}
+    want |= dict(zip(("moment x", "moment y", "moment z"), found["moment"], strict=True))
+    # Next to a zero, errors are those of the numbers of which a result is made.
+    return want | {f"{name}'s part": max(abs(x), mp.mpf(1)) for name, x in want.items()}
+
+
 def turned(vector: MpVector, axis: MpVector, angle: MpNumber) -> MpVector:
     """Turn a vector about a unit vector across it."""
     return add(times(vector, mp.cos(angle)), cross(axis, vector), mp.sin(angle))
@@ -208,6 +277,10 @@ def judged(lines: Iterable[str]) -> Iterator[tuple[str, MpNumber]]:
             want, where = forces(bends, twists, phases, angle, mounted), "chain: "
             largest, steepness = max(abs(force) for force in want.values()), mp.mpf(0)
             want |= {f"{name}'s part": largest for name in want}
+        elif first == "leaning":
+            bends, twists, phases, own = (numbers(part.split()) for part in line[8:].split("/"))
+            want, where = leaning(bends, twists, phases, own, angle), "leaning: "
+            steepness = mp.mpf(0)
         else:
             name, _, words = line.partition(": ")
             got = sum(numbers(words.split()))

@@ -117,6 +117,7 @@ def test_contributing_names_what_ci_runs() -> None:
         "fuzz/run geometry 3600",
         "python fuzz/scene.py 3600",
         "python tests/load.py --minutes 60",
+        "python tests/stress.py --rows 20000 --rounds 100",
         "python tests/mutants.py --since HEAD~20 --jobs 2",
         "python benches/pairwise.py --base before/bin/python --new after/bin/python",
         "cargo deny --exclude-dev check",

@@ -15,9 +15,11 @@ import pytest
 from cardan import ArgumentValueError, Driveline, Load, Sweep, TorsionalSystem, _core
 from cardan.plan import Plan
 from deviation_oracle import LeaningChain, LeaningJoint
+from limits import limits
 from oracle import EPS, Doubles, mp, read
 
 ORACLE = read("deviations.json")
+KEPT = read("worst_as_built.json")["cases"]
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 VECTORS = ("moment", "support_moment")
 SCALARS = ("torque", "bending_driving", "bending_driven", "tilt_driving", "tilt_driven")
@@ -87,6 +89,27 @@ def test_the_motion_is_that_of_the_pins(tolerance: float | None) -> None:
             apart = abs(mp.mpf(float(found[name][i])) - wanted)
             size = abs(angle) + 1.0 if name == "angle" else sizes[name]
             assert apart <= limit * size, (name, angle, float(apart / size))
+
+
+@pytest.mark.parametrize("case", KEPT, ids=lambda case: f"{case['tier']} {case['output']}")
+def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
+    """Of ``cardan-stress``: one with a bend near 0, one near 90 deg, and chains."""
+    name, tier, angle = case["output"], case["tier"], case["angle"]
+    own = np.reshape(case["deviations"], (-1, 3))
+    line = Driveline.from_bends(case["bends"], case["twists"], case["phases"])
+    line = line.with_deviations(*own.T)
+    joints = [LeaningJoint(b, e) for b, e in zip(case["bends"], own.tolist(), strict=True)]
+    model = LeaningChain(joints, case["twists"], case["phases"])
+    if name == "angle_error":
+        exact = model.lag(angle) - model.mean_lag(2048 if case["bends"][0] > 1.0 else 64)
+    else:
+        exact = model.rates(angle)[MOTION.index(name) - 2]
+    tolerance = 0 if tier == "tolerance=0" else None
+    got = line.evaluate(angle, name, tolerance=tolerance)[name]
+    peaks = line.evaluate(Sweep.revolutions(1, 4096), name, shafts=slice(1, None), reduce="peak")
+    largest = np.max(peaks[name])
+    off = abs(mp.mpf(float(got)) - exact) / mp.mpf(np.spacing(float(largest)))
+    assert off <= limits("worst" if tolerance is None else "tolerance_0", "as_built")[name]
 
 
 def test_moments_are_normal_to_both_pins() -> None:

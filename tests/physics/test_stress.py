@@ -13,6 +13,8 @@ import pytest
 from cardan import OUTPUTS, Driveline, Load
 from limits import limits
 from oracle import Exact, ExactJoint, ExactTurn, MpNumber, mp, read
+from stress import LIMITS as PYTHON_LIMITS
+from stress import stress
 
 CASES = read("worst_cases.json")["cases"]
 LIMITS = {"tolerance=0": limits("tolerance_0"), "default": limits("worst")}
@@ -100,3 +102,11 @@ def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
         )[output]
         off = want.distance(got.reshape(-1)).max() / unit
         assert off <= limit, f"{off:.3f} ulp"
+
+
+def test_what_python_computes_keeps_its_limits() -> None:
+    found = stress(rows=20, rounds=3, seed=7)
+    assert found.keys() == PYTHON_LIMITS.keys()
+    for name, (count, worst) in found.items():
+        assert count > 0, name
+        assert worst <= PYTHON_LIMITS[name], (name, worst)

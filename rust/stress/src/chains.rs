@@ -17,6 +17,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use cardan::{Angles, Drivelines, Output, Plan, Request, Samples, Source};
 
+use crate::error_table::{ErrorTable, RowLimits};
 use crate::evaluated::planes;
 use crate::exact::{ExactChain, Turn};
 use crate::judge::{Quantity, Tier};
@@ -26,13 +27,18 @@ use crate::shape_errors::ShapeErrors;
 /// Angles for each chain.
 const ANGLES: usize = 50;
 
-pub(crate) const MOTION: [(Quantity, Output); 5] = [
+const MOTION: [(Quantity, Output); 5] = [
     (Quantity::Angle, Output::Angle),
     (Quantity::AngleError, Output::AngleError),
     (Quantity::SpeedRatio, Output::SpeedRatio),
     (Quantity::AccelerationRatio, Output::AccelerationRatio),
     (Quantity::JerkRatio, Output::JerkRatio),
 ];
+
+/// The largest errors of the outputs in a tier.
+fn limits(tier: Tier) -> [f64; 5] {
+    MOTION.map(|(quantity, _)| tier.chain_limit(quantity))
+}
 
 /// A driveline's bends, twists and phases.
 #[derive(Debug)]
@@ -123,10 +129,22 @@ impl ChainShape {
 }
 
 /// The worst errors of a kind of chain, tier by tier, in units and (single) parts of the largest.
-pub(crate) type ChainErrors = ShapeErrors<ChainShape, 4, 5>;
+type ChainErrors = ShapeErrors<ChainShape, 4, 5>;
+
+/// Judges at least so many samples of each kind.
+pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
+    let head = ("Chains", include_str!("../chains.md"));
+    ErrorTable::of(
+        head,
+        MOTION.map(|(quantity, _)| quantity.name()),
+        &RowLimits::of_tiers(limits),
+        &run(seed, samples),
+        ChainShape::name,
+    )
+}
 
 /// At least so many samples of each kind.
-pub(crate) fn run(seed: u64, samples: u64) -> Vec<ChainErrors> {
+fn run(seed: u64, samples: u64) -> Vec<ChainErrors> {
     let mut random = Random::new(seed ^ 0xc4a1);
     ShapeErrors::of_each(&ChainShape::ALL, samples, |shape, found| {
         judge(&shape.line(&mut random), &mut random, found);

@@ -7,6 +7,7 @@
 use cardan::{Differentiated, Execution, Output, Spread, SpreadAngles, Wanted};
 
 use crate::chains::{ChainAngles, ChainShape};
+use crate::error_table::{ErrorTable, RowLimits};
 use crate::exact::{ChainParameter, ExactChain, ExactMotion, Turn};
 use crate::judge;
 use crate::samples::{Kind, Random};
@@ -29,30 +30,39 @@ const OUTPUTS: [(Output, f64, i32); 5] = [
 ];
 
 /// The names of the outputs.
-pub(crate) fn names() -> [&'static str; 5] {
+fn names() -> [&'static str; 5] {
     OUTPUTS.map(|(output, ..)| output.row().name)
 }
 
 /// What is judged: the derivatives of every sample, and those of their weighted sum.
-pub(crate) const BY: [&str; 3] = ["drive angle", "bends and phases", "bends and phases, sums"];
+const BY: [&str; 3] = ["drive angle", "bends and phases", "bends and phases, sums"];
 
 /// The largest errors of these, of any output.
-pub(crate) fn limits() -> [f64; 3] {
-    BY.map(|by| judge::limit("derivative", by, "worst").expect("the table has it"))
+fn rows() -> [RowLimits<5>; 3] {
+    BY.map(|name| {
+        let limit = judge::limit("derivative", name, "worst").expect("the table has it");
+        RowLimits { name, single: false, limits: [limit; 5] }
+    })
 }
 
 /// The worst errors of the derivatives of a kind of chain, by what they are by and by output.
-pub(crate) type DerivativeErrors = ShapeErrors<ChainShape, 3, 5>;
+type DerivativeErrors = ShapeErrors<ChainShape, 3, 5>;
+
+/// Judges at least so many samples of each kind.
+pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
+    let head = ("Derivatives", include_str!("../derivatives.md"));
+    ErrorTable::of(head, names(), &rows(), &run(seed, samples), ChainShape::name)
+}
 
 /// At least so many samples of each kind.
-pub(crate) fn run(seed: u64, samples: u64) -> Vec<DerivativeErrors> {
+fn run(seed: u64, samples: u64) -> Vec<DerivativeErrors> {
     let mut random = Random::new(seed ^ 0xde71);
     ShapeErrors::of_each(&ChainShape::ALL, samples, |shape, found| {
         judge(&shape.line(&mut random), &mut random, found);
     })
 }
 
-/// DerivativeBy what a result is differentiated, and the column of its derivative in the core's.
+/// By what a result is differentiated, and the column of its derivative in the core's.
 #[derive(Clone, Copy, Debug)]
 enum DerivativeBy {
     Chain(ChainParameter),
@@ -207,8 +217,8 @@ mod tests {
     #[test]
     fn derivatives_are_within_their_limits() {
         for found in run(7, 400) {
-            for ((off, place), limit) in found.off.iter().zip(&found.place).zip(limits()) {
-                for (off, place) in off.iter().zip(place) {
+            for ((off, place), row) in found.off.iter().zip(&found.place).zip(rows()) {
+                for ((off, place), limit) in off.iter().zip(place).zip(row.limits) {
                     assert!(*off > 0.0 && *off <= limit, "{off} of {limit}: {place}");
                 }
             }

@@ -7,22 +7,24 @@
 
 use cardan::{Geometry, Output};
 
+use crate::error_table::{ErrorTable, RowLimits};
 use crate::judge::{self, Tier};
-use crate::loads::{self, ANGLES, BearingLayout, Frames, LoadShape, Loading, Transmitted};
-use crate::points::{Span, cross, dot};
+use crate::loading::{BearingLayout, LoadedDriveline, Loading};
+use crate::loads::{ANGLES, Frames, LoadShape};
 use crate::samples::Random;
 use crate::shape_errors::ShapeErrors;
+use crate::space::{ExactAxes, Span, Transmitted, cross, dot, solved};
 use crate::wide::{Wide, hex};
 
 const OUTPUTS: [Output; 2] = [Output::JointForce, Output::BearingForce];
 
 /// The names of the outputs.
-pub(crate) fn names() -> [&'static str; 2] {
+fn names() -> [&'static str; 2] {
     OUTPUTS.map(|output| output.row().name)
 }
 
 /// The largest errors of the outputs in a tier.
-pub(crate) fn limits(tier: Tier) -> [f64; 2] {
+fn limits(tier: Tier) -> [f64; 2] {
     let column = match tier {
         Tier::Faithful => "tolerance_0",
         Tier::Default => "worst",
@@ -32,10 +34,22 @@ pub(crate) fn limits(tier: Tier) -> [f64; 2] {
 }
 
 /// The worst errors of the forces of a kind of chain, by tier and output.
-pub(crate) type ForceErrors = ShapeErrors<LoadShape, 4, 2>;
+type ForceErrors = ShapeErrors<LoadShape, 4, 2>;
+
+/// Judges at least so many samples of each kind.
+pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
+    let head = ("Forces", include_str!("../forces.md"));
+    ErrorTable::of(
+        head,
+        names(),
+        &RowLimits::of_tiers(limits),
+        &run(seed, samples),
+        LoadShape::name,
+    )
+}
 
 /// At least so many samples of each kind.
-pub(crate) fn run(seed: u64, samples: u64) -> Vec<ForceErrors> {
+fn run(seed: u64, samples: u64) -> Vec<ForceErrors> {
     let mut random = Random::new(seed ^ 0xf0ce);
     ShapeErrors::of_each(&LoadShape::ALL, samples, |shape, found| {
         judge(&shape.line(&mut random), &mut random, found);
@@ -86,7 +100,7 @@ impl Arrangement {
     }
 
     /// Forces of joints, then of bearings, for each of these loads.
-    fn forces(&self, frames: &Frames, transmitted: &[Transmitted]) -> Vec<Vec<Span>> {
+    fn forces(&self, axes: &ExactAxes, transmitted: &[Transmitted]) -> Vec<Vec<Span>> {
         let BearingLayout { bearings, lengths, positions } = &self.layout;
         let n = self.supported.len();
         let unknowns = 3 * (n + bearings.len());
@@ -104,7 +118,7 @@ impl Arrangement {
         let zeros = || vec![Wide::ZERO; transmitted.len()];
         for (joint, held) in self.supported.iter().enumerate() {
             match *held {
-                Some(shaft) => add(&[(joint, frames.directions[shaft])], zeros()),
+                Some(shaft) => add(&[(joint, axes.directions[shaft])], zeros()),
                 None => {
                     for axis in 0..3 {
                         let unit = [0, 1, 2].map(|i| Wide::from(f64::from(i == axis)));
@@ -114,7 +128,7 @@ impl Arrangement {
             }
         }
         for (i, &shaft) in bearings.iter().enumerate() {
-            add(&[(n + i, frames.directions[shaft])], zeros());
+            add(&[(n + i, axes.directions[shaft])], zeros());
         }
         for (shaft, &length) in lengths.iter().enumerate() {
             let held = bearings.contains(&shaft) || self.supported.contains(&Some(shaft));
@@ -131,8 +145,8 @@ impl Arrangement {
                     acting.push((n + i, Wide::ONE, place));
                 }
             }
-            let along = frames.directions[shaft];
-            let normal = frames.normals[before.unwrap_or(0)];
+            let along = axes.directions[shaft];
+            let normal = axes.normals[before.unwrap_or(0)];
             for axis in [normal, cross(along, normal)] {
                 let force =
                     |&(vector, sign, _): &(usize, Wide, f64)| (vector, axis.map(|x| x * sign));
@@ -151,7 +165,9 @@ impl Arrangement {
                 add(&acting.iter().map(moment).collect::<Vec<_>>(), right.collect());
             }
         }
-        let mut forces = solved(rows, unknowns, transmitted.len());
+        assert_eq!(rows.len(), unknowns, "the arrangement is determinate");
+        let vectors = |side: &Vec<Wide>| side.as_chunks().0.to_vec();
+        let mut forces: Vec<Vec<Span>> = solved(rows).iter().map(vectors).collect();
         // The equations of a joint that supports no shaft say zero, the solution has rounding.
         for forces in &mut forces {
             for (force, held) in forces.iter_mut().zip(&self.supported) {
@@ -164,33 +180,6 @@ impl Arrangement {
     }
 }
 
-/// The solutions of linear equations with several right-hand sides, in groups of three unknowns.
-fn solved(mut rows: Vec<Vec<Wide>>, unknowns: usize, sides: usize) -> Vec<Vec<Span>> {
-    assert_eq!(rows.len(), unknowns, "the arrangement is determinate");
-    for pivot in 0..unknowns {
-        let largest = (pivot..unknowns)
-            .max_by(|&a, &b| rows[a][pivot].abs().high.total_cmp(&rows[b][pivot].abs().high))
-            .expect("a row is left");
-        rows.swap(pivot, largest);
-        let inverse = Wide::ONE / rows[pivot][pivot];
-        for x in &mut rows[pivot][pivot..] {
-            *x = *x * inverse;
-        }
-        let own = rows[pivot].clone();
-        for (i, row) in rows.iter_mut().enumerate() {
-            let factor = row[pivot];
-            if i == pivot || factor.high == 0.0 {
-                continue;
-            }
-            for (x, &y) in row[pivot..].iter_mut().zip(&own[pivot..]) {
-                *x = *x - factor * y;
-            }
-        }
-    }
-    let vector = |side: usize, k: usize| [0, 1, 2].map(|i| rows[3 * k + i][unknowns + side]);
-    (0..sides).map(|side| (0..unknowns / 3).map(|k| vector(side, k)).collect()).collect()
-}
-
 fn judge(line: &Geometry, random: &mut Random, found: &mut ForceErrors) {
     let n = line.bends.len();
     let loading = Loading::of(random, n + 1);
@@ -198,15 +187,21 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut ForceErrors) {
     let bearings = arrangement.layout.bearings.len();
     let outputs = &OUTPUTS[..if bearings > 0 { 2 } else { 1 }];
     let angles: Vec<f64> = (0..ANGLES).map(|_| random.between(-4.0, 4.0)).collect();
-    let layout = Some(&arrangement.layout);
-    // Joints can support the shafts in another way as well, or shafts that float follow each other.
-    let Ok(tiers) = loads::evaluate(line, &loading, &angles, outputs, layout, &Tier::ALL) else {
-        return;
+    let loaded = LoadedDriveline {
+        line,
+        loading: &loading,
+        angles: &angles,
+        outputs,
+        layout: Some(&arrangement.layout),
+        deviations: &[],
+        repeated: false,
     };
+    // Joints can support the shafts in another way as well, or shafts that float follow each other.
+    let Ok(tiers) = loaded.evaluate(&Tier::ALL) else { return };
     let frames = Frames::of(line);
     let transmitted: Vec<_> =
         angles.iter().map(|&angle| frames.transmitted(&loading, angle)).collect();
-    let exact = arrangement.forces(&frames, &transmitted);
+    let exact = arrangement.forces(&frames.axes, &transmitted);
     let span = arrangement.shortest_span();
     for (i, &angle) in angles.iter().enumerate() {
         let moment = transmitted[i].largest / span;
@@ -245,8 +240,8 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut ForceErrors) {
 pub(crate) fn print_oracle(line: &Geometry, angle: f64, random: &mut Random) {
     let arrangement = Arrangement::of(random, line.bends.len());
     let loading = Loading::of_drive(random.between(-9.0, 9.0), line.bends.len() + 1);
-    let transmitted = Frames::of(line).transmitted(&loading, angle);
-    let forces = arrangement.forces(&Frames::of(line), &[transmitted]);
+    let frames = Frames::of(line);
+    let forces = arrangement.forces(&frames.axes, &[frames.transmitted(&loading, angle)]);
     let BearingLayout { bearings, lengths, positions } = &arrangement.layout;
     let supported = arrangement.supported.iter().map(|held| held.map_or(-1.0, |s| s as f64));
     let list = |all: Vec<f64>| all.into_iter().map(hex).collect::<Vec<_>>().join(" ");

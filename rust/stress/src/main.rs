@@ -3,25 +3,34 @@
 //! `cardan-stress --help` says how to use it. The exit status is 1 if any error is beyond its limit.
 
 mod angle;
+mod as_built;
 mod chains;
 mod derivatives;
+mod error_table;
 mod evaluated;
 mod exact;
 mod forces;
 mod joints;
 mod judge;
+mod leaning;
+mod loading;
 mod loads;
 mod oracle;
 mod points;
 mod report;
 mod samples;
 mod shape_errors;
+mod space;
+mod taylor;
+mod torsion;
+mod vibration;
 mod wide;
 
 use std::fs;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use crate::error_table::ErrorTable;
 use crate::joints::{BLOCK, Break};
 use crate::judge::{Ledger, Quantity};
 
@@ -34,15 +43,34 @@ cardan-stress oracle COUNT   what the oracle says, for tests/check_oracle.py to 
 --samples COUNT       samples of single joints, each for every output and tier [200000]
 --threads COUNT       threads [1]
 --seed NUMBER         another run [1]
+--only SURFACE        one of joints, chains, points, loads, forces, derivatives, as-built, torsion
 --break OUTPUT=ULPS   make one result in a block wrong, to see that it is found
 --table FILE          write the table of errors, as Markdown
 --worst FILE          write the worst samples, as JSON
 ";
 
+/// What `--only` calls the first table, which has threads and a search.
+const JOINTS: &str = "joints";
+
+/// Judges at least so many samples of each kind of a surface with a seed.
+type Judge = fn(u64, u64) -> ErrorTable;
+
+/// The other tables, by the names that `--only` takes.
+const SURFACES: [(&str, Judge); 7] = [
+    ("chains", chains::table),
+    ("loads", loads::table),
+    ("forces", forces::table),
+    ("derivatives", derivatives::table),
+    ("as-built", as_built::table),
+    ("torsion", torsion::table),
+    ("points", points::table),
+];
+
 struct Options {
     samples: u64,
     threads: u64,
     seed: u64,
+    only: Option<String>,
     broken: Option<Break>,
     table: Option<String>,
     worst: Option<String>,
@@ -56,14 +84,27 @@ fn number(text: &str) -> Result<u64, String> {
 }
 
 fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Options, String> {
-    let mut options =
-        Options { samples: 200_000, threads: 1, seed: 1, broken: None, table: None, worst: None };
+    let mut options = Options {
+        samples: 200_000,
+        threads: 1,
+        seed: 1,
+        only: None,
+        broken: None,
+        table: None,
+        worst: None,
+    };
     while let Some(key) = arguments.next() {
         let value = arguments.next().ok_or(format!("{key} needs a value; see --help"))?;
         match &*key {
             "--samples" => options.samples = number(&value)?,
             "--threads" => options.threads = number(&value)?,
             "--seed" => options.seed = number(&value)?,
+            "--only" => {
+                if value != JOINTS && !SURFACES.iter().any(|(name, _)| *name == value) {
+                    return Err(format!("there is no surface {value:?}; see --help"));
+                }
+                options.only = Some(value);
+            }
             "--table" => options.table = Some(value),
             "--worst" => options.worst = Some(value),
             "--break" => {
@@ -78,7 +119,8 @@ fn parse(mut arguments: impl Iterator<Item = String>) -> Result<Options, String>
     Ok(options)
 }
 
-fn stress(options: &Options) -> Result<bool, String> {
+/// Single joints, in their many ways.
+fn joints(options: &Options) -> (Ledger, f64) {
     let began = Instant::now();
     let blocks = options.samples.div_ceil(BLOCK as u64);
     let mut ledger = Ledger::new();
@@ -91,21 +133,17 @@ fn stress(options: &Options) -> Result<bool, String> {
             ledger.join(&thread.join().expect("a thread ends"));
         }
     });
-    let seconds = began.elapsed().as_secs_f64();
-    let chains = chains::run(options.seed, (options.samples / 20).max(5000));
-    let points = points::run(options.seed, (options.samples / 20).max(5000));
-    let loads = loads::run(options.seed, (options.samples / 20).max(5000));
-    let forces = forces::run(options.seed, (options.samples / 20).max(5000));
-    let derivatives = derivatives::run(options.seed, (options.samples / 20).max(5000));
-    let report = report::Report {
-        ledger: &ledger,
-        chains: &chains,
-        loads: &loads,
-        forces: &forces,
-        derivatives: &derivatives,
-        points: &points,
-        seconds,
-    };
+    (ledger, began.elapsed().as_secs_f64())
+}
+
+fn stress(options: &Options) -> Result<bool, String> {
+    let wanted = |name: &str| options.only.as_ref().is_none_or(|only| only == name);
+    let joints = wanted(JOINTS).then(|| joints(options));
+    let samples = (options.samples / 20).max(5000);
+    let surfaces = SURFACES.iter().filter(|(name, _)| wanted(name));
+    let tables: Vec<_> = surfaces.map(|(_, table)| table(options.seed, samples)).collect();
+    let joints = joints.as_ref().map(|(ledger, seconds)| (ledger, *seconds));
+    let report = report::Report { joints, tables: &tables };
     print!("{}", report.summary());
     let write = |file: &Option<String>, text: &dyn Fn() -> String| match file {
         Some(file) => fs::write(file, text()).map_err(|error| format!("{file}: {error}")),

@@ -5,6 +5,7 @@ use cardan::Geometry;
 use crate::angle::sin_cos;
 use crate::exact::{ExactChain, ExactJoint, Turn};
 use crate::forces;
+use crate::leaning;
 use crate::samples::{Kind, Random};
 use crate::wide::hex;
 
@@ -62,6 +63,17 @@ pub(crate) fn print(count: u64) {
             }
             let line = Geometry::from_bends(&bends, twists, phases).expect("bends are in range");
             forces::print_oracle(&line, angle, &mut random);
+        }
+        // Their means over a turn take long with many digits.
+        if number % 120 == 0 {
+            let n = 1 + random.below(3);
+            let mut angles =
+                |most: f64| (0..n).map(|_| random.between(-most, most)).collect::<Vec<_>>();
+            let (bends, twists, phases) = (angles(0.5), angles(3.0), angles(3.0));
+            let bends: Vec<f64> = bends.iter().map(|bend| bend.abs()).collect();
+            let deviations = [angles(0.1), angles(0.1), angles(0.1)].concat();
+            let line = Geometry::from_bends(&bends, &twists[1..], &phases[1..]);
+            leaning::print_oracle(&line.expect("bends are in range"), &deviations, angle);
         }
     }
 }

@@ -7,13 +7,15 @@
 use cardan::{Geometry, Vector};
 
 use crate::angle::atan2;
+use crate::error_table::{ErrorTable, RowLimits};
 use crate::judge::limit;
 use crate::samples::Random;
 use crate::shape_errors::ShapeErrors;
-use crate::wide::{Wide, two_sum};
+use crate::space::{Span, cross, dot};
+use crate::wide::two_sum;
 
 /// The largest errors of bends and of twists, in these units.
-pub(crate) fn limits() -> [f64; 2] {
+fn limits() -> [f64; 2] {
     ["bends", "twists"].map(|name| limit("points", "", name).expect("the table has it"))
 }
 
@@ -75,25 +77,26 @@ impl PointsShape {
 }
 
 /// The worst errors of bends and twists of a kind of points.
-pub(crate) type PointErrors = ShapeErrors<PointsShape, 1, 2>;
+type PointErrors = ShapeErrors<PointsShape, 1, 2>;
+
+/// Judges at least so many samples of each kind.
+pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
+    let head = ("Points", include_str!("../points.md"));
+    ErrorTable::of(
+        head,
+        ["bends", "twists"],
+        &[RowLimits { name: "default", single: false, limits: limits() }],
+        &run(seed, samples),
+        PointsShape::name,
+    )
+}
 
 /// At least so many bends of each kind.
-pub(crate) fn run(seed: u64, count: u64) -> Vec<PointErrors> {
+fn run(seed: u64, count: u64) -> Vec<PointErrors> {
     let mut random = Random::new(seed ^ 0x9017);
     ShapeErrors::of_each(&PointsShape::ALL, count, |shape, found| {
         judge(&shape.points(&mut random), found);
     })
-}
-
-pub(crate) type Span = [Wide; 3];
-
-pub(crate) fn cross(a: Span, b: Span) -> Span {
-    let part = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
-    [part(1, 2), part(2, 0), part(0, 1)]
-}
-
-pub(crate) fn dot(a: Span, b: Span) -> Wide {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn judge(points: &[Vector], found: &mut PointErrors) {

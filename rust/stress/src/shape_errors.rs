@@ -4,7 +4,9 @@
 #[derive(Clone, Debug)]
 pub(crate) struct ShapeErrors<S, const ROWS: usize, const OUTPUTS: usize> {
     pub(crate) shape: S,
+    /// Samples, and their results.
     pub(crate) judged: u64,
+    pub(crate) results: u64,
     pub(crate) off: [[f64; OUTPUTS]; ROWS],
     pub(crate) place: [[String; OUTPUTS]; ROWS],
 }
@@ -18,7 +20,8 @@ impl<S: Copy, const ROWS: usize, const OUTPUTS: usize> ShapeErrors<S, ROWS, OUTP
     ) -> Vec<Self> {
         let each = |&shape: &S| {
             let place = std::array::from_fn(|_| std::array::from_fn(|_| String::new()));
-            let mut found = Self { shape, judged: 0, off: [[0.0; OUTPUTS]; ROWS], place };
+            let mut found =
+                Self { shape, judged: 0, results: 0, off: [[0.0; OUTPUTS]; ROWS], place };
             while found.judged < samples {
                 judge(shape, &mut found);
             }
@@ -30,6 +33,7 @@ impl<S: Copy, const ROWS: usize, const OUTPUTS: usize> ShapeErrors<S, ROWS, OUTP
     /// Keeps an error and its place if it is the worst so far. A result that is not a number is as
     /// wrong as can be.
     pub(crate) fn take(&mut self, row: usize, output: usize, off: f64, place: impl Fn() -> String) {
+        self.results += 1;
         let off = if off.is_nan() { f64::INFINITY } else { off };
         if off > self.off[row][output] {
             self.off[row][output] = off;

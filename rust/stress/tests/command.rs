@@ -12,6 +12,9 @@ fn the_short_form_passes() {
     let text = String::from_utf8(output.stdout).unwrap();
     assert_eq!(output.status.code(), Some(0), "{text}");
     assert!(text.contains("results of single joints judged"), "{text}");
+    for surface in ["Chains", "Joints as built", "Torsional vibration", "Points"] {
+        assert!(text.contains(&format!("\n{surface}: ")), "{surface}: {text}");
+    }
 }
 
 #[test]
@@ -31,7 +34,8 @@ fn a_few_wrong_ulps_are_found() {
 }
 
 fn broken_by(output: &str, ulps: u32) {
-    let broken = run(&["--samples", "20000", "--break", &format!("{output}={ulps}")]);
+    let broken = format!("{output}={ulps}");
+    let broken = run(&["--only", "joints", "--samples", "20000", "--break", &broken]);
     let text = String::from_utf8(broken.stdout).unwrap();
     assert_eq!(broken.status.code(), Some(1), "{output}: {text}");
     assert!(text.contains(&format!("tolerance=0 {output}: ")), "{output}: {text}");
@@ -43,6 +47,7 @@ fn what_is_wrong_is_said_in_a_line() {
         (&["--samples", "many"][..], "\"many\" is not a number\n"),
         (&["--break", "speed=1"], "there is no output \"speed\"\n"),
         (&["--samples"], "--samples needs a value; see --help\n"),
+        (&["--only", "gears"], "there is no surface \"gears\"; see --help\n"),
         (&["--loud", "1"], "there is no option --loud; see --help\n"),
     ] {
         let output = run(arguments);

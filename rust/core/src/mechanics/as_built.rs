@@ -170,10 +170,19 @@ impl<T: Real> JointAsBuilt<T> {
     }
 
     /// Numerator and positive denominator of the tangent of the angle error, from sine and cosine
-    /// of the input angle. The error is without its value at a right angle, `−asin(κ/√(1 + μ²))`,
-    /// which most of the mean is: numbers that differ little are not subtracted.
+    /// of the input angle.
     #[inline(always)]
     pub(crate) fn error_tangent(&self, s: T, c: T) -> (T, T) {
+        let [(x, y), (across, along)] = self.error_tangents(s, c);
+        (x.mul_add(along, y * across), y.mul_add(along, -(x * across)))
+    }
+
+    /// The same of the two angles whose sum the angle error is: of the share of bend and driving
+    /// yoke, and of that of `C`. The error is without its value at a right angle,
+    /// `−asin(κ/√(1 + μ²))`, which most of the mean is: numbers that differ little are not
+    /// subtracted.
+    #[inline(always)]
+    fn error_tangents(&self, s: T, c: T) -> [(T, T); 2] {
         let Position { c_term, root, .. } = self.position(s, c);
         let x = s * self.versine.mul_add(c, self.driving);
         let y = self.cos.mul_add(c, -self.driving).mul_add(c, s.square());
@@ -182,7 +191,7 @@ impl<T: Real> JointAsBuilt<T> {
         let along = root.mul_add(self.root, c_term * self.cross) * sum;
         let change = (-self.curved).mul_add(c, self.linear);
         let across = c * self.cross.mul_add(change, self.driven * self.root * sum);
-        (x.mul_add(along, y * across), y.mul_add(along, -(x * across)))
+        [(x, y), (across, along)]
     }
 
     /// Sine and cosine of the driven angle.
@@ -327,16 +336,16 @@ impl<T: Number> JointAsBuilt<T> {
     /// range adds the shares of bend and deviations: their sum may exceed a right angle.
     #[inline(always)]
     pub(crate) fn angle_error(&self, range: AtanRange, s: T, c: T) -> T {
-        let (y, x) = self.error_tangent(s, c);
+        let one = |atan: fn(T, T) -> T| {
+            let (y, x) = self.error_tangent(s, c);
+            atan(y, x)
+        };
         match range {
-            AtanRange::Hundredth | AtanRange::Tenth => T::atan_tenth(y, x),
-            AtanRange::Third => T::atan_third(y, x),
+            AtanRange::Hundredth | AtanRange::Tenth => one(T::atan_tenth),
+            AtanRange::Third => one(T::atan_third),
             AtanRange::One | AtanRange::Any => {
-                let Position { c_term, root, .. } = self.position(s, c);
-                let x = s * self.versine.mul_add(c, self.driving);
-                let y = self.cos.mul_add(c, -self.driving).mul_add(c, s.square());
-                let right = T::atan_any(self.cross, self.root);
-                T::atan_any(x, y) + (right - T::atan_any(c_term, root))
+                let [(x, y), (across, along)] = self.error_tangents(s, c);
+                T::atan_any(x, y) + T::atan_any(across, along)
             }
         }
     }

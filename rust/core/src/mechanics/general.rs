@@ -106,31 +106,34 @@ impl General {
 
 /// The mean of a periodic function over a turn by the trapezoidal rule, whose error decreases
 /// geometrically. The sums are exact, so that the mean of small numbers keeps its digits.
+///
+/// The mean of the square tells when there are samples enough. The errors of the function itself
+/// nearly cancel where half a turn, or a reflection, nearly changes its sign, and say nothing then.
 fn mean_over_turn(error: impl Fn(f64) -> f64) -> f64 {
     const MOST: u32 = 1 << 16;
-    /// Twice as many samples square an error of this part of the function's magnitude.
+    /// Twice as many samples square a relative error of this size.
     const SMALL: f64 = 1e-10;
     let mut count = 16;
-    let (mut sum, mut largest) = (DoubleDouble::default(), 0.0_f64);
-    let mut add = |sum: &mut DoubleDouble, i: u32, count: u32| {
+    let (mut sum, mut squares) = (DoubleDouble::default(), 0.0);
+    let mut add = |i: u32, count: u32| {
         let value = error(TAU * f64::from(i) / f64::from(count));
-        largest = largest.max(value.abs());
-        *sum = *sum + DoubleDouble::exact(value);
-        largest
+        sum = sum + DoubleDouble::exact(value);
+        squares += value * value;
+        (sum.value() / f64::from(count), squares / f64::from(count))
     };
+    let mut means = (0.0, 0.0);
     for i in 0..count {
-        add(&mut sum, i, count);
+        means = add(i, count);
     }
     loop {
-        let before = sum.value() / f64::from(count);
+        let (_, before) = means;
         // Adds the samples halfway between the previous ones.
         count *= 2;
-        let mut scale = 0.0;
         for i in (1..count).step_by(2) {
-            scale = add(&mut sum, i, count);
+            means = add(i, count);
         }
-        let mean = sum.value() / f64::from(count);
-        if (mean - before).abs() <= SMALL * scale || count >= MOST {
+        let (mean, square) = means;
+        if (square - before).abs() <= SMALL * square || count >= MOST {
             return mean;
         }
     }

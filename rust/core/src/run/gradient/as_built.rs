@@ -129,42 +129,39 @@ impl Pass {
     }
 
     /// The means over a turn of the sums of angle errors before each shaft, by the trapezoidal rule.
+    /// As for [`General`](crate::General), the means of the squares tell when there are samples
+    /// enough: those of each value and of each derivative.
     fn means_over_turn(&self) -> Vec<Carried> {
         const MOST: u32 = 1 << 16;
-        /// Twice as many samples square an error of this part of the function's magnitude.
+        /// Twice as many samples square a relative error of this size.
         const SMALL: f64 = 1e-10;
         let shafts = self.stages.len() + 1;
         let mut sums = vec![Dual::constant(0.0); shafts];
-        let mut largest = [0.0_f64; WIDTH + 1];
-        let mut add = |sums: &mut [Carried], i: u32, count: u32| {
+        let mut squares = vec![[0.0; WIDTH + 1]; shafts];
+        let mut add = |squares: &mut [[f64; WIDTH + 1]], i: u32, count: u32| {
             let turned = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
-            for (sum, error) in sums.iter_mut().zip(self.motion(Dual::constant(turned)).errors) {
+            let errors = self.motion(Dual::constant(turned)).errors;
+            for ((sum, squares), error) in sums.iter_mut().zip(squares).zip(errors) {
                 *sum = *sum + error;
-                for (largest, part) in largest.iter_mut().zip(parts(error)) {
-                    *largest = largest.max(part.abs());
+                for (square, part) in squares.iter_mut().zip(parts(error)) {
+                    *square += part * part;
                 }
             }
-            largest
         };
         let mut count = 16;
-        (0..count).for_each(|i| {
-            add(&mut sums, i, count);
-        });
+        (0..count).for_each(|i| add(&mut squares, i, count));
         loop {
-            let before: Vec<_> = sums.iter().map(|sum| mean(*sum, count)).collect();
+            let before = squares.clone();
             // Adds the samples halfway between the previous ones.
+            (1..2 * count).step_by(2).for_each(|i| add(&mut squares, i, 2 * count));
             count *= 2;
-            let mut scale = [0.0; WIDTH + 1];
-            for i in (1..count).step_by(2) {
-                scale = add(&mut sums, i, count);
-            }
-            let after: Vec<_> = sums.iter().map(|sum| mean(*sum, count)).collect();
-            let is_close = |(one, other): (&Carried, &Carried)| {
-                let apart = parts(*one - *other);
-                apart.iter().zip(scale).all(|(apart, scale)| apart.abs() <= SMALL * scale)
+            let is_close = |part: usize| {
+                let largest = squares.iter().map(|own| own[part]).fold(0.0, f64::max);
+                let mut pairs = before.iter().zip(&squares);
+                pairs.all(|(one, both)| (both[part] - 2.0 * one[part]).abs() <= SMALL * largest)
             };
-            if count >= MOST || before.iter().zip(&after).all(is_close) {
-                return after;
+            if count >= MOST || (0..=WIDTH).all(is_close) {
+                return sums.iter().map(|sum| sum.scaled(1.0 / f64::from(count))).collect();
             }
         }
     }
@@ -198,10 +195,6 @@ impl Pass {
 
 fn parts(number: Carried) -> [f64; WIDTH + 1] {
     std::array::from_fn(|i| if i < WIDTH { number.by[i] } else { number.value })
-}
-
-fn mean(sum: Carried, count: u32) -> Carried {
-    sum.scaled(1.0 / f64::from(count))
 }
 
 /// Rotates two perpendicular vectors in their plane, from the first towards the second.
