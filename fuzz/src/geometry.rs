@@ -41,12 +41,19 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
     check(&line);
     for shaft in 0..=line.bends.len() {
         let between = shaft.saturating_sub(1);
-        let equivalent =
-            Equivalent::of_chain(&line.bends[..shaft], &line.twists[..between], &line.phases[..between]);
+        let equivalent = Equivalent::of_chain(
+            &line.bends[..shaft],
+            &line.twists[..between],
+            &line.phases[..between],
+        );
         let k = equivalent.joint.k;
         // Closer to 90° error terms do not hold what compensating joints cancel.
-        let cosines: f64 = line.bends[..shaft].iter().map(|&bend| Joint::<f64>::new(bend).cos).product();
-        assert!(cosines < 1e-12 || (0.0..=1.0).contains(&k), "{equivalent:?} of {shaft} in {line:?}");
+        let cosines: f64 =
+            line.bends[..shaft].iter().map(|&bend| Joint::<f64>::new(bend).cos).product();
+        assert!(
+            cosines < 1e-12 || (0.0..=1.0).contains(&k),
+            "{equivalent:?} of {shaft} in {line:?}"
+        );
         assert!(cosines < 1e-12 || equivalent.angle_offset().is_finite(), "{equivalent:?}");
     }
     let best = optimal_phases(&line.bends, &line.twists, &line.phases);
@@ -73,7 +80,8 @@ fn check(line: &Geometry) {
 
 fn sweep(u: &mut Unstructured<'_>) -> Result<()> {
     let (start, stop, count) = (number(u)?, number(u)?, u.arbitrary::<u64>()? as usize);
-    let sweeps = [Sweep::new(start, stop, count), Sweep::of_turns(count, u.arbitrary::<u64>()? as usize)];
+    let sweeps =
+        [Sweep::new(start, stop, count), Sweep::of_turns(count, u.arbitrary::<u64>()? as usize)];
     for sweep in sweeps.into_iter().flatten() {
         for i in [0, 1, sweep.count() / 2, sweep.count() - 1] {
             assert!(sweep.at(i).is_finite(), "{sweep:?}");

@@ -109,7 +109,8 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
     let mut first: Option<Vec<Vec<u64>>> = None;
     for (_, level) in level::available().into_iter().step_by(2) {
         for constants in [None, constants.as_ref()] {
-            let execution = Execution { level: Some(level), workers: Some(1), ..Execution::default() };
+            let execution =
+                Execution { level: Some(level), workers: Some(1), ..Execution::default() };
             let (count, length) = match reduction {
                 Some(reduction) => (reduction.results(&plan), rows),
                 None => (plan.planes(), total),
