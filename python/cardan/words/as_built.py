@@ -42,4 +42,4 @@ def as_built_rows(found: list[ShaftOrders], *, radians: bool = False) -> Iterato
             if each.deviates:
                 yield ("  of the drawing", *map(figure_text, drawing))
             for amplitudes in worst:
-                yield ("  within the tolerances up to", *map(figure_text, amplitudes))
+                yield ("  within tolerances of joints up to", *map(figure_text, amplitudes))
