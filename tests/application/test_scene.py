@@ -1206,6 +1206,8 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
         "missing_samples": 1,
         "first_deg": -30.0,
         "last_deg": 60.0,
+        "min_deg": -30.0,
+        "max_deg": 100.0,
         "turns": pytest.approx(170 / 360),
         "samples_per_turn": pytest.approx(3 / 170 * 360),
     }
@@ -1221,8 +1223,11 @@ def test_recordings_tell_their_samples(tmp_path: Path) -> None:
     assert {name for name, of in kinds.items() if of == "samples"} == {
         *("angle_error", "torque", "bending_driven", "bending_driving", "moment")
     }
-    heading = "In these 4 samples, -30.00° to 60.00°, 0.4722 turns of 6.353 samples"
-    assert heading in summary_text(list(table.values()), drive_angles(scene)).splitlines()
+    lines = summary_text(list(table.values()), drive_angles(scene)).splitlines()
+    heading = lines.index(
+        "In these 4 samples, first -30.00°, last 60.00°, least -30.00°, largest 100.00°,"
+    )
+    assert lines[heading + 1] == "  0.4722 turns forward and back, 6.353 samples per turn"
 
 
 def test_table_as_text() -> None:
