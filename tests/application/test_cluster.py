@@ -26,6 +26,7 @@ from cardan.figures.schema import answers_schema  # noqa: E402
 from cardan.figures.summary import drive_angles  # noqa: E402
 from cardan.scene import Scene, cluster, curves  # noqa: E402
 from cardan.words.study import study_text  # noqa: E402
+from example_scenes import example, replaced  # noqa: E402
 
 SCENE = """\
 [driveline]
@@ -215,33 +216,15 @@ def test_the_command_writes_a_folder_and_goes_on(
 
 
 SECTIONS = {
-    "bearings that move and shafts that change their length": """[driveline]
-bends_deg = [10, 12]
-twists_deg = [180]
-lengths_mm = [300, 1200, 300]
-[[bearing]]
-shaft = 0
-position_mm = 100
-[[bearing]]
-shaft = 0
-position_mm = 250
-[[bearing]]
-shaft = 2
-position_m = 0.05
-[[bearing]]
-shaft = 2
-position_mm = 200
-[load]
-output_torque_Nm = 50
-inertias_kgm2 = [0, 0.1, 0]
-speed_rpm = 2000
-[study]
-bearing.1.position_mm = {from = 120, to = 280, steps = 7}
-lengths_mm.1 = [800, 1200, 1600]
-[output]
-quantities = ["joint_force", "bearing_force", "support_moment"]
-reduce = ["peak", "mean"]
-""",
+    "bearings that move": replaced(
+        example("bearings.toml").read_text(),
+        (
+            "[output]",
+            "[study]\nbearing.2.position_mm = {from = 900, to = 1150, steps = 7}\n"
+            "points_mm.1.y = [-20, 0, 20]\n[output]",
+        ),
+        ('curves = "bearings.csv"\npicture = "bearings.svg"\n', 'reduce = ["peak", "mean"]\n'),
+    ),
     "points whose lengths make a spline slide": """[driveline]
 points_mm = [[0, 0, 0], [300, 0, 0], [1500, -150, 20], [1800, -150, 20]]
 [load]

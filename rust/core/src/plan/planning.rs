@@ -96,16 +96,12 @@ impl Plan {
             plan.plan_load(end, request.inertias, &torque);
         }
         plan.shafts.sort_by_key(|step| step.shaft);
+        let steps = plan.joints.iter().enumerate();
+        let pin_loops: usize = steps.map(|(joint, step)| step.pin_loops(joint)).sum();
         plan.any_joint = JointNeeds {
             tilt: plan.joints.iter().any(|step| step.needs_tilt),
             torsion: plan.joints.iter().any(JointStep::needs_load),
-            pin_loops: plan
-                .joints
-                .iter()
-                .enumerate()
-                .map(|(j, step)| step.pin_loops(j))
-                .sum::<usize>()
-                + usize::from(plan.needs_inverse_squares()),
+            pin_loops: pin_loops + usize::from(plan.needs_inverse_squares()),
         };
         Ok(plan)
     }
