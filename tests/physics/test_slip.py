@@ -242,4 +242,4 @@ def test_shafts_that_do_not_exist() -> None:
 
 
 def test_the_examples_in_docstrings() -> None:
-    assert doctest.testmod(installed) == (0, 9)
+    assert doctest.testmod(installed) == (0, 13)

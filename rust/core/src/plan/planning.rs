@@ -138,9 +138,11 @@ impl Plan {
     /// Lists the shafts from the end where the torque is given to the last one whose entering power
     /// is needed; inertias beyond it do not matter.
     pub(super) fn plan_load(&mut self, end: End, inertias: &[usize], torque: &[Option<usize>]) {
-        // In steep chains the terms of the drive shaft cancel, and so do those of different powers.
-        self.refers_forces = self.moderate && !self.is_force_power_absorbed(inertias);
         let (n, bent) = (self.joint_count, self.first_bent());
+        // In steep chains the terms of the drive shaft cancel, and so do those of different powers.
+        // It does not depend on which forces are requested, so neither do their bits.
+        let one_power = !inertias.iter().any(|&shaft| shaft > 0 && shaft < n);
+        self.refers_forces = self.moderate && one_power;
         let joint_before = |shaft: usize| shaft.checked_sub(1).map(|joint| &self.joints[joint]);
         let needed = |shaft: &usize| {
             torque[*shaft].is_some() || joint_before(*shaft).is_some_and(JointStep::needs_load)
@@ -226,15 +228,6 @@ impl Plan {
             _ => forces.add_joint(item, plane),
         };
         planned.map_err(|reason| refused(output, place, &format!("; {reason}")))
-    }
-
-    /// Whether a shaft absorbs power between the joints that forces depend on.
-    fn is_force_power_absorbed(&self, inertias: &[usize]) -> bool {
-        let needed = |&joint: &usize| self.joints[joint].needs_force;
-        let first = (0..self.joint_count).find(needed);
-        let last = (0..self.joint_count).rfind(needed);
-        let (Some(first), Some(last)) = (first, last) else { return false };
-        inertias.iter().any(|&shaft| first < shaft && shaft <= last)
     }
 
     /// Finds the joints from which forces are computed: the first station's for all of them, or each

@@ -25,7 +25,7 @@ pub struct Plan {
     /// Whether the equivalent bend of the whole chain is moderate.
     pub(crate) moderate: bool,
     /// Whether forces are sums over the torsion parts of the drive shaft: the chain is moderate, and
-    /// one power passes all joints that they depend on.
+    /// one power passes all joints.
     pub(crate) refers_forces: bool,
     pub(crate) planes: usize,
     /// The number of planes of each shaft or joint of each output, in order.
