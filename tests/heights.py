@@ -1,4 +1,4 @@
-"""A driveline whose driven end stands at three heights: its scene, and the driveline of each."""
+"""A scene with three heights of the driven end, and the driveline at each height."""
 
 from __future__ import annotations
 

@@ -169,8 +169,8 @@ impl JointStep {
 }
 
 impl Plan {
-    /// Checks that the arrays of drivelines fit together and have what the plan needs; returns the
-    /// number of drivelines.
+    /// Checks the arrays of a batch and returns the number of its drivelines. The arrays must have
+    /// matching lengths and everything that the plan needs.
     pub(crate) fn check_lines(&self, lines: &Drivelines<'_>) -> Result<usize> {
         let count = lines.check(self.joint_count)?;
         if self.as_built == lines.deviations.is_empty() {
