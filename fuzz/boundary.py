@@ -113,9 +113,13 @@ def native(given: Input) -> None:
         load = end and (end, given.flat(), given.flat(), np.array(1.0), inertias)
         single = given.ConsumeBool()
         reduction = given.pick((None, *REDUCTIONS))
+        items = (None, given.count())
+        places = [(0, given.pick(items), given.ConsumeBool()) for _ in given.counts()]
+        names = tuple(name for name in cardan.OUTPUTS if given.ConsumeBool())
         plan = _core.Plan(
             lines,
-            tuple(name for name in cardan.OUTPUTS if given.ConsumeBool()),
+            names,
+            places,
             given.counts(),
             given.counts(),
             load,
@@ -128,12 +132,12 @@ def native(given: Input) -> None:
             plan.explain(tuple(given.counts()), sweep if given.ConsumeBool() else None)
         shape = given.counts() if given.ConsumeBool() else [given.ConsumeIntInRange(0, 9)]
         word = np.float32 if single and reduction is None else np.float64
+        planes = [given.flat().astype(word) for _ in range(given.ConsumeIntInRange(0, 3))]
+        named = {name: given.array(dtype=word.__name__) for name in names}
         plan.run(
             tuple(shape) if given.ConsumeBool() else None,
             sweep if given.ConsumeBool() else given.flat(),
-            [given.flat().astype(word) for _ in range(given.ConsumeIntInRange(0, 3))]
-            if given.ConsumeBool()
-            else None,
+            given.pick((None, planes, named)),
             given.pick((None, 0, 1, 2)),
             given.pick((None, "scalar", "?")),
         )

@@ -93,6 +93,7 @@ class Plan:
         cls,
         lines: Lines,
         outputs: tuple[str, ...],
+        places: list[tuple[int, int | None, bool]],
         shaft_items: list[int],
         joint_items: list[int],
         load: tuple[str, _Spread, _Spread, _Spread, list[tuple[int, _Spread]]] | None,
@@ -105,10 +106,10 @@ class Plan:
         self,
         shape: tuple[int, ...] | None,
         angle: _Spread | Sweep,
-        out: list[NDArray[Any]] | None,
+        out: list[NDArray[Any]] | dict[str, NDArray[Any]] | None,
         workers: int | None,
         level: str | None,
-    ) -> Any: ...  # noqa: ANN401 - an array, or the list given
+    ) -> Any: ...  # noqa: ANN401 - an array, the list given, or a dictionary
 
 @final
 class Torsion:

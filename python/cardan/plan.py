@@ -50,7 +50,6 @@ class Plan:
         "_load",
         "_only_angle_varies",
         "_reduce",
-        "_scalar_outputs",
         "_single_row",
         "_word",
         "_workers",
@@ -99,6 +98,7 @@ class Plan:
         self._core = _core.Plan(
             line._lines,
             layout.names,
+            [*layout.places.values()],
             layout.shafts,
             layout.joints,
             None if load is None else (load.end, *self._load, [*inertias.items()]),
@@ -109,8 +109,7 @@ class Plan:
         self.labels = (*layout.shown, shape, reduce, "rad")
         self.places = layout.places
         self.planes = layout.planes
-        self._scalar_outputs = alone = layout.scalar_outputs
-        self._fast_path = alone and self._single_row and self._word is self.dtype
+        self._fast_path = self._single_row and self._word is self.dtype
         if workers is not None:
             threads.at_most(workers)
 
@@ -130,11 +129,12 @@ class Plan:
             MemoryError: results that do not fit in memory.
             RuntimeError: ``out`` is in use by another call.
         """
-        if self._fast_path and out is None and type(angle) is np.ndarray and angle.dtype is DOUBLE:
+        fits = out is None or type(out) is dict
+        if self._fast_path and fits and type(angle) is np.ndarray and angle.dtype is DOUBLE:
             # The usual call: on a few angles every question shows, that for equal lengths too.
-            block = self._core.run(None, angle, None, threads.at_most(self._workers), self._level)
-            if block is not None:
-                return Result(self.places, self.labels, angle, block)
+            filled = self._core.run(None, angle, out, threads.at_most(self._workers), self._level)
+            if filled is not None:
+                return self._result(angle, filled, out)
         angles: FloatArray | NativeSweep
         if type(angle) is np.ndarray and (angle.dtype is DOUBLE or angle.dtype == DOUBLE):
             angles = angle
@@ -149,46 +149,21 @@ class Plan:
         rows = self._rows(shape) if self._reduce else shape
         samples = None if self._single_row else shape
         workers = threads.at_most(self._workers)
+        if out is None or (type(out) is dict and self._word is self.dtype):
+            filled = self._core.run(samples, angles, out, workers, self._level)
+            if filled is not None:
+                return self._result(angle, filled, out)
         if out is not None:
-            return self._into(out, angle, angles, samples, rows, workers)
-        block = self._core.run(samples, angles, None, workers, self._level)
-        if block is None:
-            # The angles do not lie one after another.
-            return self(as_float64("angle", angle))
-        if self._word is not self.dtype:
-            block = block.astype(self.dtype)
-        return Result(self.places, self.labels, angle, block)
+            return self._call_into_arbitrary_layout(out, angle, angles, samples, rows, workers)
+        # The angles do not lie one after another.
+        return self(as_float64("angle", angle))
 
-    def _into(
-        self,
-        out: Mapping[str, NDArray[Any]],
-        angle: FloatArray | Sweep,
-        angles: FloatArray | NativeSweep,
-        samples: tuple[int, ...] | None,
-        rows: tuple[int, ...],
-        workers: int | None,
-    ) -> Result:
-        """Evaluate into existing arrays, without a copy if their layout allows it."""
-        # What is a dictionary is known at once, other mappings are looked up.
-        if isinstance(out, (dict, Mapping)) and len(out) == len(self.places):
-            alone, dtype, wanted = self._scalar_outputs, self.dtype, rows
-            arrays, planes = {}, []
-            for name, place in self.places.items():
-                array = out.get(name)
-                if not alone:
-                    wanted = self._shape(place, rows)
-                if type(array) is not np.ndarray or array.shape != wanted:
-                    break
-                # Identity is known at once.
-                if array.dtype is not dtype and array.dtype != dtype:
-                    break
-                arrays[name] = array
-                planes.append(array if alone else components_first(array, place))
-            else:
-                run, level = self._core.run, self._level
-                if dtype is self._word and run(samples, angles, planes, workers, level) is not None:
-                    return Result(arrays, self.labels, angle)
-        return self._call_into_arbitrary_layout(out, angle, angles, samples, rows, workers)
+    def _result(self, angle: Any, filled: Any, out: object) -> Result:  # noqa: ANN401
+        """Return the result of a run that has filled a new array, or those of ``out``."""
+        if out is not None:
+            return Result(filled, self.labels, angle)
+        block = filled if self._word is self.dtype else filled.astype(self.dtype)
+        return Result(self.places, self.labels, angle, block)
 
     def _call_into_arbitrary_layout(
         self,

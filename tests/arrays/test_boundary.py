@@ -478,9 +478,11 @@ def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
         *[SOURCES] * 3,
         st.lists(st.tuples(COUNTS, SOURCES), max_size=2),
     )
+    names = tuple(draw(st.lists(st.sampled_from(sorted(OUTPUTS)), max_size=4)))
     plan = _core.Plan(
         lines,
-        tuple(draw(st.lists(st.sampled_from(sorted(OUTPUTS)), max_size=4))),
+        names,
+        draw(st.lists(st.tuples(COUNTS, st.one_of(st.none(), COUNTS), st.booleans()), max_size=4)),
         draw(st.sampled_from([[], [0], [1], [0, 1], [7]])),
         draw(st.sampled_from([[], [0], [7]])),
         draw(st.one_of(st.none(), loads)),
@@ -493,8 +495,9 @@ def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
     with contextlib.suppress(ValueError, MemoryError):
         plan.explain(draw(shapes), sweep)
     word = np.float32 if single and reduction is None else np.float64
-    out = [draw(SOURCES).astype(word) for _ in range(draw(st.integers(0, 3)))]
-    out = draw(st.sampled_from([None, out]))
+    planes = [draw(SOURCES).astype(word) for _ in range(draw(st.integers(0, 3)))]
+    named = {name: draw(SOURCES).astype(word) for name in names}
+    out = draw(st.sampled_from([None, planes, named]))
     done = plan.run(
         draw(st.one_of(st.none(), shapes)),
         draw(st.one_of(SOURCES, st.just(_core.Sweep((0.0, 1.0), 5, 0)))),
@@ -502,4 +505,7 @@ def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
         draw(st.sampled_from([None, 0, 1, 2])),
         None,
     )
-    assert done is None or done is out or (out is None and done.dtype == word)
+    if out is named:
+        assert done is None or list(done) == list(names)
+    else:
+        assert done is None or done is out or (out is None and done.dtype == word)

@@ -12,11 +12,11 @@ use cardan::{
 use numpy::npyffi::npy_intp;
 use numpy::{
     Element, PY_ARRAY_API, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
-    PyReadwriteArray1, PyUntypedArrayMethods,
+    PyReadwriteArray1, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
-use pyo3::types::{PyList, PyTuple};
+use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 
 use crate::convert::{argument_error, count, not_contiguous, slice_mut, value_error};
 use crate::lines::Lines;
@@ -34,6 +34,14 @@ type Spread = Py<PyArrayDyn<f64>>;
 
 /// An array with its strides over the samples.
 type Strided<'py> = (PyReadonlyArrayDyn<'py, f64>, Cow<'static, [usize]>);
+
+/// Where an output lies among the arrays of a caller: its name, how many items it has, if there is
+/// an axis for them, and whether it is a vector.
+struct Place {
+    name: Py<PyString>,
+    items: Option<usize>,
+    is_vector: bool,
+}
 
 /// The end at which the torque is given, torque, speed, acceleration, and pairs of a shaft and its
 /// inertia.
@@ -91,6 +99,8 @@ pub(crate) struct NativePlan {
     /// The number of planes of the results.
     results: usize,
     lines: Py<Lines>,
+    /// Where the outputs lie, in the order of their planes.
+    places: Vec<Place>,
     /// The arrays of the load with their names in messages: torque, speed, acceleration, and the
     /// inertias of the shafts in `inertias`.
     load: Vec<(&'static str, Spread)>,
@@ -101,14 +111,16 @@ pub(crate) struct NativePlan {
 
 #[pymethods]
 impl NativePlan {
-    /// The end of the load is `"drive"` or `"output"`; its arrays are read when the plan runs.
-    /// Without a tolerance the arithmetic is that of the results, single or double precision,
-    /// unless the driveline is too steep for it.
+    /// `places` are the output's first plane, its number of items, if it has an axis for them, and
+    /// whether it is a vector. The end of the load is `"drive"` or `"output"`; its arrays are read
+    /// when the plan runs. Without a tolerance the arithmetic is that of the results, single or
+    /// double precision, unless the driveline is too steep for it.
     #[new]
     #[allow(clippy::too_many_arguments, reason = "flat arguments of one call, named by the caller")]
     fn new(
         lines: Bound<'_, Lines>,
         outputs: Bound<'_, PyTuple>,
+        places: Vec<(usize, Option<usize>, bool)>,
         shaft_items: Bound<'_, PyList>,
         joint_items: Bound<'_, PyList>,
         load: Option<LoadArrays>,
@@ -130,6 +142,10 @@ impl NativePlan {
         }
         let items = shaft_items.len().saturating_add(joint_items.len());
         check_memory(lines.get().joints().saturating_add(items).saturating_mul(2048))?;
+        let place = |(name, (_, items, is_vector)): (Bound<'_, PyAny>, _)| {
+            Ok(Place { name: name.cast_into::<PyString>()?.unbind(), items, is_vector })
+        };
+        let places = outputs.iter().zip(places).map(place).collect::<PyResult<_>>()?;
         let outputs = outputs.iter().map(|name| quantity(&name.extract::<PyBackedStr>()?));
         let outputs = outputs.collect::<PyResult<Vec<_>>>()?;
         let request = Request {
@@ -161,6 +177,7 @@ impl NativePlan {
             single,
             results,
             lines: lines.unbind(),
+            places,
             load: load_arrays,
             inertias,
             constants,
@@ -195,10 +212,12 @@ impl NativePlan {
         })
     }
 
-    /// Fills the arrays of `out`, which hold the planes one after another, or a new array, and
-    /// returns what it has filled. Returns `None` if the angles or an array of `out` are not
-    /// aligned and in C order, or if an array of `out` is read-only or borrowed by another call or
-    /// as an input of this one.
+    /// Fills a new array, the arrays of a list, which hold the planes one after another, or those
+    /// of a dictionary by output, and returns what it has filled, a dictionary in the order of the
+    /// outputs. Returns `None` if the angles or an array of `out` are not aligned and in C order,
+    /// each component of a vector by itself, if an array of `out` is read-only or borrowed by
+    /// another call or as an input of this one, and if a dictionary does not have exactly the
+    /// outputs with their shapes and word.
     ///
     /// Without a shape, the samples have the shape of the angles, and only the angle changes among
     /// them.
@@ -207,7 +226,7 @@ impl NativePlan {
         py: Python<'py>,
         shape: Option<Bound<'py, PyTuple>>,
         angle: Bound<'py, PyAny>,
-        out: Option<Bound<'py, PyList>>,
+        out: Option<Bound<'py, PyAny>>,
         workers: Option<usize>,
         level: Option<&str>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
@@ -267,8 +286,8 @@ impl NativePlan {
             match (out, self.single && self.reduction.is_none()) {
                 (None, false) => filled(py, self.results, rows, double).map(Some),
                 (None, true) => filled(py, self.results, rows, single).map(Some),
-                (Some(out), false) => fill(out, rows, double),
-                (Some(out), true) => fill(out, rows, single),
+                (Some(out), false) => self.fill(out, rows, double),
+                (Some(out), true) => self.fill(out, rows, single),
             }
         })
     }
@@ -303,6 +322,34 @@ impl NativePlan {
             acceleration: source(2)?,
             inertias: self.inertias.iter().enumerate().map(inertia).collect::<PyResult<_>>()?,
         }))
+    }
+
+    /// Runs `body` with the planes of the arrays in `out`, as [`NativePlan::run`] says.
+    fn fill<'py, W: Element>(
+        &self,
+        out: Bound<'py, PyAny>,
+        rows: &[usize],
+        body: impl FnOnce(&mut [&mut [W]]) -> PyResult<()>,
+    ) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let (arrays, filled) = if let Ok(out) = out.cast_exact::<PyDict>() {
+            let filled = PyDict::new(out.py());
+            if out.len() != self.places.len() {
+                return Ok(None);
+            }
+            let mut arrays = Vec::with_capacity(out.len());
+            for place in &self.places {
+                let Some(array) = out.get_item(&place.name)? else { return Ok(None) };
+                let Some(planes) = place.planes_of::<W>(&array, rows)? else { return Ok(None) };
+                arrays.push(planes);
+                filled.set_item(&place.name, array)?;
+            }
+            (arrays, filled.into_any())
+        } else {
+            let list = out.cast_into::<PyList>()?;
+            let arrays = list.iter().map(|array| Ok(array.cast_into::<PyArrayDyn<W>>()?));
+            (arrays.collect::<PyResult<_>>()?, list.into_any())
+        };
+        Ok(fill(arrays, rows, body)?.then_some(filled))
     }
 
     /// Runs or reduces: directly if the run is brief, interruptibly if it is long.
@@ -347,29 +394,52 @@ impl NativePlan {
     }
 }
 
-/// Runs `body` with the planes, which are stored in arrays one after another, and returns the
-/// arrays. Returns `None` if an array is borrowed by another call or is not in C order.
-fn fill<'py, W: Element>(
-    out: Bound<'py, PyList>,
-    rows: &[usize],
-    body: impl FnOnce(&mut [&mut [W]]) -> PyResult<()>,
-) -> PyResult<Option<Bound<'py, PyAny>>> {
-    let length = count(rows)?;
-    let mut arrays = Vec::with_capacity(out.len());
-    for array in &out {
-        let Ok(array) = array.cast_into::<PyArrayDyn<W>>()?.try_readwrite() else {
+impl Place {
+    /// The output's array plane by plane, a vector's components before the samples. `None` if it
+    /// does not have the shape of the output over these rows, or another word.
+    fn planes_of<'py, W: Element>(
+        &self,
+        array: &Bound<'py, PyAny>,
+        rows: &[usize],
+    ) -> PyResult<Option<Bound<'py, PyArrayDyn<W>>>> {
+        let exact = array.cast_exact::<PyUntypedArray>().ok();
+        let Some(array) = exact.and_then(|_| array.cast::<PyArrayDyn<W>>().ok()) else {
             return Ok(None);
         };
+        let components = self.is_vector.then_some(&3);
+        if !array.shape().iter().eq(self.items.iter().chain(rows).chain(components)) {
+            return Ok(None);
+        }
+        if !self.is_vector {
+            return Ok(Some(array.clone()));
+        }
+        let (items, last) = (usize::from(self.items.is_some()), array.ndim() - 1);
+        let axes = (0..items).chain(once(last)).chain(items..last).collect::<Vec<_>>();
+        array.permute(Some(axes)).map(Some)
+    }
+}
+
+/// Runs `body` with the planes, which are stored in arrays one after another. Returns whether it
+/// did: no array may be borrowed by another call or not in C order.
+fn fill<W: Element>(
+    out: Vec<Bound<'_, PyArrayDyn<W>>>,
+    rows: &[usize],
+    body: impl FnOnce(&mut [&mut [W]]) -> PyResult<()>,
+) -> PyResult<bool> {
+    let length = count(rows)?;
+    let mut arrays = Vec::with_capacity(out.len());
+    for array in out {
+        let Ok(array) = array.try_readwrite() else { return Ok(false) };
         arrays.push(array);
     }
     let mut planes = vec![];
     for array in &mut arrays {
         let c_order = array.is_c_contiguous();
-        let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else { return Ok(None) };
+        let Some(words) = array.as_slice_mut().ok().filter(|_| c_order) else { return Ok(false) };
         planes.extend(words.chunks_mut(length.max(1)));
     }
     body(&mut planes)?;
-    Ok(Some(out.into_any()))
+    Ok(true)
 }
 
 /// A new array of `planes` planes, each of the given shape, filled by `body`.

@@ -31,6 +31,9 @@ pub(crate) const CHUNK: usize = 1024;
 /// Samples per chunk with a load, which has more buffers.
 const SHORT_CHUNK: usize = CHUNK / 2;
 
+/// Samples per chunk if one loop finds its pins itself, which has few buffers or none.
+const FRESH_CHUNK: usize = 2 * CHUNK;
+
 /// Samples per chunk of a long sweep that is computed by rotations without staging buffers.
 const LONG_CHUNK: usize = 16 * CHUNK;
 
@@ -103,7 +106,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     pub(crate) fn new(shared: &'a Shared<'a, 's, T>, rows: usize, staging: bool) -> Self {
         let Shared { plan, table, ref routes, .. } = *shared;
         let row_length = table.row_length();
-        let chunk_length = if plan.load.is_some() {
+        let fresh = |folded| sines::are_fresh(plan, routes, folded, GeometryIndex::Shared(0));
+        let is_fresh = shared.fresh_pins && !staging && shared.folded.is_some_and(fresh);
+        let chunk_length = if is_fresh {
+            FRESH_CHUNK
+        } else if plan.load.is_some() {
             SHORT_CHUNK
         } else if routes.has_rotation() && plan.moderate && !plan.needs_poses() && !staging {
             LONG_CHUNK
@@ -170,10 +177,14 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         }
         // Values that all samples of the row share are gathered once, not chunk by chunk.
         for index in self.load_columns() {
+            let longest = self.scratch.longest;
+            let gathered = &mut self.scratch.gathered[index];
+            gathered.resize(longest, 0.0);
             if let (origin, 0) = self.scratch.cursors[index] {
-                self.scratch.gathered[index].fill(self.shared.table.columns[index].data[origin]);
+                gathered.fill(self.shared.table.columns[index].data[origin]);
             }
         }
+        self.scratch.kept_power = 0;
         let rows = match self.shared.table.geometry_variation() {
             GeometryVariation::One => row..row + 1,
             GeometryVariation::ByRow => row..(last + 1).min(row + GROUP),
@@ -355,6 +366,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry);
         if needed.pins && !fresh && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
+            scratch.allocate_pins();
             kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
         }
@@ -391,6 +403,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     level, plan, drive, joints, geometry, scratch, planes, window, row_offset,
                 );
             } else if !motion(scratch, fresh) {
+                scratch.allocate_pins();
                 kernels::find_pins(level, plan, drive, None, scratch, size);
                 motion(scratch, false);
             }
@@ -410,6 +423,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 )
             };
             if !load(scratch, fresh) {
+                scratch.allocate_pins();
                 kernels::find_pins(level, plan, drive, None, scratch, size);
                 load(scratch, false);
             }

@@ -52,6 +52,8 @@ pub(crate) fn run_load<T: Number, W: Float>(
         wide_pins,
         rates,
         power,
+        kept_power,
+        cursors,
         torsion,
         parts,
         support,
@@ -76,7 +78,12 @@ pub(crate) fn run_load<T: Number, W: Float>(
         End::Drive => None,
         End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
     };
-    map::from_doubles(column(TORQUE), first, power.view_mut(size));
+    if *kept_power < size {
+        map::from_doubles(column(TORQUE), first, power.view_mut(size));
+        let (_, step) = cursors[TORQUE];
+        let absorbs = load.stations.iter().any(|station| station.absorbs);
+        *kept_power = if step == 0 && first.is_none() && !absorbs { size } else { 0 };
+    }
     let weighs_power = plan.needs_inverse_squares();
     if weighs_power {
         torsion_parts::inverse_squares(pins, forces.inverse_squares.view_mut(size));

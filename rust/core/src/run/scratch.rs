@@ -14,8 +14,11 @@ use crate::sincos::rotation;
 pub(crate) struct Scratch<T: Number> {
     /// The index of the current row's first element in each column of the table, and its step.
     pub(crate) cursors: Vec<(usize, usize)>,
-    /// The load's columns for the current chunk.
+    /// The load's columns for the current chunk; those that the plan does not need are empty.
     pub(crate) gathered: Vec<Vec<f64>>,
+    /// Samples of the longest chunk.
+    pub(crate) longest: usize,
+    /// Empty until a chunk needs them.
     pub(crate) pins: [Column<T>; 2],
     /// The pins of the load, if it needs all their digits.
     pub(crate) wide_pins: [Column<T>; 2],
@@ -28,6 +31,8 @@ pub(crate) struct Scratch<T: Number> {
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
     pub(crate) rates: Vec<[Column<T>; 2]>,
     pub(crate) power: Column<T>,
+    /// How many samples of `power` all chunks of the row share.
+    pub(crate) kept_power: usize,
     pub(crate) torsion: Column<T>,
     pub(crate) parts: [Column<T>; 3],
     /// The first contribution to the support moment of the shaft that the load has entered.
@@ -58,8 +63,9 @@ impl<T: Number> Scratch<T> {
         let supports = plan.joints.iter().any(JointStep::needs_support);
         Self {
             cursors: vec![(0, 0); table.columns.len()],
-            gathered: if loaded { vec![vec![0.0; longest]; table.columns.len()] } else { vec![] },
-            pins: columns(size(needs_pins)),
+            gathered: if loaded { vec![vec![]; table.columns.len()] } else { vec![] },
+            longest,
+            pins: columns(0),
             wide_pins: columns(size(wide)),
             double_sin_cos: columns(size(routes.has_double_angle())),
             groups: vec![],
@@ -69,12 +75,20 @@ impl<T: Number> Scratch<T> {
             turned_pins: columns(size(tilts)),
             rates: rates.collect(),
             power: Column::new(size(loaded)),
+            kept_power: 0,
             torsion: Column::new(size(moments)),
             parts: columns(size(supports)),
             support: columns(size(supports)),
             forces: ForceBuffers::new(plan, longest),
             errors: vec![],
             as_built: BuffersAsBuilt::new(plan, longest),
+        }
+    }
+
+    /// Allocates the pins, unless they exist.
+    pub(crate) fn allocate_pins(&mut self) {
+        if self.pins[0].is_empty() {
+            self.pins = columns(self.longest);
         }
     }
 
