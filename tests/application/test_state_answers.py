@@ -177,6 +177,22 @@ def test_phase_gives_one_setting_for_all_states(tmp_path: Path) -> None:
     assert "at most 2.829° in bump +80 mm" in text
 
 
+@pytest.mark.parametrize(("bend", "worst", "name"), [(5, "high", "W"), (3, "low", "Z")])
+def test_the_arrangement_is_that_of_the_worst_state(
+    tmp_path: Path, bend: int, worst: str, name: str
+) -> None:
+    """The joints of [driveline] are straight; of the states one is a Z, one a W."""
+    text = (
+        "[driveline]\nbends_deg = [0, 0]\ntwists_deg = [0]\nphases_deg = [90]\n"
+        "[states]\nnames = ['level', 'low', 'high']\n"
+        f"bends_deg.0 = [0, 4, {bend}]\nbends_deg.1 = [0, 4, {bend}]\ntwists_deg.0 = [0, 180, 0]\n"
+    )
+    assert answer("phase", text, tmp_path)["arrangement"] == name
+    said = run("phase", text, tmp_path)[1]
+    assert said.startswith(f"{name} arrangement (in {worst}): the bends lie in one plane, in ")
+    assert "'best' has the least weighted mean over the states" in said
+
+
 def test_weights_move_the_setting_towards_a_state(tmp_path: Path) -> None:
     weights = "weights = [0.2, 0.5, 1, 2, 4, 2, 1, 0.5, 0.2]"
     last = TRUCK.replace(weights, "weights = [0, 0, 0, 0, 0, 0, 0, 0, 1]")

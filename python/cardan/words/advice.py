@@ -22,8 +22,12 @@ SHOWN = 0.005
 
 
 def arrangement_text(data: dict[str, Any]) -> str:
-    """Name the arrangement."""
-    return _NAMES[data["arrangement"]]
+    """Name the arrangement, of states that of the worst at present."""
+    words = _NAMES[data["arrangement"]]
+    if "states" not in data:
+        return words
+    name, colon, bends = words.rstrip(".").partition(":")
+    return f"{name} (in {data['states']['worst']['present']}){colon}{bends}."
 
 
 def advice_text(data: dict[str, Any]) -> str:

@@ -16,6 +16,9 @@ from cardan.workshop import ARROW, SAME_YOKE, VIEW, both_senses
 from cardan.wrapping import fill
 
 _WIDTH = 79
+_BEST = (
+    "'best' has the least weighted mean over the states, so a single state may be worse than now."
+)
 _COLUMNS = {"present": "now", "best": "best", "on_teeth": "on teeth"}
 
 
@@ -104,7 +107,8 @@ def _states_table(data: dict[str, Any]) -> list[str]:
         (f"  {name}", [f"{each[i]:.3f}°" for each in bends.values()])
         for i, name in enumerate(states["names"])
     ]
-    return [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
+    lines = [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
+    return [*lines, "", _BEST]
 
 
 def _setting(shaft: dict[str, Any]) -> str:
