@@ -95,6 +95,12 @@ def test_pages_name_the_files_of_their_scenes() -> None:
             assert named or saved or page.name == "examples.md", page
 
 
+def test_attributes_of_pictures_are_on_one_line() -> None:
+    """An attribute list that is broken over two lines would be shown as text."""
+    for page in PAGES:
+        assert not re.search(r"\)\{[^}\n]*$", page.read_text("utf-8"), re.MULTILINE), page
+
+
 def test_there_is_something_to_run() -> None:
     languages = [block.language for page in PAGES for block in blocks(page.read_text("utf-8"))]
     assert languages.count("python") >= 30
