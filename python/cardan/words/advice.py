@@ -17,6 +17,12 @@ _NAMES = {
     "spatial": "Spatial arrangement: the bends lie in different planes.",
 }
 
+BEST_OF_STATES = (
+    "The best setting has the least weighted mean over the states; single states may be worse than "
+    "now."
+)
+"""What the best of several states is."""
+
 # Less than this, in degrees, would read 0.00.
 SHOWN = 0.005
 

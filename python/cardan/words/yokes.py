@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from cardan.words.advice import (
+    BEST_OF_STATES,
     SHOWN,
     advice_text,
     arrangement_text,
@@ -16,9 +17,6 @@ from cardan.workshop import ARROW, SAME_YOKE, VIEW, both_senses
 from cardan.wrapping import fill
 
 _WIDTH = 79
-_BEST = (
-    "'best' has the least weighted mean over the states, so a single state may be worse than now."
-)
 _COLUMNS = {"present": "now", "best": "best", "on_teeth": "on teeth"}
 
 
@@ -108,7 +106,7 @@ def _states_table(data: dict[str, Any]) -> list[str]:
         for i, name in enumerate(states["names"])
     ]
     lines = [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
-    return [*lines, "", _BEST]
+    return [*lines, "", BEST_OF_STATES]
 
 
 def _setting(shaft: dict[str, Any]) -> str:
