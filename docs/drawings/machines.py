@@ -118,7 +118,7 @@ def machine_steering() -> Drawing:
             (start[0] + across[0], start[1] + across[1]),
             width=5,
         )
-        d.text((end[0] + 18, end[1] - (20 if see is side else 4)), "rack", size=13)
+        d.text((end[0] + 22, end[1] - (20 if see is side else 4)), "rack", size=13)
         d.text((see((450, 0))[0], 10), title, size=13)
     for number in (0, 1):
         x, y = side(points[number + 1, [0, 2]])

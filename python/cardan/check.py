@@ -57,7 +57,7 @@ class Check:
 
     @property
     def ranks(self) -> NDArray[np.int_]:
-        """The worst verdict of all figures, as ``Finding.ranks`` has it."""
+        """Worst verdict of all figures, as ``Finding.ranks``, in the shape of batch and speed."""
         ranks = np.broadcast_arrays(0, *(finding.ranks for finding in self.findings))
         return np.asarray(np.max(ranks, axis=0))
 

@@ -84,12 +84,15 @@ class EquivalentJoint:
 
 
 class Motion(NamedTuple):
-    """The motion of a shaft at drive angles, differentiated by the drive angle."""
+    """The motion of a shaft at drive angles, differentiated by the drive angle.
+
+    All four have the shape of the batch, followed by that of the angles.
+    """
 
     angle_error: Any
     """Angle of the shaft less the drive angle in rad, mean zero over a turn."""
     speed_ratio: Any
-    """First derivative of the shaft's angle."""
+    """First derivative of the shaft's angle, without a unit, as those that follow."""
     acceleration_ratio: Any
     """Second derivative."""
     jerk_ratio: Any

@@ -62,7 +62,7 @@ class Finding:
 
     @property
     def ranks(self) -> NDArray[np.int_]:
-        """The verdicts as positions in ``VERDICTS``: the larger, the worse."""
+        """The verdicts as positions in ``VERDICTS``, in the shape of ``value``; larger is worse."""
         value = np.asarray(self.value)
         if self.limit is None or self.needs_speed:
             return np.zeros(value.shape, dtype=int)
@@ -82,12 +82,15 @@ class Finding:
 
     @property
     def passes(self) -> NDArray[np.bool_]:
-        """Whether the figure is not beyond its maximum; NaN does not pass."""
+        """Whether the figure is not beyond its maximum, in the shape of ``value``; NaN is."""
         return np.asarray(self.ranks <= VERDICTS.index("tolerable"))
 
     @property
     def margin(self) -> FloatArray:
-        """What is left up to the limit, in ``unit``; negative above the limit, NaN without one."""
+        """What is left up to the limit, in ``unit`` and in the shape of ``value``.
+
+        It is negative above the limit, and NaN without one.
+        """
         bound = math.nan if self.limit is None else self.limit.limit
         return np.asarray(bound - self.value)
 
@@ -102,7 +105,10 @@ class Finding:
 
     @property
     def tolerable_up_to(self) -> FloatArray:
-        """The same for the maximum."""
+        """Speed of the drive in rad/s up to which the figure is not beyond its maximum.
+
+        It is infinite and NaN where ``within_up_to`` is.
+        """
         return self._speed_at(math.nan if self.limit is None else self.limit.maximum)
 
     def _speed_at(self, bound: float) -> FloatArray:

@@ -63,7 +63,7 @@ class Life:
 
     @property
     def decisive(self) -> Any:  # noqa: ANN401 - a number or an array
-        """The joint that fails first."""
+        """Index of the joint that fails first, in the shape of the batch and the load."""
         return np.argmin(self.hours, axis=0)
 
 

@@ -86,7 +86,11 @@ class Load:
             object.__setattr__(self, name, kept)
 
     def at_any_angle(self) -> Load:
-        """Return the load of a batch of drivelines with an axis for the drive angles behind it."""
+        """Return the load of a batch of drivelines with an axis for the drive angles behind it.
+
+        Arrays of the shape of the batch get a last axis of length 1; inertias get one before their
+        last axis.
+        """
 
         def column(values: FloatArray, core: int = 0) -> FloatArray:
             return np.expand_dims(values, -1 - core) if values.ndim > core else values

@@ -59,7 +59,7 @@ class Losses:
 
     @property
     def efficiency(self) -> Any:  # noqa: ANN401 - a number or an array
-        """1 minus the fractions of all joints.
+        """1 minus the fractions of all joints, in the shape of the batch and the load.
 
         Raises:
             ValueError: as for ``fraction``.

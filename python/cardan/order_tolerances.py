@@ -52,7 +52,7 @@ class OrderTolerances:
 
     @property
     def rms(self) -> float:
-        """Root mean square of the amplitude of drivelines within the tolerances."""
+        """Root mean square in rad of the amplitude of drivelines within the tolerances."""
         return float(np.sqrt(np.abs(self.drawing) ** 2 + np.sum(self._variances)))
 
     @property

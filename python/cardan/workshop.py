@@ -67,7 +67,12 @@ def turn(angle: ArrayLike) -> Turn:
 
 
 def both_senses(degrees: float, sense: str) -> str:
-    """Return a turn in degrees as words, and the same turn made in the opposite sense."""
+    """Return a turn in degrees as words, and the same turn made in the opposite sense.
+
+    Args:
+        degrees: size of the turn, at most 180.
+        sense: ``"clockwise"`` or ``"counter-clockwise"``.
+    """
     opposite = {"clockwise": "counter-clockwise", "counter-clockwise": "clockwise"}[sense]
     shown = f"{degrees:.2f}"
     return f"{shown}° {sense} = {180.0 - float(shown):.2f}° {opposite}"

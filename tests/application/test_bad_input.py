@@ -49,7 +49,7 @@ def test_wrong_unit(folder: Path) -> None:
     refused(
         "[driveline]\nbends_rad = [0.1]\n",
         "a.toml, line 2: [driveline] unknown key 'bends_rad'; "
-        "the unit stands in the name: bends_deg holds degrees",
+        "the name includes the unit: bends_deg holds degrees",
     )
 
 

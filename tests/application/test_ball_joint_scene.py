@@ -96,7 +96,7 @@ def test_compliances_of_both_materials_add_up() -> None:
     [
         ("load_N = 20000", "", "line 6: [ball_joint] load_N is missing"),
         ("load_N = 20000", "load_N = 0", "line 7: [ball_joint] load_N is 0; it must lie in"),
-        ("load_N = 20000", "load_kN = 20", "the unit stands in the name: load_N holds newtons"),
+        ("load_N = 20000", "load_kN = 20", "the name includes the unit: load_N holds newtons"),
         (
             "half_angle_deg = 60",
             "half_angle_deg = 91",
@@ -112,7 +112,7 @@ def test_compliances_of_both_materials_add_up() -> None:
             "modulus_MPa = 2500",
             "modulus_GPa = 2.5",
             "line 18: [ball_joint] seat has an unknown key 'modulus_GPa'; "
-            "the unit stands in the name: modulus_MPa holds megapascals",
+            "the name includes the unit: modulus_MPa holds megapascals",
         ),
         (
             "layer_mm = 1.0",

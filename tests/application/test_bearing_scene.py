@@ -180,7 +180,7 @@ BROKEN_RULES: list[tuple[str, str, str]] = [
     (
         "position_mm = 1050",
         "position_cm = 105",
-        "line 33: [[bearing]][2] unknown key 'position_cm'; the unit stands in the name: "
+        "line 33: [[bearing]][2] unknown key 'position_cm'; the name includes the unit: "
         "position_mm holds millimetres",
     ),
     (

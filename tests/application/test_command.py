@@ -469,6 +469,21 @@ def test_check_of_a_study_is_of_every_driveline(
     assert run("check", path).exit_code == 0
 
 
+@pytest.mark.parametrize(
+    ("name", "below"),
+    [
+        ("mill_spindle", "Beyond its limit: the life of the joints."),
+        ("steering_column", "Beyond its limit: the symmetry of the steering."),
+        ("ship_shaft", "Beyond their limits: the life of the joints and the tube of shaft 1."),
+        ("test_rig", ""),
+    ],
+)
+def test_check_names_what_else_is_beyond_below_its_verdict(name: str, below: str) -> None:
+    result = run("check", TRUCK.with_name(f"{name}.toml"))
+    assert result.exit_code == (1 if below else 0)
+    assert result.output.splitlines()[1] == below
+
+
 def test_check_of_a_study_from_standstill(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Blocks of drivelines at rest have the same figures as the others."""
     monkeypatch.setattr("cardan.scene.study._BLOCK", 1)
@@ -957,3 +972,9 @@ def test_file_that_does_not_fit(scene: Path, into: Path) -> None:
     assert done.returncode == 2
     assert done.stderr == f"cardan: {into / 'a.csv'}: File too large\n"
     assert list(into.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["", *sorted(commands().list_commands(None))])  # type: ignore[arg-type]
+def test_help_parts_no_name_of_an_option(name: str) -> None:
+    said = run(*filter(None, [name]), "--help").output
+    assert not re.search(r'(?m)(?:^|[\s"])--?$', said)

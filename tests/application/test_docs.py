@@ -85,6 +85,22 @@ def test_snippets(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
             assert not printed, "it prints something that is not shown"
 
 
+def test_pages_name_the_files_of_their_scenes() -> None:
+    """Who reads a page in the repository does not see what the site includes."""
+    for page in PAGES:
+        text = page.read_text("utf-8")
+        for title, file in re.findall(r'^```toml title="(.*?)"\n--8<-- "(.*?)"\n', text, re.M):
+            named = f"This scene is `{file}` in the repository." in text
+            saved = f"Save this scene as `{title}`. In the repository it is `{file}`." in text
+            assert named or saved or page.name == "examples.md", page
+
+
+def test_attributes_of_pictures_are_on_one_line() -> None:
+    """An attribute list that is broken over two lines would be shown as text."""
+    for page in PAGES:
+        assert not re.search(r"\)\{[^}\n]*$", page.read_text("utf-8"), re.MULTILINE), page
+
+
 def test_there_is_something_to_run() -> None:
     languages = [block.language for page in PAGES for block in blocks(page.read_text("utf-8"))]
     assert languages.count("python") >= 30

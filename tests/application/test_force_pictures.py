@@ -18,6 +18,7 @@ from matplotlib.patches import Polygon
 
 from cardan import Driveline, Load
 from cardan.command import commands
+from cardan.figures.force_paths import ForcePath, force_paths
 from cardan.figures.scene_forces import scene_force_paths
 from cardan.plots import plot_driveline, plot_force_hodograph, plot_forces
 from cardan.plots.driveline import _BEARING
@@ -83,6 +84,28 @@ def test_angles_and_the_largest_force_are_marked() -> None:
     np.testing.assert_array_equal(arrow.xy, path[np.argmax(np.hypot(*path.T))])  # type: ignore[attr-defined]
     assert axes.get_title(loc="left").startswith("Bearing 2, up to 138.5 N")
     assert axes.get_aspect() == 1.0
+
+
+def test_of_equal_forces_the_arrow_is_the_first() -> None:
+    """A path that repeats after 90°, whose second half is larger by rounding."""
+    angle = np.arange(361) / 2.0
+    size = 3.0 + np.sin(np.radians(4.0 * angle))
+    path = ForcePath("joint", 0, 1, "y", angle, size * (1.0 + 1e-13 * (angle > 90.0)), 0.0 * angle)
+    assert path.angle_deg[path.largest] == 22.5
+    assert path.size == pytest.approx(4.0, rel=1e-12)
+
+
+def test_angles_lie_within_the_axes() -> None:
+    """Those of bearings 0 and 1 lie on the horizontal axis, to the left and to the right."""
+    figure = plot_forces(force_paths(LINE, LOAD))
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        room = axes.get_window_extent()
+        for text in axes.texts:
+            at = text.get_window_extent()
+            if text.get_text():
+                assert room.x0 < at.x0 < at.x1 < room.x1, text
+                assert room.y0 < at.y0 < at.y1 < room.y1, text
 
 
 def test_a_shaft_along_y_has_z_upwards() -> None:

@@ -451,7 +451,7 @@ def test_what_is_refused_in_a_file(
         (ANGLES + "raster_s = 0.1\n", "run.csv has no channels to resample; only MDF files have"),
         (
             ANGLES.replace("time_column_s", "time_column_ms"),
-            "unknown key 'time_column_ms'; the unit stands in the name: time_column_s holds sec",
+            "unknown key 'time_column_ms'; the name includes the unit: time_column_s holds sec",
         ),
         (ANGLES + "filter_reach = 0\n", "filter_reach is 0; it must be a whole number from 2 to"),
         (

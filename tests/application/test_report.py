@@ -106,6 +106,18 @@ class PageText(HTMLParser):
             self.text += data if self._inside == "pre" else re.sub(r"\s+", " ", data)
 
 
+@pytest.mark.parametrize(
+    "states", ["", "[states]\nbends_deg.0 = [15, 15]\nbends_deg.1 = [15, 15]\n"]
+)
+def test_joints_that_cancel_have_no_harmonics(tmp_path: Path, states: str) -> None:
+    """What is left of them is rounding, 1e-16 deg here."""
+    page = written(
+        scene(f"[driveline]\nbends_deg = [15, 15]\ntwists_deg = [180]\n{states}"), tmp_path
+    )
+    (found,) = (rows for caption, rows in tables(page).items() if "Harmonics" in caption)
+    assert [cells[1:] for cells in found[1:]] == 3 * [["0", "0"]]
+
+
 def test_tables_are_the_librarys(tmp_path: Path) -> None:
     found = tables(written(scene(Z_SHAFT), tmp_path))
     assert ["Torque at the drive", "300.0 N m"] in found["Load and drive"]

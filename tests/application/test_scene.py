@@ -482,7 +482,7 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("limits") + "equivalent_bend = 4",
         4,
-        "[limits] unknown key 'equivalent_bend'; the unit stands in the name: "
+        "[limits] unknown key 'equivalent_bend'; the name includes the unit: "
         "equivalent_bend_deg holds degrees",
     ),
     (
@@ -734,7 +734,7 @@ COLUMN = "file = 'run.csv'\nangle_column_rad = 'turn'\n"
         (JOINT + "[angles]\nangle_column_deg = 'a'", "line 3: [angles] file is missing"),
         (
             JOINT + "[angles]\nangle_column = 'a'",
-            "line 4: [angles] unknown key 'angle_column'; the unit stands in the name: "
+            "line 4: [angles] unknown key 'angle_column'; the name includes the unit: "
             "angle_column_deg holds degrees, angle_column_rad holds radians",
         ),
         (
@@ -925,7 +925,7 @@ def test_wrong_units(section: str, key: str, held: str) -> None:
     with pytest.raises(ValueError, match="unit") as caught:
         Scene.parse(f"{head}{key} = [1]")
     place = f"scene, line {head.count(chr(10)) + 1}: [{section}]"
-    wanted = f"{place} unknown key '{key}'; the unit stands in the name: {held}"
+    wanted = f"{place} unknown key '{key}'; the name includes the unit: {held}"
     assert str(caught.value) == wanted
 
 

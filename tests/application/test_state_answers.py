@@ -21,6 +21,7 @@ from cardan.figures.steering import steering_figures
 from cardan.plots import plot_states, write_picture
 from cardan.report import write_report
 from cardan.scene import Scene, StatesResult
+from pages import page_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRUCK = (EXAMPLES / "ride_heights.toml").read_text(encoding="utf-8")
@@ -175,6 +176,30 @@ def test_phase_gives_one_setting_for_all_states(tmp_path: Path) -> None:
     text = run("phase", TRUCK, tmp_path)[1]
     assert "On these teeth the driveline passes the check in every state." in text
     assert "at most 2.829° in bump +80 mm" in text
+
+
+@pytest.mark.parametrize(("bend", "worst", "name"), [(5, "high", "W"), (3, "low", "Z")])
+def test_the_arrangement_is_that_of_the_worst_state(
+    tmp_path: Path, bend: int, worst: str, name: str
+) -> None:
+    """The joints of [driveline] are straight; of the states one is a Z, one a W."""
+    text = (
+        "[driveline]\nbends_deg = [0, 0]\ntwists_deg = [0]\nphases_deg = [90]\n"
+        "[states]\nnames = ['level', 'low', 'high']\n"
+        f"bends_deg.0 = [0, 4, {bend}]\nbends_deg.1 = [0, 4, {bend}]\ntwists_deg.0 = [0, 180, 0]\n"
+    )
+    assert answer("phase", text, tmp_path)["arrangement"] == name
+    said = run("phase", text, tmp_path)[1]
+    assert said.startswith(f"{name} arrangement (in {worst}): the bends lie in one plane, in ")
+    assert "The best setting has the least weighted mean over the states" in said
+
+
+def test_a_report_says_what_the_best_of_several_states_is(tmp_path: Path) -> None:
+    said = (
+        "The best setting has the least weighted mean over the states; single states may be worse"
+    )
+    assert said in page_of(TRUCK, tmp_path)
+    assert said not in page_of("[driveline]\nbends_deg = [5, 6]\n", tmp_path)
 
 
 def test_weights_move_the_setting_towards_a_state(tmp_path: Path) -> None:

@@ -497,7 +497,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         (
             STUDY + "bends_rad = [1]",
             "line 7: [study] unknown key 'bends_rad'; "
-            "the unit stands in the name: bends_deg holds degrees",
+            "the name includes the unit: bends_deg holds degrees",
         ),
         (
             TWO + "[output]\ntable = 'a.csv'",

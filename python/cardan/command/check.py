@@ -17,7 +17,7 @@ from cardan.figures.advice import scene_advice
 from cardan.figures.as_built import as_built_orders
 from cardan.figures.backlash import scene_backlash
 from cardan.figures.drive_speed import drive_speed
-from cardan.figures.limits import check_data, check_scene, passes
+from cardan.figures.limits import check_data, check_scene, parts_beyond, passes
 from cardan.figures.slides import scene_slides
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
@@ -59,7 +59,7 @@ def run(path: Path, *, as_json: bool) -> int:
     say(
         as_json_text(check_data(loaded, found, sentences))
         if as_json
-        else check_text(found, sentences)
+        else check_text(found, sentences, parts_beyond(loaded))
     )
     if loaded.states and not as_json:
         say(f"\n{verdicts_text(verdicts(loaded, found))}")

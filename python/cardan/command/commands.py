@@ -197,16 +197,32 @@ def commands() -> click.Group:
     @click.option(
         "--study",
         metavar="FIGURE",
-        help="Draw this figure of the study or of the states instead.",
+        help="Draw this figure of the study or of the states: curves over one key, a map over two.",
     )
     @click.option(
         "--over",
         type=click.Choice(get_args(Over)),
-        help="Draw over this; default: the time where it was recorded, else the turns.",
+        help="Draw over this; default: the time where it was recorded, else the turns. Orders "
+        "are multiples of the drive's rotation.",
     )
-    @click.option("--forces", is_flag=True, help="Draw the paths of the force vectors instead.")
-    @click.option("--slides", is_flag=True, help="Draw the axial travel of offset axes instead.")
-    @click.option("--backlash", is_flag=True, help="Draw play and wind-up of the joints instead.")
+    @click.option(
+        "--forces",
+        is_flag=True,
+        help="Draw the paths of the force vectors of joints and bearings over a turn, seen along "
+        "their shafts.",
+    )
+    @click.option(
+        "--slides",
+        is_flag=True,
+        help="Draw the axial travel of shafts whose axes do not meet, over the turn and by order; "
+        "the scene needs [offsets].",
+    )
+    @click.option(
+        "--backlash",
+        is_flag=True,
+        help="Draw the torque over the angle of the last shaft, through the play and the wind-up "
+        "of the joints, while the drive is held.",
+    )
     def plot(
         scene: Path,
         output: Path | None,

@@ -66,21 +66,16 @@ Example:
 """
 
 PLOT = f"""\
-Draw a scene and write the picture to a file that ends in {", ".join(SUFFIXES)}.
+Draw a scene and write the picture to a file that ends in {" or ".join(SUFFIXES)}.
+
+By default the picture shows the driveline, its key figures and its curves over the turn. The
+options draw something else.
 
 \b
 Examples:
   cardan plot shaft.toml
   cardan plot shaft.toml --output shaft.png
   cardan plot shaft.toml --over orders
-
-"--over orders" draws the amplitudes of each quantity by multiples of the drive's rotation.
-"--study equivalent_bend" draws that figure of the study over the keys that vary: curves over
-one key, a map over two.
-With "--forces" the picture has the path of each force vector over a turn, of joints and
-bearings, seen along their shafts. With "--slides" it has the axial travel of shafts whose axes
-do not meet, over the turn and by order; the scene needs [offsets]. With "--backlash" it has the
-torque over the angle of the last shaft while the drive is held, through the play of the joints.
 """
 
 CHECK = """\
@@ -92,8 +87,9 @@ your own figures, and each limit is printed with its source. With a speed given,
 the last shaft and by the shafts between two joints is printed as well.
 
 A figure is within its limit, tolerable (above the limit but not above the maximum) or beyond. The
-exit status is 0 for within and tolerable, and 1 for beyond. In a study every driveline counts, and
-each figure is the worst of them, with its place.
+exit status is 0 for within and tolerable, and 1 for beyond. Splines, steering, joints, tubes and
+ball joints that exceed what the scene permits count as beyond; they are listed below the verdict.
+In a study every driveline counts, and each figure is the worst of them, with its place.
 
 \b
 Examples:

@@ -70,7 +70,8 @@ ADVICE_KEYS: dict[str, Any] = {
 _NAME, _BENDS = {"type": "string"}, {"type": "array", "items": _DEG}
 STATES_ADVICE_SCHEMA: dict[str, Any] = {
     "description": "the equivalent bend in each state, and the states in which it is largest; "
-    "equivalent_bend_deg and cause are then of these worst states",
+    "equivalent_bend_deg and cause are then of these worst states, arrangement is that of the "
+    "worst state at present",
     **record(
         {
             "names": {"type": "array", "items": _NAME},
@@ -156,9 +157,11 @@ def states_advice(scene: Scene) -> dict[str, Any]:
         for key, phases in settings.items()
     }
     largest = {key: max(bends) for key, bends in each.items()}
+    worst = {key: int(np.argmax(bends)) for key, bends in each.items()}
     within = {key: bend <= found["limit_deg"] * (1.0 + ROUNDING) for key, bend in largest.items()}
     return {
         **found,
+        "arrangement": arrangement(lines[worst["present"]]),
         "equivalent_bend_deg": largest,
         "cause": "none" if within["present"] else "phases" if within["best"] else "bends",
         "bend_ranges": [],
@@ -166,7 +169,7 @@ def states_advice(scene: Scene) -> dict[str, Any]:
             "names": list(states.names),
             "weights": states.weights.tolist(),
             "equivalent_bend_deg": each,
-            "worst": {key: states.names[int(np.argmax(bends))] for key, bends in each.items()},
+            "worst": {key: states.names[index] for key, index in worst.items()},
         },
     }
 

@@ -11,6 +11,7 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.figures.forces import FORCES, ForceSource, force_source
+from cardan.figures.rounding import first_peak
 from cardan.load import Load
 from cardan.sweep import Sweep
 
@@ -53,8 +54,8 @@ class ForcePath:
 
     @property
     def largest(self) -> int:
-        """Index of the sample at which the force is largest."""
-        return int(np.argmax(np.hypot(self.across, self.upwards)))
+        """Index of the first sample at which the force is largest, except for rounding."""
+        return first_peak(np.hypot(self.across, self.upwards))[0]
 
     @property
     def size(self) -> float:

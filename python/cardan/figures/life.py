@@ -170,7 +170,7 @@ def needed_life(scene: Scene) -> LifeFigures:
         return found
     if scene.service.joints is None:
         raise ValueError(
-            f"{scene.name}: section [joints] is missing; it says of what size the joints are"
+            f"{scene.name}: section [joints] is missing; it gives the size of the joints"
         )
     raise ValueError(
         f"{scene.name}: a life needs a speed and a torque: in [load], or of each step in [life]"

@@ -177,16 +177,24 @@ def check_data(scene: Scene, found: Check, advice: Sequence[str] = ()) -> dict[s
 
 def passes(scene: Scene | BallJointScene) -> bool:
     """Whether what a scene has besides its driveline is within what the scene allows."""
-    slip = slip_figures(scene) if isinstance(scene, Scene) else None
-    steered = steering_figures(scene) if isinstance(scene, Scene) else None
-    if steered is not None and not steered.passes:
-        return False
+    return not parts_beyond(scene)
+
+
+def parts_beyond(scene: Scene | BallJointScene) -> list[str]:
+    """Return what a scene has besides its driveline that is beyond what the scene allows."""
+    beyond = []
     if isinstance(scene, Scene):
-        life = life_figures(scene)
-        if not (life is None or life.passes) or not all(t.passes for t in tube_figures(scene)):
-            return False
-    case = scene.ball_joint
-    return (slip is None or slip.passes) and (case is None or ball_joint_figures(case).passes)
+        slip, steered, life = slip_figures(scene), steering_figures(scene), life_figures(scene)
+        judged = {
+            "the spline": slip is None or slip.passes,
+            "the symmetry of the steering": steered is None or steered.passes,
+            "the life of the joints": life is None or life.passes,
+            **{f"the tube of shaft {tube.shaft}": tube.passes for tube in tube_figures(scene)},
+        }
+        beyond = [name for name, is_within in judged.items() if not is_within]
+    if scene.ball_joint and not ball_joint_figures(scene.ball_joint).passes:
+        beyond.append("the ball joint")
+    return beyond
 
 
 def ball_joint_check_data(scene: BallJointScene) -> dict[str, Any]:

@@ -197,7 +197,7 @@ def needed_tolerances(scene: Scene) -> ToleranceFigures:
     """
     found = tolerance_figures(scene)
     if found is None:
-        raise ValueError(f"{scene.name}: section [tolerances] is missing; it says how exact all is")
+        raise ValueError(f"{scene.name}: section [tolerances] is missing; it gives the tolerances")
     return found
 
 

@@ -84,6 +84,9 @@ def plot_seat_section(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     Args:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
     """
     theta, pressure = pressure_curve(case)
     found = ball_joint_figures(case)
@@ -130,6 +133,9 @@ def plot_seat_pressure(case: BallJointCase, *, ax: Axes | None = None) -> Axes:
     Args:
         case: the ball joint of a scene.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
+
+    Raises:
+        ImportError: matplotlib is missing.
     """
     theta, pressure = pressure_curve(case)
     fit = fitting_curve(case, theta)

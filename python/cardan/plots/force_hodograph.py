@@ -121,7 +121,7 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
         _name_angles(axes, path)
     axes.set_aspect("equal", adjustable="datalim")
     # Room around the path for the angles.
-    axes.margins(0.22)
+    axes.margins(0.32)
     value_ticks(axes.xaxis, 4)
     value_ticks(axes.yaxis, 4)
     axes.set_xlabel("force to the right [N]")

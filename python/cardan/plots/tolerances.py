@@ -76,7 +76,7 @@ def plot_tolerances(found: Tolerances, of: str | None = None, *, ax: Axes | None
         upto.spines["right"].set_visible(True)
         places = np.unique(np.linspace(0, len(values) - 1, _POINTS).astype(int))
         upto.plot(
-            values[places], 100.0 * (places + 1) / len(values), label="share up to", **LINES[0]
+            values[places], 100.0 * (places + 1) / len(values), label="cumulative share", **LINES[0]
         )
         upto.set_ylim(0.0, 108.0)
         upto.set_yticks([0, 25, 50, 75, 95])

@@ -17,7 +17,7 @@ from cardan.report.limits import groups, shown, verdict_of
 from cardan.report.motion import deviates, turn_motion
 from cardan.report.samples import Samples
 from cardan.scene.scene import Scene
-from cardan.words.advice import advice_text, arrangement_text, remedies
+from cardan.words.advice import BEST_OF_STATES, advice_text, arrangement_text, remedies
 from cardan.words.drive_speed import heading_text, sentences
 from cardan.words.forces import largest_text, reasons
 from cardan.words.summary import figure_text, range_ends
@@ -187,7 +187,7 @@ def _yokes(data: dict[str, Any]) -> dict[str, Any]:
         "teeth": [line.removeprefix("- ") for line in tooth_lines(data)],
         "of": "Largest equivalent bend of all states" if "states" in data else "Equivalent bend",
         "bends": [(_SETTINGS[key], f"{bend:.3f}°") for key, bend in bends.items()],
-        "advice": advice_text(data),
+        "advice": " ".join([BEST_OF_STATES] * ("states" in data) + [advice_text(data)]),
         "tried": "On these teeth" if data["teeth"] else "With this setting",
         "above_limits": data["above_limits"],
         "phases": phases_text(data),

@@ -12,6 +12,7 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.figures.as_built import ORDERS, as_built_orders
 from cardan.figures.catalogue import fork_signs
+from cardan.figures.rounding import is_cancelled
 from cardan.figures.states import forces_of
 from cardan.figures.summary import within_turn
 from cardan.report.motion import deviates, equivalent, turn_motion
@@ -154,9 +155,13 @@ def results(samples: Samples) -> list[Table]:
         )
     if not scene.line.shape:
         orders = (2, 4, 6)
-        series = (scene.drivelines() if scene.states else scene.line).harmonics(orders)
+        lines = scene.drivelines() if scene.states else scene.line
+        series = lines.harmonics(orders)
+        # What is left where the joints cancel is rounding of the geometry.
+        single = lines if lines.shape else [lines]
+        moved = np.array([not is_cancelled(line, line.equivalent()) for line in single])
         errors, ratios = (
-            np.max(amplitudes.reshape(-1, len(orders)), axis=0)
+            np.max(moved[:, None] * amplitudes.reshape(-1, len(orders)), axis=0)
             for amplitudes in (series.angle_error, series.speed_ratio)
         )
         amplitudes = [

@@ -45,7 +45,7 @@ BALL_JOINT = Section(
         "picture": Key(
             kinds.PICTURE_FILE,
             "file for the picture of the pressure on the seat; its name ends in "
-            + ", ".join(pictures.SUFFIXES),
+            + " or ".join(pictures.SUFFIXES),
         ),
     },
     needed=(("load_N",),),

@@ -85,7 +85,7 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "file": Key(
                     kinds.RECORDING,
                     "path from the folder of the scene; its name ends in "
-                    + ", ".join(recording.SUFFIXES),
+                    + " or ".join(recording.SUFFIXES),
                 ),
                 "angle_column_deg": Key(kinds.TEXT, "name of the column in degrees"),
                 "angle_column_rad": Key(kinds.TEXT, "or: of the column in radians"),
@@ -207,12 +207,12 @@ FORMAT: Mapping[str, Section] = MappingProxyType(
                 "curves": Key(
                     kinds.CURVES_FILE,
                     "file for the quantities over the drive angle; its name ends in "
-                    + ", ".join(columns.SUFFIXES),
+                    + " or ".join(columns.SUFFIXES),
                 ),
                 "table": Key(kinds.TABLE_FILE, "file for the table of the study; same endings"),
                 "picture": Key(
                     kinds.PICTURE_FILE,
-                    f"file for the picture; its name ends in {', '.join(pictures.SUFFIXES)}",
+                    f"file for the picture; its name ends in {' or '.join(pictures.SUFFIXES)}",
                 ),
                 "axes": Key(
                     kinds.VECTOR_AXES,

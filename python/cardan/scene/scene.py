@@ -130,6 +130,9 @@ class Scene:
     def load(cls, path: str | PathLike[str]) -> Self:
         """Read a scene file; paths in it are relative to its folder.
 
+        Args:
+            path: of the file.
+
         Raises:
             ImportError: it names a file whose library is missing.
             OSError: the file cannot be read.
@@ -202,6 +205,9 @@ class Scene:
         All unknown keys and values of the wrong kind are found at once. Only if there are none,
         values that do not fit together are found.
 
+        Args:
+            path: of the file.
+
         Raises:
             ImportError: it names a file whose library is missing.
             OSError: the file cannot be read.
@@ -257,7 +263,7 @@ class Scene:
 
     @property
     def line_as_built(self) -> Driveline:
-        """The driveline with the deviations of its joints."""
+        """The driveline with the deviations of [joints]; that of the drawing if there are none."""
         if self.deviations is None:
             return self.line
         return self.line.with_deviations(*self.deviations.T)
@@ -293,7 +299,15 @@ class Scene:
         return self.layout.drivelines(changes=changes)
 
     def in_state(self, state: int) -> Self:
-        """Return the scene of one of its states alone, without [states]."""
+        """Return the scene of one of its states alone, without [states].
+
+        Args:
+            state: number of the state, counted from 0.
+
+        Raises:
+            IndexError: a state that does not exist.
+            ValueError: the scene has no section [states].
+        """
         if self.states is None:
             raise ValueError(f"{self.name}: it has no section [states]")
         return replace(
@@ -324,12 +338,20 @@ class Scene:
         return SceneResult(self, values, study)
 
     def evaluate(self) -> Result:
-        """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``."""
+        """Return the quantities over the drive angles, in the shapes of ``SceneResult.values``.
+
+        Raises:
+            ValueError: as for ``Driveline.evaluate``.
+        """
         line = self.line_as_built
         return line.evaluate(self.angle, self.quantities, **self._arguments())
 
     def plan(self) -> Any:  # noqa: ANN401 - what Driveline.plan returns
-        """Return the plan of the scene's evaluation, as ``Driveline.plan`` does."""
+        """Return the plan of the scene's evaluation, as ``Driveline.plan`` does.
+
+        Raises:
+            ValueError: as for ``Driveline.plan``.
+        """
         line: Any = self.line_as_built
         return line.plan(self.quantities, **self._arguments())
 

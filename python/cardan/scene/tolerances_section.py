@@ -27,7 +27,7 @@ TOLERANCES = Section(
         ),
         "driving_yoke_deg": Key(
             kinds.TOLERANCES,
-            "of the deviations of joints as built, as [joints] has them: of the driving yokes; one "
+            "of the angle by which driving yokes lean, which [joints] gives as measured; one "
             "number, or one per joint",
         ),
         "cross_deg": Key(kinds.TOLERANCES, "of the crosses"),
@@ -63,13 +63,14 @@ TOLERANCES = Section(
         ),
         "reduce": Key(
             kinds.WORST_REDUCED,
-            "of outputs that are named without it, of the last shaft or of all joints: "
+            "of outputs that are named without a reduction, of the last shaft or of all joints: "
             f"{', '.join(REDUCTIONS)}",
             default="peak",
         ),
         "limit": Key(
             kinds.POSITIVE,
-            "of the only figure: degrees for an angle, else SI units; default: that of [limits]",
+            "of a single figure, in degrees for an angle, else in SI units; default: that of "
+            "[limits]",
         ),
         "samples": Key(kinds.SAMPLES, "random drivelines", default=100_000),
         "seed": Key(kinds.SEED, "of their random numbers", default=0),

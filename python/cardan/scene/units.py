@@ -74,7 +74,7 @@ def units_of(key: str, known: Iterable[str]) -> str:
     """Say which known keys hold the quantity of a key in their own units; "" if there is none.
 
     >>> units_of("bends_rad", ["bends_deg", "phases_deg"])
-    'the unit stands in the name: bends_deg holds degrees'
+    'the name includes the unit: bends_deg holds degrees'
     """
     quantity, _ = _split(key, (*ENDINGS, *_OTHER_ENDINGS))
     endings = {name: split(name)[1] for name in known if name != quantity}
@@ -83,7 +83,7 @@ def units_of(key: str, known: Iterable[str]) -> str:
         for name, ending in endings.items()
         if ending and split(name)[0] == quantity
     )
-    return f"the unit stands in the name: {held}" if held else ""
+    return f"the name includes the unit: {held}" if held else ""
 
 
 def ending_of(symbol: str) -> str:

@@ -78,6 +78,9 @@ class Tolerances:
     def in_state(self, state: SupportsIndex) -> Tolerances:
         """Return the same in one of the states alone, with the same random numbers.
 
+        Args:
+            state: number of the state, counted from 0.
+
         Raises:
             IndexError: a state that does not exist.
             TypeError: an index that is not an integer.
@@ -134,7 +137,7 @@ class Tolerances:
 
     @property
     def nominal(self) -> Any:  # noqa: ANN401 - an array, or one per name
-        """The figure of the driveline as drawn."""
+        """The figure of the driveline as drawn, in the SI unit ``unit(name)``, shape: the batch."""
         return self._each(Design.nominal)
 
     @cached_property
@@ -347,11 +350,22 @@ class Tolerances:
     """``limit`` in degrees."""
 
     def quantile_deg(self, share: ArrayLike) -> Any:  # noqa: ANN401
-        """Return ``quantile`` in degrees."""
+        """Return ``quantile`` in degrees, with its arguments and errors.
+
+        Raises:
+            ValueError: a figure that is not an angle.
+        """
         return self._degrees(self.quantile(share))
 
     def unit(self, name: str) -> str:
-        """Return the SI unit of a figure."""
+        """Return the SI unit of a figure, such as ``"rad"``; ``"1"`` if it has none.
+
+        Args:
+            name: one of ``of``.
+
+        Raises:
+            KeyError: a figure that was not asked for.
+        """
         return self._quantities[name].unit
 
     def __repr__(self) -> str:

@@ -122,7 +122,7 @@ class TorsionalSystem:
 
     @property
     def compliant(self) -> tuple[int, ...]:
-        """The compliant shafts."""
+        """Indices of the compliant shafts in order, the first axis of their torques."""
         return self._parameters.compliant
 
     @property

@@ -17,13 +17,23 @@ _NAMES = {
     "spatial": "Spatial arrangement: the bends lie in different planes.",
 }
 
+BEST_OF_STATES = (
+    "The best setting has the least weighted mean over the states; single states may be worse than "
+    "now."
+)
+"""What the best of several states is."""
+
 # Less than this, in degrees, would read 0.00.
 SHOWN = 0.005
 
 
 def arrangement_text(data: dict[str, Any]) -> str:
-    """Name the arrangement."""
-    return _NAMES[data["arrangement"]]
+    """Name the arrangement, of states that of the worst at present."""
+    words = _NAMES[data["arrangement"]]
+    if "states" not in data:
+        return words
+    name, colon, bends = words.rstrip(".").partition(":")
+    return f"{name} (in {data['states']['worst']['present']}){colon}{bends}."
 
 
 def advice_text(data: dict[str, Any]) -> str:

@@ -56,7 +56,7 @@ def life_sentences(found: LifeFigures) -> Iterator[str]:
         )
     if found.heat is not None and found.efficiency is not None:
         yield (
-            f"Over the duty cycle the joints take {figure_text(found.heat)} W; "
+            f"Over the duty cycle the joints dissipate {figure_text(found.heat)} W; "
             f"the efficiency is {100.0 * found.efficiency:.2f} %."
         )
 

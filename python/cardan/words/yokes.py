@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from cardan.words.advice import (
+    BEST_OF_STATES,
     SHOWN,
     advice_text,
     arrangement_text,
@@ -104,7 +105,8 @@ def _states_table(data: dict[str, Any]) -> list[str]:
         (f"  {name}", [f"{each[i]:.3f}°" for each in bends.values()])
         for i, name in enumerate(states["names"])
     ]
-    return [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
+    lines = [f"{label:{width}}" + "".join(f"{cell:>12}" for cell in cells) for label, cells in rows]
+    return [*lines, "", BEST_OF_STATES]
 
 
 def _setting(shaft: dict[str, Any]) -> str:
