@@ -270,6 +270,23 @@ def test_views_of_the_report_show_the_forces() -> None:
             np.testing.assert_array_equal([float(at_x), float(at_y)], drawn[2 * int(name[:-1])])
 
 
+def test_drive_angles_are_written_close_to_their_marks_and_cover_nothing() -> None:
+    for view in force_views(Scene.parse(TEXT)):
+        path = np.array([pair.split(",") for pair in view["path"].split()], float)
+        foot, head = np.array([p.split() for p in view["arrow"][1:].split("L")[:2]], float)
+        arrow = foot + np.linspace(0.0, 1.0, 99)[:, None] * (head - foot)
+        # A path that is no larger than a label has none.
+        assert bool(view["marks"]) == bool(np.ptp(path, axis=0).max() > 30.0)
+        for *numbers, name in view["marks"]:
+            x, y, text_x, foot_of_text = map(float, numbers)
+            # The middle of the text; its foot is 4 below.
+            text = np.array([text_x, foot_of_text - 4.0])
+            assert 14.5 < np.hypot(*(text - (x, y))) < 18.0, name
+            assert np.hypot(*(path - text).T).min() > 14.5, name
+            assert np.hypot(*(arrow - text).T).min() > 8.5, name
+            assert np.abs(text - np.array(view["zero"], float)).min() > 8.5, name
+
+
 def test_page_has_bearings_and_paths(tmp_path: Path) -> None:
     page = report(tmp_path)
     assert page.count('<path class="vector"') == 8

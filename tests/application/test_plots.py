@@ -36,7 +36,9 @@ from cardan.outputs import OUTPUTS
 from cardan.plots import plot_scene, space, write_picture
 from cardan.plots.bands import Bands
 from cardan.plots.key_figures import key_figures
+from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import View
+from cardan.plots.style import text_width
 from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
@@ -1012,6 +1014,49 @@ def test_labels_cover_no_part_of_a_driveline(monkeypatch: pytest.MonkeyPatch) ->
                 x, y = dense.T
                 inside = (box.x0 < x) & (x < box.x1) & (box.y0 < y) & (y < box.y1)
                 assert not inside.any(), (name, text)
+
+
+def test_labels_lie_in_the_nearest_free_place() -> None:
+    size = float(matplotlib.rcParams["font.size"])
+    width, height = text_width("joint 0", size), 1.25 * size
+    anchor = np.array([200.0, 150.0])
+
+    def labels_among(*bars: float) -> PlacedLabels:
+        """Bars from side to side so far above the anchor."""
+        along = np.linspace(0.0, 400.0, 201)
+        drawn = [np.stack([along, np.full(201, anchor[1] + bar)], axis=-1) for bar in bars]
+        return PlacedLabels(Figure().add_subplot(), (400.0, 300.0), np.concatenate(drawn))
+
+    def placed(labels: PlacedLabels, *, above: bool) -> tuple[float, float]:
+        """Offset of the middle of a new label from the anchor."""
+        assert labels.beside(anchor, "joint 0", 5.0, above=above)
+        box = labels.boxes[-1]
+        assert (box[2] - box[0], box[3] - box[1]) == pytest.approx((width, height))
+        middle = np.array([(box[0] + box[2]) / 2.0, (box[1] + box[3]) / 2.0])
+        written = np.multiply(labels.axes.texts[-1].xy, labels.size)  # type: ignore[attr-defined]
+        np.testing.assert_allclose(written, middle, atol=1e-9)
+        x, y = middle - anchor
+        return float(x), float(y)
+
+    labels = labels_among(0.0)
+    assert placed(labels, above=True) == pytest.approx((0.0, 5.0 + height / 2.0))
+    assert placed(labels, above=True) == pytest.approx((0.0, -5.0 - height / 2.0))
+    assert not labels.axes.lines
+    # All other places are taken, or a line to them would run through a label.
+    assert not labels.beside(anchor, "joint 0", 5.0, above=True)
+    assert len(labels.boxes) == len(labels.axes.texts) == 2
+    # In steps of 2, with room of 2 around the label. A line leads to one that is so far.
+    for above, side in ((True, 1.0), (False, -1.0)):
+        labels = labels_among(14.0, -14.0)
+        x, y = placed(labels, above=above)
+        assert (x, y) == pytest.approx((0.0, side * (5.0 + 12.0 + height / 2.0)))
+        (line,) = labels.axes.lines
+        ends = np.asarray(line.get_xydata()) * labels.size - anchor
+        np.testing.assert_allclose(ends, [[0.0, side * 5.0], [0.0, side * 17.0]], atol=1e-9)
+    # Below is nearer than above by more than the preference.
+    assert placed(labels_among(18.0), above=True)[1] < 0.0
+    # No label leaves the drawing.
+    assert not labels_among(0.0).beside(np.array([3.0, 290.0]), "joint 0", 5.0, above=True)
 
 
 def test_bends_and_phases_are_named() -> None:

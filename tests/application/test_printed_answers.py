@@ -59,6 +59,30 @@ def test_life_of_joints() -> None:
         assert shown["heat"] == f"{figure_text(mean)} W, at most {figure_text(largest)} W in {name}"
 
 
+@pytest.mark.parametrize("steps", [1, 2])
+def test_the_worst_step_is_named_where_there_are_several(steps: int, tmp_path: Path) -> None:
+    """Wear and heat of one step are those of the whole duty cycle; of two they have a worst."""
+    names, hours, torques = ["slow", "fast"][:steps], [60, 40][:steps], [100, 200][:steps]
+    text = (
+        "[driveline]\nbends_deg = [10]\n[load]\nspeed_rpm = 600\n"
+        "[joints]\nrating_Nm = 500\nfriction = 0.01\npin_radius_mm = 8\narm_mm = 30\n"
+        f"[life]\nnames = {names}\nhours = {hours}\noutput_torque_Nm = {torques}\n"
+    )
+    shown = blocks(answered("life", text, tmp_path))["Joint 0"]
+    heat = cardan.Driveline.from_bends([10], degrees=True).losses(
+        cardan.Load(output_torque=np.asarray(torques, float), speed=20.0 * np.pi),
+        friction=0.01,
+        pin_radius=0.008,
+        arm=0.03,
+    )
+    mean = figure_text(float(np.average(heat.power[0], weights=hours)))
+    most = figure_text(float(heat.power[0].max()))
+    assert shown["heat"] == (f"{mean} W, at most {most} W in fast" if steps > 1 else f"{mean} W")
+    wear = np.array([60.0, 40.0 * 2.0 ** (10.0 / 3.0)])
+    share = f"fast, {100.0 * wear[1] / wear.sum():.0f} % of the damage"
+    assert shown.get("most wear") == (share if steps > 1 else None)
+
+
 def test_duty_cycle_and_sizes() -> None:
     text = printed("life", "conveyor")
     given = tomllib.loads((EXAMPLES / "conveyor.toml").read_text(encoding="utf-8"))
@@ -219,6 +243,30 @@ def test_tolerances(name: str) -> None:
     words = "mostly" if float(percent) > 50.0 else "the largest share"
     article = "" if most.startswith("point ") else "the "
     assert f", {words} from {article}{most}." in " ".join(text.split())
+
+
+@pytest.mark.parametrize(("bends", "limit"), [([5, 5], 2.0), ([3], 3.0)])
+def test_a_permitted_tolerance_is_the_largest(
+    bends: list[int], limit: float, tmp_path: Path
+) -> None:
+    """At its last digit the limit is not exceeded, at the next one it is; it may be 0."""
+    given = [0.0] * (len(bends) - 1) + [0.1]
+    text = (
+        f"[driveline]\nbends_deg = {bends}\n[limits]\nequivalent_bend_deg = {limit}\n"
+        f"[tolerances]\nbends_deg = {given}\nsamples = 100\n"
+    )
+    words = " ".join(answered("tolerances", text, tmp_path).split())
+    pattern = rf"Every driveline is within {limit:g}° if the bends are exact to ±([\d.]+)°\."
+    found = re.search(pattern, words)
+    assert found, words
+    permitted = float(found[1])
+    assert (permitted == 0.0) == (len(bends) == 1)
+    ends = [[*bends[:-1], bends[-1] + permitted * (1.0 + more)] for more in (0.0, 0.003)]
+    ends[1][-1] += 0.003 * (permitted == 0.0)
+    line = cardan.Driveline.from_bends(ends, degrees=True)
+    least, most = np.degrees(line.equivalent().bend).tolist()
+    assert least <= limit * (1.0 + 1e-12)
+    assert most > limit
 
 
 @pytest.mark.parametrize("most", [90, 360, 500])

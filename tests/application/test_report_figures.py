@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from pathlib import Path
 from typing import Any
@@ -177,6 +178,28 @@ def test_a_map_of_a_study_has_its_keys_the_right_way_round(tmp_path: Path) -> No
                 seen += inside.size
     assert seen == 128
     assert "○ least value, at 0, 6" in legend
+
+
+def test_the_best_driveline_uses_least_of_its_tightest_limit(tmp_path: Path) -> None:
+    """The best one of two limits is that of neither limit alone."""
+    text = (
+        "[driveline]\nbends_deg = [6, 6]\nphases_deg = [25]\n"
+        "[study]\nbends_deg.1 = {from = 2, to = 10, steps = 41}\n"
+        "[limits]\nequivalent_bend_deg = 6\nbend_difference_deg = 0.5\n"
+    )
+    bends = np.linspace(2.0, 10.0, 41)
+    # Two bend vectors with the tangents of half the bends squared, turned by twice the phase.
+    squares = np.tan(np.radians([6.0, *bends]) / 2.0) ** 2
+    both = (squares[0] - squares[1:] * np.exp(2j * np.radians(25.0))) / (
+        1.0 - squares[0] * squares[1:] * np.exp(2j * np.radians(25.0))
+    )
+    of_bend = np.degrees(2.0 * np.arctan(np.sqrt(np.abs(both)))) / 6.0
+    of_difference = np.abs(6.0 - bends) / 0.5
+    best = np.argmin(np.maximum(of_bend, of_difference))
+    assert best not in (np.argmin(of_bend), np.argmin(of_difference))
+    said = html.unescape(page_of(text, tmp_path))
+    assert f'<p class="verdict">bend, joint 1: {bends[best]:g} deg</p>' in said
+    assert "Of the study's drivelines this one stays farthest below its limits:" in said
 
 
 def test_scatter_of_tolerances(tmp_path: Path) -> None:
