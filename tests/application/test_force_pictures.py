@@ -115,7 +115,7 @@ def test_a_page_has_the_path_of_every_force() -> None:
 
 
 def test_headings_of_states_lie_within_the_page() -> None:
-    names = ["Rebound of the axle", "Bump " + "and more " * 9]
+    names = [r"Rebound at $\axle$", "Bump " + "and more " * 9]
     states = f"[states]\nnames = {json.dumps(names)}\npoints_mm.2.y = [-60, -160]\n"
     scene = Scene.parse(TEXT + states)
     paths = scene_force_paths(scene)

@@ -15,6 +15,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from matplotlib import font_manager, pyplot
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
@@ -29,6 +30,7 @@ from matplotlib.transforms import Bbox
 from cardan import plots, reference
 from cardan.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.arrays import FloatArray
+from cardan.command import commands
 from cardan.driveline import Driveline
 from cardan.figures.summary import SummaryRow, summary
 from cardan.load import Load
@@ -384,6 +386,30 @@ def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("name", "option"), [("axial_travel", "--slides"), ("worn_joints", "--backlash")]
+)
+def test_titles_are_written_as_they_are(
+    name: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Dollar signs make no formula, and a long title has several lines."""
+    title = r"Joints at $\each$, in a title that is much longer than its picture is wide"
+    path = next(path for path in EXAMPLES if path.stem == name)
+    text = re.sub(
+        "^title = .*$", lambda _: f"title = '{title}'", path.read_text("utf-8"), flags=re.M
+    )
+    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
+    figures: list[Figure] = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    plot = ["plot", str(tmp_path / "a.toml"), option, "--output", str(tmp_path / "a.svg")]
+    result = CliRunner().invoke(commands(), plot)
+    assert result.exit_code == 0, result.output
+    (figure,) = figures
+    assert " ".join(figure.get_suptitle().split()) == title
+    for shown, box in texts(figure, monkeypatch):
+        assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, shown
+
+
 def test_unknown_suffix(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"a\.jpg must end in \.svg or \.png or \.pdf"):
         write_picture(foeppl(), tmp_path / "a.jpg")
@@ -588,6 +614,29 @@ def test_axes_are_labelled(name: str) -> None:
             assert "[deg]" in label
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("driven angle", "angle error", "largest angle error", "non-uniformity", "torque"),
+        *("Mt", "Mx", "Mz", "batch", "vector"),
+    ],
+)
+def test_a_frame_is_as_wide_as_its_curves_and_holds_them(name: str) -> None:
+    axes = PICTURES[name][1]()
+    x, y = np.concatenate(
+        [np.asarray(line.get_xydata()) for line in axes.get_lines() if line.get_label()]
+    ).T
+    assert axes.get_xlim() == pytest.approx((x.min(), x.max()))
+    low, high = axes.get_ylim()
+    assert low <= y.min() < y.max() <= high
+    # Curves over the bend begin at 0, those over the turn cover half of it or all of it.
+    left, right = axes.get_xlim()
+    turn = (180.0, 360.0) if "angle" in axes.get_xlabel() else (45.0,)
+    assert (left, right in turn) == (0.0, True)
+    ticks = [tick for tick in axes.get_xticks() if left <= tick <= right]
+    assert ticks == np.arange(0.0, right + 1.0, 90.0 if right > 180.0 else ticks[1]).tolist()
+
+
 def test_more_curves_than_can_be_told_apart_are_refused() -> None:
     many = Driveline.from_bends(np.arange(1.0, 8.0)[:, None], degrees=True)
     with pytest.raises(ValueError, match="at most 6 curves that can be told apart"):
@@ -715,7 +764,7 @@ def test_sizes_over_the_bend() -> None:
 
 def test_bend_vectors_of_the_catalogues_example() -> None:
     axes = plots.plot_bend_vectors(SPATIAL)
-    first, tip, second, _, rings, _, arc = (curve(axes, place) for place in range(7))
+    first, tip, second, _, rings, reach, arc = (curve(axes, place) for place in range(7))
     assert (first[0][1], first[1][1]) == (tip[0][0], tip[1][0])
     ends = np.array([first, second])[:, :, 1]
     np.testing.assert_allclose(np.linalg.norm(ends, axis=1), [16.4225, 16.3956], atol=5e-5)
@@ -728,7 +777,25 @@ def test_bend_vectors_of_the_catalogues_example() -> None:
     angles = np.degrees(np.unwrap(np.arctan2(arc[1], arc[0])))
     assert angles[-1] - angles[0] == pytest.approx(70.8728, abs=5e-5)
     assert np.tan(np.radians(angles[-1])) == pytest.approx(slope[1, 1] / slope[1, 0])
-    assert "70.87°" in [text.get_text() for text in axes.texts]
+    # The line of the second leads from the middle to the size of the angle, across the arc's end.
+    end = np.array(reach)[:, 1]
+    assert (reach[0][0], reach[1][0]) == (0.0, 0.0)
+    np.testing.assert_allclose(end / np.hypot(*end), np.array(arc)[:, -1] / np.hypot(*arc)[-1])
+    assert np.hypot(*end) > np.hypot(*arc)[-1]
+    (size,) = (text for text in axes.texts if text.get_text())
+    assert (size.get_text(), size.xy) == ("70.87°", tuple(end))  # type: ignore[attr-defined]
+
+
+def test_bend_vectors_of_a_shaft_that_points_up_have_x_upwards() -> None:
+    """Turned as a whole until the shaft is level, with x up, the driveline looks the same."""
+    points = np.array([[-1, -4, 0.5], [0, 0, 0], [0, 9, 0], [1, 12, 0.7]])
+    upright = plots.plot_bend_vectors(Driveline.from_points(points))
+    level = plots.plot_bend_vectors(Driveline.from_points(points[:, [1, 0, 2]] * (1, 1, -1)))
+    for place in (0, 2, 4, 5, 6):
+        np.testing.assert_allclose(curve(upright, place), curve(level, place), atol=1e-9)
+    # Joint 0 bends to the side on which shaft 0 lies, by atan(1 / 4) and atan(0.5 / 4).
+    ends = np.transpose(curve(upright, 4))
+    np.testing.assert_allclose(np.abs(ends[0]), np.degrees(np.arctan([0.5 / 4, 1 / 4])))
 
 
 @pytest.mark.parametrize(

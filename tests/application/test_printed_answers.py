@@ -184,6 +184,63 @@ def test_a_small_turn_has_its_sense(phase: float, sense: str, tmp_path: Path) ->
     assert f"- turn the output-side yoke of shaft 1 by 0.40° {sense}" in words, words
 
 
+OPTIMUM = """\
+[driveline]
+bends_deg = [10, 6]
+[load]
+speed_rpm = 1500
+drive_torque_Nm = 300
+[states]
+names = ["low", "high"]
+"bends_deg.0" = [9, 11]
+[optimise]
+vary = {"bends_deg.1" = [-2, 8]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("was", "instead", "words"),
+    [
+        ("", "", "No range and no limit is reached; any further change makes it worse."),
+        ("[-2, 8]", "[-2, 1]", "bends_deg.1 is at the upper end of its range, a change of 1°."),
+        ("6]", "14]", "bends_deg.1 is at the lower end of its range, a change of -2°."),
+    ],
+)
+def test_what_keeps_an_optimum_from_being_better(
+    was: str, instead: str, words: str, tmp_path: Path
+) -> None:
+    text = answered("optimise", OPTIMUM.replace(was, instead, 1) if was else OPTIMUM, tmp_path)
+    found = re.search(r"bends_deg\.1: (\d+) → ([\d.]+)°", text)
+    assert found, text
+    before, after = map(float, found.groups())
+    change = f"{abs(after - before):.4g}°"
+    assert f"{'increase' if after > before else 'reduce'} the bend of joint 1 by {change}" in text
+    assert [line for line in text.splitlines() if line.startswith("- ")][1:] == [f"- {words}"]
+    bends = [[[first, last] for first in (9.0, 11.0)] for last in (after - 0.1, after, after + 0.1)]
+    largest = cardan.Driveline.from_bends(bends, degrees=True).equivalent().bend.max(axis=-1)
+    better = [bool(largest[place] < largest[1]) for place in (0, 2)]
+    assert better == ["lower" in words, "upper" in words]
+
+
+def test_a_limit_that_an_optimum_meets_is_named_with_its_state(tmp_path: Path) -> None:
+    text = answered("optimise", f"{OPTIMUM}keep = {{support_moment_2_peak_Nm = 45}}\n", tmp_path)
+    found = re.search(r"bends_deg\.1: 6 → ([\d.]+)°", text)
+    assert found, text
+    turn, load = np.linspace(0.0, np.pi, 2001), cardan.Load(drive_torque=300.0, speed=SPEED)
+    rows_of: dict[str, list[str]] = {}
+    for last in (6.0, float(found[1])):
+        for name, first in (("low", 9.0), ("high", 11.0)):
+            line = cardan.Driveline.from_bends([first, last], degrees=True)
+            moment = line.evaluate(turn, "support_moment", load=load).support_moment
+            largest = figure_text(float(np.linalg.norm(moment, axis=-1).max()))
+            rows_of.setdefault(name, [name]).append(largest)
+    _, _, table = text.partition("support moment of shaft 2, peak [N m], at most 45")
+    head, *shown = (line.split() for line in table.partition("\n\n")[0].splitlines())
+    assert head == ["before", "after"]
+    assert shown == list(rows_of.values())
+    assert "- Support moment of shaft 2, peak is at its limit of 45.00 N m in high." in text
+
+
 def test_spline() -> None:
     shown = blocks(printed("check", "slip"))["Spline of shaft 1"]
 
