@@ -6,6 +6,7 @@ import csv
 import re
 import tomllib
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -13,12 +14,23 @@ from click.testing import CliRunner
 
 import cardan
 from cardan.command import commands
+from cardan.figures.backlash import scene_backlash
 from cardan.figures.life import needed_life
-from cardan.figures.slides import drawn_slides
+from cardan.figures.slides import drawn_slides, scene_slides
+from cardan.figures.slip import slip_figures
+from cardan.figures.states import forces_of
+from cardan.figures.steering import steering_figures
 from cardan.scene import Scene
+from cardan.words.backlash import backlash_text
+from cardan.words.forces import forces_text
+from cardan.words.slides import slides_text
+from cardan.words.slip import slip_text
+from cardan.words.steering import steering_text
 from cardan.words.summary import figure_text
 from heights import HEIGHTS, NAMES, SPEED, drivelines, scene_text
 from printed import EXAMPLES, blocks, first_number, printed, rows
+
+_Figures = TypeVar("_Figures")
 
 
 def test_life_of_joints() -> None:
@@ -171,6 +183,7 @@ def test_figures_before_and_after(tmp_path: Path) -> None:
     assert f"of shaft 1 by {teeth:g} teeth counter-clockwise ({-turn:.2f}°)" in text
     assert new["phases_deg"][1] == old["phases_deg"][1]
     assert "- leave the output-side yoke of shaft 2 as it is (phases_deg.1)" in text
+    assert text.count("\n- Yokes are set by whole teeth of their splines.\n") == 1
 
 
 @pytest.mark.parametrize(("phase", "sense"), [(-0.4, "clockwise"), (0.4, "counter-clockwise")])
@@ -182,6 +195,9 @@ def test_a_small_turn_has_its_sense(phase: float, sense: str, tmp_path: Path) ->
     )
     words = answered("optimise", text, tmp_path)
     assert f"- turn the output-side yoke of shaft 1 by 0.40° {sense}" in words, words
+    # Of a single driveline the first sentence has all; there are no splines.
+    assert "before     after" not in words
+    assert "teeth" not in words
 
 
 OPTIMUM = """\
@@ -273,6 +289,47 @@ def test_spline() -> None:
         assert shown[f"on {shaft}"] == words
 
 
+SECTIONS = {
+    "bearings": lambda scene: forces_text(needed(forces_of(scene))),
+    "worn_joints": lambda scene: backlash_text(needed(scene_backlash(scene))),
+    "slip": lambda scene: slip_text(needed(slip_figures(scene))),
+    "axial_travel": lambda scene: slides_text(needed(scene_slides(scene))),
+    "steering_column": lambda scene: steering_text(needed(steering_figures(scene))),
+}
+
+
+def needed(figures: _Figures | None) -> _Figures:
+    assert figures is not None
+    return figures
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_sections_of_a_scene_are_printed_once(name: str, tmp_path: Path) -> None:
+    scene = Scene.load(EXAMPLES / f"{name}.toml")
+    section = SECTIONS[name](scene)
+    ran, checked = printed("run", name, "--into", tmp_path), printed("check", name)
+    for text in (ran, checked):
+        assert text.count(f"\n\n{section}\n") == 1
+    assert ran.startswith(f"{scene.title}\n\n")
+    # Below a blank line, every file that is written, tables with the number of their rows.
+    *_, last = ran.split("\n\n")
+    written = dict(re.findall(r"^wrote (.*?)(?: \((\d+) rows\))?$", last, re.M))
+    assert set(map(Path, written)) == set(tmp_path.iterdir()) != set()
+    for path, count in written.items():
+        lines = Path(path).read_text(encoding="utf-8").count("\n")
+        assert count == (f"{lines - 1}" if path.endswith(".csv") else "")
+
+
+@pytest.mark.parametrize(("turns", "is_short"), [(0.49, True), (0.5, False)])
+def test_a_sweep_of_half_a_turn_has_all_extremes(
+    turns: float, is_short: bool, tmp_path: Path
+) -> None:
+    text = f"[driveline]\nbends_deg = [9]\n[sweep]\nturns = {turns}\n"
+    said = answered("run", text, tmp_path)
+    assert ("; the scene sweeps 0.00° to " in said) == is_short
+    assert ("An extreme that the sweep does not reach has no angle." in said) == is_short
+
+
 @pytest.mark.parametrize("name", ["workshop", "mill_spindle"])
 def test_tolerances(name: str) -> None:
     text = printed("tolerances", name)
@@ -316,6 +373,7 @@ def test_a_permitted_tolerance_is_the_largest(
     pattern = rf"Every driveline is within {limit:g}° if the bends are exact to ±([\d.]+)°\."
     found = re.search(pattern, words)
     assert found, words
+    assert f"As drawn, the driveline is within the {limit:g}° limit." in words
     permitted = float(found[1])
     assert (permitted == 0.0) == (len(bends) == 1)
     ends = [[*bends[:-1], bends[-1] + permitted * (1.0 + more)] for more in (0.0, 0.003)]
