@@ -275,6 +275,12 @@ def test_drive_angles_are_written_close_to_their_marks_and_cover_nothing() -> No
         path = np.array([pair.split(",") for pair in view["path"].split()], float)
         foot, head = np.array([p.split() for p in view["arrow"][1:].split("L")[:2]], float)
         arrow = foot + np.linspace(0.0, 1.0, 99)[:, None] * (head - foot)
+        # Path and arrow are in the middle of the frame, and fill it one way or the other.
+        drawn = np.concatenate([path, arrow])
+        low, high = drawn.min(axis=0), drawn.max(axis=0)
+        frame = np.array([[view["left"], view["top"]], [view["right"], view["bottom"]]])
+        np.testing.assert_allclose(low + high, frame.sum(axis=0), atol=0.3)
+        assert np.min(frame[1] - frame[0] - (high - low)) == pytest.approx(60.0, abs=0.3)
         # A path that is no larger than a label has none.
         assert bool(view["marks"]) == bool(np.ptp(path, axis=0).max() > 30.0)
         for *numbers, name in view["marks"]:
@@ -282,6 +288,8 @@ def test_drive_angles_are_written_close_to_their_marks_and_cover_nothing() -> No
             # The middle of the text; its foot is 4 below.
             text = np.array([text_x, foot_of_text - 4.0])
             assert 14.5 < np.hypot(*(text - (x, y))) < 18.0, name
+            assert view["left"] + 9.0 < text_x < view["right"] - 9.0, name
+            assert view["top"] + 9.0 < foot_of_text < view["bottom"], name
             assert np.hypot(*(path - text).T).min() > 14.5, name
             assert np.hypot(*(arrow - text).T).min() > 8.5, name
             assert np.abs(text - np.array(view["zero"], float)).min() > 8.5, name

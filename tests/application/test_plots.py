@@ -46,7 +46,8 @@ from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
 
 DOCS = Path(__file__).parents[2] / "docs"
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+FOLDER = Path(__file__).parents[2] / "examples"
+EXAMPLES = sorted(FOLDER.glob("*.toml"))
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 
 TALL = """\
@@ -386,28 +387,82 @@ def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert list(tmp_path.iterdir()) == []
 
 
+def figure_of(
+    command: str, text: str, monkeypatch: pytest.MonkeyPatch, folder: Path, *options: str
+) -> Figure:
+    """The figure that a command writes of a scene."""
+    (folder / "a.toml").write_text(text, encoding="utf-8")
+    for table in FOLDER.glob("*.csv"):
+        (folder / table.name).write_bytes(table.read_bytes())
+    figures: list[Figure] = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    arguments = [command, str(folder / "a.toml"), *options, "--output", str(folder / "a.svg")]
+    result = CliRunner().invoke(commands(), arguments)
+    assert result.exit_code in (0, 1), result.output
+    (figure,) = figures
+    return figure
+
+
 @pytest.mark.parametrize(
-    ("name", "option"), [("axial_travel", "--slides"), ("worn_joints", "--backlash")]
+    ("name", "option"),
+    [
+        ("axial_travel", "--slides"),
+        ("worn_joints", "--backlash"),
+        ("suspension", "--study=equivalent_bend"),
+    ],
 )
 def test_titles_are_written_as_they_are(
     name: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Dollar signs make no formula, and a long title has several lines."""
     title = r"Joints at $\each$, in a title that is much longer than its picture is wide"
-    path = next(path for path in EXAMPLES if path.stem == name)
-    text = re.sub(
-        "^title = .*$", lambda _: f"title = '{title}'", path.read_text("utf-8"), flags=re.M
-    )
-    (tmp_path / "a.toml").write_text(text, encoding="utf-8")
-    figures: list[Figure] = []
-    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
-    plot = ["plot", str(tmp_path / "a.toml"), option, "--output", str(tmp_path / "a.svg")]
-    result = CliRunner().invoke(commands(), plot)
-    assert result.exit_code == 0, result.output
-    (figure,) = figures
+    text = (FOLDER / f"{name}.toml").read_text("utf-8")
+    (given,) = re.findall("^title = .*$", text, re.M)
+    text = text.replace(given, f"title = '{title}'")
+    figure = figure_of("plot", text, monkeypatch, tmp_path, option)
     assert " ".join(figure.get_suptitle().split()) == title
     for shown, box in texts(figure, monkeypatch):
         assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, shown
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "option"),
+    [
+        ("life", "conveyor", ()),
+        ("tolerances", "workshop", ()),
+        ("plot", "axial_travel", ("--slides",)),
+        ("plot", "worn_joints", ("--backlash",)),
+        ("plot", "truck", ("--over", "orders")),
+        ("plot", "ball_joint", ()),
+        ("plot", "bearings", ("--forces",)),
+    ],
+)
+def test_frames_hold_what_they_show_and_are_little_larger(
+    command: str,
+    name: str,
+    option: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = (FOLDER / f"{name}.toml").read_text("utf-8")
+    figure = figure_of(command, text, monkeypatch, tmp_path, *option)
+    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
+    for axes in figure.axes:
+        ends = zip(axes.dataLim.intervalx, axes.dataLim.intervaly, strict=True)
+        (left, low), (right, high) = ends
+        for first, last, view in (
+            (left, right, axes.get_xlim()),
+            (low, high, axes.get_ylim()),
+        ):
+            span = max(view) - min(view)
+            assert min(view) - 1e-9 * span <= first <= last <= max(view) + 1e-9 * span
+            # The arrow of a force begins at 0, however short its path is.
+            assert last - first > 0.45 * span or "--forces" in option
+        if axes.yaxis_inverted():
+            # Bars begin at 0 and leave room for their sizes, which are written to their right.
+            assert axes.get_xlim()[0] == left == 0.0
+            assert right < 0.9 * axes.get_xlim()[1]
+            assert all(label.get_window_extent().x1 <= figure.bbox.x1 for label in axes.texts)
 
 
 def test_unknown_suffix(tmp_path: Path) -> None:

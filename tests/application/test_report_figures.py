@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -80,6 +81,27 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     angle = np.degrees(turn[np.argmax(sizes[1])])
     words = f"shaft 1, {figure_text(sizes[1].max())} N m, at {angle:.1f}° of drive angle."
     assert words in page
+
+
+def test_readings_have_the_values_of_their_curves(tmp_path: Path) -> None:
+    """What the page reads out beside each curve has four digits of what the curve varies by."""
+    page = page_of(AS_BUILT, tmp_path)
+    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
+    readings, shown = json.loads(found)["curves"], 0
+    for chart in map(ElementTree.fromstring, re.findall("<figure>.*?</figure>", page, re.S)):
+        moving = [line for line in chart.iter("polyline") if "id" in line.attrib]
+        numbers = [int(line.attrib["id"].removeprefix("curve-")) for line in moving]
+        outputs = [int(output.attrib["data-curve"]) for output in chart.iter("output")]
+        assert numbers == outputs == list(range(shown, shown + len(moving)))
+        shown += len(moving)
+        slope, offset = np.polyfit(*np.transpose(scales(chart)["y"]), 1) if moving else (0.0, 0.0)
+        values = np.array([readings[number]["values"] for number in numbers])
+        for number, line, row in zip(numbers, moving, values, strict=True):
+            y = np.array([pair.split(",")[1] for pair in line.attrib["points"].split()], float)
+            np.testing.assert_allclose(slope * y + offset, row, atol=0.01 * np.ptp(values))
+            size = min(np.abs(values).max(), np.ptp(values))
+            assert 1e-4 * size < 10.0 ** -readings[number]["decimals"] <= 1e-3 * size
+    assert shown == len(readings) > 4
 
 
 def test_deviations_of_nothing_are_the_drawing(tmp_path: Path) -> None:
