@@ -249,6 +249,29 @@ def test_the_picture_shows_the_pressure() -> None:
     assert any("20000 N" in text.get_text() for text in section.texts)
 
 
+def test_arrows_on_the_page_are_as_long_as_the_pressure() -> None:
+    case = BallJointScene.parse(TEXT).ball_joint
+    assert case
+    drawing = drawn_case(case)["drawing"]
+
+    def points(path: str) -> np.ndarray:
+        return np.array([pair.split() for pair in path.strip("MZ").split("L")], float)
+
+    radii = np.hypot(*points(drawing["ball"]).T)
+    assert np.ptp(radii) < 0.2
+    theta, pressure = pressure_curve(case)
+    assert len(drawing["arrows"]) > 4
+    for arrow in drawing["arrows"]:
+        foot, head = points(arrow)
+        # From the surface of the ball outwards; the load points down.
+        assert np.hypot(*foot) == pytest.approx(radii[0], abs=0.2)
+        np.testing.assert_allclose(foot / np.hypot(*foot), head / np.hypot(*head), atol=0.01)
+        angle = np.arctan2(foot[0], foot[1])
+        share = np.interp(angle, theta, pressure) / pressure.max()
+        longest = max(np.hypot(*np.diff(points(each), axis=0)[0]) for each in drawing["arrows"])
+        assert np.hypot(*(head - foot)) == pytest.approx(share * longest, rel=0.03)
+
+
 def test_the_section_of_the_page_shows_the_pressure() -> None:
     """Over the ball, the outline stands as high as the pressure, and nowhere else."""
     loose = replaced(TEXT, ("clearance_mm = 0.01", "clearance_mm = 0.1"))

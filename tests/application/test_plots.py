@@ -23,7 +23,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import StepPatch
+from matplotlib.patches import Rectangle, StepPatch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
@@ -44,6 +44,7 @@ from cardan.plots.style import text_width
 from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
+from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
 FOLDER = Path(__file__).parents[2] / "examples"
@@ -423,6 +424,24 @@ def test_titles_are_written_as_they_are(
     assert " ".join(figure.get_suptitle().split()) == title
     for shown, box in texts(figure, monkeypatch):
         assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, shown
+
+
+def test_a_picture_of_states_has_their_figures_and_the_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = scene_text(20.0, "[limits]\nequivalent_bend_deg = 4")
+    figure = figure_of("plot", text, monkeypatch, tmp_path, "--study=equivalent_bend")
+    (axes,) = figure.axes
+    bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(20.0)]
+    bars = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
+    assert [bar.get_width() for bar in bars] == pytest.approx(bends)
+    assert [bool(bar.get_hatch()) for bar in bars] == [bend > 4.0 for bend in bends]
+    (limit,) = axes.get_lines()
+    np.testing.assert_allclose(np.asarray(limit.get_xdata()), 4.0)
+    assert limit.get_label() == "limit 4 deg"
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(NAMES)
+    # The first state is on top.
+    assert axes.transData.transform([0, 0])[1] > axes.transData.transform([0, 1])[1]
 
 
 @pytest.mark.parametrize(

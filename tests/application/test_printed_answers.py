@@ -320,6 +320,15 @@ def test_sections_of_a_scene_are_printed_once(name: str, tmp_path: Path) -> None
         assert count == (f"{lines - 1}" if path.endswith(".csv") else "")
 
 
+def test_a_check_has_the_verdict_of_every_state(tmp_path: Path) -> None:
+    text = answered("check", scene_text(20.0, "[limits]\nequivalent_bend_deg = 4"), tmp_path)
+    bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(20.0)]
+    assert blocks(text)["Equivalent bend in each state"] == {
+        name: f"{bend:.4g}°, {'beyond' if bend > 4.0 else 'within'}"
+        for name, bend in zip(NAMES, bends, strict=True)
+    }
+
+
 @pytest.mark.parametrize(("turns", "is_short"), [(0.49, True), (0.5, False)])
 def test_a_sweep_of_half_a_turn_has_all_extremes(
     turns: float, is_short: bool, tmp_path: Path

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cardan.figures.torsion import TorsionFigures, needed_torsion
+from cardan.figures.torsion_answer import torsion_data
 from cardan.scene import Scene
 from cardan.words.torsion import torsion_text
 from printed import EXAMPLES, blocks, first_number
@@ -101,6 +103,32 @@ def test_unstable_speeds() -> None:
         percent = re.fullmatch(r"unstable, a deviation grows by up to (\S+) % per half turn", words)
         assert percent, words
         assert float(percent[1]) == pytest.approx(100.0 * (region.multiplier - 1.0), rel=6e-3)
+
+
+def test_ranges_of_the_answer_are_those_of_the_scene() -> None:
+    """Speeds that the scene gives in rpm come back as such."""
+    found = needed("rig_torsion")
+    data = torsion_data("", found)
+    assert data["speed_range"] == pytest.approx({"from_rpm": 500.0, "to_rpm": 4000.0})
+    printed_ends = [
+        [float(end) for end in speeds.removesuffix(" rpm").split(" to ")]
+        for speeds in blocks(torsion_text(found))["Stability"]
+    ]
+    ends = [[part["from_rpm"], part["to_rpm"]] for part in data["unstable"]]
+    assert ends == [pytest.approx(pair, rel=1e-3) for pair in printed_ends]
+
+
+def test_of_several_rules_the_one_is_named_that_is_exceeded_most() -> None:
+    found = needed("rig_torsion")
+    (region, *_), (rule, *_) = found.unstable, found.rules
+    at = replace(rule, speed=(region.start + region.stop) / 2.0)
+    steep = replace(at, shaft=3, bend=np.radians(40.0), damping_ratio=0.1)
+    # A larger ratio than that, but of a bend that permits little more.
+    damped = replace(at, shaft=4, bend=np.radians(41.0), damping_ratio=0.13)
+    for rules in ((steep, damped), (damped, steep)):
+        said = " ".join(torsion_text(replace(found, rules=rules)).split())
+        assert "an equivalent bend behind shaft 3 of at most" in said
+        assert "instead of 40°" in said
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.005])

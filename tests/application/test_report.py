@@ -220,6 +220,12 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
         assert places["drive"][0] < places["output"][0]
         foot, head = re.findall(r'class="flow" d="M([\d.]+) [\d.]+L([\d.]+)', drawing)[0]
         assert places["drive"][0] < float(foot) < float(head) < places["output"][0]
+        # The name of an axis lies beyond the head of its arrow, always as far.
+        paths = re.findall(r'class="axis" d="M([-.\d]+) ([-.\d]+)L([-.\d]+) ([-.\d]+)M', drawing)
+        for name, ends in zip((name for name in places if len(name) == 1), paths, strict=True):
+            start, end = np.array(ends, dtype=float).reshape(2, 2)
+            beyond = (end - start) / np.linalg.norm(end - start) * 20.0
+            np.testing.assert_allclose(np.array(places[name]) - end, beyond, atol=0.4)
         # The barbs of an arrow lie behind its head, one on either side.
         for path in re.findall(r'class="(?:flow|axis)" d="(.*?)"', drawing):
             points = np.array(re.findall(r"[-.\d]+", path), dtype=float).reshape(-1, 2)
