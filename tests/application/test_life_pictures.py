@@ -103,6 +103,13 @@ def test_pins_and_heat_are_those_of_the_worst_steps(
     assert heat.get_xlim() == pytest.approx((0.0, 1500.0))
 
 
+def test_without_joints_there_is_no_heat() -> None:
+    text = CONVEYOR.read_text(encoding="utf-8").replace('size = "1480"', "")
+    found = needed_life(Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent))
+    assert found.sizes
+    assert (found.joints, found.heat, found.efficiency) == ((), None, None)
+
+
 def test_short_lives_and_names_are_written_in_full() -> None:
     """Lives have the digits of the answer; a name with dollar signs is no formula."""
     text = CONVEYOR.read_text(encoding="utf-8").replace("[400, 250, 700]", "[9000, 6000, 12000]")

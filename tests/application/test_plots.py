@@ -40,7 +40,7 @@ from cardan.plots.bands import Bands
 from cardan.plots.key_figures import key_figures
 from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import View
-from cardan.plots.style import text_width
+from cardan.plots.style import degree_ticks, text_width
 from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
@@ -296,6 +296,18 @@ def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_curves_of_a_page_can_be_told_apart_in_grey() -> None:
     lines = panels(drawn(many_joints(64)))[0].get_lines()
     assert len({str(line._dash_pattern) for line in lines}) == 6  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "step"),
+    [(0, 90, 30), (-45, 45, 30), (-180, 180, 90), (100, 460, 90), (0, 3600, 720), (3, 10, 2)],
+)
+def test_degrees_have_few_round_ticks(low: float, high: float, step: float) -> None:
+    axes = given_axes()
+    axes.set_xlim(low, high)
+    degree_ticks(axes.xaxis, low, high)
+    ticks = [tick for tick in axes.get_xticks() if low <= tick <= high]
+    assert ticks == [step * i for i in range(-20, 20) if low <= step * i <= high]
 
 
 @pytest.mark.parametrize("ticks", [[0.99, 0.995, 1.0], [0, 2.5, 5], [0, 90], [-0.25, 0.25]])

@@ -416,6 +416,24 @@ def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None
     assert "the sweep" not in result.output
 
 
+@pytest.mark.parametrize("start", [0.0, 1_700_000_000.0])
+def test_times_of_a_recording_have_the_digits_that_tell_them_apart(
+    start: float, tmp_path: Path
+) -> None:
+    time = start + 0.004 * np.arange(626)
+    lines = [f"{t:.3f},{10.0 * i}" for i, t in enumerate(time)]
+    (tmp_path / "a.csv").write_text("s,deg\n" + "\n".join(lines), encoding="utf-8")
+    text = (
+        "[driveline]\nbends_deg = [8]\n"
+        "[angles]\nfile = 'a.csv'\nangle_column_deg = 'deg'\ntime_column_s = 's'\n"
+    )
+    said = " ".join(answered("run", text, tmp_path).split())
+    found = re.search(r"([\d.]+) to ([\d.]+) s\b", said)
+    assert found, said
+    assert [float(end) for end in found.groups()] == [start, start + 2.5]
+    assert "250.0 samples per second" in said
+
+
 def test_slides_that_do_not_move_are_named_as_such() -> None:
     text = printed("check", "axial_travel")
     assert "What is not listed does not slide." in text
