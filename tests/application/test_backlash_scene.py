@@ -19,6 +19,7 @@ from cardan.command import commands
 from cardan.figures.backlash import Backlash, backlash, drawn_backlash, scene_backlash
 from cardan.plots import plot_backlash, plot_lash, write_backlash
 from cardan.scene import Scene, SceneError
+from cardan.words.backlash import backlash_text
 from example_scenes import ANSWERS, SCENES, example
 
 PATH = example("worn_joints.toml")
@@ -67,6 +68,20 @@ def test_the_lash_over_the_turn_is_the_closed_form() -> None:
     both = lash + 2.0 * TORQUE / (STIFF * np.cos(BEND))
     np.testing.assert_allclose(wound[1], np.degrees(both), rtol=1e-9)
     pyplot.close("all")
+
+
+@pytest.mark.parametrize("radians", [False, True])
+def test_lash_and_wind_up_in_words(radians: bool) -> None:
+    """The lash where the driving pin is in the bend plane and across it; the same wind-up."""
+    lash = 2.0 * np.arcsin(np.sin(2.0 * PLAY) / np.array([1.0, np.cos(BEND)]))
+    wound = TORQUE / (STIFF * np.cos(BEND))
+    said = " ".join(backlash_text(single(), radians=radians).split())
+    unit = "rad" if radians else "°"
+    numbers = re.findall(r"([\d.]+) ?(?:°|rad)", said)
+    want = np.array([*lash, wound]) if radians else np.degrees([*lash, wound])
+    assert [float(number) for number in numbers] == pytest.approx(want.tolist(), rel=1e-3)
+    assert said.count(unit) == 3
+    assert f"{TORQUE:.1f} N m at the drive wind it up by" in said
 
 
 def test_loops_that_hardly_differ_are_one() -> None:

@@ -10,8 +10,9 @@ import pytest
 
 from cardan.figures.torsion import TorsionFigures, needed_torsion
 from cardan.figures.torsion_answer import torsion_data
+from cardan.figures.torsion_modes import torsion_basics
 from cardan.scene import Scene
-from cardan.words.torsion import torsion_text
+from cardan.words.torsion import torsion_check_text, torsion_text
 from printed import EXAMPLES, blocks, first_number
 
 
@@ -129,6 +130,25 @@ def test_of_several_rules_the_one_is_named_that_is_exceeded_most() -> None:
         said = " ".join(torsion_text(replace(found, rules=rules)).split())
         assert "an equivalent bend behind shaft 3 of at most" in said
         assert "instead of 40°" in said
+
+
+@pytest.mark.parametrize(("first", "words"), [(1200, "a critical speed lies"), (600, "critical")])
+def test_a_check_names_the_critical_speeds_in_the_range(first: int, words: str) -> None:
+    """Of even order, each at the natural frequency over the order."""
+    text = (EXAMPLES / "rig_torsion.toml").read_text(encoding="utf-8")
+    ends = f"from = {first}, to = 1800"
+    basics = torsion_basics(Scene.parse(text.replace("from = 500, to = 4000", ends)))
+    assert basics
+    (mode,) = basics.modes
+    speeds = {order: mode.frequency / order * 30.0 / np.pi for order in (2, 4, 6, 8, 10)}
+    inside = {order: speed for order, speed in speeds.items() if first <= speed <= 1800}
+    assert len(inside) == (1 if first == 1200 else 2)
+    said = " ".join(torsion_check_text(basics).split())
+    assert f"{words} " in said
+    assert ("critical speeds lie" in said) == (len(inside) > 1)
+    shown = re.findall(r"order (\d+) at ([\d.]+) rpm \(shaft", said)
+    assert {int(order): float(rpm) for order, rpm in shown} == pytest.approx(inside, rel=1e-3)
+    assert f"within {first} to 1800 rpm:" in said
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.005])
