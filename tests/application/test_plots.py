@@ -88,16 +88,24 @@ def foeppl() -> SceneResult:
 
 
 def characters(font: str) -> set[str]:
-    found = font_manager.get_font(font_manager.findfont(font))
+    family = font_manager.FontProperties(family=[font])
+    found = font_manager.get_font(font_manager.findfont(family))
     return set(map(chr, found.get_charmap()))
 
 
-def test_title_in_characters_of_another_font(tmp_path: Path) -> None:
+def test_title_in_characters_of_another_font(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It is drawn from an installed font that has them; warnings are errors here."""
     other = characters("STIXGeneral") - characters("DejaVu Sans")
     title = "Joint " + "".join(sorted(c for c in other if c.isalpha())[:3])
     scene = Scene.parse(f"title = '{title}'\n[driveline]\nbends_deg = [8]\n")
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    figures: list[Figure] = []
     write_picture(scene.run(), tmp_path / "a.svg")
+    (named,) = (text for text in figures[0].texts if title in text.get_text())
+    known = set().union(*(characters(family) for family in named.get_fontfamily()))
+    assert set(title) - {" "} <= known
 
 
 def test_title_in_characters_of_no_font(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -1208,6 +1216,12 @@ def test_labels_lie_in_the_nearest_free_place() -> None:
         np.testing.assert_allclose(ends, [[0.0, side * 5.0], [0.0, side * 17.0]], atol=1e-9)
     # Below is nearer than above by more than the preference.
     assert placed(labels_among(18.0), above=True)[1] < 0.0
+    # To the left or to the right, where something is drawn on the other side.
+    for side in (1.0, -1.0):
+        labels = labels_among(0.0)
+        upright = anchor + np.stack([np.full(99, -5.0 * side), np.linspace(-150, 150, 99)], axis=-1)
+        labels.drawn = np.concatenate([labels.drawn, upright])
+        assert placed(labels, above=True) == pytest.approx((14.0 * side, 5.0 + height / 2.0))
     # No label leaves the drawing.
     assert not labels_among(0.0).beside(np.array([3.0, 290.0]), "joint 0", 5.0, above=True)
 

@@ -36,9 +36,12 @@ def test_a_driveline_that_turns_evenly(tmp_path: Path) -> None:
     rows = {row[0]: row[1:] for row in tables(page)[MOTION]}
     assert rows["Equivalent bend [deg]"] == ["10.00", "0"]
     # What does not vary is a level line.
-    drawn = curves(figure(page, "speed ratio"))
-    assert list(drawn) == ["shaft 1", "shaft 2"]
-    assert drawn["shaft 2"][:, 1] == pytest.approx(np.ones(len(drawn["shaft 1"])), abs=1e-6)
+    for heading, unit, level in (("speed ratio", "", 1.0), ("angle error", "deg", 0.0)):
+        drawn = curves(figure(page, f"{heading} [{unit}]" if unit else heading))
+        varies, even = drawn.values()
+        assert list(drawn) == [f"shaft {shaft} {unit}".rstrip() for shaft in (1, 2)]
+        assert len(varies) == len(even)
+        assert even[:, 1] == pytest.approx(level, abs=1e-6)
 
 
 AS_BUILT = """\
@@ -63,7 +66,12 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     outputs = ("angle_error", "speed_ratio", "acceleration_ratio", "support_moment")
     at = line.evaluate(turn, outputs, shafts=slice(None), load=load)
     motion = {row[0]: row[1:] for row in found[MOTION]}
+    drawn_errors = curves(figure(page, "angle error [deg]"))
+    assert list(drawn_errors) == ["shaft 1 deg", "shaft 2 deg"]
     for shaft in (1, 2):
+        x, y = drawn_errors[f"shaft {shaft} deg"].T
+        errors = np.degrees(np.interp(np.radians(x), turn, at.angle_error[shaft]))
+        assert y == pytest.approx(errors, abs=0.02 * np.ptp(errors))
         shown = {name: cells[shaft - 1] for name, cells in motion.items()}
         error = np.degrees(np.abs(at.angle_error[shaft]).max())
         assert float(shown["Largest angle error [deg]"]) == pytest.approx(error, rel=1e-3)
