@@ -252,6 +252,8 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     sampled = np.degrees(np.asarray(scene.tolerances.ascending))
     for at, percent in share[::20]:
         assert percent == pytest.approx(100.0 * np.mean(sampled <= at), abs=1.5)
+    # The axis reaches the worst driveline, which is not among the random ones.
+    assert share[-1, 0] == pytest.approx(shown.worst, abs=0.02)
     assert limit[0, 1] == pytest.approx(0.0, abs=0.5)
     assert limit[-1, 1] == pytest.approx(100.0, abs=0.5)
     assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(shown.limit, abs=0.02)
@@ -265,6 +267,25 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     assert [float(text.removesuffix(" %")) for text in words[1::2]] == pytest.approx(
         [100.0 * share for share in shares], abs=0.06
     )
+
+
+@pytest.mark.parametrize(
+    ("bends", "limit", "colour"), [([5, 5], 2, "good"), ([5, 5], 1, "fair"), ([5, 6], 1, "bad")]
+)
+def test_verdicts_on_tolerances_have_their_colour(
+    bends: list[int], limit: int, colour: str, tmp_path: Path
+) -> None:
+    """Good if every driveline is within the limit, bad if the one as drawn is beyond it."""
+    text = (
+        f"[driveline]\nbends_deg = {bends}\n"
+        f"[tolerances]\nbends_deg = 0.1\nsamples = 100\nlimit = {limit}\n"
+    )
+    ends = [[bends[0] + error, bends[1] - error] for error in (0.0, 0.1, -0.1)]
+    drawn, *others = np.degrees(Driveline.from_bends(ends, degrees=True).equivalent().bend)
+    want = "bad" if drawn > limit else "good" if max(others) <= limit else "fair"
+    assert colour == want
+    section = page_of(text, tmp_path).partition('<section id="tolerances"')[2]
+    assert re.findall('<p class="verdict (.*?)">', section.partition("</section>")[0]) == [colour]
 
 
 def test_life_with_each_size_and_the_load_of_the_pins(tmp_path: Path) -> None:

@@ -17,7 +17,7 @@ from cardan import Driveline
 from cardan.command import commands
 from cardan.figures.limits import check_scene
 from cardan.figures.states import forces_of
-from cardan.figures.steering import steering_figures
+from cardan.figures.steering import steering_data, steering_figures
 from cardan.plots import plot_states, write_picture
 from cardan.report import write_report
 from cardan.scene import Scene, StatesResult
@@ -253,9 +253,11 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
     data = answer("check", turned, tmp_path)["steering"]
     offsets = [one["offset_deg"] for one in data["on_centre"]]
     assert max(offsets) == pytest.approx(-min(offsets), abs=0.01)
+    assert [one["state"] for one in data["on_centre"]] == tomllib.loads(turned)["states"]["names"]
     exact = COLUMN[: COLUMN.index("[limits]")].replace("centre_deg = 10", "centre_deg = 0")
     own = steering_figures(Scene.parse(exact))
     assert own
+    assert [one.keys() & {"state"} for one in steering_data(own)["on_centre"]] == [set()]
     symmetric = exact.replace("centre_deg = 0", f"centre_deg = {own.each[0].turn_to_quick_deg!r}")
     assert "Left and right are symmetric." in run("check", symmetric, tmp_path)[1]
 
