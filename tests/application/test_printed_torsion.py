@@ -151,6 +151,27 @@ def test_a_check_names_the_critical_speeds_in_the_range(first: int, words: str) 
     assert f"within {first} to 1800 rpm:" in said
 
 
+@pytest.mark.parametrize(
+    ("first", "last", "inside"),
+    [(0.5, 0.99, False), (0.5, 1.01, True), (0.99, 1.5, True), (1.01, 1.5, False)],
+)
+def test_unstable_motion_outside_the_speeds_of_the_scene_is_named_as_such(
+    first: float, last: float, inside: bool
+) -> None:
+    """Of order 2, between the natural frequency times 1 - bend²/4 and times 1 + bend²/4."""
+    text = (EXAMPLES / "rig_torsion.toml").read_text(encoding="utf-8")
+    basics = torsion_basics(Scene.parse(text))
+    assert basics
+    (mode,), half = basics.modes, np.radians(25.0) ** 2 / 4.0
+    edge = mode.frequency * 30.0 / np.pi * (1.0 - half if first == 0.5 else 1.0 + half)
+    ends = f"from = {first * edge}, to = {last * edge}"
+    basics = torsion_basics(Scene.parse(text.replace("from = 500, to = 4000", ends)))
+    assert basics
+    said = " ".join(torsion_check_text(basics).split())
+    assert "permits unstable motion near 3030 rpm" in said
+    assert (" rpm, outside the speed range, because" in said) != inside
+
+
 @pytest.mark.parametrize("ratio", [0.02, 0.005])
 def test_a_permitted_bend_is_the_largest_within_the_rule(ratio: float) -> None:
     """With hundredths of a degree: ``tan²(bend/2)`` is at most the damping ratio."""
