@@ -56,6 +56,7 @@ def test_the_loop_of_one_joint_is_the_closed_form() -> None:
     labels = [line.get_label() for line in axes.get_lines()][2:]
     assert [str(label).split(":")[0] for label in labels] == ["at 0°", "at 90°"]
     assert axes.get_ylabel() == "torque at the drive [N m]"
+    assert axes.get_xlabel() == "angle of the last shaft, drive held [deg]"
     pyplot.close("all")
 
 
@@ -67,6 +68,9 @@ def test_the_lash_over_the_turn_is_the_closed_form() -> None:
     np.testing.assert_allclose(loose[1], np.degrees(lash), rtol=1e-9)
     both = lash + 2.0 * TORQUE / (STIFF * np.cos(BEND))
     np.testing.assert_allclose(wound[1], np.degrees(both), rtol=1e-9)
+    axes = pyplot.gca()
+    assert axes.get_xlim() == pytest.approx((0.0, 360.0))
+    assert axes.get_ylim()[0] == 0.0
     pyplot.close("all")
 
 

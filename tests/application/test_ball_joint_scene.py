@@ -15,7 +15,7 @@ from click.testing import CliRunner
 from cardan import BallJoint, Scene
 from cardan.ball_joint import layer_compliance
 from cardan.command import commands
-from cardan.figures.ball_joint import ball_joint_figures, pressure_curve
+from cardan.figures.ball_joint import ball_joint_data, ball_joint_figures, pressure_curve
 from cardan.plots import plot_ball_joint
 from cardan.report import write_report
 from cardan.report.ball_joint import ball_joint as drawn_case
@@ -23,6 +23,7 @@ from cardan.scene import BallJointScene, load_scene
 from cardan.scene.errors import SceneError
 from cardan.words.ball_joint import ball_joint_text
 from example_scenes import ANSWERS, SCENES, example, replaced
+from pages import curves, figure
 
 TEXT = example("ball_joint.toml").read_text(encoding="utf-8")
 DRIVELINE = "[driveline]\nbends_deg = [10]\n[load]\nspeed_rpm = 60\noutput_torque_Nm = 5\n"
@@ -220,6 +221,26 @@ def test_answers(tmp_path: Path) -> None:
         assert checked["ball_joint"]["peak_pressure_MPa"] == pytest.approx(60 - 2.063, abs=0.001)
     assert not ANSWERS.is_valid({k: v for k, v in data.items() if k not in ("rows", "ball_joint")})
     assert not ANSWERS.is_valid({k: v for k, v in data.items() if k != "rows"})
+
+
+def test_the_answer_has_the_figures_of_the_scene(tmp_path: Path) -> None:
+    case = BallJointScene.parse(TEXT).ball_joint
+    data = ball_joint_data(case)
+    given = tomllib.loads(TEXT)["ball_joint"]
+    for key in ("load_N", "radius_mm", "clearance_mm", "half_angle_deg"):
+        assert data[key] == pytest.approx(given[key])
+    allowable = {part["part"]: part["allowable_pressure_MPa"] for part in data["parts"]}
+    for part, pressure in allowable.items():
+        assert pressure == pytest.approx(given[part]["allowable_pressure_MPa"])
+    # The page has the lower one as a line over the whole seat.
+    write_report(BallJointScene.parse(TEXT), tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    drawn = curves(figure(page, "Pressure on the seat [MPa]"))
+    theta, pressure = pressure_curve(case)
+    line = drawn["pressure on the seat"]
+    want = 1e-6 * np.interp(np.radians(line[:, 0]), theta, pressure)
+    assert line[:, 1] == pytest.approx(want, abs=1.0)
+    assert drawn["allowable for the seat"][:, 1] == pytest.approx(60.0, abs=0.5)
 
 
 def test_a_joint_beyond_fails_the_check_of_a_good_driveline(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ import cardan
 from cardan.command import commands
 from cardan.figures.backlash import scene_backlash
 from cardan.figures.life import needed_life
+from cardan.figures.optimise import optimise_data, optimised
 from cardan.figures.slides import drawn_slides, scene_slides
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of
@@ -250,6 +251,10 @@ def test_a_limit_that_an_optimum_meets_is_named_with_its_state(tmp_path: Path) -
             moment = line.evaluate(turn, "support_moment", load=load).support_moment
             largest = figure_text(float(np.linalg.norm(moment, axis=-1).max()))
             rows_of.setdefault(name, [name]).append(largest)
+    scene = Scene.parse(f"{OPTIMUM}keep = {{support_moment_2_peak_Nm = 45}}\n")
+    result = optimised(scene)
+    assert result
+    assert [kept["at_limit"] for kept in optimise_data(result, [])["kept"]] == [True]
     _, _, table = text.partition("support moment of shaft 2, peak [N m], at most 45")
     head, *shown = (line.split() for line in table.partition("\n\n")[0].splitlines())
     assert head == ["before", "after"]

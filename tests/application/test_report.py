@@ -226,6 +226,15 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
             start, end = np.array(ends, dtype=float).reshape(2, 2)
             beyond = (end - start) / np.linalg.norm(end - start) * 20.0
             np.testing.assert_allclose(np.array(places[name]) - end, beyond, atol=0.4)
+        # All arrows and names lie in the drawing; the arrow of view is in its middle.
+        width, height = map(float, re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawing)[0])
+        arrows = re.findall(r'class="(?:flow|axis)" d="(.*?)"', drawing)
+        ends = np.array(re.findall(r"[-.\d]+", " ".join(arrows)), dtype=float).reshape(-1, 2)
+        for x, y in (*ends, *places.values()):
+            assert 0.0 < x < width
+            assert 0.0 < y < height
+        middle = (np.array(places["drive"]) + places["output"]) / 2.0
+        assert middle[0] == pytest.approx(width / 2.0, abs=0.1)
         # The barbs of an arrow lie behind its head, one on either side.
         for path in re.findall(r'class="(?:flow|axis)" d="(.*?)"', drawing):
             points = np.array(re.findall(r"[-.\d]+", path), dtype=float).reshape(-1, 2)

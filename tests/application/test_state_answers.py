@@ -163,6 +163,9 @@ def test_slip_over_the_states(tmp_path: Path) -> None:
 def test_phase_gives_one_setting_for_all_states(tmp_path: Path) -> None:
     data = answer("phase", TRUCK, tmp_path)
     assert [tooth["phase_deg"] for tooth in data["teeth"]] == pytest.approx([30, 10])
+    # From 90 deg to 30 deg and from 0 deg to 10 deg, with 36 teeth.
+    turns = [(t["turn_teeth"], t["turn_deg"], t["turn_sense"]) for t in data["teeth"]]
+    assert turns == [(6, 60.0, "counter-clockwise"), (1, 10.0, "clockwise")]
     for key, phases in (("present", "[90, 0]"), ("on_teeth", "[30, 10]")):
         for i, height in enumerate(HEIGHTS):
             own = Scene.parse(single(height, phases)).line.equivalent().bend_deg
