@@ -430,6 +430,7 @@ def figure_of(
         ("axial_travel", "--slides"),
         ("worn_joints", "--backlash"),
         ("suspension", "--study=equivalent_bend"),
+        ("foeppl", "--over=turns"),
     ],
 )
 def test_titles_are_written_as_they_are(
@@ -441,8 +442,9 @@ def test_titles_are_written_as_they_are(
     (given,) = re.findall("^title = .*$", text, re.M)
     text = text.replace(given, f"title = '{title}'")
     figure = figure_of("plot", text, monkeypatch, tmp_path, option)
-    assert " ".join(figure.get_suptitle().split()) == title
-    for shown, box in texts(figure, monkeypatch):
+    found = figure.get_suptitle() or "\n".join(text.get_text() for text in figure.texts)
+    assert title in " ".join(found.split())
+    for shown, box in texts(figure, monkeypatch, 12.0):
         assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, shown
 
 
@@ -497,6 +499,11 @@ def test_frames_hold_what_they_show_and_are_little_larger(
             assert min(view) - 1e-9 * span <= first <= last <= max(view) + 1e-9 * span
             # The arrow of a force begins at 0, however short its path is.
             assert last - first > 0.45 * span or "--forces" in option
+        # Curves with a name have it in a legend, two scales of one frame in one of them.
+        bounds = axes.get_position().bounds
+        same = [other for other in figure.axes if other.get_position().bounds == bounds]
+        named = any(other.get_legend_handles_labels()[0] for other in same)
+        assert named == any(other.get_legend() for other in same)
         if axes.yaxis_inverted():
             # Bars begin at 0 and leave room for their sizes, which are written to their right.
             assert axes.get_xlim()[0] == left == 0.0
