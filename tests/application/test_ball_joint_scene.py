@@ -263,6 +263,16 @@ def test_the_picture_shows_the_pressure() -> None:
     assert np.allclose(drawn.get_xdata(), np.degrees(theta))
     assert np.allclose(drawn.get_ydata(), 1e-6 * pressure)
     assert pressure.max() == pytest.approx(case.joint.peak_pressure(20e3))
+    assert curve.get_ylim()[0] == 0.0
+    # What is shaded stands on the ball, whose radius is 1.
+    (shade,) = (patch for patch in section.patches if patch.get_alpha() == 0.25)
+    across, up = np.asarray(shade.get_path().vertices, dtype=float).T
+    radii = np.hypot(across, up)
+    assert radii.min() == pytest.approx(1.0, abs=1e-9)
+    heights = (
+        np.interp(np.arctan2(across, -up), theta, pressure) / pressure.max() * (radii.max() - 1.0)
+    )
+    assert np.min(np.abs(radii - 1.0 - [[0.0], [1.0]] * heights), axis=0).max() < 1e-3
     legend = curve.get_legend()
     assert legend is not None
     names = [text.get_text() for text in legend.get_texts()]

@@ -458,6 +458,7 @@ def test_pictures() -> None:
     axes = plot_over_variable(found, 0)
     x, y = axes.get_lines()[0].get_data()
     best = float(np.degrees(found.best.value))
+    assert np.all(np.diff(np.asarray(x)) > 0.0)
     at = int(np.argmin(np.abs(np.asarray(x) - (-46.0 + found.best.x[0]))))
     assert float(np.asarray(y)[at]) == pytest.approx(best)
     assert np.nanmin(np.asarray(y)) >= best - 1e-9

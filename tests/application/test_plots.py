@@ -890,7 +890,7 @@ def test_bend_vectors_of_the_catalogues_example() -> None:
 def test_bend_vectors_of_a_shaft_that_points_up_have_x_upwards() -> None:
     """Turned as a whole until the shaft is level, with x up, the driveline looks the same."""
     points = np.array([[-1, -4, 0.5], [0, 0, 0], [0, 9, 0], [1, 12, 0.7]])
-    upright = plots.plot_bend_vectors(Driveline.from_points(points))
+    upright = plots.plot_bend_vectors(Driveline.from_points(points), -2)
     level = plots.plot_bend_vectors(Driveline.from_points(points[:, [1, 0, 2]] * (1, 1, -1)))
     for place in (0, 2, 4, 5, 6):
         np.testing.assert_allclose(curve(upright, place), curve(level, place), atol=1e-9)

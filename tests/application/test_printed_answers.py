@@ -318,6 +318,7 @@ def test_sections_of_a_scene_are_printed_once(name: str, tmp_path: Path) -> None
     assert ran.startswith(f"{scene.title}\n\n")
     # Below a blank line, every file that is written, tables with the number of their rows.
     *_, last = ran.split("\n\n")
+    assert last.startswith("wrote ")
     written = dict(re.findall(r"^wrote (.*?)(?: \((\d+) rows\))?$", last, re.M))
     assert set(map(Path, written)) == set(tmp_path.iterdir()) != set()
     for path, count in written.items():

@@ -95,6 +95,26 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     assert words in page
 
 
+def test_without_bends_all_curves_are_level(tmp_path: Path) -> None:
+    page = page_of("[driveline]\nbends_deg = [0, 0]\n", tmp_path)
+    for points in curves(figure(page, "angle error [deg]")).values():
+        assert len(points) == 721
+        assert points[:, 1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_of_many_shafts_the_last_one_is_always_drawn(tmp_path: Path) -> None:
+    """The last one turns evenly, since pairs of equal bends cancel each other."""
+    bends = [4, 4, 5, 5, 6, 6, 7, 7]
+    page = page_of(f"[driveline]\nbends_deg = {bends}\nphases_deg = {[0] * 7}\n", tmp_path)
+    chart = figure(page, "angle error [deg]")
+    drawn = [label.removesuffix(" deg") for label in curves(chart)]
+    # The five of the others that vary most.
+    line = Driveline.from_bends(bends, phases=[0] * 7, degrees=True)
+    errors = np.array([float(line.equivalent(shaft).max_angle_error) for shaft in range(1, 8)])
+    most = sorted(np.argsort(errors)[-5:] + 1)
+    assert drawn == [f"shaft {shaft}" for shaft in (*most, 8)]
+
+
 def test_readings_have_the_values_of_their_curves(tmp_path: Path) -> None:
     """What the page reads out beside each curve has four digits of what the curve varies by."""
     page = page_of(AS_BUILT, tmp_path)
@@ -267,6 +287,16 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     assert [float(text.removesuffix(" %")) for text in words[1::2]] == pytest.approx(
         [100.0 * share for share in shares], abs=0.06
     )
+
+
+def test_the_scatter_is_drawn_up_to_the_worst_driveline(tmp_path: Path) -> None:
+    """Of few random ones none is close to it."""
+    text = "[driveline]\nbends_deg = [5, 5]\n[tolerances]\nbends_deg = 0.1\nsamples = 10\n"
+    page = page_of(f"{text}limit = 0.2\n", tmp_path)
+    share, limit = curves(figure(page, "Random drivelines up to this equivalent bend [%]")).values()
+    worst = Driveline.from_bends([4.9, 5.1], degrees=True).equivalent().bend
+    assert share[-1, 0] == pytest.approx(float(np.degrees(worst)), abs=0.01)
+    assert limit[-1, 0] == share[-1, 0]
 
 
 @pytest.mark.parametrize(
