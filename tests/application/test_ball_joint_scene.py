@@ -223,6 +223,15 @@ def test_answers(tmp_path: Path) -> None:
     assert not ANSWERS.is_valid({k: v for k, v in data.items() if k != "rows"})
 
 
+@pytest.mark.parametrize("name", ["run", "check"])
+def test_the_ball_joint_of_a_driveline_is_printed(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(TEXT + DRIVELINE)
+    section = ball_joint_text(BallJointScene.parse(TEXT).ball_joint)
+    options: list[str | Path] = ["--into", tmp_path] if name == "run" else []
+    assert command(name, path, *options).output.count(f"\n\n{section}\n") == 1
+
+
 def test_the_answer_has_the_figures_of_the_scene(tmp_path: Path) -> None:
     case = BallJointScene.parse(TEXT).ball_joint
     data = ball_joint_data(case)

@@ -248,6 +248,8 @@ def test_views_of_the_report_show_the_forces() -> None:
     for view, force in zip(views, [*FORCES.joint_force, *FORCES.bearing_force], strict=True):
         drawn = np.array([pair.split(",") for pair in view["path"].split()], float)
         (by_x, x0), (by_y, y0) = scaled(view, "x"), scaled(view, "y")
+        # Larger forces lie to the right and above, on one scale.
+        assert by_x > 0.0
         assert by_y == pytest.approx(-by_x, rel=0.01)
         x, y = by_x * drawn[:, 0] + x0, by_y * drawn[:, 1] + y0
         sizes = np.linalg.norm(force, axis=-1)

@@ -119,6 +119,25 @@ def test_ranges_of_the_answer_are_those_of_the_scene() -> None:
     assert ends == [pytest.approx(pair, rel=1e-3) for pair in printed_ends]
 
 
+def test_the_worst_critical_speed_is_one_whose_motion_is_known() -> None:
+    found = needed("rig_torsion")
+    inside = [one for one in found.critical_speeds if one.inside and one.order % 2 == 0]
+    assert len(inside) == 3
+    worst = max(inside, key=lambda one: one.amplitude)
+    known = [
+        replace(one, amplitude=np.nan) if one is worst else one for one in found.critical_speeds
+    ]
+    second = max((one for one in inside if one is not worst), key=lambda one: one.amplitude)
+    for criticals, named in ((found.critical_speeds, worst), (tuple(known), second)):
+        said = " ".join(torsion_text(replace(found, critical_speeds=criticals)).split())
+        pattern = r"contains 3 critical speeds; the worst is that of order (\d+) at ([\d.]+) rpm"
+        shown = re.search(pattern, said)
+        assert shown, said
+        assert int(shown[1]) == named.order
+        assert float(shown[2]) == pytest.approx(named.speed * 30.0 / np.pi, rel=1e-3)
+    assert "no periodic motion was found" in said
+
+
 def test_of_several_rules_the_one_is_named_that_is_exceeded_most() -> None:
     found = needed("rig_torsion")
     (region, *_), (rule, *_) = found.unstable, found.rules

@@ -235,6 +235,8 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
             assert 0.0 < y < height
         middle = (np.array(places["drive"]) + places["output"]) / 2.0
         assert middle[0] == pytest.approx(width / 2.0, abs=0.1)
+        feet = re.findall(r'class="axis" d="M[-.\d]+ ([-.\d]+)L', drawing)
+        assert all(float(y) == pytest.approx(middle[1], abs=0.11) for y in feet)
         # The barbs of an arrow lie behind its head, one on either side.
         for path in re.findall(r'class="(?:flow|axis)" d="(.*?)"', drawing):
             points = np.array(re.findall(r"[-.\d]+", path), dtype=float).reshape(-1, 2)

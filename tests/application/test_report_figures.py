@@ -95,6 +95,26 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     assert words in page
 
 
+@pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill_spindle"])
+def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) -> None:
+    page = page_of(Scene.load(EXAMPLES / f"{name}.toml"), tmp_path)
+    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
+    drawing = json.loads(found)["drawing"]
+    points = np.array(drawing["points"]).reshape(-1, 3)
+    for view in drawing["views"]:
+        across, down, _ = np.array(view["axes"])
+        places = points @ np.stack([across, down], axis=-1) + view["offset"]
+        left, right = places[:, 0].min(), places[:, 0].max()
+        width, height = view["size"]
+        # In the middle, with as much room on either side.
+        assert left > 20.0
+        assert left + right == pytest.approx(width, abs=0.2)
+        assert places[:, 1].min() > 20.0
+        assert places[:, 1].max() < height - 20.0
+        # The tips of the pins lie farther out.
+        assert right - left > 0.65 * width
+
+
 def test_without_bends_all_curves_are_level(tmp_path: Path) -> None:
     page = page_of("[driveline]\nbends_deg = [0, 0]\n", tmp_path)
     for points in curves(figure(page, "angle error [deg]")).values():

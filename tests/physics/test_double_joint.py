@@ -115,6 +115,7 @@ def test_the_picture_shows_the_residual_bend() -> None:
     assert [curve.get_label() for curve in curves] == labels
     for curve, pivot in zip(curves, (place, place + 0.2, place - 0.2), strict=True):
         total, drawn = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
+        assert (total[0], total[-1]) == (0.0, 50.0) == pytest.approx(axes.get_xlim())
         own = [residual(at, 60.0, pivot) for at in total[1::40]]
         assert drawn[1::40] == pytest.approx(own, rel=1e-9, abs=1e-6)
     assert len(plot_double_joint(60.0, 35.0).get_lines()) == 1
