@@ -106,8 +106,8 @@ def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) 
         places = points @ np.stack([across, down], axis=-1) + view["offset"]
         left, right = places[:, 0].min(), places[:, 0].max()
         width, height = view["size"]
-        # In the middle, with as much room on either side.
-        assert left > 20.0
+        # In the middle, with as much room on either side: for the pins, however they lie, and more.
+        assert left - 1.2 * drawing["pin"] * np.linalg.norm(across) > 15.0
         assert left + right == pytest.approx(width, abs=0.2)
         assert places[:, 1].min() > 20.0
         assert places[:, 1].max() < height - 20.0
@@ -117,22 +117,24 @@ def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) 
 
 def test_without_bends_all_curves_are_level(tmp_path: Path) -> None:
     page = page_of("[driveline]\nbends_deg = [0, 0]\n", tmp_path)
-    for points in curves(figure(page, "angle error [deg]")).values():
+    drawn = curves(figure(page, "angle error [deg]"))
+    assert list(drawn) == ["shaft 1 deg", "shaft 2 deg"]
+    for points in drawn.values():
         assert len(points) == 721
         assert points[:, 1] == pytest.approx(0.0, abs=1e-6)
 
 
 def test_of_many_shafts_the_last_one_is_always_drawn(tmp_path: Path) -> None:
     """The last one turns evenly, since pairs of equal bends cancel each other."""
-    bends = [4, 4, 5, 5, 6, 6, 7, 7]
-    page = page_of(f"[driveline]\nbends_deg = {bends}\nphases_deg = {[0] * 7}\n", tmp_path)
+    bends = [3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8]
+    page = page_of(f"[driveline]\nbends_deg = {bends}\nphases_deg = {[0] * 11}\n", tmp_path)
     chart = figure(page, "angle error [deg]")
     drawn = [label.removesuffix(" deg") for label in curves(chart)]
     # The five of the others that vary most.
-    line = Driveline.from_bends(bends, phases=[0] * 7, degrees=True)
-    errors = np.array([float(line.equivalent(shaft).max_angle_error) for shaft in range(1, 8)])
+    line = Driveline.from_bends(bends, phases=[0] * 11, degrees=True)
+    errors = np.array([float(line.equivalent(shaft).max_angle_error) for shaft in range(1, 12)])
     most = sorted(np.argsort(errors)[-5:] + 1)
-    assert drawn == [f"shaft {shaft}" for shaft in (*most, 8)]
+    assert drawn == [f"shaft {shaft}" for shaft in (*most, 12)]
 
 
 def test_readings_have_the_values_of_their_curves(tmp_path: Path) -> None:
