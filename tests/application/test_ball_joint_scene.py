@@ -22,6 +22,7 @@ from cardan.report.ball_joint import ball_joint as drawn_case
 from cardan.scene import BallJointScene, load_scene
 from cardan.scene.errors import SceneError
 from cardan.words.ball_joint import ball_joint_text
+from cardan.words.summary import figure_text
 from example_scenes import ANSWERS, SCENES, example, replaced
 from pages import curves, figure
 
@@ -46,6 +47,10 @@ def test_figures_are_those_of_the_library() -> None:
     assert found.parts[0].approach == 0.0
     assert found.projected == pytest.approx(20e3 / (math.pi * (0.016 * math.sqrt(0.75)) ** 2))
     assert found.verdict == "within"
+    words = ball_joint_text(case)
+    for moment in (found.turning, found.swivelling):
+        assert moment
+        assert figure_text(float(moment)) in words
 
 
 def test_a_hemisphere_reaches_one_and_a_half_times_the_projected_pressure() -> None:

@@ -326,6 +326,8 @@ def test_ticks_of_an_axis_have_as_many_decimals(ticks: list[float]) -> None:
     FigureCanvasAgg(axes.figure).draw()  # type: ignore[arg-type, no-untyped-call]
     shown = [label.get_text() for label in axes.get_yticklabels()]
     assert len({len(text.partition(".")[2]) for text in shown}) == 1
+    # Negative ones have a true minus sign.
+    assert "-" not in "".join(shown)
     values = [float(text.replace("\N{MINUS SIGN}", "-")) for text in shown]
     np.testing.assert_allclose(values, axes.get_yticks(), atol=1e-12)
 

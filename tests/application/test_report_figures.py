@@ -297,6 +297,7 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     # The axis reaches the worst driveline, which is not among the random ones.
     assert share[-1, 0] == pytest.approx(shown.worst, abs=0.02)
     assert limit[0, 1] == pytest.approx(0.0, abs=0.5)
+    assert limit[:, 1].max() == pytest.approx(100.0, abs=0.5)
     assert limit[-1, 1] == pytest.approx(100.0, abs=0.5)
     assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(shown.limit, abs=0.02)
     bars = figure(page, f"What makes the {shown.label} scatter")[1]
