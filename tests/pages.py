@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.report import write_report
+from cardan.report.charts import FRAME
 from cardan.scene import Scene
 
 
@@ -65,7 +66,10 @@ def legend_of(chart: ElementTree.Element) -> list[str]:
 
 
 def curves(chart: ElementTree.Element) -> dict[str, NDArray[np.float64]]:
-    """Return the points ``(n, 2)`` of every curve by its legend, as its axes say where they are."""
+    """Return the points ``(n, 2)`` of every curve by its legend, as its axes say where they are.
+
+    None of them lies outside the frame.
+    """
     ticks = {axis: np.array(found) for axis, found in scales(chart).items()}
     x_axis, y_axis = (np.polyfit(ticks[axis][:, 0], ticks[axis][:, 1], 1) for axis in "xy")
     found: dict[str, list[str]] = {}
@@ -75,5 +79,10 @@ def curves(chart: ElementTree.Element) -> dict[str, NDArray[np.float64]]:
     drawn = {}
     for label, points in found.items():
         x, y = np.transpose([point.split(",") for point in points]).astype(np.float64)
+        for places, low, high in (
+            (x, FRAME.left, FRAME.right),
+            (y, FRAME.top, FRAME.bottom),
+        ):
+            assert low - 0.1 <= places.min() <= places.max() <= high + 0.1, label
         drawn[label] = np.stack([np.polyval(x_axis, x), np.polyval(y_axis, y)], axis=-1)
     return drawn

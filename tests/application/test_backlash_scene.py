@@ -19,6 +19,7 @@ from cardan.command import commands
 from cardan.figures.backlash import Backlash, backlash, drawn_backlash, scene_backlash
 from cardan.plots import plot_backlash, plot_lash, write_backlash
 from cardan.scene import Scene, SceneError
+from cardan.words.backlash import backlash_text
 from example_scenes import ANSWERS, SCENES, example
 
 PATH = example("worn_joints.toml")
@@ -55,6 +56,7 @@ def test_the_loop_of_one_joint_is_the_closed_form() -> None:
     labels = [line.get_label() for line in axes.get_lines()][2:]
     assert [str(label).split(":")[0] for label in labels] == ["at 0°", "at 90°"]
     assert axes.get_ylabel() == "torque at the drive [N m]"
+    assert axes.get_xlabel() == "angle of the last shaft, drive held [deg]"
     pyplot.close("all")
 
 
@@ -66,7 +68,24 @@ def test_the_lash_over_the_turn_is_the_closed_form() -> None:
     np.testing.assert_allclose(loose[1], np.degrees(lash), rtol=1e-9)
     both = lash + 2.0 * TORQUE / (STIFF * np.cos(BEND))
     np.testing.assert_allclose(wound[1], np.degrees(both), rtol=1e-9)
+    axes = pyplot.gca()
+    assert axes.get_xlim() == pytest.approx((0.0, 360.0))
+    assert axes.get_ylim()[0] == 0.0
     pyplot.close("all")
+
+
+@pytest.mark.parametrize("radians", [False, True])
+def test_lash_and_wind_up_in_words(radians: bool) -> None:
+    """The lash where the driving pin is in the bend plane and across it; the same wind-up."""
+    lash = 2.0 * np.arcsin(np.sin(2.0 * PLAY) / np.array([1.0, np.cos(BEND)]))
+    wound = TORQUE / (STIFF * np.cos(BEND))
+    said = " ".join(backlash_text(single(), radians=radians).split())
+    unit = "rad" if radians else "°"
+    numbers = re.findall(r"([\d.]+) ?(?:°|rad)", said)
+    want = np.array([*lash, wound]) if radians else np.degrees([*lash, wound])
+    assert [float(number) for number in numbers] == pytest.approx(want.tolist(), rel=1e-3)
+    assert said.count(unit) == 3
+    assert f"{TORQUE:.1f} N m at the drive wind it up by" in said
 
 
 def test_loops_that_hardly_differ_are_one() -> None:

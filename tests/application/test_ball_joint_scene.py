@@ -15,14 +15,16 @@ from click.testing import CliRunner
 from cardan import BallJoint, Scene
 from cardan.ball_joint import layer_compliance
 from cardan.command import commands
-from cardan.figures.ball_joint import ball_joint_figures, pressure_curve
+from cardan.figures.ball_joint import ball_joint_data, ball_joint_figures, pressure_curve
 from cardan.plots import plot_ball_joint
 from cardan.report import write_report
 from cardan.report.ball_joint import ball_joint as drawn_case
 from cardan.scene import BallJointScene, load_scene
 from cardan.scene.errors import SceneError
 from cardan.words.ball_joint import ball_joint_text
+from cardan.words.summary import figure_text
 from example_scenes import ANSWERS, SCENES, example, replaced
+from pages import curves, figure
 
 TEXT = example("ball_joint.toml").read_text(encoding="utf-8")
 DRIVELINE = "[driveline]\nbends_deg = [10]\n[load]\nspeed_rpm = 60\noutput_torque_Nm = 5\n"
@@ -45,6 +47,10 @@ def test_figures_are_those_of_the_library() -> None:
     assert found.parts[0].approach == 0.0
     assert found.projected == pytest.approx(20e3 / (math.pi * (0.016 * math.sqrt(0.75)) ** 2))
     assert found.verdict == "within"
+    words = ball_joint_text(case)
+    for moment in (found.turning, found.swivelling):
+        assert moment
+        assert figure_text(float(moment)) in words
 
 
 def test_a_hemisphere_reaches_one_and_a_half_times_the_projected_pressure() -> None:
@@ -222,6 +228,35 @@ def test_answers(tmp_path: Path) -> None:
     assert not ANSWERS.is_valid({k: v for k, v in data.items() if k != "rows"})
 
 
+@pytest.mark.parametrize("name", ["run", "check"])
+def test_the_ball_joint_of_a_driveline_is_printed(name: str, tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(TEXT + DRIVELINE)
+    section = ball_joint_text(BallJointScene.parse(TEXT).ball_joint)
+    options: list[str | Path] = ["--into", tmp_path] if name == "run" else []
+    assert command(name, path, *options).output.count(f"\n\n{section}\n") == 1
+
+
+def test_the_answer_has_the_figures_of_the_scene(tmp_path: Path) -> None:
+    case = BallJointScene.parse(TEXT).ball_joint
+    data = ball_joint_data(case)
+    given = tomllib.loads(TEXT)["ball_joint"]
+    for key in ("load_N", "radius_mm", "clearance_mm", "half_angle_deg"):
+        assert data[key] == pytest.approx(given[key])
+    allowable = {part["part"]: part["allowable_pressure_MPa"] for part in data["parts"]}
+    for part, pressure in allowable.items():
+        assert pressure == pytest.approx(given[part]["allowable_pressure_MPa"])
+    # The page has the lower one as a line over the whole seat.
+    write_report(BallJointScene.parse(TEXT), tmp_path / "a.html")
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    drawn = curves(figure(page, "Pressure on the seat [MPa]"))
+    theta, pressure = pressure_curve(case)
+    line = drawn["pressure on the seat"]
+    want = 1e-6 * np.interp(np.radians(line[:, 0]), theta, pressure)
+    assert line[:, 1] == pytest.approx(want, abs=1.0)
+    assert drawn["allowable for the seat"][:, 1] == pytest.approx(60.0, abs=0.5)
+
+
 def test_a_joint_beyond_fails_the_check_of_a_good_driveline(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     good = DRIVELINE.replace("10", "1")
@@ -242,11 +277,44 @@ def test_the_picture_shows_the_pressure() -> None:
     assert np.allclose(drawn.get_xdata(), np.degrees(theta))
     assert np.allclose(drawn.get_ydata(), 1e-6 * pressure)
     assert pressure.max() == pytest.approx(case.joint.peak_pressure(20e3))
+    assert curve.get_ylim()[0] == 0.0
+    # What is shaded stands on the ball, whose radius is 1.
+    (shade,) = (patch for patch in section.patches if patch.get_alpha() == 0.25)
+    across, up = np.asarray(shade.get_path().vertices, dtype=float).T
+    radii = np.hypot(across, up)
+    assert radii.min() == pytest.approx(1.0, abs=1e-9)
+    heights = (
+        np.interp(np.arctan2(across, -up), theta, pressure) / pressure.max() * (radii.max() - 1.0)
+    )
+    assert np.min(np.abs(radii - 1.0 - [[0.0], [1.0]] * heights), axis=0).max() < 1e-3
     legend = curve.get_legend()
     assert legend is not None
     names = [text.get_text() for text in legend.get_texts()]
     assert names == ["pressure", "without clearance", "allowable, seat"]
     assert any("20000 N" in text.get_text() for text in section.texts)
+
+
+def test_arrows_on_the_page_are_as_long_as_the_pressure() -> None:
+    case = BallJointScene.parse(TEXT).ball_joint
+    assert case
+    drawing = drawn_case(case)["drawing"]
+
+    def points(path: str) -> np.ndarray:
+        return np.array([pair.split() for pair in path.strip("MZ").split("L")], float)
+
+    radii = np.hypot(*points(drawing["ball"]).T)
+    assert np.ptp(radii) < 0.2
+    theta, pressure = pressure_curve(case)
+    assert len(drawing["arrows"]) > 4
+    for arrow in drawing["arrows"]:
+        foot, head = points(arrow)
+        # From the surface of the ball outwards; the load points down.
+        assert np.hypot(*foot) == pytest.approx(radii[0], abs=0.2)
+        np.testing.assert_allclose(foot / np.hypot(*foot), head / np.hypot(*head), atol=0.01)
+        angle = np.arctan2(foot[0], foot[1])
+        share = np.interp(angle, theta, pressure) / pressure.max()
+        longest = max(np.hypot(*np.diff(points(each), axis=0)[0]) for each in drawing["arrows"])
+        assert np.hypot(*(head - foot)) == pytest.approx(share * longest, rel=0.03)
 
 
 def test_the_section_of_the_page_shows_the_pressure() -> None:

@@ -138,7 +138,7 @@ def test_a_page_has_the_path_of_every_force() -> None:
 
 
 def test_headings_of_states_lie_within_the_page() -> None:
-    names = ["Rebound of the axle", "Bump " + "and more " * 9]
+    names = [r"Rebound at $\axle$", "Bump " + "and more " * 9]
     states = f"[states]\nnames = {json.dumps(names)}\npoints_mm.2.y = [-60, -160]\n"
     scene = Scene.parse(TEXT + states)
     paths = scene_force_paths(scene)
@@ -271,6 +271,8 @@ def test_views_of_the_report_show_the_forces() -> None:
     for view, force in zip(views, [*FORCES.joint_force, *FORCES.bearing_force], strict=True):
         drawn = np.array([pair.split(",") for pair in view["path"].split()], float)
         (by_x, x0), (by_y, y0) = scaled(view, "x"), scaled(view, "y")
+        # Larger forces lie to the right and above, on one scale.
+        assert by_x > 0.0
         assert by_y == pytest.approx(-by_x, rel=0.01)
         x, y = by_x * drawn[:, 0] + x0, by_y * drawn[:, 1] + y0
         sizes = np.linalg.norm(force, axis=-1)
@@ -291,6 +293,31 @@ def test_views_of_the_report_show_the_forces() -> None:
         )
         for at_x, at_y, *_, name in view["marks"]:
             np.testing.assert_array_equal([float(at_x), float(at_y)], drawn[2 * int(name[:-1])])
+
+
+def test_drive_angles_are_written_close_to_their_marks_and_cover_nothing() -> None:
+    for view in force_views(Scene.parse(TEXT)):
+        path = np.array([pair.split(",") for pair in view["path"].split()], float)
+        foot, head = np.array([p.split() for p in view["arrow"][1:].split("L")[:2]], float)
+        arrow = foot + np.linspace(0.0, 1.0, 99)[:, None] * (head - foot)
+        # Path and arrow are in the middle of the frame, and fill it one way or the other.
+        drawn = np.concatenate([path, arrow])
+        low, high = drawn.min(axis=0), drawn.max(axis=0)
+        frame = np.array([[view["left"], view["top"]], [view["right"], view["bottom"]]])
+        np.testing.assert_allclose(low + high, frame.sum(axis=0), atol=0.3)
+        assert np.min(frame[1] - frame[0] - (high - low)) == pytest.approx(60.0, abs=0.3)
+        # A path that is no larger than a label has none.
+        assert bool(view["marks"]) == bool(np.ptp(path, axis=0).max() > 30.0)
+        for *numbers, name in view["marks"]:
+            x, y, text_x, foot_of_text = map(float, numbers)
+            # The middle of the text; its foot is 4 below.
+            text = np.array([text_x, foot_of_text - 4.0])
+            assert 14.5 < np.hypot(*(text - (x, y))) < 18.0, name
+            assert view["left"] + 9.0 < text_x < view["right"] - 9.0, name
+            assert view["top"] + 9.0 < foot_of_text < view["bottom"], name
+            assert np.hypot(*(path - text).T).min() > 14.5, name
+            assert np.hypot(*(arrow - text).T).min() > 8.5, name
+            assert np.abs(text - np.array(view["zero"], float)).min() > 8.5, name
 
 
 def test_page_has_bearings_and_paths(tmp_path: Path) -> None:

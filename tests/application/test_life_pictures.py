@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 import cardan
@@ -77,6 +79,50 @@ def test_a_picture_has_what_the_scene_gives(tmp_path: Path) -> None:
     less = tmp_path / "less.svg"
     write_life(needed_life(plain), less)
     assert len(less.read_bytes()) < len(text)
+
+
+def test_pins_and_heat_are_those_of_the_worst_steps(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The joints are hottest in the start and wear most when loaded, which lasts longer."""
+    drawn: list[Figure] = []
+    monkeypatch.setattr("cardan.plots.life.save", lambda figure, _: drawn.append(figure))
+    text = CONVEYOR.read_text(encoding="utf-8")
+    text = text.replace("hours = [50, 45, 5]", "hours = [70, 29, 1]").replace(", 600]", ", 1500]")
+    scene = Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent)
+    write_life(needed_life(scene), tmp_path / "life.svg")
+    _, pins, heat = drawn[0].axes
+    angle, moment = np.asarray(pins.get_lines()[1].get_xydata()).T
+    loaded = cardan.Load(output_torque=400.0, speed_rpm=1500.0)
+    own = LINE.evaluate(np.radians(angle), "moment", joints=1, load=loaded).moment
+    assert moment == pytest.approx(np.linalg.norm(own, axis=-1), rel=1e-12)
+    start = cardan.Load(output_torque=700.0, speed_rpm=1500.0)
+    watts = LINE.losses(start, friction=0.01, pin_radius=0.008, arm=0.032).power
+    for joint, line in enumerate(heat.get_lines()):
+        assert np.asarray(line.get_xydata())[-1] == pytest.approx([1500.0, watts[joint]])
+    assert heat.get_xlim() == pytest.approx((0.0, 1500.0))
+
+
+def test_without_joints_there_is_no_heat() -> None:
+    text = CONVEYOR.read_text(encoding="utf-8").replace('size = "1480"', "")
+    found = needed_life(Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent))
+    assert found.sizes
+    assert (found.joints, found.heat, found.efficiency) == ((), None, None)
+
+
+def test_short_lives_and_names_are_written_in_full() -> None:
+    """Lives have the digits of the answer; a name with dollar signs is no formula."""
+    text = CONVEYOR.read_text(encoding="utf-8").replace("[400, 250, 700]", "[9000, 6000, 12000]")
+    found = needed_life(Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent))
+    sizes = [replace(one, size=replace(one.size, name=f"${one.size.name}$")) for one in found.sizes]
+    axes = plot_sizes(replace(found, sizes=tuple(sizes)))
+    assert any(float(one.hours or 0.0) < 1.0 for one in sizes)
+    for text_of_bar, one in zip(axes.texts, sizes, strict=True):
+        shown = float(text_of_bar.get_text().removesuffix(" h"))
+        assert shown == pytest.approx(one.hours, rel=6e-3)
+    for label, one in zip(axes.get_yticklabels(), sizes, strict=True):
+        assert label.get_text() == one.size.name
+        assert not label.get_parse_math()
 
 
 def test_what_cannot_be_drawn_is_refused(tmp_path: Path) -> None:

@@ -439,6 +439,18 @@ def test_pictures() -> None:
     figure = plot_optimise(found)
     assert len(figure.axes) == 4
     states = figure.axes[0]
+    # The states are the first of two rows of two panels, each 58 mm high.
+    places = [axes.get_position().bounds[:2] for axes in figure.axes]
+    assert sorted(places, key=lambda place: (-round(place[1], 1), place[0])) == places
+    assert [round(10.0 * y) > 4 for _, y in places] == [True, True, False, False]
+    assert figure.get_size_inches()[1] == pytest.approx(2 * 58.0 / 25.4)
+    # The yokes can be set at every tooth within half a turn, 15 deg apart.
+    (teeth,) = (line for line in figure.axes[2].get_lines() if line.get_label() == "teeth")
+    places_of_teeth = np.asarray(teeth.get_xdata(), dtype=float) / 15.0
+    np.testing.assert_allclose(places_of_teeth, np.round(places_of_teeth), atol=1e-9)
+    ends = np.asarray(figure.axes[2].get_lines()[0].get_xdata(), dtype=float)[[0, -1]] / 15.0
+    first, last = np.ceil(ends[0]), np.floor(ends[1])
+    assert np.round(places_of_teeth).tolist() == np.arange(first, last + 1.0).tolist()
     bars: Any = states.patches
     heights = [bar.get_height() for bar in bars]
     np.testing.assert_allclose(heights[:9], np.degrees(found.best.per_state_before))
@@ -446,6 +458,7 @@ def test_pictures() -> None:
     axes = plot_over_variable(found, 0)
     x, y = axes.get_lines()[0].get_data()
     best = float(np.degrees(found.best.value))
+    assert np.all(np.diff(np.asarray(x)) > 0.0)
     at = int(np.argmin(np.abs(np.asarray(x) - (-46.0 + found.best.x[0]))))
     assert float(np.asarray(y)[at]) == pytest.approx(best)
     assert np.nanmin(np.asarray(y)) >= best - 1e-9

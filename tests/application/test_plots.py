@@ -15,6 +15,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from matplotlib import font_manager, pyplot
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
@@ -22,13 +23,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import StepPatch
+from matplotlib.patches import Rectangle, StepPatch
 from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 
 from cardan import plots, reference
 from cardan.approximations import thoma_moment_ratios, thoma_small_angle
 from cardan.arrays import FloatArray
+from cardan.command import commands
 from cardan.driveline import Driveline
 from cardan.figures.summary import SummaryRow, summary
 from cardan.load import Load
@@ -36,13 +38,17 @@ from cardan.outputs import OUTPUTS
 from cardan.plots import plot_scene, space, write_picture
 from cardan.plots.bands import Bands
 from cardan.plots.key_figures import key_figures
+from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import View
+from cardan.plots.style import degree_ticks, text_width
 from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
+from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+FOLDER = Path(__file__).parents[2] / "examples"
+EXAMPLES = sorted(FOLDER.glob("*.toml"))
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 
 TALL = """\
@@ -82,16 +88,24 @@ def foeppl() -> SceneResult:
 
 
 def characters(font: str) -> set[str]:
-    found = font_manager.get_font(font_manager.findfont(font))
+    family = font_manager.FontProperties(family=[font])
+    found = font_manager.get_font(font_manager.findfont(family))
     return set(map(chr, found.get_charmap()))
 
 
-def test_title_in_characters_of_another_font(tmp_path: Path) -> None:
+def test_title_in_characters_of_another_font(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """It is drawn from an installed font that has them; warnings are errors here."""
     other = characters("STIXGeneral") - characters("DejaVu Sans")
     title = "Joint " + "".join(sorted(c for c in other if c.isalpha())[:3])
     scene = Scene.parse(f"title = '{title}'\n[driveline]\nbends_deg = [8]\n")
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    figures: list[Figure] = []
     write_picture(scene.run(), tmp_path / "a.svg")
+    (named,) = (text for text in figures[0].texts if title in text.get_text())
+    known = set().union(*(characters(family) for family in named.get_fontfamily()))
+    assert set(title) - {" "} <= known
 
 
 def test_title_in_characters_of_no_font(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -292,6 +306,18 @@ def test_curves_of_a_page_can_be_told_apart_in_grey() -> None:
     assert len({str(line._dash_pattern) for line in lines}) == 6  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "step"),
+    [(0, 90, 30), (-45, 45, 30), (-180, 180, 90), (100, 460, 90), (0, 3600, 720), (3, 10, 2)],
+)
+def test_degrees_have_few_round_ticks(low: float, high: float, step: float) -> None:
+    axes = given_axes()
+    axes.set_xlim(low, high)
+    degree_ticks(axes.xaxis, low, high)
+    ticks = [tick for tick in axes.get_xticks() if low <= tick <= high]
+    assert ticks == [step * i for i in range(-20, 20) if low <= step * i <= high]
+
+
 @pytest.mark.parametrize("ticks", [[0.99, 0.995, 1.0], [0, 2.5, 5], [0, 90], [-0.25, 0.25]])
 def test_ticks_of_an_axis_have_as_many_decimals(ticks: list[float]) -> None:
     axes = given_axes()
@@ -300,6 +326,8 @@ def test_ticks_of_an_axis_have_as_many_decimals(ticks: list[float]) -> None:
     FigureCanvasAgg(axes.figure).draw()  # type: ignore[arg-type, no-untyped-call]
     shown = [label.get_text() for label in axes.get_yticklabels()]
     assert len({len(text.partition(".")[2]) for text in shown}) == 1
+    # Negative ones have a true minus sign.
+    assert "-" not in "".join(shown)
     values = [float(text.replace("\N{MINUS SIGN}", "-")) for text in shown]
     np.testing.assert_allclose(values, axes.get_yticks(), atol=1e-12)
 
@@ -380,6 +408,109 @@ def test_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     with pytest.raises(ImportError, match=r"needs matplotlib: pip install 'cardan\[plot\]'"):
         write_picture(foeppl(), tmp_path / "a.svg")
     assert list(tmp_path.iterdir()) == []
+
+
+def figure_of(
+    command: str, text: str, monkeypatch: pytest.MonkeyPatch, folder: Path, *options: str
+) -> Figure:
+    """The figure that a command writes of a scene."""
+    (folder / "a.toml").write_text(text, encoding="utf-8")
+    for table in FOLDER.glob("*.csv"):
+        (folder / table.name).write_bytes(table.read_bytes())
+    figures: list[Figure] = []
+    monkeypatch.setattr(Figure, "savefig", lambda self, *_, **__: figures.append(self))
+    arguments = [command, str(folder / "a.toml"), *options, "--output", str(folder / "a.svg")]
+    result = CliRunner().invoke(commands(), arguments)
+    assert result.exit_code in (0, 1), result.output
+    (figure,) = figures
+    return figure
+
+
+@pytest.mark.parametrize(
+    ("name", "option"),
+    [
+        ("axial_travel", "--slides"),
+        ("worn_joints", "--backlash"),
+        ("suspension", "--study=equivalent_bend"),
+        ("foeppl", "--over=turns"),
+    ],
+)
+def test_titles_are_written_as_they_are(
+    name: str, option: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Dollar signs make no formula, and a long title has several lines."""
+    title = r"Joints at $\each$, in a title that is much longer than its picture is wide"
+    text = (FOLDER / f"{name}.toml").read_text("utf-8")
+    (given,) = re.findall("^title = .*$", text, re.M)
+    text = text.replace(given, f"title = '{title}'")
+    figure = figure_of("plot", text, monkeypatch, tmp_path, option)
+    found = figure.get_suptitle() or "\n".join(text.get_text() for text in figure.texts)
+    assert title in " ".join(found.split())
+    for shown, box in texts(figure, monkeypatch, 12.0):
+        assert figure.bbox.x0 <= box.x0 <= box.x1 <= figure.bbox.x1, shown
+
+
+def test_a_picture_of_states_has_their_figures_and_the_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = scene_text(20.0, "[limits]\nequivalent_bend_deg = 4")
+    figure = figure_of("plot", text, monkeypatch, tmp_path, "--study=equivalent_bend")
+    (axes,) = figure.axes
+    bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(20.0)]
+    bars = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
+    assert [bar.get_width() for bar in bars] == pytest.approx(bends)
+    assert [bool(bar.get_hatch()) for bar in bars] == [bend > 4.0 for bend in bends]
+    (limit,) = axes.get_lines()
+    np.testing.assert_allclose(np.asarray(limit.get_xdata()), 4.0)
+    assert limit.get_label() == "limit 4 deg"
+    assert [label.get_text() for label in axes.get_yticklabels()] == list(NAMES)
+    # The first state is on top.
+    assert axes.transData.transform([0, 0])[1] > axes.transData.transform([0, 1])[1]
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "option"),
+    [
+        ("life", "conveyor", ()),
+        ("tolerances", "workshop", ()),
+        ("plot", "axial_travel", ("--slides",)),
+        ("plot", "worn_joints", ("--backlash",)),
+        ("plot", "truck", ("--over", "orders")),
+        ("plot", "ball_joint", ()),
+        ("plot", "bearings", ("--forces",)),
+    ],
+)
+def test_frames_hold_what_they_show_and_are_little_larger(
+    command: str,
+    name: str,
+    option: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    text = (FOLDER / f"{name}.toml").read_text("utf-8")
+    figure = figure_of(command, text, monkeypatch, tmp_path, *option)
+    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
+    for axes in figure.axes:
+        ends = zip(axes.dataLim.intervalx, axes.dataLim.intervaly, strict=True)
+        (left, low), (right, high) = ends
+        for first, last, view in (
+            (left, right, axes.get_xlim()),
+            (low, high, axes.get_ylim()),
+        ):
+            span = max(view) - min(view)
+            assert min(view) - 1e-9 * span <= first <= last <= max(view) + 1e-9 * span
+            # The arrow of a force begins at 0, however short its path is.
+            assert last - first > 0.45 * span or "--forces" in option
+        # Curves with a name have it in a legend, two scales of one frame in one of them.
+        bounds = axes.get_position().bounds
+        same = [other for other in figure.axes if other.get_position().bounds == bounds]
+        named = any(other.get_legend_handles_labels()[0] for other in same)
+        assert named == any(other.get_legend() for other in same)
+        if axes.yaxis_inverted():
+            # Bars begin at 0 and leave room for their sizes, which are written to their right.
+            assert axes.get_xlim()[0] == left == 0.0
+            assert right < 0.9 * axes.get_xlim()[1]
+            assert all(label.get_window_extent().x1 <= figure.bbox.x1 for label in axes.texts)
 
 
 def test_unknown_suffix(tmp_path: Path) -> None:
@@ -586,6 +717,29 @@ def test_axes_are_labelled(name: str) -> None:
             assert "[deg]" in label
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        *("driven angle", "angle error", "largest angle error", "non-uniformity", "torque"),
+        *("Mt", "Mx", "Mz", "batch", "vector"),
+    ],
+)
+def test_a_frame_is_as_wide_as_its_curves_and_holds_them(name: str) -> None:
+    axes = PICTURES[name][1]()
+    x, y = np.concatenate(
+        [np.asarray(line.get_xydata()) for line in axes.get_lines() if line.get_label()]
+    ).T
+    assert axes.get_xlim() == pytest.approx((x.min(), x.max()))
+    low, high = axes.get_ylim()
+    assert low <= y.min() < y.max() <= high
+    # Curves over the bend begin at 0, those over the turn cover half of it or all of it.
+    left, right = axes.get_xlim()
+    turn = (180.0, 360.0) if "angle" in axes.get_xlabel() else (45.0,)
+    assert (left, right in turn) == (0.0, True)
+    ticks = [tick for tick in axes.get_xticks() if left <= tick <= right]
+    assert ticks == np.arange(0.0, right + 1.0, 90.0 if right > 180.0 else ticks[1]).tolist()
+
+
 def test_more_curves_than_can_be_told_apart_are_refused() -> None:
     many = Driveline.from_bends(np.arange(1.0, 8.0)[:, None], degrees=True)
     with pytest.raises(ValueError, match="at most 6 curves that can be told apart"):
@@ -713,7 +867,7 @@ def test_sizes_over_the_bend() -> None:
 
 def test_bend_vectors_of_the_catalogues_example() -> None:
     axes = plots.plot_bend_vectors(SPATIAL)
-    first, tip, second, _, rings, _, arc = (curve(axes, place) for place in range(7))
+    first, tip, second, _, rings, reach, arc = (curve(axes, place) for place in range(7))
     assert (first[0][1], first[1][1]) == (tip[0][0], tip[1][0])
     ends = np.array([first, second])[:, :, 1]
     np.testing.assert_allclose(np.linalg.norm(ends, axis=1), [16.4225, 16.3956], atol=5e-5)
@@ -726,7 +880,25 @@ def test_bend_vectors_of_the_catalogues_example() -> None:
     angles = np.degrees(np.unwrap(np.arctan2(arc[1], arc[0])))
     assert angles[-1] - angles[0] == pytest.approx(70.8728, abs=5e-5)
     assert np.tan(np.radians(angles[-1])) == pytest.approx(slope[1, 1] / slope[1, 0])
-    assert "70.87°" in [text.get_text() for text in axes.texts]
+    # The line of the second leads from the middle to the size of the angle, across the arc's end.
+    end = np.array(reach)[:, 1]
+    assert (reach[0][0], reach[1][0]) == (0.0, 0.0)
+    np.testing.assert_allclose(end / np.hypot(*end), np.array(arc)[:, -1] / np.hypot(*arc)[-1])
+    assert np.hypot(*end) > np.hypot(*arc)[-1]
+    (size,) = (text for text in axes.texts if text.get_text())
+    assert (size.get_text(), size.xy) == ("70.87°", tuple(end))  # type: ignore[attr-defined]
+
+
+def test_bend_vectors_of_a_shaft_that_points_up_have_x_upwards() -> None:
+    """Turned as a whole until the shaft is level, with x up, the driveline looks the same."""
+    points = np.array([[-1, -4, 0.5], [0, 0, 0], [0, 9, 0], [1, 12, 0.7]])
+    upright = plots.plot_bend_vectors(Driveline.from_points(points), -2)
+    level = plots.plot_bend_vectors(Driveline.from_points(points[:, [1, 0, 2]] * (1, 1, -1)))
+    for place in (0, 2, 4, 5, 6):
+        np.testing.assert_allclose(curve(upright, place), curve(level, place), atol=1e-9)
+    # Joint 0 bends to the side on which shaft 0 lies, by atan(1 / 4) and atan(0.5 / 4).
+    ends = np.transpose(curve(upright, 4))
+    np.testing.assert_allclose(np.abs(ends[0]), np.degrees(np.arctan([0.5 / 4, 1 / 4])))
 
 
 @pytest.mark.parametrize(
@@ -1012,6 +1184,55 @@ def test_labels_cover_no_part_of_a_driveline(monkeypatch: pytest.MonkeyPatch) ->
                 x, y = dense.T
                 inside = (box.x0 < x) & (x < box.x1) & (box.y0 < y) & (y < box.y1)
                 assert not inside.any(), (name, text)
+
+
+def test_labels_lie_in_the_nearest_free_place() -> None:
+    size = float(matplotlib.rcParams["font.size"])
+    width, height = text_width("joint 0", size), 1.25 * size
+    anchor = np.array([200.0, 150.0])
+
+    def labels_among(*bars: float) -> PlacedLabels:
+        """Bars from side to side so far above the anchor."""
+        along = np.linspace(0.0, 400.0, 201)
+        drawn = [np.stack([along, np.full(201, anchor[1] + bar)], axis=-1) for bar in bars]
+        return PlacedLabels(Figure().add_subplot(), (400.0, 300.0), np.concatenate(drawn))
+
+    def placed(labels: PlacedLabels, *, above: bool) -> tuple[float, float]:
+        """Offset of the middle of a new label from the anchor."""
+        assert labels.beside(anchor, "joint 0", 5.0, above=above)
+        box = labels.boxes[-1]
+        assert (box[2] - box[0], box[3] - box[1]) == pytest.approx((width, height))
+        middle = np.array([(box[0] + box[2]) / 2.0, (box[1] + box[3]) / 2.0])
+        written = np.multiply(labels.axes.texts[-1].xy, labels.size)  # type: ignore[attr-defined]
+        np.testing.assert_allclose(written, middle, atol=1e-9)
+        x, y = middle - anchor
+        return float(x), float(y)
+
+    labels = labels_among(0.0)
+    assert placed(labels, above=True) == pytest.approx((0.0, 5.0 + height / 2.0))
+    assert placed(labels, above=True) == pytest.approx((0.0, -5.0 - height / 2.0))
+    assert not labels.axes.lines
+    # All other places are taken, or a line to them would run through a label.
+    assert not labels.beside(anchor, "joint 0", 5.0, above=True)
+    assert len(labels.boxes) == len(labels.axes.texts) == 2
+    # In steps of 2, with room of 2 around the label. A line leads to one that is so far.
+    for above, side in ((True, 1.0), (False, -1.0)):
+        labels = labels_among(14.0, -14.0)
+        x, y = placed(labels, above=above)
+        assert (x, y) == pytest.approx((0.0, side * (5.0 + 12.0 + height / 2.0)))
+        (line,) = labels.axes.lines
+        ends = np.asarray(line.get_xydata()) * labels.size - anchor
+        np.testing.assert_allclose(ends, [[0.0, side * 5.0], [0.0, side * 17.0]], atol=1e-9)
+    # Below is nearer than above by more than the preference.
+    assert placed(labels_among(18.0), above=True)[1] < 0.0
+    # To the left or to the right, where something is drawn on the other side.
+    for side in (1.0, -1.0):
+        labels = labels_among(0.0)
+        upright = anchor + np.stack([np.full(99, -5.0 * side), np.linspace(-150, 150, 99)], axis=-1)
+        labels.drawn = np.concatenate([labels.drawn, upright])
+        assert placed(labels, above=True) == pytest.approx((14.0 * side, 5.0 + height / 2.0))
+    # No label leaves the drawing.
+    assert not labels_among(0.0).beside(np.array([3.0, 290.0]), "joint 0", 5.0, above=True)
 
 
 def test_bends_and_phases_are_named() -> None:

@@ -6,6 +6,7 @@ import csv
 import re
 import tomllib
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 import pytest
@@ -13,12 +14,24 @@ from click.testing import CliRunner
 
 import cardan
 from cardan.command import commands
+from cardan.figures.backlash import scene_backlash
 from cardan.figures.life import needed_life
-from cardan.figures.slides import drawn_slides
+from cardan.figures.optimise import optimise_data, optimised
+from cardan.figures.slides import drawn_slides, scene_slides
+from cardan.figures.slip import slip_figures
+from cardan.figures.states import forces_of
+from cardan.figures.steering import steering_figures
 from cardan.scene import Scene
+from cardan.words.backlash import backlash_text
+from cardan.words.forces import forces_text
+from cardan.words.slides import slides_text
+from cardan.words.slip import slip_text
+from cardan.words.steering import steering_text
 from cardan.words.summary import figure_text
 from heights import HEIGHTS, NAMES, SPEED, drivelines, scene_text
 from printed import EXAMPLES, blocks, first_number, printed, rows
+
+_Figures = TypeVar("_Figures")
 
 
 def test_life_of_joints() -> None:
@@ -57,6 +70,30 @@ def test_life_of_joints() -> None:
         assert mean < largest
         name = duty["names"][figures.heat.step]
         assert shown["heat"] == f"{figure_text(mean)} W, at most {figure_text(largest)} W in {name}"
+
+
+@pytest.mark.parametrize("steps", [1, 2])
+def test_the_worst_step_is_named_where_there_are_several(steps: int, tmp_path: Path) -> None:
+    """Wear and heat of one step are those of the whole duty cycle; of two they have a worst."""
+    names, hours, torques = ["slow", "fast"][:steps], [60, 40][:steps], [100, 200][:steps]
+    text = (
+        "[driveline]\nbends_deg = [10]\n[load]\nspeed_rpm = 600\n"
+        "[joints]\nrating_Nm = 500\nfriction = 0.01\npin_radius_mm = 8\narm_mm = 30\n"
+        f"[life]\nnames = {names}\nhours = {hours}\noutput_torque_Nm = {torques}\n"
+    )
+    shown = blocks(answered("life", text, tmp_path))["Joint 0"]
+    heat = cardan.Driveline.from_bends([10], degrees=True).losses(
+        cardan.Load(output_torque=np.asarray(torques, float), speed=20.0 * np.pi),
+        friction=0.01,
+        pin_radius=0.008,
+        arm=0.03,
+    )
+    mean = figure_text(float(np.average(heat.power[0], weights=hours)))
+    most = figure_text(float(heat.power[0].max()))
+    assert shown["heat"] == (f"{mean} W, at most {most} W in fast" if steps > 1 else f"{mean} W")
+    wear = np.array([60.0, 40.0 * 2.0 ** (10.0 / 3.0)])
+    share = f"fast, {100.0 * wear[1] / wear.sum():.0f} % of the damage"
+    assert shown.get("most wear") == (share if steps > 1 else None)
 
 
 def test_duty_cycle_and_sizes() -> None:
@@ -147,6 +184,7 @@ def test_figures_before_and_after(tmp_path: Path) -> None:
     assert f"of shaft 1 by {teeth:g} teeth counter-clockwise ({-turn:.2f}°)" in text
     assert new["phases_deg"][1] == old["phases_deg"][1]
     assert "- leave the output-side yoke of shaft 2 as it is (phases_deg.1)" in text
+    assert text.count("\n- Yokes are set by whole teeth of their splines.\n") == 1
 
 
 @pytest.mark.parametrize(("phase", "sense"), [(-0.4, "clockwise"), (0.4, "counter-clockwise")])
@@ -158,6 +196,70 @@ def test_a_small_turn_has_its_sense(phase: float, sense: str, tmp_path: Path) ->
     )
     words = answered("optimise", text, tmp_path)
     assert f"- turn the output-side yoke of shaft 1 by 0.40° {sense}" in words, words
+    # Of a single driveline the first sentence has all; there are no splines.
+    assert "before     after" not in words
+    assert "teeth" not in words
+
+
+OPTIMUM = """\
+[driveline]
+bends_deg = [10, 6]
+[load]
+speed_rpm = 1500
+drive_torque_Nm = 300
+[states]
+names = ["low", "high"]
+"bends_deg.0" = [9, 11]
+[optimise]
+vary = {"bends_deg.1" = [-2, 8]}
+"""
+
+
+@pytest.mark.parametrize(
+    ("was", "instead", "words"),
+    [
+        ("", "", "No range and no limit is reached; any further change makes it worse."),
+        ("[-2, 8]", "[-2, 1]", "bends_deg.1 is at the upper end of its range, a change of 1°."),
+        ("6]", "14]", "bends_deg.1 is at the lower end of its range, a change of -2°."),
+    ],
+)
+def test_what_keeps_an_optimum_from_being_better(
+    was: str, instead: str, words: str, tmp_path: Path
+) -> None:
+    text = answered("optimise", OPTIMUM.replace(was, instead, 1) if was else OPTIMUM, tmp_path)
+    found = re.search(r"bends_deg\.1: (\d+) → ([\d.]+)°", text)
+    assert found, text
+    before, after = map(float, found.groups())
+    change = f"{abs(after - before):.4g}°"
+    assert f"{'increase' if after > before else 'reduce'} the bend of joint 1 by {change}" in text
+    assert [line for line in text.splitlines() if line.startswith("- ")][1:] == [f"- {words}"]
+    bends = [[[first, last] for first in (9.0, 11.0)] for last in (after - 0.1, after, after + 0.1)]
+    largest = cardan.Driveline.from_bends(bends, degrees=True).equivalent().bend.max(axis=-1)
+    better = [bool(largest[place] < largest[1]) for place in (0, 2)]
+    assert better == ["lower" in words, "upper" in words]
+
+
+def test_a_limit_that_an_optimum_meets_is_named_with_its_state(tmp_path: Path) -> None:
+    text = answered("optimise", f"{OPTIMUM}keep = {{support_moment_2_peak_Nm = 45}}\n", tmp_path)
+    found = re.search(r"bends_deg\.1: 6 → ([\d.]+)°", text)
+    assert found, text
+    turn, load = np.linspace(0.0, np.pi, 2001), cardan.Load(drive_torque=300.0, speed=SPEED)
+    rows_of: dict[str, list[str]] = {}
+    for last in (6.0, float(found[1])):
+        for name, first in (("low", 9.0), ("high", 11.0)):
+            line = cardan.Driveline.from_bends([first, last], degrees=True)
+            moment = line.evaluate(turn, "support_moment", load=load).support_moment
+            largest = figure_text(float(np.linalg.norm(moment, axis=-1).max()))
+            rows_of.setdefault(name, [name]).append(largest)
+    scene = Scene.parse(f"{OPTIMUM}keep = {{support_moment_2_peak_Nm = 45}}\n")
+    result = optimised(scene)
+    assert result
+    assert [kept["at_limit"] for kept in optimise_data(result, [])["kept"]] == [True]
+    _, _, table = text.partition("support moment of shaft 2, peak [N m], at most 45")
+    head, *shown = (line.split() for line in table.partition("\n\n")[0].splitlines())
+    assert head == ["before", "after"]
+    assert shown == list(rows_of.values())
+    assert "- Support moment of shaft 2, peak is at its limit of 45.00 N m in high." in text
 
 
 def test_spline() -> None:
@@ -192,6 +294,57 @@ def test_spline() -> None:
         assert shown[f"on {shaft}"] == words
 
 
+SECTIONS = {
+    "bearings": lambda scene: forces_text(needed(forces_of(scene))),
+    "worn_joints": lambda scene: backlash_text(needed(scene_backlash(scene))),
+    "slip": lambda scene: slip_text(needed(slip_figures(scene))),
+    "axial_travel": lambda scene: slides_text(needed(scene_slides(scene))),
+    "steering_column": lambda scene: steering_text(needed(steering_figures(scene))),
+}
+
+
+def needed(figures: _Figures | None) -> _Figures:
+    assert figures is not None
+    return figures
+
+
+@pytest.mark.parametrize("name", SECTIONS)
+def test_sections_of_a_scene_are_printed_once(name: str, tmp_path: Path) -> None:
+    scene = Scene.load(EXAMPLES / f"{name}.toml")
+    section = SECTIONS[name](scene)
+    ran, checked = printed("run", name, "--into", tmp_path), printed("check", name)
+    for text in (ran, checked):
+        assert text.count(f"\n\n{section}\n") == 1
+    assert ran.startswith(f"{scene.title}\n\n")
+    # Below a blank line, every file that is written, tables with the number of their rows.
+    *_, last = ran.split("\n\n")
+    assert last.startswith("wrote ")
+    written = dict(re.findall(r"^wrote (.*?)(?: \((\d+) rows\))?$", last, re.M))
+    assert set(map(Path, written)) == set(tmp_path.iterdir()) != set()
+    for path, count in written.items():
+        lines = Path(path).read_text(encoding="utf-8").count("\n")
+        assert count == (f"{lines - 1}" if path.endswith(".csv") else "")
+
+
+def test_a_check_has_the_verdict_of_every_state(tmp_path: Path) -> None:
+    text = answered("check", scene_text(20.0, "[limits]\nequivalent_bend_deg = 4"), tmp_path)
+    bends = [float(np.degrees(line.equivalent().bend)) for line in drivelines(20.0)]
+    assert blocks(text)["Equivalent bend in each state"] == {
+        name: f"{bend:.4g}°, {'beyond' if bend > 4.0 else 'within'}"
+        for name, bend in zip(NAMES, bends, strict=True)
+    }
+
+
+@pytest.mark.parametrize(("turns", "is_short"), [(0.49, True), (0.5, False)])
+def test_a_sweep_of_half_a_turn_has_all_extremes(
+    turns: float, is_short: bool, tmp_path: Path
+) -> None:
+    text = f"[driveline]\nbends_deg = [9]\n[sweep]\nturns = {turns}\n"
+    said = answered("run", text, tmp_path)
+    assert ("; the scene sweeps 0.00° to " in said) == is_short
+    assert ("An extreme that the sweep does not reach has no angle." in said) == is_short
+
+
 @pytest.mark.parametrize("name", ["workshop", "mill_spindle"])
 def test_tolerances(name: str) -> None:
     text = printed("tolerances", name)
@@ -221,6 +374,31 @@ def test_tolerances(name: str) -> None:
     assert f", {words} from {article}{most}." in " ".join(text.split())
 
 
+@pytest.mark.parametrize(("bends", "limit"), [([5, 5], 2.0), ([3], 3.0)])
+def test_a_permitted_tolerance_is_the_largest(
+    bends: list[int], limit: float, tmp_path: Path
+) -> None:
+    """At its last digit the limit is not exceeded, at the next one it is; it may be 0."""
+    given = [0.0] * (len(bends) - 1) + [0.1]
+    text = (
+        f"[driveline]\nbends_deg = {bends}\n[limits]\nequivalent_bend_deg = {limit}\n"
+        f"[tolerances]\nbends_deg = {given}\nsamples = 100\n"
+    )
+    words = " ".join(answered("tolerances", text, tmp_path).split())
+    pattern = rf"Every driveline is within {limit:g}° if the bends are exact to ±([\d.]+)°\."
+    found = re.search(pattern, words)
+    assert found, words
+    assert f"As drawn, the driveline is within the {limit:g}° limit." in words
+    permitted = float(found[1])
+    assert (permitted == 0.0) == (len(bends) == 1)
+    ends = [[*bends[:-1], bends[-1] + permitted * (1.0 + more)] for more in (0.0, 0.003)]
+    ends[1][-1] += 0.003 * (permitted == 0.0)
+    line = cardan.Driveline.from_bends(ends, degrees=True)
+    least, most = np.degrees(line.equivalent().bend).tolist()
+    assert least <= limit * (1.0 + 1e-12)
+    assert most > limit
+
+
 @pytest.mark.parametrize("most", [90, 360, 500])
 def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None:
     """The extent of the angles is printed, also of a swing within a turn."""
@@ -242,6 +420,24 @@ def test_a_recording_that_goes_back_and_forth(most: int, tmp_path: Path) -> None
     assert max(map(len, result.output.splitlines())) <= 79
     # However short, a recording is no sweep that could pass by an extreme.
     assert "the sweep" not in result.output
+
+
+@pytest.mark.parametrize("start", [0.0, 1_700_000_000.0])
+def test_times_of_a_recording_have_the_digits_that_tell_them_apart(
+    start: float, tmp_path: Path
+) -> None:
+    time = start + 0.004 * np.arange(626)
+    lines = [f"{t:.3f},{10.0 * i}" for i, t in enumerate(time)]
+    (tmp_path / "a.csv").write_text("s,deg\n" + "\n".join(lines), encoding="utf-8")
+    text = (
+        "[driveline]\nbends_deg = [8]\n"
+        "[angles]\nfile = 'a.csv'\nangle_column_deg = 'deg'\ntime_column_s = 's'\n"
+    )
+    said = " ".join(answered("run", text, tmp_path).split())
+    found = re.search(r"([\d.]+) to ([\d.]+) s\b", said)
+    assert found, said
+    assert [float(end) for end in found.groups()] == [start, start + 2.5]
+    assert "250.0 samples per second" in said
 
 
 def test_slides_that_do_not_move_are_named_as_such() -> None:

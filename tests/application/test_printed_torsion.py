@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from cardan.figures.torsion import TorsionFigures, needed_torsion
+from cardan.figures.torsion_answer import torsion_data
+from cardan.figures.torsion_modes import torsion_basics
 from cardan.scene import Scene
-from cardan.words.torsion import torsion_text
+from cardan.words.torsion import torsion_check_text, torsion_text
 from printed import EXAMPLES, blocks, first_number
 
 
@@ -101,6 +104,91 @@ def test_unstable_speeds() -> None:
         percent = re.fullmatch(r"unstable, a deviation grows by up to (\S+) % per half turn", words)
         assert percent, words
         assert float(percent[1]) == pytest.approx(100.0 * (region.multiplier - 1.0), rel=6e-3)
+
+
+def test_ranges_of_the_answer_are_those_of_the_scene() -> None:
+    """Speeds that the scene gives in rpm come back as such."""
+    found = needed("rig_torsion")
+    data = torsion_data("", found)
+    assert data["speed_range"] == pytest.approx({"from_rpm": 500.0, "to_rpm": 4000.0})
+    printed_ends = [
+        [float(end) for end in speeds.removesuffix(" rpm").split(" to ")]
+        for speeds in blocks(torsion_text(found))["Stability"]
+    ]
+    ends = [[part["from_rpm"], part["to_rpm"]] for part in data["unstable"]]
+    assert ends == [pytest.approx(pair, rel=1e-3) for pair in printed_ends]
+
+
+def test_the_worst_critical_speed_is_one_whose_motion_is_known() -> None:
+    found = needed("rig_torsion")
+    inside = [one for one in found.critical_speeds if one.inside and one.order % 2 == 0]
+    assert len(inside) == 3
+    worst = max(inside, key=lambda one: one.amplitude)
+    known = [
+        replace(one, amplitude=np.nan) if one is worst else one for one in found.critical_speeds
+    ]
+    second = max((one for one in inside if one is not worst), key=lambda one: one.amplitude)
+    for criticals, named in ((found.critical_speeds, worst), (tuple(known), second)):
+        said = " ".join(torsion_text(replace(found, critical_speeds=criticals)).split())
+        pattern = r"contains 3 critical speeds; the worst is that of order (\d+) at ([\d.]+) rpm"
+        shown = re.search(pattern, said)
+        assert shown, said
+        assert int(shown[1]) == named.order
+        assert float(shown[2]) == pytest.approx(named.speed * 30.0 / np.pi, rel=1e-3)
+    assert "no periodic motion was found" in said
+
+
+def test_of_several_rules_the_one_is_named_that_is_exceeded_most() -> None:
+    found = needed("rig_torsion")
+    (region, *_), (rule, *_) = found.unstable, found.rules
+    at = replace(rule, speed=(region.start + region.stop) / 2.0)
+    steep = replace(at, shaft=3, bend=np.radians(40.0), damping_ratio=0.1)
+    # A larger ratio than that, but of a bend that permits little more.
+    damped = replace(at, shaft=4, bend=np.radians(41.0), damping_ratio=0.13)
+    for rules in ((steep, damped), (damped, steep)):
+        said = " ".join(torsion_text(replace(found, rules=rules)).split())
+        assert "an equivalent bend behind shaft 3 of at most" in said
+        assert "instead of 40°" in said
+
+
+@pytest.mark.parametrize(("first", "words"), [(1200, "a critical speed lies"), (600, "critical")])
+def test_a_check_names_the_critical_speeds_in_the_range(first: int, words: str) -> None:
+    """Of even order, each at the natural frequency over the order."""
+    text = (EXAMPLES / "rig_torsion.toml").read_text(encoding="utf-8")
+    ends = f"from = {first}, to = 1800"
+    basics = torsion_basics(Scene.parse(text.replace("from = 500, to = 4000", ends)))
+    assert basics
+    (mode,) = basics.modes
+    speeds = {order: mode.frequency / order * 30.0 / np.pi for order in (2, 4, 6, 8, 10)}
+    inside = {order: speed for order, speed in speeds.items() if first <= speed <= 1800}
+    assert len(inside) == (1 if first == 1200 else 2)
+    said = " ".join(torsion_check_text(basics).split())
+    assert f"{words} " in said
+    assert ("critical speeds lie" in said) == (len(inside) > 1)
+    shown = re.findall(r"order (\d+) at ([\d.]+) rpm \(shaft", said)
+    assert {int(order): float(rpm) for order, rpm in shown} == pytest.approx(inside, rel=1e-3)
+    assert f"within {first} to 1800 rpm:" in said
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "inside"),
+    [(0.5, 0.99, False), (0.5, 1.01, True), (0.99, 1.5, True), (1.01, 1.5, False)],
+)
+def test_unstable_motion_outside_the_speeds_of_the_scene_is_named_as_such(
+    first: float, last: float, inside: bool
+) -> None:
+    """Of order 2, between the natural frequency times 1 - bend²/4 and times 1 + bend²/4."""
+    text = (EXAMPLES / "rig_torsion.toml").read_text(encoding="utf-8")
+    basics = torsion_basics(Scene.parse(text))
+    assert basics
+    (mode,), half = basics.modes, np.radians(25.0) ** 2 / 4.0
+    edge = mode.frequency * 30.0 / np.pi * (1.0 - half if first == 0.5 else 1.0 + half)
+    ends = f"from = {first * edge}, to = {last * edge}"
+    basics = torsion_basics(Scene.parse(text.replace("from = 500, to = 4000", ends)))
+    assert basics
+    said = " ".join(torsion_check_text(basics).split())
+    assert "permits unstable motion near 3030 rpm" in said
+    assert (" rpm, outside the speed range, because" in said) != inside
 
 
 @pytest.mark.parametrize("ratio", [0.02, 0.005])

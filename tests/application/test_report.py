@@ -232,6 +232,23 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
         assert places["drive"][0] < places["output"][0]
         foot, head = re.findall(r'class="flow" d="M([\d.]+) [\d.]+L([\d.]+)', drawing)[0]
         assert places["drive"][0] < float(foot) < float(head) < places["output"][0]
+        # The name of an axis lies beyond the head of its arrow, always as far.
+        paths = re.findall(r'class="axis" d="M([-.\d]+) ([-.\d]+)L([-.\d]+) ([-.\d]+)M', drawing)
+        for name, ends in zip((name for name in places if len(name) == 1), paths, strict=True):
+            start, end = np.array(ends, dtype=float).reshape(2, 2)
+            beyond = (end - start) / np.linalg.norm(end - start) * 20.0
+            np.testing.assert_allclose(np.array(places[name]) - end, beyond, atol=0.4)
+        # All arrows and names lie in the drawing; the arrow of view is in its middle.
+        width, height = map(float, re.findall(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', drawing)[0])
+        arrows = re.findall(r'class="(?:flow|axis)" d="(.*?)"', drawing)
+        ends = np.array(re.findall(r"[-.\d]+", " ".join(arrows)), dtype=float).reshape(-1, 2)
+        for x, y in (*ends, *places.values()):
+            assert 0.0 < x < width
+            assert 0.0 < y < height
+        middle = (np.array(places["drive"]) + places["output"]) / 2.0
+        assert middle[0] == pytest.approx(width / 2.0, abs=0.1)
+        feet = re.findall(r'class="axis" d="M[-.\d]+ ([-.\d]+)L', drawing)
+        assert all(float(y) == pytest.approx(middle[1], abs=0.11) for y in feet)
         # The barbs of an arrow lie behind its head, one on either side.
         for path in re.findall(r'class="(?:flow|axis)" d="(.*?)"', drawing):
             points = np.array(re.findall(r"[-.\d]+", path), dtype=float).reshape(-1, 2)

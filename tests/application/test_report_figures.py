@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -33,6 +35,13 @@ def test_a_driveline_that_turns_evenly(tmp_path: Path) -> None:
     assert "leads and lags" not in page
     rows = {row[0]: row[1:] for row in tables(page)[MOTION]}
     assert rows["Equivalent bend [deg]"] == ["10.00", "0"]
+    # What does not vary is a level line.
+    for heading, unit, level in (("speed ratio", "", 1.0), ("angle error", "deg", 0.0)):
+        drawn = curves(figure(page, f"{heading} [{unit}]" if unit else heading))
+        varies, even = drawn.values()
+        assert list(drawn) == [f"shaft {shaft} {unit}".rstrip() for shaft in (1, 2)]
+        assert len(varies) == len(even)
+        assert even[:, 1] == pytest.approx(level, abs=1e-6)
 
 
 AS_BUILT = """\
@@ -57,7 +66,12 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     outputs = ("angle_error", "speed_ratio", "acceleration_ratio", "support_moment")
     at = line.evaluate(turn, outputs, shafts=slice(None), load=load)
     motion = {row[0]: row[1:] for row in found[MOTION]}
+    drawn_errors = curves(figure(page, "angle error [deg]"))
+    assert list(drawn_errors) == ["shaft 1 deg", "shaft 2 deg"]
     for shaft in (1, 2):
+        x, y = drawn_errors[f"shaft {shaft} deg"].T
+        errors = np.degrees(np.interp(np.radians(x), turn, at.angle_error[shaft]))
+        assert y == pytest.approx(errors, abs=0.02 * np.ptp(errors))
         shown = {name: cells[shaft - 1] for name, cells in motion.items()}
         error = np.degrees(np.abs(at.angle_error[shaft]).max())
         assert float(shown["Largest angle error [deg]"]) == pytest.approx(error, rel=1e-3)
@@ -79,6 +93,72 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     angle = np.degrees(turn[np.argmax(sizes[1])])
     words = f"shaft 1, {figure_text(sizes[1].max())} N m, at {angle:.1f}° of drive angle."
     assert words in page
+
+
+@pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill_spindle"])
+def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) -> None:
+    page = page_of(Scene.load(EXAMPLES / f"{name}.toml"), tmp_path)
+    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
+    drawing = json.loads(found)["drawing"]
+    points = np.array(drawing["points"]).reshape(-1, 3)
+    for view in drawing["views"]:
+        across, down, _ = np.array(view["axes"])
+        places = points @ np.stack([across, down], axis=-1) + view["offset"]
+        left, right = places[:, 0].min(), places[:, 0].max()
+        width, height = view["size"]
+        # In the middle, with as much room on either side: for the pins, however they lie, and more.
+        assert left - 1.2 * drawing["pin"] * np.linalg.norm(across) > 15.0
+        assert left + right == pytest.approx(width, abs=0.2)
+        assert places[:, 1].min() > 20.0
+        assert places[:, 1].max() < height - 20.0
+        # The tips of the pins lie farther out.
+        assert right - left > 0.65 * width
+
+
+def test_without_bends_all_curves_are_level(tmp_path: Path) -> None:
+    page = page_of("[driveline]\nbends_deg = [0, 0]\n", tmp_path)
+    drawn = curves(figure(page, "angle error [deg]"))
+    assert list(drawn) == ["shaft 1 deg", "shaft 2 deg"]
+    for points in drawn.values():
+        assert len(points) == 721
+        assert points[:, 1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_of_many_shafts_the_last_one_is_always_drawn(tmp_path: Path) -> None:
+    """The last one turns evenly, since pairs of equal bends cancel each other."""
+    bends = [3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 8]
+    page = page_of(f"[driveline]\nbends_deg = {bends}\nphases_deg = {[0] * 11}\n", tmp_path)
+    chart = figure(page, "angle error [deg]")
+    drawn = [label.removesuffix(" deg") for label in curves(chart)]
+    # The five of the others that vary most.
+    line = Driveline.from_bends(bends, phases=[0] * 11, degrees=True)
+    errors = np.array([float(line.equivalent(shaft).max_angle_error) for shaft in range(1, 12)])
+    most = sorted(np.argsort(errors)[-5:] + 1)
+    assert drawn == [f"shaft {shaft}" for shaft in (*most, 12)]
+
+
+def test_readings_have_the_values_of_their_curves(tmp_path: Path) -> None:
+    """What the page reads out beside each curve has four digits of what the curve varies by."""
+    page = page_of(AS_BUILT, tmp_path)
+    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
+    readings, shown = json.loads(found)["curves"], 0
+    for chart in map(ElementTree.fromstring, re.findall("<figure>.*?</figure>", page, re.S)):
+        moving = [line for line in chart.iter("polyline") if "id" in line.attrib]
+        numbers = [int(line.attrib["id"].removeprefix("curve-")) for line in moving]
+        outputs = [int(output.attrib["data-curve"]) for output in chart.iter("output")]
+        assert numbers == outputs == list(range(shown, shown + len(moving)))
+        shown += len(moving)
+        if not moving:
+            continue
+        at, ticks = np.transpose(scales(chart)["y"])
+        slope, offset = np.polyfit(at, ticks, 1)
+        values = np.array([readings[number]["values"] for number in numbers])
+        for number, line, row in zip(numbers, moving, values, strict=True):
+            y = np.array([pair.split(",")[1] for pair in line.attrib["points"].split()], float)
+            np.testing.assert_allclose(slope * y + offset, row, atol=0.01 * np.ptp(values))
+            size = min(np.abs(values).max(), np.ptp(values))
+            assert 1e-4 * size < 10.0 ** -readings[number]["decimals"] <= 1e-3 * size
+    assert shown == len(readings) > 4
 
 
 def test_deviations_of_nothing_are_the_drawing(tmp_path: Path) -> None:
@@ -179,6 +259,28 @@ def test_a_map_of_a_study_has_its_keys_the_right_way_round(tmp_path: Path) -> No
     assert "○ least value, at 0, 6" in legend
 
 
+def test_the_best_driveline_uses_least_of_its_tightest_limit(tmp_path: Path) -> None:
+    """The best one of two limits is that of neither limit alone."""
+    text = (
+        "[driveline]\nbends_deg = [6, 6]\nphases_deg = [25]\n"
+        "[study]\nbends_deg.1 = {from = 2, to = 10, steps = 41}\n"
+        "[limits]\nequivalent_bend_deg = 6\nbend_difference_deg = 0.5\n"
+    )
+    bends = np.linspace(2.0, 10.0, 41)
+    # Two bend vectors with the tangents of half the bends squared, turned by twice the phase.
+    squares = np.tan(np.radians([6.0, *bends]) / 2.0) ** 2
+    both = (squares[0] - squares[1:] * np.exp(2j * np.radians(25.0))) / (
+        1.0 - squares[0] * squares[1:] * np.exp(2j * np.radians(25.0))
+    )
+    of_bend = np.degrees(2.0 * np.arctan(np.sqrt(np.abs(both)))) / 6.0
+    of_difference = np.abs(6.0 - bends) / 0.5
+    best = np.argmin(np.maximum(of_bend, of_difference))
+    assert best not in (np.argmin(of_bend), np.argmin(of_difference))
+    said = html.unescape(page_of(text, tmp_path))
+    assert f'<p class="verdict">bend, joint 1: {bends[best]:g} deg</p>' in said
+    assert "Of the study's drivelines this one stays farthest below its limits:" in said
+
+
 def test_scatter_of_tolerances(tmp_path: Path) -> None:
     """The curve is the share of the drivelines up to each value; the limit is a step."""
     scene = Scene.load(EXAMPLES / "workshop.toml")
@@ -192,7 +294,10 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     sampled = np.degrees(np.asarray(scene.tolerances.ascending))
     for at, percent in share[::20]:
         assert percent == pytest.approx(100.0 * np.mean(sampled <= at), abs=1.5)
+    # The axis reaches the worst driveline, which is not among the random ones.
+    assert share[-1, 0] == pytest.approx(shown.worst, abs=0.02)
     assert limit[0, 1] == pytest.approx(0.0, abs=0.5)
+    assert limit[:, 1].max() == pytest.approx(100.0, abs=0.5)
     assert limit[-1, 1] == pytest.approx(100.0, abs=0.5)
     assert limit[np.argmax(limit[:, 1] > 50.0), 0] == pytest.approx(shown.limit, abs=0.02)
     bars = figure(page, f"What makes the {shown.label} scatter")[1]
@@ -205,6 +310,35 @@ def test_scatter_of_tolerances(tmp_path: Path) -> None:
     assert [float(text.removesuffix(" %")) for text in words[1::2]] == pytest.approx(
         [100.0 * share for share in shares], abs=0.06
     )
+
+
+def test_the_scatter_is_drawn_up_to_the_worst_driveline(tmp_path: Path) -> None:
+    """Of few random ones none is close to it."""
+    text = "[driveline]\nbends_deg = [5, 5]\n[tolerances]\nbends_deg = 0.1\nsamples = 10\n"
+    page = page_of(f"{text}limit = 0.2\n", tmp_path)
+    share, limit = curves(figure(page, "Random drivelines up to this equivalent bend [%]")).values()
+    worst = Driveline.from_bends([4.9, 5.1], degrees=True).equivalent().bend
+    assert share[-1, 0] == pytest.approx(float(np.degrees(worst)), abs=0.01)
+    assert limit[-1, 0] == share[-1, 0]
+
+
+@pytest.mark.parametrize(
+    ("bends", "limit", "colour"), [([5, 5], 2, "good"), ([5, 5], 1, "fair"), ([5, 6], 1, "bad")]
+)
+def test_verdicts_on_tolerances_have_their_colour(
+    bends: list[int], limit: int, colour: str, tmp_path: Path
+) -> None:
+    """Good if every driveline is within the limit, bad if the one as drawn is beyond it."""
+    text = (
+        f"[driveline]\nbends_deg = {bends}\n"
+        f"[tolerances]\nbends_deg = 0.1\nsamples = 100\nlimit = {limit}\n"
+    )
+    ends = [[bends[0] + error, bends[1] - error] for error in (0.0, 0.1, -0.1)]
+    drawn, *others = np.degrees(Driveline.from_bends(ends, degrees=True).equivalent().bend)
+    want = "bad" if drawn > limit else "good" if max(others) <= limit else "fair"
+    assert colour == want
+    section = page_of(text, tmp_path).partition('<section id="tolerances"')[2]
+    assert re.findall('<p class="verdict (.*?)">', section.partition("</section>")[0]) == [colour]
 
 
 def test_life_with_each_size_and_the_load_of_the_pins(tmp_path: Path) -> None:

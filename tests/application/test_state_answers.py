@@ -17,7 +17,7 @@ from cardan import Driveline
 from cardan.command import commands
 from cardan.figures.limits import check_scene
 from cardan.figures.states import forces_of
-from cardan.figures.steering import steering_figures
+from cardan.figures.steering import steering_data, steering_figures
 from cardan.plots import plot_states, write_picture
 from cardan.report import write_report
 from cardan.scene import Scene, StatesResult
@@ -164,6 +164,9 @@ def test_slip_over_the_states(tmp_path: Path) -> None:
 def test_phase_gives_one_setting_for_all_states(tmp_path: Path) -> None:
     data = answer("phase", TRUCK, tmp_path)
     assert [tooth["phase_deg"] for tooth in data["teeth"]] == pytest.approx([30, 10])
+    # From 90 deg to 30 deg and from 0 deg to 10 deg, with 36 teeth.
+    turns = [(t["turn_teeth"], t["turn_deg"], t["turn_sense"]) for t in data["teeth"]]
+    assert turns == [(6, 60.0, "counter-clockwise"), (1, 10.0, "clockwise")]
     for key, phases in (("present", "[90, 0]"), ("on_teeth", "[30, 10]")):
         for i, height in enumerate(HEIGHTS):
             own = Scene.parse(single(height, phases)).line.equivalent().bend_deg
@@ -278,9 +281,11 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
     data = answer("check", turned, tmp_path)["steering"]
     offsets = [one["offset_deg"] for one in data["on_centre"]]
     assert max(offsets) == pytest.approx(-min(offsets), abs=0.01)
+    assert [one["state"] for one in data["on_centre"]] == tomllib.loads(turned)["states"]["names"]
     exact = COLUMN[: COLUMN.index("[limits]")].replace("centre_deg = 10", "centre_deg = 0")
     own = steering_figures(Scene.parse(exact))
     assert own
+    assert [one.keys() & {"state"} for one in steering_data(own)["on_centre"]] == [set()]
     symmetric = exact.replace("centre_deg = 0", f"centre_deg = {own.each[0].turn_to_quick_deg!r}")
     assert "Left and right are symmetric." in run("check", symmetric, tmp_path)[1]
 

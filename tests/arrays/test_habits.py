@@ -278,6 +278,7 @@ def test_a_result_is_plotted() -> None:
     figure = result.plot()
     error, moment = figure.axes
     assert error.get_ylabel() == "angle error\n[deg]"
+    assert moment.get_xlabel() == "drive angle [deg]"
     (curve,) = error.get_lines()
     assert np.allclose(curve.get_ydata(), np.degrees(result.angle_error), atol=1e-12)
     assert np.allclose(curve.get_xdata(), np.arange(360.0))

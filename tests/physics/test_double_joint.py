@@ -115,7 +115,17 @@ def test_the_picture_shows_the_residual_bend() -> None:
     assert [curve.get_label() for curve in curves] == labels
     for curve, pivot in zip(curves, (place, place + 0.2, place - 0.2), strict=True):
         total, drawn = np.asarray(curve.get_xdata()), np.asarray(curve.get_ydata())
+        assert (total[0], total[-1]) == (0.0, 50.0) == pytest.approx(axes.get_xlim())
         own = [residual(at, 60.0, pivot) for at in total[1::40]]
         assert drawn[1::40] == pytest.approx(own, rel=1e-9, abs=1e-6)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("total bend [deg]", "equivalent bend [deg]")
+    assert axes.get_ylim()[0] == 0.0
+    # A worn pivot may be off either way.
+    other = plot_double_joint(60.0, 35.0, wear=-0.2)
+    assert [curve.get_label() for curve in other.get_lines()] == labels
+    for one, same in zip(curves, other.get_lines(), strict=True):
+        np.testing.assert_array_equal(one.get_ydata(), same.get_ydata())
+    # Where both bends are equal, the curve reaches 0.
+    assert min(np.asarray(curves[0].get_ydata())) == pytest.approx(0.0, abs=1e-4)
     assert len(plot_double_joint(60.0, 35.0).get_lines()) == 1
     pyplot.close("all")

@@ -151,6 +151,9 @@ def test_the_farthest_vertex_of_a_zonotope(count: int, seed: int) -> None:
     centre = complex(*random.normal(size=2))
     signs = np.array(list(itertools.product((-1, 1), repeat=count)))
     assert zonotope_radius(centre, parts) == pytest.approx(np.abs(centre + signs @ parts).max())
+    # Parts along the axes, of either sign, lie at the edges of half-planes.
+    parts = parts.real * random.choice([1.0, 1.0j], size=count)
+    assert zonotope_radius(centre, parts) == pytest.approx(np.abs(centre + signs @ parts).max())
 
 
 @pytest.mark.parametrize("joints", [1, 2, 3, 5])

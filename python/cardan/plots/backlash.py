@@ -13,6 +13,7 @@ from cardan.plots.style import (
     STYLE,
     THIN,
     WIDTH,
+    add_title,
     degree_ticks,
     drawing,
     legend_above,
@@ -113,7 +114,7 @@ def write_backlash(found: Backlash, path: str | PathLike[str], title: str = "") 
         try:
             plot_backlash(found, ax=loop)
             plot_lash(found, ax=lash)
-            figure.suptitle(title)
+            add_title(figure, title)
             save(figure, path)
         finally:
             pyplot.close(figure)

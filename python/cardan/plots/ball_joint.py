@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from os import PathLike
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from cardan.plots.style import (
     MM,
     STYLE,
     THIN,
+    add_title,
     degree_ticks,
     drawing,
     legend_above,
@@ -57,8 +57,7 @@ def plot_ball_joint(case: BallJointCase, title: str = "") -> Figure:
         left, right = figure.subplots(1, 2, width_ratios=(1.0, 1.15))
         plot_seat_section(case, ax=left)
         plot_seat_pressure(case, ax=right)
-        if title:
-            figure.suptitle(textwrap.fill(title, 90), fontsize=8.0, parse_math=False)
+        add_title(figure, title, 90)
     return figure
 
 

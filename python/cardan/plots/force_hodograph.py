@@ -12,7 +12,16 @@ from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.figures.force_paths import PER_DEGREE, ForcePath, force_path
 from cardan.load import Load
-from cardan.plots.style import LINES, MM, STYLE, THIN, drawing, matplotlib, value_ticks
+from cardan.plots.style import (
+    LINES,
+    MM,
+    STYLE,
+    THIN,
+    add_title,
+    drawing,
+    matplotlib,
+    value_ticks,
+)
 from cardan.request import item_index
 from cardan.words.summary import figure_text
 
@@ -87,9 +96,7 @@ def plot_forces(paths: Sequence[ForcePath], title: str = "") -> Figure:
         figure = Figure(figsize=size, layout="constrained")
         for number, path in enumerate(paths, 1):
             draw_path(figure.add_subplot(rows, columns, number), path)
-        if title:
-            wrapped = textwrap.fill(title, width=30 * columns)
-            figure.suptitle(wrapped, fontsize=8.0, parse_math=False)
+        add_title(figure, title, 30 * columns)
     return figure
 
 
@@ -129,7 +136,8 @@ def draw_path(axes: Axes, path: ForcePath) -> None:
     axes.grid(visible=True)
     heading = f"{path.per.capitalize()} {path.item}, up to {figure_text(size)} N"
     state = textwrap.shorten(f"in {path.state}", 34, placeholder=" …") + "\n" if path.state else ""
-    axes.set_title(f"{heading}\n{state}seen along shaft {path.shaft}", loc="left")
+    text = f"{heading}\n{state}seen along shaft {path.shaft}"
+    axes.set_title(text, loc="left", parse_math=False)
 
 
 def _name_angles(axes: Axes, path: ForcePath) -> None:

@@ -26,6 +26,7 @@ from cardan.plots.style import (
     save,
     value_ticks,
 )
+from cardan.words.life import hours_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -130,7 +131,7 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
             if not one.fits:
                 bars[row].set(facecolor="#BFD9EA", hatch="////", edgecolor="white")
             axes.annotate(
-                f"{hours:.0f} h",
+                hours_text(hours),
                 (hours, row),
                 xytext=(2.0, 0.0),
                 textcoords="offset points",
@@ -138,7 +139,7 @@ def plot_sizes(found: LifeFigures, *, ax: Axes | None = None) -> Axes:
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6},
                 zorder=4.0,
             )
-        axes.set_yticks(list(rows), [one.size.name for one, _ in known])
+        axes.set_yticks(list(rows), [one.size.name for one, _ in known], parse_math=False)
         axes.invert_yaxis()
         axes.tick_params(axis="y", length=0)
         axes.set_xlim(0.0, 1.2 * max(hours for _, hours in known))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +13,7 @@ from cardan.plots.style import (
     MM,
     STYLE,
     THIN,
+    add_title,
     degree_ticks,
     drawing,
     legend_above,
@@ -55,9 +55,7 @@ def plot_optimise(found: Optimised) -> Figure:
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(170.0 * MM, 58.0 * rows * MM), layout="constrained")
-        if found.scene.title:
-            title = textwrap.fill(found.scene.title, 90)
-            figure.suptitle(title, fontsize=8.0, parse_math=False)
+        add_title(figure, found.scene.title, 90)
         plot_optimised_states(found, ax=figure.add_subplot(rows, 2, 1))
         for i in range(panels - 1):
             plot_over_variable(found, i, ax=figure.add_subplot(rows, 2, i + 2))

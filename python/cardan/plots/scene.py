@@ -16,7 +16,17 @@ from cardan.plots.key_figures import key_figures
 from cardan.plots.quantities import MOST, DrawnQuantity, quantities
 from cardan.plots.states import height_mm, plot_states
 from cardan.plots.study import plot_study
-from cardan.plots.style import MM, STYLE, WIDTH, matplotlib, number, save, text_width, value_ticks
+from cardan.plots.style import (
+    MM,
+    STYLE,
+    WIDTH,
+    add_title,
+    matplotlib,
+    number,
+    save,
+    text_width,
+    value_ticks,
+)
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.states import StatesResult
 from cardan.scene.units import RPM
@@ -114,9 +124,7 @@ def _study(result: SceneResult, column: str) -> Figure:
             plot_states(states, column, limit=bound, ax=axes)
         else:
             plot_study(result.study, column, ax=axes)
-        if scene.title:
-            title = textwrap.fill(scene.title, width=48)
-            figure.suptitle(title, fontsize=8.0, parse_math=False)
+        add_title(figure, scene.title)
     return figure
 
 

@@ -10,7 +10,17 @@ import numpy as np
 import cardan.plots.panel as panel
 from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
-from cardan.plots.style import MM, STYLE, WIDTH, drawing, legend_above, line_style, matplotlib, save
+from cardan.plots.style import (
+    MM,
+    STYLE,
+    WIDTH,
+    add_title,
+    drawing,
+    legend_above,
+    line_style,
+    matplotlib,
+    save,
+)
 from cardan.slides import SlideName, Slides
 
 if TYPE_CHECKING:
@@ -85,7 +95,7 @@ def write_slides(slides: Slides, path: str | PathLike[str], title: str = "") -> 
             plot_slide_orders(slides, ax=orders)
             over.set_ylabel("axial travel [mm]")
             orders.set_ylabel("amplitude [mm]")
-            figure.suptitle(title)
+            add_title(figure, title)
             save(figure, path)
         finally:
             pyplot.close(figure)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import os
+import textwrap
 from collections.abc import Iterable, Iterator, Mapping
 from os import PathLike
 from pathlib import Path
@@ -115,6 +116,12 @@ def save(figure: Figure, path: str | PathLike[str]) -> None:
         raise ValueError(f"{os.fspath(path)} must end in {' or '.join(SUFFIXES)}")
     with matplotlib().rc_context(STYLE), with_glyphs(figure), whole_file(path) as file:
         figure.savefig(file, format=suffix[1:], dpi=300, metadata=SUFFIXES[suffix])
+
+
+def add_title(figure: Figure, title: str, width: int = 48) -> None:
+    """Write the title of a scene above a figure, as it is, in lines of at most so many letters."""
+    if title:
+        figure.suptitle(textwrap.fill(title, width), fontsize=8.0, parse_math=False)
 
 
 def line_style(number: int) -> Mapping[str, Any]:
