@@ -133,4 +133,11 @@ impl<T: Real> Pose<T> {
     pub(crate) fn driven_axis(&self) -> [T; 3] {
         [0, 1, 2].map(|i| (self.shaft_axis[i] + self.in_plane[i]) * self.cosine)
     }
+
+    /// `u_out = e_out × m`, of a joint as built.
+    #[inline(always)]
+    pub(crate) fn driven_axis_as_built(&self) -> [T; 3] {
+        let (a, b) = (self.plane_normal, self.out_plane);
+        [(1, 2), (2, 0), (0, 1)].map(|(j, k)| a[j].mul_add(b[k], -(a[k] * b[j])))
+    }
 }
