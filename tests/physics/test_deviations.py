@@ -416,12 +416,6 @@ def test_what_needs_ideal_joints_refuses(use: Callable[[Driveline], object], ins
     assert "ideal joints only" in str(refused.value)
 
 
-def test_forces_are_refused_by_name() -> None:
-    line = LINE.with_bearings([(0, 0.1), (0, 0.4)], lengths=[1.0] * 4)
-    with pytest.raises(ArgumentValueError, match=r"joint_force.*joints as built"):
-        line.plan("joint_force", load=LOAD)
-
-
 # --- play and wind-up ------------------------------------------------------------------------
 
 

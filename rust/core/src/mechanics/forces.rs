@@ -92,7 +92,7 @@ pub(crate) fn balance<T: Real>(
 
 /// The part of a vector across a unit vector.
 #[inline(always)]
-fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
+pub(crate) fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
     let along = v[0].mul_add(u[0], v[1].mul_add(u[1], v[2] * u[2]));
     [0, 1, 2].map(|i| (-along).mul_add(u[i], v[i]))
 }

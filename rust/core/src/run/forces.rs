@@ -80,7 +80,8 @@ impl<T: Real> FoldedForces<T> {
         let positions = &lines.positions[line * step.bearings..(line + 1) * step.bearings];
         for (i, balance) in step.balances.iter().enumerate() {
             let (known, own) = self.balances.split_at_mut(i);
-            solve(balance, step, known, lengths, positions, &pose_of, plan.as_built, &mut own[0]);
+            let places = (lengths, positions);
+            solve(balance, step, known, places, &pose_of, plan.as_built, &mut own[0]);
         }
         let zero = [[T::from_f64(0.0); 3]; PARTS];
         for (target, columns) in step.targets.iter().zip(&mut self.coefficients) {
@@ -147,8 +148,7 @@ fn solve<T: Real>(
     balance: &Balance,
     step: &ForceStep,
     known: &[[LinearForce<T>; 2]],
-    lengths: &[f64],
-    positions: &[f64],
+    (lengths, positions): (&[f64], &[f64]),
     pose_of: impl Fn(usize) -> Pose<T>,
     as_built: bool,
     forces: &mut [LinearForce<T>; 2],
