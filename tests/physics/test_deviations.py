@@ -335,6 +335,10 @@ def test_explanations_say_how_it_is_computed() -> None:
     assert "joint 2: as built, from its own input angle" in text
     assert "one equivalent joint: chains of joints with deviations have none" in text
     assert "as built" not in IDEAL.plan("angle").explain()
+    held = LINE.with_bearings([(0, 0.1), (0, 0.4), (1, 0.5), (3, 0.1), (3, 0.4)], [1.0] * 4)
+    text = held.plan("bearing_force", load=LOAD).explain()
+    assert "joint 2: forces from the torsion" in text
+    assert "bearing 4: force, a sum of 6 terms" in text
 
 
 @pytest.mark.parametrize("which", range(3))

@@ -83,14 +83,16 @@ def errors(
     """Return the largest errors, with error terms and without.
 
     They are in ulp of the largest force of the driveline over the turn; without error terms, of the
-    largest moment of the joints over the smallest distance between the supports of a shaft if that
-    is larger, since terms of this size may cancel.
+    largest bending moment over the smallest distance between the supports of a shaft if that is
+    larger, since terms of this size may cancel.
     """
     names = FORCES if bearings else FORCES[:1]
     turn = Sweep.revolutions(1, 512)
-    peaks = line.evaluate(turn, (*names, "moment"), load=Load(**load), reduce="peak")
+    bending = ("bending_driving", "bending_driven")
+    peaks = line.evaluate(turn, (*names, *bending), load=Load(**load), reduce="peak")
     of_forces = max(float(np.max(peaks[name])) for name in names)
-    terms = float(np.max(peaks.moment)) / shortest_span(line, bearings, way)
+    largest = max(float(np.max(peaks[name])) for name in bending)
+    terms = largest / shortest_span(line, bearings, way)
     found: dict[str, list[float]] = {name: [] for name in names}
     for tolerance, size in ((0.0, of_forces), (None, max(of_forces, terms))):
         got = line.evaluate(angles, names, load=Load(**load), tolerance=tolerance)
