@@ -45,8 +45,15 @@ def sizes(given: Input, most: float = 0.3) -> dict[str, Any]:
 
 
 def as_built(given: Input) -> Driveline:
-    """Return a driveline or a batch with deviations."""
-    return given.line().with_deviations(**sizes(given), degrees=given.often(False, True))
+    """Return a driveline or a batch with deviations, and with bearings where joints are few."""
+    line = given.line().with_deviations(**sizes(given), degrees=given.often(False, True))
+    n = line.n_joints
+    if n > MANY or not given.ConsumeBool():
+        return line
+    # Determinate: two on both outer shafts, one on each other shaft but the last of them.
+    pairs = [(shaft, at) for shaft in (0, n) for at in (0.2, given.often(0.6, given.array(())))]
+    pairs += [(shaft, 0.5) for shaft in range(1, n - 1)]
+    return line.with_bearings(pairs, given.often(np.ones(n + 1), given.array()))
 
 
 @atheris.instrument_func

@@ -8,8 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-from oracle import MpNumber, mp
+from cardan import Driveline
+from oracle import ExactTurn, MpNumber, mp
+from vectors import Frames, MpVector, cross, plus, scaled
 
 Wide = list[MpNumber]
 
@@ -88,3 +91,56 @@ class LeaningChain:
             return x + self.lag(x)
 
         return [mp.diff(turn, angle, order, h=mp.mpf(10) ** -15) for order in (1, 2, 3)]
+
+
+@dataclass(frozen=True)
+class LeaningShaft:
+    """The motion of a shaft behind joints as built."""
+
+    chain: LeaningChain
+
+    def speed_ratio(self, at: ExactTurn) -> MpNumber:
+        return self._rate(at, 1)
+
+    def acceleration_ratio(self, at: ExactTurn) -> MpNumber:
+        return self._rate(at, 2)
+
+    def _rate(self, at: ExactTurn, order: int) -> MpNumber:
+        if not self.chain.joints:
+            return mp.mpf(order == 1)
+        turn = mp.diff(self.chain.lag, at.angle, order, h=mp.mpf(10) ** -15)
+        return turn + 1 if order == 1 else turn
+
+
+@dataclass(frozen=True)
+class LeaningFrames(Frames):
+    """Shafts and pins of joints as built in space."""
+
+    folds: list[Any]
+    chain: LeaningChain
+
+    @classmethod
+    def of(cls, line: Driveline) -> LeaningFrames:
+        ideal = Frames.of(line.with_deviations())
+        each = zip(ideal.bends, line.deviations.tolist(), strict=True)
+        joints, twists = [LeaningJoint(bend, own) for bend, own in each], line.twists.tolist()
+        chains = []
+        for i in range(len(joints) + 1):
+            between = slice(max(i - 1, 0))
+            chains.append(LeaningChain(joints[:i], twists[between], ideal.phases[between]))
+        shafts = [LeaningShaft(chain) for chain in chains]
+        return cls(ideal.bends, ideal.phases, ideal.directions, ideal.normals, shafts, chains[-1])
+
+    def pins(self, at: ExactTurn) -> list[tuple[MpVector, MpVector]]:
+        found = []
+        inputs = zip(self.chain.joints, self.chain.inputs(at.angle), strict=True)
+        for (joint, own), u, m in zip(inputs, self.directions, self.normals, strict=False):
+            axes = (u, cross(m, u), m)
+            driving, driven = joint.driving_pin(own), joint.driven_pin(joint.driven_angle(own))
+            found.append((_in_space(driving, axes), _in_space(driven, axes)))
+        return found
+
+
+def _in_space(components: Wide, axes: Sequence[MpVector]) -> MpVector:
+    x, y, z = (scaled(size, axis) for size, axis in zip(components, axes, strict=True))
+    return plus(plus(x, y), z)

@@ -55,11 +55,11 @@ class AsBuilt(Mounted):
         """Return the driveline with joints as built, in place of any other deviations.
 
         ``evaluate``, ``plan`` and ``harmonics`` take it like any other driveline and compute it
-        joint by joint. What needs one equivalent joint, such as ``equivalent`` and
-        ``optimal_phases``, refuses it; without arguments, ``with_deviations()`` returns the ideal
-        driveline for these. A joint turns if ``abs(C) < R`` at every angle (the four-bar linkage
-        of ``docs/theory/as-built.md``), for which ``abs(driving_yoke) + abs(cross) +
-        abs(driven_yoke) < 90° - bend`` is enough.
+        joint by joint, with the forces of its joints and bearings. What needs one equivalent joint,
+        such as ``equivalent`` and ``optimal_phases``, refuses it; without arguments,
+        ``with_deviations()`` returns the ideal driveline for these. A joint turns if ``abs(C) < R``
+        at every angle (the four-bar linkage of ``docs/theory/as-built.md``), for which
+        ``abs(driving_yoke) + abs(cross) + abs(driven_yoke) < 90° - bend`` is enough.
 
         Args:
             driving_yoke: angle by which the driving pin leans from the normal of the driving shaft

@@ -253,7 +253,7 @@ class Plan:
             TypeError: angles that are not real numbers, variables that are not names.
             ValueError: an unknown variable, points of a driveline that was not made from points
                 or has deviations, a torque, lengths or positions that there are not, the angle of
-                reduced outputs, components of forces with ``axes="shaft"``; by deviations, forces,
+                reduced outputs, components of forces with ``axes="shaft"``; by deviations,
                 ``axes="shaft"`` and ``angle_of="driven"``.
 
         >>> import cardan

@@ -91,7 +91,8 @@ STATES = {
 FORCES = {
     "state",
     *("forces", "figures", "not_determinate", "quantity", "reason", "joint", "bearing", "shaft"),
-    *("largest_N", "mean_N", "order_2_N", "order_4_N", "at_drive_angle_deg", "at_drive_angle_rad"),
+    *("largest_N", "mean_N", "order_1_N", "order_2_N", "order_4_N"),
+    *("at_drive_angle_deg", "at_drive_angle_rad"),
 }
 TOLERANCES = {
     *("distribution", "samples", "seed", "figures", "figure", "unit", "nominal", "quantiles"),

@@ -233,7 +233,6 @@ def test_results_are_pickled() -> None:
             {"cross": 0.1, "bends": 0.1, "of": ["torque", "max_angle_error"]},
             "of[1] is 'max_angle_error', a figure of ideal joints",
         ),
-        ({"cross": 0.1, "of": "joint_force_0_peak"}, "of is 'joint_force_0_peak'; forces are"),
         ({"cross": 0.1, "of": "acceleration_order_1"}, "speed is missing; 'acceleration_order_1'"),
         (
             {"cross": 0.1, "of": "angle_error_order_0"},

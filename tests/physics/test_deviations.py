@@ -335,6 +335,10 @@ def test_explanations_say_how_it_is_computed() -> None:
     assert "joint 2: as built, from its own input angle" in text
     assert "one equivalent joint: chains of joints with deviations have none" in text
     assert "as built" not in IDEAL.plan("angle").explain()
+    held = LINE.with_bearings([(0, 0.1), (0, 0.4), (1, 0.5), (3, 0.1), (3, 0.4)], [1.0] * 4)
+    text = held.plan("bearing_force", load=LOAD).explain()
+    assert "joint 2: forces from the torsion" in text
+    assert "bearing 4: force, a sum of 6 terms" in text
 
 
 @pytest.mark.parametrize("which", range(3))
@@ -414,12 +418,6 @@ def test_what_needs_ideal_joints_refuses(use: Callable[[Driveline], object], ins
         use(LINE)
     assert instead in str(refused.value)
     assert "ideal joints only" in str(refused.value)
-
-
-def test_forces_are_refused_by_name() -> None:
-    line = LINE.with_bearings([(0, 0.1), (0, 0.4)], lengths=[1.0] * 4)
-    with pytest.raises(ArgumentValueError, match=r"joint_force.*joints as built"):
-        line.plan("joint_force", load=LOAD)
 
 
 # --- play and wind-up ------------------------------------------------------------------------

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Load
+from deviation_oracle import LeaningFrames
 from equilibrium import BearingPlace, assignments, forces, system
 from limits import TABLE
 from oracle import Doubles, Exact, ExactTurn, mp
@@ -156,6 +157,10 @@ def vars_of(load: Load) -> dict[str, Any]:
 LIMITS = TABLE["force"]
 
 
+def frames_of(line: Driveline) -> Frames:
+    return LeaningFrames.of(line) if line.has_deviations else Frames.of(line)
+
+
 def exact(
     line: Driveline,
     frames: Frames,
@@ -198,7 +203,7 @@ def errors(
     """
     names = ("joint_force", "bearing_force") if bearings else ("joint_force",)
     got = line.evaluate(angles, names, load=Load(**load), tolerance=tolerance)
-    frames, span = Frames.of(line), mp.mpf(shortest_span(line, bearings, way))
+    frames, span = frames_of(line), mp.mpf(shortest_span(line, bearings, way))
     worst = dict.fromkeys(names, 0.0)
     for sample, angle in enumerate(angles):
         loads = ExactLoads.of(frames, ExactTurn.by(angle), **load)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
@@ -12,6 +13,7 @@ from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.figures.forces import FORCES, ForceSource, force_source
 from cardan.figures.rounding import first_peak
+from cardan.figures.turn_extremes import period_of
 from cardan.load import Load
 from cardan.sweep import Sweep
 
@@ -21,7 +23,9 @@ PER_DEGREE = 2
 
 @dataclass(frozen=True, eq=False)
 class ForcePath:
-    """The force of one joint or bearing over half a turn, after which it repeats.
+    """The force of one joint or bearing over the period after which it repeats.
+
+    That is half a turn, and with deviations of the joints a whole one.
 
     It is seen along a shaft, looking from the drive towards the output. The force of a joint is
     seen along the shaft that the joint supports: it has no part along that shaft.
@@ -32,9 +36,9 @@ class ForcePath:
         shaft: the shaft along which it is seen.
         up: the axis that points up in the view, as near as the shaft allows: ``"y"``, or ``"z"``
             for a shaft that runs along y.
-        angle_deg: drive angles in degrees from 0 to 180, ``(361,)``.
-        across: part of the force to the right in N, ``(361,)``.
-        upwards: part of the force upwards in N, ``(361,)``.
+        angle_deg: drive angles in degrees from 0 to the period, ``(samples,)``.
+        across: part of the force to the right in N, ``(samples,)``.
+        upwards: part of the force upwards in N, ``(samples,)``.
         state: over states, the name of the one in which the force is largest.
     """
 
@@ -51,6 +55,11 @@ class ForcePath:
     def label(self) -> str:
         """What it is a force of, in words."""
         return f"{self.per} {self.item}{self.state and f', in {self.state}'}"
+
+    @property
+    def part_of_turn(self) -> str:
+        """Over which part of a turn it goes, in words."""
+        return "a turn" if self.angle_deg[-1] > 180.0 else "half a turn"
 
     @property
     def largest(self) -> int:
@@ -76,10 +85,10 @@ def force_path(line: Driveline, per: ForceSource, item: int, load: Load) -> Forc
         ValueError: a force that is not determinate; lengths that are missing.
     """
     per_turn = 360 * PER_DEGREE
-    count = per_turn // 2 + 1
+    count = round(period_of(line) / math.tau * per_turn) + 1
     name = f"{per}_force"
-    half_turn = Sweep.revolutions(count / per_turn, per_turn)
-    force = line.evaluate(half_turn, name, load=load)[name][item]
+    period = Sweep.revolutions(count / per_turn, per_turn)
+    force = line.evaluate(period, name, load=load)[name][item]
     if per == "bearing":
         shaft = line.bearings[item][0]
     else:

@@ -35,9 +35,11 @@ class ForceFigures:
         per: what it is a force of.
         item: number of the joint or bearing.
         largest: the largest length of the force.
-        places: drive angles in rad within a half turn at which it occurs, each again half a turn
-            later; none if the force has the same length at every angle.
+        places: drive angles in rad within the period of the driveline, half a turn or with
+            deviations a whole one, at which it occurs, each again a period later; none if the force
+            has the same length at every angle.
         mean: length of the mean force.
+        order_1: largest length of the part that changes once per turn; 0 of ideal joints.
         order_2: largest length of the part that changes twice per turn.
         order_4: likewise four times.
     """
@@ -48,6 +50,7 @@ class ForceFigures:
     largest: float
     places: tuple[float, ...]
     mean: float
+    order_1: float
     order_2: float
     order_4: float
 
@@ -66,7 +69,7 @@ def force_figures(
         ValueError: a force that is not determinate; lengths that are missing.
     """
     names = tuple(outputs)
-    orders = line.harmonics((2, 4), outputs=names, load=load)
+    orders = line.harmonics((1, 2, 4), outputs=names, load=load)
     found = []
     for name in names:
         per = force_source(name)
@@ -74,7 +77,7 @@ def force_figures(
         for item, (mean, amplitudes) in enumerate(sums):
             largest = peak(line, name, item, load)
             size = float(np.linalg.norm(mean))
-            parts = (_length(amplitudes[:, i]) for i in range(2))
+            parts = (_length(amplitudes[:, i]) for i in range(3))
             found.append(ForceFigures(name, per, item, largest.value, largest.places, size, *parts))
     return found
 

@@ -45,10 +45,13 @@ class SceneForces:
     Attributes:
         forces: of the joints, then of the bearings.
         refused: the reason by output for those that are not determinate.
+        has_order_1: whether the joints deviate from the drawing, so that forces change once per
+            turn as well.
     """
 
     forces: tuple[Force, ...]
     refused: Mapping[str, str]
+    has_order_1: bool = False
 
 
 def scene_forces(scene: Scene) -> SceneForces | None:
@@ -57,7 +60,7 @@ def scene_forces(scene: Scene) -> SceneForces | None:
     ``None`` where the scene describes no bearings and asks for no forces, where it has no load, or
     where the bends or the load were recorded and so are not those of a turn.
     """
-    line, load = scene.line, scene.load_case
+    line, load = scene.line_as_built, scene.load_case
     asked = line.n_bearings > 0 or any(name in FORCES for name in scene.quantities)
     if not asked or load is None or _unknown(scene):
         return None
@@ -77,12 +80,13 @@ def scene_forces(scene: Scene) -> SceneForces | None:
                 largest=_rounded(row.largest, least),
                 places=row.places if row.largest > least else (),
                 mean=_rounded(row.mean, least),
+                order_1=_rounded(row.order_1, least),
                 order_2=_rounded(row.order_2, least),
                 order_4=_rounded(row.order_4, least),
             )
             shaft = line.bearings[row.item][0] if row.per == "bearing" else None
             found.append(Force(own, shaft, first_place(scene, own.places)))
-    return SceneForces(tuple(found), refused)
+    return SceneForces(tuple(found), refused, line.has_deviations)
 
 
 def scene_force_paths(scene: Scene) -> list[ForcePath]:
@@ -96,7 +100,7 @@ def scene_force_paths(scene: Scene) -> list[ForcePath]:
     """
     if scene.states:
         return _largest_paths(scene, scene.states.names)
-    line, load = scene.line, scene.load_case
+    line, load = scene.line_as_built, scene.load_case
     if reason := _unknown(scene):
         raise ValueError(f"{scene.name}: forces have no path over a turn: {reason}")
     assert load is not None
@@ -157,6 +161,7 @@ def _rounded(size: float, least: float) -> float:
 
 
 _PARTS = ("largest", "mean", "order_2", "order_4")
+_PARTS_AS_BUILT = ("largest", "mean", "order_1", "order_2", "order_4")
 
 
 # --- plain data --------------------------------------------------------------------------------
@@ -165,19 +170,19 @@ _PARTS = ("largest", "mean", "order_2", "order_4")
 def forces_data(found: SceneForces, *, radians: bool = False) -> dict[str, Any]:
     """Return the figures as plain data for JSON, as ``FORCES_SCHEMA`` describes it."""
     return {
-        "figures": [_entry(force, radians) for force in found.forces],
+        "figures": [_entry(force, found.has_order_1, radians) for force in found.forces],
         "not_determinate": [
             {"quantity": name, "reason": reason} for name, reason in found.refused.items()
         ],
     }
 
 
-def _entry(force: Force, radians: bool) -> dict[str, Any]:
-    row = force.figures
+def _entry(force: Force, has_order_1: bool, radians: bool) -> dict[str, Any]:
+    row, parts = force.figures, _PARTS_AS_BUILT if has_order_1 else _PARTS
     entry: dict[str, Any] = {row.per: row.item}
     if force.shaft is not None:
         entry["shaft"] = force.shaft
-    entry |= {f"{part}_N": finite_or_none(getattr(row, part)) for part in _PARTS}
+    entry |= {f"{part}_N": finite_or_none(getattr(row, part)) for part in parts}
     if force.state:
         entry["state"] = force.state
     if force.at_deg is not None:
@@ -210,6 +215,11 @@ FORCES_SCHEMA: Mapping[str, Any] = {
                     {"joint": _COUNT, "bearing": _COUNT},
                     optional={
                         "shaft": {**_COUNT, "description": "of a bearing"},
+                        "order_1_N": {
+                            **_FORCE,
+                            "description": "largest part that changes once per turn, if the joints "
+                            "have deviations",
+                        },
                         "state": {
                             "type": "string",
                             "description": "the state in which the force is largest; all figures "

@@ -37,7 +37,7 @@ def forces_of(scene: Scene) -> SceneForces | None:
             key = (force.figures.per, force.figures.item)
             if key not in worst or force.figures.largest > worst[key].figures.largest:
                 worst[key] = replace(force, state=name)
-    return SceneForces(tuple(worst.values()), refused)
+    return SceneForces(tuple(worst.values()), refused, scene.deviations is not None)
 
 
 def state_name(table: StatesResult, end: End) -> str:

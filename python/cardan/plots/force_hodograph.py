@@ -48,9 +48,10 @@ def plot_force_hodograph(
     """Draw the path of the force of a joint or bearing over the turn, seen along a shaft.
 
     The view is from the drive towards the output, with y upwards (z, along y). The arrow is the
-    largest force; drive angles are marked. The path is closed and is passed twice in a turn. The
-    force of a bearing is the one on its shaft, and has no part along it. That of a joint is the one
-    on its driven shaft, seen along the shaft that the joint supports: it has no part along that.
+    largest force; drive angles of half a turn are marked. The path is closed. It is passed twice in
+    a turn, and once if the joints have deviations. The force of a bearing is the one on its shaft,
+    and has no part along it. That of a joint is the one on its driven shaft, seen along the shaft
+    that the joint supports: it has no part along that.
 
     Args:
         line: one driveline.

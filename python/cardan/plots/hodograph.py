@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
+from cardan.figures.turn_extremes import period_of
 from cardan.load import Load
 from cardan.plots.style import LINES, MARKERS, drawing, legend_above, value_ticks
 from cardan.request import item_index
@@ -31,7 +33,8 @@ def plot_hodograph(
 
     Both views have the normal of the bend plane upwards and the bend plane across. A single joint
     under a steady drive torque traces a circle on its driving side and an ellipse on its driven
-    side (Grossmann's moments (6) and (8)), each twice in a turn. Drive angles are marked.
+    side (Grossmann's moments (6) and (8)), each twice in a turn, and once if the joint has
+    deviations. Drive angles of half a turn are marked.
 
     Args:
         line: one driveline.
@@ -51,10 +54,10 @@ def plot_hodograph(
     item = item_index("joint", joint, line.n_joints)
     # A second time round would fill the gaps of the dashes.
     per_turn = 360 * _PER_DEGREE
-    angle_deg = np.arange(per_turn // 2 + 1) / _PER_DEGREE
+    angle_deg = np.arange(round(period_of(line) / math.tau * per_turn) + 1) / _PER_DEGREE
     given = Load(drive_torque=1.0) if load is None else load
-    half_turn = Sweep.revolutions(len(angle_deg) / per_turn, per_turn)
-    moment = line.evaluate(half_turn, "moment", joints=item, load=given).moment
+    period = Sweep.revolutions(len(angle_deg) / per_turn, per_turn)
+    moment = line.evaluate(period, "moment", joints=item, load=given).moment
     normal = line.normals[item]
     with drawing(ax, height_mm=60.0) as axes:
         for i, side in enumerate(("driving", "driven")):

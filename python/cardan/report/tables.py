@@ -21,7 +21,7 @@ from cardan.scene.bearings import has_lengths
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM, in_degrees
 from cardan.words.as_built import BY_DRAWING, as_built_rows
-from cardan.words.forces import HEADINGS, force_rows
+from cardan.words.forces import force_rows, headings
 from cardan.words.summary import figure_text, range_ends
 from cardan.workshop import VIEW, turn
 
@@ -146,7 +146,7 @@ def results(samples: Samples) -> list[Table]:
     forces = forces_of(scene)
     if forces and forces.forces:
         caption = f"Forces over a turn [N]{samples.assumed}"
-        tables.append(Table(caption, ("", *HEADINGS), force_rows(forces)))
+        tables.append(Table(caption, ("", *headings(forces)), force_rows(forces)))
     if built := as_built_orders(scene):
         heads = ["Amplitude", *(f"Order {order}" for order in ORDERS)]
         rows = [*as_built_rows(built)]

@@ -11,7 +11,6 @@ import cardan.scene.values as kinds
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
-from cardan.outputs import OUTPUTS
 from cardan.scene.sections import Key
 from cardan.tolerances import JOINT_GROUPS
 
@@ -145,19 +144,12 @@ def in_mm(sections: Mapping[str, Mapping[str, Any]]) -> bool:
     return any(not keys.isdisjoint(sections.get(name, {})) for name in ("joints", "tolerances"))
 
 
-def check_as_built(quantities: Iterable[str], options: Mapping[str, Any]) -> None:
-    """Refuse outputs that joints as built do not have.
+def check_as_built(options: Mapping[str, Any]) -> None:
+    """Refuse how joints as built are not evaluated.
 
     Raises:
-        ValueError: forces, axes of shafts, angles of the driven shaft.
+        ValueError: axes of shafts, angles of the driven shaft.
     """
-    for i, name in enumerate(quantities):
-        if OUTPUTS[name].unit == "N":
-            problem = (
-                f"is {name!r}, which joints with deviations do not have; 'moment' and "
-                "'support_moment', which cause it, are as built"
-            )
-            raise ArgumentValueError("quantities", problem, (i,))
     for key, ideal in (("axes", "space"), ("angle_of", "drive")):
         if options.get(key, ideal) != ideal:
             raise ArgumentValueError(

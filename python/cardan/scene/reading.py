@@ -154,7 +154,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         deviations = deviations_of(joints, line, given, arms_of(joints, line.n_joints, arms))
     if deviations is not None:
         with document.within("output"):
-            check_as_built(asked.quantities, {**asked.options, **asked.of_driven})
+            check_as_built({**asked.options, **asked.of_driven})
     tolerances, tolerance_arms = None, {}
     with document.within("tolerances"):
         if "tolerances" in given:

@@ -111,28 +111,15 @@ def tolerances(
 
 
 def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn: bool) -> None:
-    """Refuse figures that joints as built do not have.
-
-    Raises:
-        ValueError: one of the motion, unless it may be that of ideal joints and these scatter;
-            forces.
-    """
+    """Refuse figures of ideal joints, unless they may be those of the drawing, which scatters."""
     for i, (name, quantity) in enumerate(quantities.items()):
-        place = (i,) if several else ()
         if isinstance(quantity, MotionQuantity) and not as_drawn:
             raise ArgumentValueError(
                 "of",
                 f"is {name!r}, a figure of ideal joints; joints with deviations have orders, such "
                 "as 'angle_error_order_1' and 'acceleration_order_1', and outputs, such as "
                 "'angle_error_peak'",
-                place,
-            )
-        if isinstance(quantity, ReducedQuantity) and quantity.unit == "N":
-            raise ArgumentValueError(
-                "of",
-                f"is {name!r}; forces are computed for ideal joints only, without tolerances of "
-                f"{', '.join(JOINT_GROUPS)}",
-                place,
+                (i,) if several else (),
             )
 
 

@@ -11,7 +11,7 @@ from cardan.words.summary import figure_text
 from cardan.wrapping import fill
 
 BY_DRAWING = (
-    "Curves, extremes and play are those as built. Equivalent bend, closed forms, limits, forces, "
+    "Curves, extremes, forces and play are those as built. Equivalent bend, closed forms, limits, "
     "slides, life, torsional vibration and steering are those of the drawing."
 )
 

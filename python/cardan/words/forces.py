@@ -10,8 +10,11 @@ from cardan.words.phrases import table_text
 from cardan.words.summary import angle_text, figure_text
 from cardan.wrapping import wrap
 
-HEADINGS = ("largest", "at", "mean", "order 2", "order 4")
-"""What the figures of a row are."""
+
+def headings(found: SceneForces) -> tuple[str, ...]:
+    """Return what the figures of a row are."""
+    first = ("order 1",) if found.has_order_1 else ()
+    return ("largest", "at", "mean", *first, "order 2", "order 4")
 
 
 def forces_text(found: SceneForces, *, radians: bool = False) -> str:
@@ -19,7 +22,7 @@ def forces_text(found: SceneForces, *, radians: bool = False) -> str:
     lines = []
     if found.forces:
         over = "states and turn" if found.forces[0].state else "a turn"
-        table: list[tuple[str, ...]] = [(f"Forces over {over} [N]", *HEADINGS)]
+        table: list[tuple[str, ...]] = [(f"Forces over {over} [N]", *headings(found))]
         table += [(f"  {label}", *figures) for label, *figures in force_rows(found, radians)]
         lines.append(table_text(table))
     if found.forces and found.refused:
@@ -31,7 +34,7 @@ def forces_text(found: SceneForces, *, radians: bool = False) -> str:
 
 def force_rows(found: SceneForces, radians: bool = False) -> list[tuple[str, ...]]:
     """Return a row for each joint and bearing: what it is and its figures in N."""
-    return [(_label(force), *_figures(force, radians)) for force in found.forces]
+    return [(_label(force), *_figures(force, found.has_order_1, radians)) for force in found.forces]
 
 
 def reasons(found: SceneForces) -> Iterator[str]:
@@ -60,8 +63,9 @@ def _label(force: Force) -> str:
     return f"{label}, in {force.state}" if force.state else label
 
 
-def _figures(force: Force, radians: bool) -> Iterator[str]:
+def _figures(force: Force, has_order_1: bool, radians: bool) -> Iterator[str]:
     row, at = force.figures, force.at_deg
     yield figure_text(row.largest)
     yield "-" if at is None else angle_text(math.radians(at) if radians else at, radians)
-    yield from map(figure_text, (row.mean, row.order_2, row.order_4))
+    first = (row.order_1,) if has_order_1 else ()
+    yield from map(figure_text, (row.mean, *first, row.order_2, row.order_4))

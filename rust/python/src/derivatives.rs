@@ -3,8 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Differentiated, Execution, Output, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted,
-    q_derivatives,
+    Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted, q_derivatives,
 };
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
@@ -123,7 +122,7 @@ pub(crate) fn differentiate<'py>(
         lines.check_ideal("derivatives by points are")?;
     }
     if wanted.deviations || lines.is_as_built() {
-        check_as_built(&outputs, modes)?;
+        check_as_built(modes)?;
     }
     lines.with(py, |lines| {
         let task = Differentiated {
@@ -183,17 +182,11 @@ pub(crate) fn differentiate<'py>(
 }
 
 /// Refuses what joints as built do not have.
-fn check_as_built(
-    outputs: &[(Output, Vec<usize>)],
-    (shaft_axes, driven): (bool, bool),
-) -> PyResult<()> {
-    let force = outputs.iter().find(|(output, _)| output.row().unit == "N");
+fn check_as_built((shaft_axes, driven): (bool, bool)) -> PyResult<()> {
     let problem = if shaft_axes {
         "have deviations; their moments are differentiated in the axes of space".to_owned()
     } else if driven {
         "have deviations; derivatives are those at drive angles".to_owned()
-    } else if let Some((output, _)) = force {
-        format!("have deviations, with which there is no {}", output.row().name)
     } else {
         return Ok(());
     };

@@ -6,6 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use cardan::{Geometry, Output, check_deviations};
 
 use crate::error_table::{ErrorTable, RowLimits};
+use crate::forces::Arrangement;
 use crate::judge::{self, Tier};
 use crate::leaning::{ExactAsBuilt, LeaningInstant};
 use crate::loading::{LoadedDriveline, Loading};
@@ -16,7 +17,7 @@ use crate::wide::Wide;
 /// Angles for each driveline.
 const ANGLES: usize = 40;
 
-const OUTPUTS: [Output; 12] = [
+const OUTPUTS: [Output; 14] = [
     Output::Angle,
     Output::AngleError,
     Output::SpeedRatio,
@@ -29,28 +30,35 @@ const OUTPUTS: [Output; 12] = [
     Output::BendingDriven,
     Output::TiltDriving,
     Output::TiltDriven,
+    Output::JointForce,
+    Output::BearingForce,
 ];
 
 /// How many of these are motions: each shaft adds to those before it.
 const MOTIONS: usize = 5;
 
+/// Where bending moments and forces are among these.
+const BENDING: std::ops::Range<usize> = 8..10;
+const FORCES: std::ops::Range<usize> = 12..14;
+
 /// What is asked for at once: each selection is computed by another loop.
-const SELECTIONS: [&[Output]; 6] = [
+const SELECTIONS: [&[Output]; 7] = [
     &OUTPUTS,
     &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio],
     &[Output::AngleError],
     &[Output::SpeedRatio],
     &[Output::AccelerationRatio, Output::TiltDriving, Output::TiltDriven],
     &[Output::Torque, Output::BendingDriven, Output::BendingDriving],
+    &[Output::JointForce, Output::BearingForce],
 ];
 
 /// The names of the outputs.
-fn names() -> [&'static str; 12] {
+fn names() -> [&'static str; 14] {
     OUTPUTS.map(|output| output.row().name)
 }
 
 /// The largest errors of the outputs in a tier.
-fn limits(tier: Tier) -> [f64; 12] {
+fn limits(tier: Tier) -> [f64; 14] {
     let column = match tier {
         Tier::Faithful => "tolerance_0",
         Tier::Default => "worst",
@@ -147,7 +155,7 @@ impl AsBuiltShape {
 }
 
 /// The worst errors of a kind of driveline, by tier and output.
-type AsBuiltErrors = ShapeErrors<AsBuiltShape, 4, 12>;
+type AsBuiltErrors = ShapeErrors<AsBuiltShape, 4, 14>;
 
 /// Judges a fifth as many samples of each kind: each has some hundred results.
 pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
@@ -170,11 +178,11 @@ fn run(seed: u64, samples: u64) -> Vec<AsBuiltErrors> {
     })
 }
 
-/// The components of every item of every output at an angle.
+/// The components of every item of every output at an angle, of the forces only with bearings.
 fn exact(
     line: &ExactAsBuilt,
     at: &LeaningInstant,
-    loading: &Loading,
+    (loading, arrangement): (&Loading, Option<&Arrangement>),
     angle: f64,
 ) -> Vec<Vec<Vec<Wide>>> {
     let rates: Vec<_> = at.motion.iter().map(|&[_, ratio, rate, _]| [ratio, rate]).collect();
@@ -188,12 +196,18 @@ fn exact(
         all.push(loads.by_ref().take(items).collect());
     }
     all.extend([0, 1].map(|end| at.tilts.iter().map(|tilts| vec![tilts[end]]).collect()));
+    if let Some(arrangement) = arrangement {
+        let forces = arrangement.forces(&line.axes, &[line.transmitted(at, &powers)]).remove(0);
+        let (of_joints, of_bearings) = forces.split_at(joints);
+        all.extend([of_joints, of_bearings].map(|own| own.iter().map(|v| v.to_vec()).collect()));
+    }
     all
 }
 
 fn judge(line: &Geometry, deviations: &[f64], random: &mut Random, found: &mut AsBuiltErrors) {
     let Geometry { bends, twists, phases, .. } = line;
     let loading = Loading::of(random, bends.len() + 1);
+    let arrangement = Arrangement::of(random, bends.len());
     let oracle = ExactAsBuilt::of(bends, twists, phases, deviations);
     let start = random.between(-PI, PI);
     let mut angles: Vec<f64> = oracle.extremes.iter().map(|part| part * TAU).collect();
@@ -201,19 +215,35 @@ fn judge(line: &Geometry, deviations: &[f64], random: &mut Random, found: &mut A
     while angles.len() < ANGLES {
         angles.push(Kind::Random.angle(random, 0.0, &[]));
     }
-    let exact = |&angle: &f64| exact(&oracle, &oracle.at(angle), &loading, angle);
-    let wanted: Vec<_> = angles.iter().map(exact).collect();
-    let outputs = SELECTIONS[random.below(2 * SELECTIONS.len()).saturating_sub(SELECTIONS.len())];
+    let mut outputs =
+        SELECTIONS[random.below(2 * SELECTIONS.len()).saturating_sub(SELECTIONS.len())];
     let loaded = LoadedDriveline {
         line,
         loading: &loading,
         angles: &angles,
         outputs,
-        layout: None,
+        layout: Some(&arrangement.layout),
         deviations,
         repeated: random.below(4) == 0,
     };
-    let tiers = loaded.evaluate(&Tier::ALL).expect("the request is sound");
+    let tiers = loaded.evaluate(&Tier::ALL).unwrap_or_else(|_| {
+        // The forces of these bearings are not determinate.
+        outputs = &OUTPUTS[..FORCES.start];
+        let loaded = LoadedDriveline { outputs, layout: None, ..loaded };
+        loaded.evaluate(&Tier::ALL).expect("the request is sound")
+    });
+    let has_forces = outputs.contains(&Output::JointForce);
+    let acting = (&loading, has_forces.then_some(&arrangement));
+    let exact = |&angle: &f64| exact(&oracle, &oracle.at(angle), acting, angle);
+    let wanted: Vec<_> = angles.iter().map(exact).collect();
+    let largest_of = |q: usize| {
+        let all = wanted.iter().flat_map(|all| all.get(q).into_iter().flatten().flatten());
+        all.map(|x| x.high.abs()).fold(0.0, f64::max)
+    };
+    let largest_force = FORCES.map(largest_of).fold(0.0, f64::max);
+    // The terms of a force, which bend the shafts, may cancel.
+    let bending = BENDING.map(largest_of).fold(0.0, f64::max);
+    let largest_term = largest_force.max(bending / arrangement.shortest_span());
     let mut first = 0;
     for output in outputs {
         let q = OUTPUTS.iter().position(|own| own == output).expect("it is one of all");
@@ -233,6 +263,11 @@ fn judge(line: &Geometry, deviations: &[f64], random: &mut Random, found: &mut A
                 for (k, want) in wanted[i][q][item].iter().enumerate() {
                     let largest = if q == own { largest } else { want.high.abs().max(largest) };
                     for (tier, planes) in Tier::ALL.into_iter().zip(&tiers) {
+                        let largest = match tier {
+                            _ if !FORCES.contains(&q) => largest,
+                            Tier::Faithful => largest_force,
+                            _ => largest_term,
+                        };
                         let got = planes[first + k][i];
                         let unit =
                             if tier.is_single() { largest } else { Wide::from(largest).ulp() };

@@ -58,15 +58,15 @@ fn run(seed: u64, samples: u64) -> Vec<ForceErrors> {
 
 /// What carries the shafts of a driveline.
 #[derive(Debug)]
-struct Arrangement {
-    layout: BearingLayout,
+pub(crate) struct Arrangement {
+    pub(crate) layout: BearingLayout,
     /// Which shaft each joint supports.
     supported: Vec<Option<usize>>,
 }
 
 impl Arrangement {
     /// Any in which each shaft has two supports, or is a first or last one held by its machine.
-    fn of(random: &mut Random, joints: usize) -> Self {
+    pub(crate) fn of(random: &mut Random, joints: usize) -> Self {
         let supported: Vec<_> =
             (0..joints).map(|joint| random.pick(&[None, Some(joint), Some(joint + 1)])).collect();
         let lengths: Vec<f64> = (0..=joints).map(|_| random.between(0.3, 2.0)).collect();
@@ -84,7 +84,7 @@ impl Arrangement {
     }
 
     /// The smallest distance between the two supports of a shaft.
-    fn shortest_span(&self) -> f64 {
+    pub(crate) fn shortest_span(&self) -> f64 {
         let BearingLayout { bearings, lengths, positions } = &self.layout;
         let span = |shaft: usize| {
             let own = (0..bearings.len()).filter(|&i| bearings[i] == shaft).map(|i| positions[i]);
@@ -100,7 +100,7 @@ impl Arrangement {
     }
 
     /// Forces of joints, then of bearings, for each of these loads.
-    fn forces(&self, axes: &ExactAxes, transmitted: &[Transmitted]) -> Vec<Vec<Span>> {
+    pub(crate) fn forces(&self, axes: &ExactAxes, transmitted: &[Transmitted]) -> Vec<Vec<Span>> {
         let BearingLayout { bearings, lengths, positions } = &self.layout;
         let n = self.supported.len();
         let unknowns = 3 * (n + bearings.len());

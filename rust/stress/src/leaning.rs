@@ -108,7 +108,7 @@ pub(crate) struct ExactAsBuilt {
     joints: Vec<LeaningJoint>,
     /// Sine and cosine of what the shaft behind each joint adds to its driven angle.
     turns: Vec<(Wide, Wide)>,
-    axes: ExactAxes,
+    pub(crate) axes: ExactAxes,
     /// Of each shaft: the mean of the sum of the joints' angle errors before it.
     means: Vec<Wide>,
     /// Drive angles, as parts of the turn, at which some shaft is fastest, is slowest, or changes its
@@ -252,6 +252,11 @@ impl ExactAsBuilt {
     /// The components of torques, moments, support moments and bending moments, from the powers on
     /// their way into each shaft.
     pub(crate) fn loads(&self, at: &LeaningInstant, powers: &[Wide]) -> Vec<Vec<Wide>> {
+        self.axes.loads(self.transmitted(at, powers))
+    }
+
+    /// Torques and moments, from the powers on their way into each shaft.
+    pub(crate) fn transmitted(&self, at: &LeaningInstant, powers: &[Wide]) -> Transmitted {
         let torques: Vec<_> =
             powers.iter().zip(&at.motion).map(|(&power, motion)| power / motion[1]).collect();
         let moment = |(j, &[p, q]): (usize, &[Span; 2])| {
@@ -261,7 +266,7 @@ impl ExactAsBuilt {
             scaled(normal, powers[j + 1] / (at.motion[j][1] * along))
         };
         let moments = at.pins.iter().enumerate().map(moment).collect();
-        self.axes.loads(Transmitted { torques, moments, largest: 0.0 })
+        Transmitted { torques, moments, largest: 0.0 }
     }
 }
 

@@ -92,7 +92,7 @@ pub(crate) fn balance<T: Real>(
 
 /// The part of a vector across a unit vector.
 #[inline(always)]
-fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
+pub(crate) fn across<T: Real>(v: [T; 3], u: [T; 3]) -> [T; 3] {
     let along = v[0].mul_add(u[0], v[1].mul_add(u[1], v[2] * u[2]));
     [0, 1, 2].map(|i| (-along).mul_add(u[i], v[i]))
 }
@@ -132,5 +132,12 @@ impl<T: Real> Pose<T> {
     #[inline(always)]
     pub(crate) fn driven_axis(&self) -> [T; 3] {
         [0, 1, 2].map(|i| (self.shaft_axis[i] + self.in_plane[i]) * self.cosine)
+    }
+
+    /// `u_out = e_out × m`, of a joint as built.
+    #[inline(always)]
+    pub(crate) fn driven_axis_as_built(&self) -> [T; 3] {
+        let (a, b) = (self.plane_normal, self.out_plane);
+        [(1, 2), (2, 0), (0, 1)].map(|(j, k)| a[j].mul_add(b[k], -(a[k] * b[j])))
     }
 }

@@ -112,6 +112,11 @@ impl ForceStep {
         self.add((Per::Bearing, bearing), plane, Some(force), shaft)
     }
 
+    /// What was added for a joint or a bearing.
+    pub(crate) fn target(&self, of: (Per, usize)) -> Option<&ForceTarget> {
+        self.targets.iter().find(|target| target.of == of)
+    }
+
     /// The number of shafts of each driveline.
     pub(crate) fn shafts(&self) -> usize {
         self.statics.shafts.len()

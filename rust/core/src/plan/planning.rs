@@ -54,14 +54,6 @@ impl Plan {
                 Per::Joint => request.joints,
                 Per::Bearing => &bearings,
             };
-            if row.needs == Needs::Force && request.as_built {
-                let problem = format!(
-                    "is {:?}, which joints as built do not have; the moments and support moments \
-                     that cause it are available",
-                    row.name
-                );
-                return Err(Error::new("outputs", &[i], problem));
-            }
             if row.needs == Needs::Force {
                 plan.start_forces(request, output, i)?;
             }
@@ -142,7 +134,7 @@ impl Plan {
         // In steep chains the terms of the drive shaft cancel, and so do those of different powers.
         // It does not depend on which forces are requested, so neither do their bits.
         let one_power = !inertias.iter().any(|&shaft| shaft > 0 && shaft < n);
-        self.refers_forces = self.moderate && one_power;
+        self.refers_forces = self.moderate && one_power && !self.as_built;
         let joint_before = |shaft: usize| shaft.checked_sub(1).map(|joint| &self.joints[joint]);
         let needed = |shaft: &usize| {
             torque[*shaft].is_some() || joint_before(*shaft).is_some_and(JointStep::needs_load)
@@ -164,7 +156,7 @@ impl Plan {
                 let passed = end == End::Output || shaft != last;
                 let absorbs = passed && inertias.contains(&shaft);
                 let step = joint_before(shaft);
-                let torsion = step.is_some_and(JointStep::needs_torsion);
+                let torsion = step.is_some_and(|step| step.needs_torsion(self.as_built));
                 Station { shaft, absorbs, torque: torque[shaft], torsion, force_power: false }
             })
             .collect();
@@ -241,7 +233,7 @@ impl Plan {
             {
                 source = source.filter(|_| self.refers_forces).or(Some(joint));
                 self.joints[joint].force_source = source.unwrap_or(joint);
-                station.force_power = source == Some(joint);
+                station.force_power = source == Some(joint) && !self.as_built;
             }
         }
         forces.set_sources(|joint| self.joints[joint].force_source);

@@ -162,9 +162,10 @@ impl JointStep {
         self.needs_moment || self.needs_support() || self.needs_force
     }
 
-    /// Whether the torsion itself is needed, not only the power, which suffices for forces.
-    pub(crate) fn needs_torsion(&self) -> bool {
-        self.needs_moment || self.needs_support()
+    /// Whether the torsion itself is needed, not only the power, which suffices for forces of ideal
+    /// joints.
+    pub(crate) fn needs_torsion(&self, as_built: bool) -> bool {
+        self.needs_moment || self.needs_support() || self.needs_force && as_built
     }
 }
 
@@ -266,7 +267,7 @@ impl Plan {
 
     /// Whether the torsion parts of several joints need the length of the pins.
     pub(crate) fn needs_inverse_squares(&self) -> bool {
-        self.forces.is_some() && !self.refers_forces
+        self.forces.is_some() && !self.refers_forces && !self.as_built
     }
 
     /// Whether any step of the load reads pins.

@@ -273,7 +273,7 @@ fn subtract<T: Number>(errors: View<'_, T>, means: impl Strips<Value = T>, out: 
 }
 
 /// Bending moments and the moment of one joint, and the parts of its torsion that support moments
-/// need.
+/// and forces need.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one joint")]
 pub(crate) fn run_moments<T: Number, W: Float>(
@@ -282,7 +282,7 @@ pub(crate) fn run_moments<T: Number, W: Float>(
     geometry: GeometryIndex,
     moments: &[Column<T>; 3],
     torsion: View<'_, T>,
-    parts: &mut [Column<T>; 3],
+    (parts, of_forces): (&mut [Column<T>; 3], &mut [Column<T>; 3]),
     outputs: &mut Outputs<'_, '_, W>,
     compact: bool,
 ) {
@@ -315,7 +315,8 @@ pub(crate) fn run_moments<T: Number, W: Float>(
             );
         });
     }
-    if step.needs_support() {
+    let wanted = [(step.needs_support(), parts), (step.needs_force, of_forces)];
+    for (_, parts) in wanted.into_iter().filter(|(needed, _)| *needed) {
         map::over_samples(
             size,
             (torsion, [in_plane, out_plane, normal]),

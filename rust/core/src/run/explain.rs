@@ -201,6 +201,7 @@ impl Plan {
                 let parts = [
                     (step.planes.get(Output::Moment).is_some(), "moment"),
                     (step.needs_support(), "support moments"),
+                    (step.needs_force && self.as_built, "forces"),
                     (step.planes.get(Output::BendingDriving).is_some(), "bending, driving side"),
                     (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
                 ];

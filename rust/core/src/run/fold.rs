@@ -154,6 +154,7 @@ impl<T: Angle> Folded<T> {
         let n = plan.joint_count;
         self.as_built.fold(plan, lines, numbers);
         self.poses.iter_mut().for_each(Vec::clear);
+        self.forces.clear();
         for &line in numbers.iter().filter(|_| plan.needs_poses()) {
             let mut frame = stored_frame(lines, n, line, 0).orthonormal();
             for j in 0..plan.reach() {
@@ -167,6 +168,16 @@ impl<T: Angle> Folded<T> {
                 frame.pass_joint(&joint);
             }
         }
+        self.push_forces(plan, lines, numbers);
+    }
+
+    /// Appends the coefficients of the forces, if there are any, from the poses.
+    #[inline(always)]
+    fn push_forces(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
+        let Some(step) = &plan.forces else { return };
+        for (i, &line) in numbers.iter().enumerate() {
+            self.forces.push(plan, step, lines, (line, i), |joint| self.poses[joint][i]);
+        }
     }
 
     #[inline(always)]
@@ -179,11 +190,7 @@ impl<T: Angle> Folded<T> {
         for (group, numbers) in numbers.chunks(LANES).enumerate() {
             self.fold_lanes(plan, lines, group * LANES, numbers);
         }
-        if let Some(step) = &plan.forces {
-            for (i, &line) in numbers.iter().enumerate() {
-                self.forces.push(plan, step, lines, (line, i), |joint| self.poses[joint][i]);
-            }
-        }
+        self.push_forces(plan, lines, numbers);
     }
 
     #[inline(always)]

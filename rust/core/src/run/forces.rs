@@ -80,7 +80,8 @@ impl<T: Real> FoldedForces<T> {
         let positions = &lines.positions[line * step.bearings..(line + 1) * step.bearings];
         for (i, balance) in step.balances.iter().enumerate() {
             let (known, own) = self.balances.split_at_mut(i);
-            solve(balance, step, known, lengths, positions, &pose_of, &mut own[0]);
+            let places = (lengths, positions);
+            solve(balance, step, known, places, &pose_of, plan.as_built, &mut own[0]);
         }
         let zero = [[T::from_f64(0.0); 3]; PARTS];
         for (target, columns) in step.targets.iter().zip(&mut self.coefficients) {
@@ -94,7 +95,11 @@ impl<T: Real> FoldedForces<T> {
                 if target.sources[place] != plan.joints[joint].force_source {
                     place += 1;
                 }
-                let inverse = self.inverse_determinants[joint][index];
+                // The parts of a joint as built need no map.
+                let Some(&inverse) = self.inverse_determinants[joint].get(index) else {
+                    columns[place][index] = own;
+                    continue;
+                };
                 if plan.refers_forces {
                     let forms = pose_of(joint).parts_of_drive(inverse);
                     add_referred(own, forms, &mut columns[place][index]);
@@ -143,9 +148,9 @@ fn solve<T: Real>(
     balance: &Balance,
     step: &ForceStep,
     known: &[[LinearForce<T>; 2]],
-    lengths: &[f64],
-    positions: &[f64],
+    (lengths, positions): (&[f64], &[f64]),
     pose_of: impl Fn(usize) -> Pose<T>,
+    as_built: bool,
     forces: &mut [LinearForce<T>; 2],
 ) {
     let shaft = balance.shaft;
@@ -157,6 +162,7 @@ fn solve<T: Real>(
     let (before, after) = (shaft.checked_sub(1), Some(shaft).filter(|&j| j + 1 < lengths.len()));
     let direction = match (before, after) {
         (_, Some(joint)) => pose_of(joint).shaft_axis,
+        (Some(joint), None) if as_built => pose_of(joint).driven_axis_as_built(),
         (Some(joint), None) => pose_of(joint).driven_axis(),
         (None, None) => return,
     };

@@ -202,6 +202,8 @@ fn run_joint<T: Number, W: Float>(
     }
     let Some(torsion) = torsion else { return };
     if let Some(unit) = unit {
+        let of_forces = &mut forces.parts[joint];
+        let parts = (&mut *parts, of_forces);
         as_built::run_moments(step, poses, geometry, unit, torsion, parts, outputs, compact);
     } else {
         with_constants!(compact, geometry, OneByOne(poses), at => {

@@ -6,15 +6,19 @@ use crate::mechanics::derivatives::vector;
 use crate::mechanics::moment::absorbed_power;
 use crate::number::dual::Dual;
 use crate::number::float::Real;
+use crate::plan::forces::ForceStep;
 use crate::plan::{End, Output};
+use crate::run::gradient::as_built_forces::{self, PlacesAsBuilt, solve_as_built};
 use crate::run::gradient::line::{Counts, Wanted};
 use crate::run::gradient::sample::LoadAt;
 
 /// The derivatives that one pass over the samples finds.
 pub(super) const WIDTH: usize = 4;
 
-type Carried = Dual<WIDTH>;
-type Direction = [Carried; 3];
+/// A number with its derivatives by the parameters of a pass.
+pub(super) type Carried = Dual<WIDTH>;
+/// A vector of such numbers.
+pub(super) type Direction = [Carried; 3];
 
 /// A parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,8 +30,8 @@ pub(super) enum Variable {
     Torque,
     Inertia(usize),
     Deviation(usize, usize),
-    /// What only forces depend on, which joints as built do not have.
-    Place,
+    Length(usize),
+    Position(usize),
 }
 
 /// The parameters that are wanted, in the order of their columns behind that of the value.
@@ -44,8 +48,8 @@ pub(super) fn variables(wanted: Wanted, Counts { joints, bearings }: Counts) -> 
     add(wanted.angle, &mut std::iter::once(Variable::Angle));
     add(wanted.torque, &mut std::iter::once(Variable::Torque));
     add(wanted.inertias, &mut (0..=joints).map(Variable::Inertia));
-    add(wanted.lengths, &mut (0..=joints).map(|_| Variable::Place));
-    add(wanted.positions, &mut (0..bearings).map(|_| Variable::Place));
+    add(wanted.lengths, &mut (0..=joints).map(Variable::Length));
+    add(wanted.positions, &mut (0..bearings).map(Variable::Position));
     add(wanted.deviations, &mut (0..joints).flat_map(deviation));
     all
 }
@@ -60,6 +64,10 @@ pub(super) struct LineAsBuilt<'a> {
     pub(super) normals: &'a [f64],
     /// Empty for ideal joints.
     pub(super) deviations: &'a [f64],
+    /// Of the shafts; empty if they are unknown.
+    pub(super) lengths: &'a [f64],
+    /// Of the bearings.
+    pub(super) positions: &'a [f64],
 }
 
 /// One joint, with the axes `u`, `e_in` and `m` of its driving shaft, and sine and cosine of the
@@ -78,6 +86,7 @@ pub(super) struct Pass {
     last: Direction,
     /// Per shaft: the mean of the sum of the angle errors before it; empty if no angle is wanted.
     means: Vec<Carried>,
+    places: PlacesAsBuilt,
 }
 
 impl Pass {
@@ -85,7 +94,14 @@ impl Pass {
     pub(super) fn new(line: LineAsBuilt<'_>, variables: &[Variable], has_angles: bool) -> Self {
         let n = line.bends.len();
         let (stages, last) = (Vec::with_capacity(n), [Dual::constant(0.0); 3]);
-        let mut pass = Self { variables: variables.to_vec(), stages, last, means: vec![] };
+        let places = PlacesAsBuilt { lengths: vec![], positions: vec![] };
+        let mut pass = Self { variables: variables.to_vec(), stages, last, means: vec![], places };
+        let lengths = line.lengths.iter().enumerate();
+        let positions = line.positions.iter().enumerate();
+        pass.places = PlacesAsBuilt {
+            lengths: lengths.map(|(i, &x)| pass.number(x, Variable::Length(i))).collect(),
+            positions: positions.map(|(i, &x)| pass.number(x, Variable::Position(i))).collect(),
+        };
         let (u, m) = (vector(line.directions, 0), vector(line.normals, 0));
         let [mut shaft, mut in_plane, mut normal] =
             [u, m.cross(&u), m].map(|v| [v.x, v.y, v.z].map(Dual::constant));
@@ -221,14 +237,26 @@ pub(super) struct SampleAsBuilt<'a> {
     motion: MotionAt,
     /// Power over the drive's speed, on its way into each shaft and out of the last.
     power: Vec<Carried>,
+    step: Option<&'a ForceStep>,
+    /// The forces of both supports of each balanced shaft.
+    forces: Vec<[Direction; 2]>,
 }
 
 impl<'a> SampleAsBuilt<'a> {
-    pub(super) fn new(pass: &'a Pass, angle: f64, load: Option<&LoadAt>) -> Self {
+    pub(super) fn new(
+        pass: &'a Pass,
+        step: Option<&'a ForceStep>,
+        angle: f64,
+        load: Option<&LoadAt>,
+    ) -> Self {
         let angle = pass.number(angle, Variable::Angle);
         let motion = pass.motion(angle);
         let power = load.map_or_else(Vec::new, |load| pass.powers(&motion, load));
-        Self { pass, angle, motion, power }
+        let mut sample = Self { pass, angle, motion, power, step, forces: vec![] };
+        let (axis, support) = (|shaft| sample.axis(shaft), |shaft| sample.support(shaft));
+        let solve = |step| solve_as_built(step, &pass.places, axis, support);
+        sample.forces = step.map_or_else(Vec::new, solve);
+        sample
     }
 
     fn ratio(&self, shaft: usize) -> Carried {
@@ -240,13 +268,18 @@ impl<'a> SampleAsBuilt<'a> {
         self.power[joint + 1] / self.ratio(joint)
     }
 
-    /// An output of a shaft or joint. Scalars are in the first component.
+    /// An output of a shaft, joint or bearing. Scalars are in the first component.
     pub(super) fn output(&self, output: Output, item: usize) -> Direction {
         let zero = Dual::constant(0.0);
         let scalar = match output {
             Output::Moment => return self.moment(item),
             Output::SupportMoment => return self.support(item),
-            Output::JointForce | Output::BearingForce => return [zero; 3],
+            Output::JointForce | Output::BearingForce => {
+                let per = output.row().per;
+                let target = self.step.and_then(|step| step.target((per, item)));
+                let force = target.and_then(|target| target.force);
+                return force.map_or([zero; 3], |of| as_built_forces::of(&self.forces, of));
+            }
             Output::Angle => self.angle + self.error(item),
             Output::AngleError => self.error(item),
             Output::SpeedRatio => self.ratio(item),
@@ -287,10 +320,13 @@ impl<'a> SampleAsBuilt<'a> {
         std::array::from_fn(|i| torsion * (u[i] + e[i] * in_plane - m[i] * normal))
     }
 
+    fn axis(&self, shaft: usize) -> Direction {
+        self.pass.stages.get(shaft).map_or(self.pass.last, |stage| stage.axes[0])
+    }
+
     /// The moment of the joint behind a shaft minus that of the joint before it, across the shaft.
     fn support(&self, shaft: usize) -> Direction {
-        let joints = self.pass.stages.len();
-        let axis = if shaft < joints { self.pass.stages[shaft].axes[0] } else { self.pass.last };
+        let (joints, axis) = (self.pass.stages.len(), self.axis(shaft));
         let mut difference = [Dual::constant(0.0); 3];
         if shaft < joints {
             difference = self.moment(shaft);

@@ -4,6 +4,7 @@
 use crate::mechanics::as_built::DEVIATIONS;
 use crate::mechanics::phasing::is_set;
 use crate::plan::Output;
+use crate::plan::forces::ForceStep;
 use crate::run::execution::Execution;
 use crate::run::gradient::as_built::{
     LineAsBuilt, Pass, SampleAsBuilt, Variable, WIDTH, variables,
@@ -36,6 +37,8 @@ impl Differentiated<'_> {
             directions: of(lines.directions, 3 * (n + 1)),
             normals: of(lines.normals, 3 * n),
             deviations: of(lines.deviations, DEVIATIONS * n),
+            lengths: of(lines.lengths, n + 1),
+            positions: of(lines.positions, self.bearings.len()),
         };
         let is_angle = |output| matches!(output, Output::Angle | Output::AngleError);
         let has_angles = self.outputs.iter().any(|(output, _)| is_angle(*output));
@@ -57,13 +60,15 @@ impl Differentiated<'_> {
         let (columns, all) = (wanted.count(self.counts()), variables(wanted, self.counts()));
         let threads = threads(self.is_parallel(), execution.workers);
         let blocks = self.samples.div_ceil(BLOCK).max(1);
+        let forces = self.forces().unwrap_or_default();
         let sum = |passes: &[Pass], line: usize, block: usize, sums: &mut [f64]| {
             let end = self.samples.min((block + 1) * BLOCK);
             for sample in block * BLOCK..end {
                 if is_set(execution.stop) {
                     return;
                 }
-                self.add_sample(passes, line, sample, weights, wanted.value, sums);
+                let at = (line, sample);
+                self.add_sample(passes, forces.as_ref(), at, weights, wanted.value, sums);
             }
         };
         if blocks == 1 {
@@ -95,15 +100,16 @@ impl Differentiated<'_> {
     fn add_sample(
         &self,
         passes: &[Pass],
-        line: usize,
-        sample: usize,
+        forces: Option<&ForceStep>,
+        (line, sample): (usize, usize),
         weights: &[&[f64]],
         has_value: bool,
         sums: &mut [f64],
     ) {
         let (load, at) = (self.load_at(line, sample), line * self.samples + sample);
         for (i, pass) in passes.iter().enumerate() {
-            let state = SampleAsBuilt::new(pass, self.angle_at(line, sample), load.as_ref());
+            let state =
+                SampleAsBuilt::new(pass, forces, self.angle_at(line, sample), load.as_ref());
             let first = usize::from(has_value) + i * WIDTH;
             let mut plane = 0;
             for (output, items) in &self.outputs {
@@ -142,6 +148,7 @@ impl Differentiated<'_> {
             }
         }
         let threads = threads(self.is_parallel(), execution.workers);
+        let forces = self.forces().unwrap_or_default();
         work_off(
             pieces.iter_mut().enumerate(),
             threads,
@@ -159,7 +166,8 @@ impl Differentiated<'_> {
                     }
                     let range = i * columns..(i + 1) * columns;
                     let outs = planes.iter_mut().map(|plane| &mut plane[range.clone()]);
-                    self.set_sample(&known.1, line, sample, wanted.value, outs);
+                    let at = (line, sample);
+                    self.set_sample(&known.1, forces.as_ref(), at, wanted.value, outs);
                 }
             },
         );
@@ -169,15 +177,15 @@ impl Differentiated<'_> {
     fn set_sample<'b>(
         &self,
         passes: &[Pass],
-        line: usize,
-        sample: usize,
+        forces: Option<&ForceStep>,
+        (line, sample): (usize, usize),
         has_value: bool,
         outs: impl Iterator<Item = &'b mut [f64]>,
     ) {
         let load = self.load_at(line, sample);
-        let states = passes
-            .iter()
-            .map(|pass| SampleAsBuilt::new(pass, self.angle_at(line, sample), load.as_ref()));
+        let states = passes.iter().map(|pass| {
+            SampleAsBuilt::new(pass, forces, self.angle_at(line, sample), load.as_ref())
+        });
         let states: Vec<_> = states.collect();
         let items = self.outputs.iter().flat_map(|(output, items)| {
             let components = 0..output.components();

@@ -5,6 +5,7 @@
 //! sums are added in order, so that results have the same bits.
 
 mod as_built;
+mod as_built_forces;
 mod as_built_sums;
 mod blocks;
 mod columns;

@@ -242,8 +242,8 @@ impl<'a> LineAt<'a> {
             | Output::TiltDriven => self.pull_scalar(output, item, weight.x, pull, sums),
             Output::JointForce | Output::BearingForce => {
                 let of = (output.row().per, item);
-                let targets = self.common.forces.map_or(&[][..], |step| &step.targets);
-                if let Some(force) = targets.iter().find(|x| x.of == of).and_then(|x| x.force) {
+                let target = self.common.forces.and_then(|step| step.target(of));
+                if let Some(force) = target.and_then(|target| target.force) {
                     sums.value += weight.dot(&forces::of(&self.forces, force));
                     forces::pull(&mut pull.forces, force, weight);
                 }
