@@ -129,12 +129,14 @@ class Plan:
             MemoryError: results that do not fit in memory.
             RuntimeError: ``out`` is in use by another call.
         """
-        fits = out is None or type(out) is dict
-        if self._fast_path and fits and type(angle) is np.ndarray and angle.dtype is DOUBLE:
+        # The native module takes new results and dictionaries. Other arrays are looked at below.
+        named = out if type(out) is dict else None
+        taken = named is out
+        if self._fast_path and taken and type(angle) is np.ndarray and angle.dtype is DOUBLE:
             # The usual call: on a few angles every question shows, that for equal lengths too.
-            filled = self._core.run(None, angle, out, threads.at_most(self._workers), self._level)
+            filled = self._core.run(None, angle, named, threads.at_most(self._workers), self._level)
             if filled is not None:
-                return self._result(angle, filled, out)
+                return self._result(angle, filled, named)
         angles: FloatArray | NativeSweep
         if type(angle) is np.ndarray and (angle.dtype is DOUBLE or angle.dtype == DOUBLE):
             angles = angle
@@ -149,18 +151,18 @@ class Plan:
         rows = self._rows(shape) if self._reduce else shape
         samples = None if self._single_row else shape
         workers = threads.at_most(self._workers)
-        if out is None or (type(out) is dict and self._word is self.dtype):
-            filled = self._core.run(samples, angles, out, workers, self._level)
+        if taken and (named is None or self._word is self.dtype):
+            filled = self._core.run(samples, angles, named, workers, self._level)
             if filled is not None:
-                return self._result(angle, filled, out)
+                return self._result(angle, filled, named)
         if out is not None:
             return self._call_into_arbitrary_layout(out, angle, angles, samples, rows, workers)
         # The angles do not lie one after another.
         return self(as_float64("angle", angle))
 
-    def _result(self, angle: Any, filled: Any, out: object) -> Result:  # noqa: ANN401
-        """Return the result of a run that has filled a new array, or those of ``out``."""
-        if out is not None:
+    def _result(self, angle: Any, filled: Any, named: object) -> Result:  # noqa: ANN401
+        """Return the result of a run that has filled a new array, or arrays by name."""
+        if named is not None:
             return Result(filled, self.labels, angle)
         block = filled if self._word is self.dtype else filled.astype(self.dtype)
         return Result(self.places, self.labels, angle, block)

@@ -12,6 +12,13 @@ pub(crate) struct LoadStep {
     pub(crate) stations: Vec<Station>,
 }
 
+impl LoadStep {
+    /// Whether any shaft on the path of the load absorbs power.
+    pub(crate) fn absorbs(&self) -> bool {
+        self.stations.iter().any(|station| station.absorbs)
+    }
+}
+
 /// One shaft on the path of the load.
 #[derive(Clone, Debug)]
 pub(crate) struct Station {

@@ -210,9 +210,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     fn load_columns(&self) -> Range<usize> {
         match &self.shared.plan.load {
             None => 0..0,
-            Some(load) if load.stations.iter().any(|station| station.absorbs) => {
-                TORQUE..self.shared.table.columns.len()
-            }
+            Some(load) if load.absorbs() => TORQUE..self.shared.table.columns.len(),
             Some(_) => TORQUE..TORQUE + 1,
         }
     }
@@ -366,7 +364,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry);
         if needed.pins && !fresh && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
-            scratch.allocate_pins();
             kernels::find_pins(level, plan, drive, group, scratch, size);
             self.pins_key = key;
         }
@@ -403,7 +400,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     level, plan, drive, joints, geometry, scratch, planes, window, row_offset,
                 );
             } else if !motion(scratch, fresh) {
-                scratch.allocate_pins();
                 kernels::find_pins(level, plan, drive, None, scratch, size);
                 motion(scratch, false);
             }
@@ -423,7 +419,6 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 )
             };
             if !load(scratch, fresh) {
-                scratch.allocate_pins();
                 kernels::find_pins(level, plan, drive, None, scratch, size);
                 load(scratch, false);
             }

@@ -46,6 +46,7 @@ pub(crate) fn run_load<T: Number, W: Float>(
     fresh: bool,
 ) -> bool {
     let too_large = Cell::new(LargeAngleFlag::for_quadrants());
+    let shares_power = scratch.cursors[TORQUE].1 == 0 && !load.absorbs();
     let Scratch {
         gathered,
         pins,
@@ -53,7 +54,6 @@ pub(crate) fn run_load<T: Number, W: Float>(
         rates,
         power,
         kept_power,
-        cursors,
         torsion,
         parts,
         support,
@@ -61,16 +61,10 @@ pub(crate) fn run_load<T: Number, W: Float>(
         as_built: built,
         ..
     } = scratch;
-    let column = |index: usize| &gathered[index][..size];
     let is_wide = T::LOW && plan.has_wide_loads();
     let pins = pins_of(if is_wide { wide_pins } else { pins }, size);
     if T::LOW {
-        for (turnings, rates) in folded.turnings.iter().zip(rates.iter_mut()) {
-            if !turnings.is_empty() {
-                let turnings = &turnings[..geometry.count(size)];
-                with_constants!(compact, geometry, OneByOne(turnings), at => run_rates(at, pins, rates));
-            }
-        }
+        run_all_rates(folded, geometry, pins, rates, size, compact);
     }
     let ratio = |shaft: usize| rates[shaft][0].view(size);
     let bent = plan.first_bent();
@@ -79,10 +73,8 @@ pub(crate) fn run_load<T: Number, W: Float>(
         End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
     };
     if *kept_power < size {
-        map::from_doubles(column(TORQUE), first, power.view_mut(size));
-        let (_, step) = cursors[TORQUE];
-        let absorbs = load.stations.iter().any(|station| station.absorbs);
-        *kept_power = if step == 0 && first.is_none() && !absorbs { size } else { 0 };
+        map::from_doubles(&gathered[TORQUE][..size], first, power.view_mut(size));
+        *kept_power = if shares_power && first.is_none() { size } else { 0 };
     }
     let weighs_power = plan.needs_inverse_squares();
     if weighs_power {
@@ -229,6 +221,24 @@ fn run_joint<T: Number, W: Float>(
             }
             run_supports::<false, T, W>(step, at, AXES, parts, support, outputs, size);
         });
+    }
+}
+
+/// Speed ratio and acceleration ratio of the shafts that the load needs.
+#[inline(always)]
+fn run_all_rates<T: Number>(
+    folded: &Folded<T>,
+    geometry: GeometryIndex,
+    pins: SinCos<'_, T>,
+    rates: &mut [[Column<T>; 2]],
+    size: usize,
+    compact: bool,
+) {
+    for (turnings, rates) in folded.turnings.iter().zip(rates) {
+        if !turnings.is_empty() {
+            let turnings = &turnings[..geometry.count(size)];
+            with_constants!(compact, geometry, OneByOne(turnings), at => run_rates(at, pins, rates));
+        }
     }
 }
 

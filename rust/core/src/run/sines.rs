@@ -22,6 +22,7 @@ pub(crate) fn find_pins<T: Number>(
     scratch: &mut Scratch<T>,
     size: usize,
 ) {
+    scratch.allocate_pins();
     let [sine, cosine] = views_mut(&mut scratch.pins, 0, size);
     let coarse = plan.moderate;
     match (drive, group) {
