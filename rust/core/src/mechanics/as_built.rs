@@ -83,13 +83,13 @@ impl JointAsBuilt<DoubleDouble> {
 pub fn check_deviations(bends: &[f64], deviations: &[f64]) -> Result<()> {
     for (joint, (&bend, own)) in bends.iter().zip(deviations.as_chunks().0).enumerate() {
         if !JointAsBuilt::with_error_terms(bend, *own).turns() {
-            let [driving, cross, driven] = own.map(f64::to_degrees);
+            // Without the digits that the conversion adds.
+            let shown = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
+            let ([driving, cross, driven], bend) = (own.map(shown), shown(bend));
             let problem = format!(
                 "are {driving} deg (driving yoke), {cross} deg (cross) and {driven} deg (driven \
-                 yoke) at a bend of {} deg, with which the joint cannot turn; it turns if \
-                 |C| < R at every angle, for which |driving| + |cross| + |driven| < 90 deg - bend \
-                 is enough",
-                bend.to_degrees()
+                 yoke) at a bend of {bend} deg, with which the joint cannot turn; it turns if \
+                 |driving| + |cross| + |driven| < 90 deg - bend"
             );
             return Err(Error::new("deviations", &[joint], problem));
         }
