@@ -350,8 +350,16 @@ def test_a_joint_turns_up_to_its_limit(which: int) -> None:
         if turns:
             assert np.isfinite(line.with_deviations(*given).evaluate(TURN).angle).all()
             continue
-        with pytest.raises(ArgumentValueError, match=r"deviations\[0, 1\].*cannot turn.*\|C\| < R"):
+        with pytest.raises(
+            ArgumentValueError, match=r"deviations\[0, 1\].*cannot turn.*< 90 deg - bend"
+        ):
             line.with_deviations(*given)
+
+
+def test_a_blocked_joint_is_told_in_the_digits_given() -> None:
+    line = Driveline.from_bends([15.0], degrees=True)
+    with pytest.raises(ArgumentValueError, match=r"80\.1 deg \(cross\).* at a bend of 15 deg,"):
+        line.with_deviations(cross=80.1, degrees=True)
 
 
 def test_signs_that_help_each_other_may_be_larger() -> None:
