@@ -114,7 +114,7 @@ def native(given: Input) -> None:
         single = given.ConsumeBool()
         reduction = given.pick((None, *REDUCTIONS))
         items = (None, given.count())
-        places = [(0, given.pick(items), given.ConsumeBool()) for _ in given.counts()]
+        places = [(given.pick(items), given.ConsumeBool()) for _ in given.counts()]
         names = tuple(name for name in cardan.OUTPUTS if given.ConsumeBool())
         plan = _core.Plan(
             lines,

@@ -25,7 +25,8 @@ class Layout:
         shown: the same as asked for, an index or a list.
         places: where each output lies among the planes.
         planes: the number of planes.
-        scalar_outputs: whether every output is one plane without an axis for items.
+        shapes: the number of items of each output, if it has an axis for them, and whether it is a
+            vector.
     """
 
     names: tuple[str, ...]
@@ -34,7 +35,7 @@ class Layout:
     shown: tuple[int | list[int], int | list[int]]
     places: Mapping[str, PlanePlace]
     planes: int
-    scalar_outputs: bool
+    shapes: list[tuple[int | None, bool]]
 
 
 def layout_of(
@@ -88,7 +89,7 @@ def _layout(
     joint_items = [*range(n)] if joints is None else item_indices("joints", joints, n)
     checked_reduction(reduce)
     places: dict[str, PlanePlace] = {}
-    first, alone = 0, True
+    first = 0
     for name in listed:
         output = outputs.OUTPUTS[name]
         vector = output.vector and reduce != "peak"
@@ -101,12 +102,12 @@ def _layout(
         items = None if one else count
         places[name] = (first, items, vector)
         first += 3 * count if vector else count
-        alone = alone and items is None and not vector
     shown = (
         shaft_items[0] if one_shaft else shaft_items,
         joint_items[0] if one_joint else joint_items,
     )
-    return Layout(listed, shaft_items, joint_items, shown, places, first, alone)
+    shapes = [(items, vector) for _, items, vector in places.values()]
+    return Layout(listed, shaft_items, joint_items, shown, places, first, shapes)
 
 
 _remembered = functools.lru_cache(maxsize=256)(_layout)

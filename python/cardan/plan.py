@@ -98,7 +98,7 @@ class Plan:
         self._core = _core.Plan(
             line._lines,
             layout.names,
-            [*layout.places.values()],
+            layout.shapes,
             layout.shafts,
             layout.joints,
             None if load is None else (load.end, *self._load, [*inertias.items()]),

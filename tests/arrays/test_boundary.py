@@ -482,7 +482,7 @@ def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
     plan = _core.Plan(
         lines,
         names,
-        draw(st.lists(st.tuples(COUNTS, st.one_of(st.none(), COUNTS), st.booleans()), max_size=4)),
+        draw(st.lists(st.tuples(st.one_of(st.none(), COUNTS), st.booleans()), max_size=4)),
         draw(st.sampled_from([[], [0], [1], [0, 1], [7]])),
         draw(st.sampled_from([[], [0], [7]])),
         draw(st.one_of(st.none(), loads)),

@@ -145,7 +145,7 @@ def in_mm(sections: Mapping[str, Mapping[str, Any]]) -> bool:
 
 
 def check_as_built(options: Mapping[str, Any]) -> None:
-    """Refuse how joints as built are not evaluated.
+    """Refuse options that drivelines of joints as built do not take.
 
     Raises:
         ValueError: axes of shafts, angles of the driven shaft.

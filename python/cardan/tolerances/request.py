@@ -111,7 +111,11 @@ def tolerances(
 
 
 def _check_as_built(quantities: Mapping[str, Quantity], several: bool, as_drawn: bool) -> None:
-    """Refuse figures of ideal joints, unless they may be those of the drawing, which scatters."""
+    """Refuse figures of ideal joints, unless those of the drawing are meant.
+
+    Raises:
+        ValueError: such a figure.
+    """
     for i, (name, quantity) in enumerate(quantities.items()):
         if isinstance(quantity, MotionQuantity) and not as_drawn:
             raise ArgumentValueError(

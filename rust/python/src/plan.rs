@@ -111,8 +111,8 @@ pub(crate) struct NativePlan {
 
 #[pymethods]
 impl NativePlan {
-    /// `places` are the output's first plane, its number of items, if it has an axis for them, and
-    /// whether it is a vector. The end of the load is `"drive"` or `"output"`; its arrays are read
+    /// `places` give for each output its number of items, if it has an axis for them, and whether it
+    /// is a vector. The end of the load is `"drive"` or `"output"`; its arrays are read
     /// when the plan runs. Without a tolerance the arithmetic is that of the results, single or
     /// double precision, unless the driveline is too steep for it.
     #[new]
@@ -120,7 +120,7 @@ impl NativePlan {
     fn new(
         lines: Bound<'_, Lines>,
         outputs: Bound<'_, PyTuple>,
-        places: Vec<(usize, Option<usize>, bool)>,
+        places: Vec<(Option<usize>, bool)>,
         shaft_items: Bound<'_, PyList>,
         joint_items: Bound<'_, PyList>,
         load: Option<LoadArrays>,
@@ -142,7 +142,7 @@ impl NativePlan {
         }
         let items = shaft_items.len().saturating_add(joint_items.len());
         check_memory(lines.get().joints().saturating_add(items).saturating_mul(2048))?;
-        let place = |(name, (_, items, is_vector)): (Bound<'_, PyAny>, _)| {
+        let place = |(name, (items, is_vector)): (Bound<'_, PyAny>, _)| {
             Ok(Place { name: name.cast_into::<PyString>()?.unbind(), items, is_vector })
         };
         let places = outputs.iter().zip(places).map(place).collect::<PyResult<_>>()?;

@@ -28,7 +28,8 @@ pub(crate) struct FoldedForces<T> {
     coefficients: Vec<Vec<Vec<Coefficients<T>>>>,
     /// The forces of each balance, for one driveline.
     balances: Vec<[LinearForce<T>; 2]>,
-    /// For each joint: the inverse determinants of the drivelines' maps before it.
+    /// For each joint: the inverse determinants of the drivelines' maps before it; empty for joints
+    /// as built.
     inverse_determinants: Vec<Vec<T>>,
 }
 
@@ -96,10 +97,11 @@ impl<T: Real> FoldedForces<T> {
                     place += 1;
                 }
                 // The parts of a joint as built need no map.
-                let Some(&inverse) = self.inverse_determinants[joint].get(index) else {
+                if plan.as_built {
                     columns[place][index] = own;
                     continue;
-                };
+                }
+                let inverse = self.inverse_determinants[joint][index];
                 if plan.refers_forces {
                     let forms = pose_of(joint).parts_of_drive(inverse);
                     add_referred(own, forms, &mut columns[place][index]);
@@ -186,8 +188,9 @@ fn solve<T: Real>(
 
 /// The buffers of one block.
 pub(crate) struct ForceBuffers<T: Real> {
-    /// The torsion parts of each joint that a force depends on, multiplied by the determinant of the
-    /// map before it, or those of the drive shaft under the power of the joint.
+    /// The torsion parts of each joint that a force depends on: of ideal joints multiplied by the
+    /// determinant of the map before it, or those of the drive shaft under the power of the joint; of
+    /// joints as built as they are.
     pub(crate) parts: Vec<[Column<T>; PARTS]>,
     /// The inverse of each pin's squared length, if the parts of several joints need it.
     pub(crate) inverse_squares: Column<T>,
