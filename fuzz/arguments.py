@@ -16,7 +16,7 @@ REFUSED = (ValueError, TypeError, IndexError, MemoryError, OverflowError)
 """The exceptions by which a call may refuse its arguments."""
 DTYPES = ("f4", "i8", "u1", "?", "f2", ">f8", "c16", "O", "S2", "m8[s]")
 NUMBERS = (0.0, -0.0, 0.3, 1.5, -7.0, 1e-300, 5e-324, 1e12, 1e300, np.inf, -np.inf, np.nan)
-MOST = 3000
+MOST = 600
 """Elements of an array, and joints of all drivelines together."""
 
 

@@ -213,6 +213,17 @@ def test_permitted_tolerances_reach_the_limit() -> None:
     assert again.worst == pytest.approx(300.0, rel=1e-9)
 
 
+def test_where_joints_block_before_a_limit_the_permitted_tolerances_end() -> None:
+    bend, half = np.radians(10.0), 0.01
+    line = Driveline.from_bends([bend])
+    found = line.tolerances(
+        driving_yoke=half, of="angle_error_order_1", limit=100.0, samples=10, seed=1
+    )
+    # A yoke may lean until its pin is in line with the driven shaft.
+    blocked = (0.5 * np.pi - bend) / half
+    assert blocked * 0.999 <= found.permitted("driving_yoke") < blocked
+
+
 def test_the_amplitude_is_that_of_the_angle_error() -> None:
     built = LINE.with_deviations(*HALVES.T)
     for order in (1, 2, 5):

@@ -10,6 +10,9 @@ from cardan.tolerances.design import Design
 
 # Up to this factor, and until the limit is met this closely.
 _MOST, _CLOSE, _ROUNDS = 1e6, 1e-11, 100
+# Until the factor with which a joint blocks is met this closely, where the limit is not reached
+# before. Orders of joints that nearly block need very many samples.
+_CLOSE_TO_BLOCKED = 1e-3
 
 
 def permitted_factor(
@@ -26,6 +29,8 @@ def permitted_factor(
 
     Returns:
         the factor; NaN if the other tolerances alone exceed the limit, infinite without a factor.
+        If joints block before the limit is reached, it is the largest factor with which they turn,
+        or up to 0.1 % less.
     """
 
     def excess(factor: float) -> float:
@@ -59,6 +64,8 @@ def _root(excess: Callable[[float], float]) -> float:
         middle = 0.5 * (low + high)
         if math.isfinite(above) and above > below:
             middle = (low * above - high * below) / (above - below)
+        if math.isinf(above) and high - low <= _CLOSE_TO_BLOCKED * high:
+            return low
         value = excess(middle)
         if abs(value) <= _CLOSE or high - low <= _CLOSE * high:
             return middle

@@ -308,6 +308,8 @@ class Tolerances:
 
         Returns:
             the factor; NaN if the others alone exceed the limit, infinite if no factor reaches it.
+            If joints block before the limit is reached, it is the largest factor with which they
+            turn, or up to 0.1 % less.
 
         Raises:
             ValueError: a group without tolerances, an unknown bound, a batch, several figures, no
