@@ -93,7 +93,7 @@ class Plan:
         cls,
         lines: Lines,
         outputs: tuple[str, ...],
-        places: list[tuple[int | None, bool]],
+        shapes: list[tuple[int | None, bool]],
         shaft_items: list[int],
         joint_items: list[int],
         load: tuple[str, _Spread, _Spread, _Spread, list[tuple[int, _Spread]]] | None,

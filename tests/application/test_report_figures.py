@@ -138,7 +138,7 @@ def test_of_many_shafts_the_last_one_is_always_drawn(tmp_path: Path) -> None:
 
 
 def test_readings_have_the_values_of_their_curves(tmp_path: Path) -> None:
-    """What the page reads out beside each curve has four digits of what the curve varies by."""
+    """A reading beside a curve has its value, to a thousandth of its range or finer."""
     page = page_of(AS_BUILT, tmp_path)
     (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
     readings, shown = json.loads(found)["curves"], 0

@@ -35,9 +35,9 @@ type Spread = Py<PyArrayDyn<f64>>;
 /// An array with its strides over the samples.
 type Strided<'py> = (PyReadonlyArrayDyn<'py, f64>, Cow<'static, [usize]>);
 
-/// Where an output lies among the arrays of a caller: its name, how many items it has, if there is
-/// an axis for them, and whether it is a vector.
-struct Place {
+/// The shape of an output's array besides that of the samples: how many items it has, if there is an
+/// axis for them, and whether it is a vector.
+struct OutputShape {
     name: Py<PyString>,
     items: Option<usize>,
     is_vector: bool,
@@ -99,8 +99,8 @@ pub(crate) struct NativePlan {
     /// The number of planes of the results.
     results: usize,
     lines: Py<Lines>,
-    /// Where the outputs lie, in the order of their planes.
-    places: Vec<Place>,
+    /// The outputs, in the order of their planes.
+    shapes: Vec<OutputShape>,
     /// The arrays of the load with their names in messages: torque, speed, acceleration, and the
     /// inertias of the shafts in `inertias`.
     load: Vec<(&'static str, Spread)>,
@@ -111,7 +111,7 @@ pub(crate) struct NativePlan {
 
 #[pymethods]
 impl NativePlan {
-    /// `places` give for each output its number of items, if it has an axis for them, and whether it
+    /// `shapes` give for each output its number of items, if it has an axis for them, and whether it
     /// is a vector. The end of the load is `"drive"` or `"output"`; its arrays are read
     /// when the plan runs. Without a tolerance the arithmetic is that of the results, single or
     /// double precision, unless the driveline is too steep for it.
@@ -120,7 +120,7 @@ impl NativePlan {
     fn new(
         lines: Bound<'_, Lines>,
         outputs: Bound<'_, PyTuple>,
-        places: Vec<(Option<usize>, bool)>,
+        shapes: Vec<(Option<usize>, bool)>,
         shaft_items: Bound<'_, PyList>,
         joint_items: Bound<'_, PyList>,
         load: Option<LoadArrays>,
@@ -142,10 +142,10 @@ impl NativePlan {
         }
         let items = shaft_items.len().saturating_add(joint_items.len());
         check_memory(lines.get().joints().saturating_add(items).saturating_mul(2048))?;
-        let place = |(name, (items, is_vector)): (Bound<'_, PyAny>, _)| {
-            Ok(Place { name: name.cast_into::<PyString>()?.unbind(), items, is_vector })
+        let shape = |(name, (items, is_vector)): (Bound<'_, PyAny>, _)| {
+            Ok(OutputShape { name: name.cast_into::<PyString>()?.unbind(), items, is_vector })
         };
-        let places = outputs.iter().zip(places).map(place).collect::<PyResult<_>>()?;
+        let shapes = outputs.iter().zip(shapes).map(shape).collect::<PyResult<_>>()?;
         let outputs = outputs.iter().map(|name| quantity(&name.extract::<PyBackedStr>()?));
         let outputs = outputs.collect::<PyResult<Vec<_>>>()?;
         let request = Request {
@@ -177,7 +177,7 @@ impl NativePlan {
             single,
             results,
             lines: lines.unbind(),
-            places,
+            shapes,
             load: load_arrays,
             inertias,
             constants,
@@ -333,15 +333,15 @@ impl NativePlan {
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
         let (arrays, filled) = if let Ok(out) = out.cast_exact::<PyDict>() {
             let filled = PyDict::new(out.py());
-            if out.len() != self.places.len() {
+            if out.len() != self.shapes.len() {
                 return Ok(None);
             }
             let mut arrays = Vec::with_capacity(out.len());
-            for place in &self.places {
-                let Some(array) = out.get_item(&place.name)? else { return Ok(None) };
-                let Some(planes) = place.planes_of::<W>(&array, rows)? else { return Ok(None) };
+            for shape in &self.shapes {
+                let Some(array) = out.get_item(&shape.name)? else { return Ok(None) };
+                let Some(planes) = shape.planes_of::<W>(&array, rows)? else { return Ok(None) };
                 arrays.push(planes);
-                filled.set_item(&place.name, array)?;
+                filled.set_item(&shape.name, array)?;
             }
             (arrays, filled.into_any())
         } else {
@@ -394,7 +394,7 @@ impl NativePlan {
     }
 }
 
-impl Place {
+impl OutputShape {
     /// The output's array plane by plane, a vector's components before the samples. `None` if it
     /// does not have the shape of the output over these rows, or another word.
     fn planes_of<'py, W: Element>(
