@@ -93,9 +93,9 @@ def change(scene: dict[str, Any], given: atheris.FuzzedDataProvider) -> None:
         if what == 0:
             del at[key]
         elif what == 1:
-            at[key] = copy.copy(given.PickValueInList(OTHERS))
+            at[key] = copy.deepcopy(given.PickValueInList(OTHERS))
         elif what == 2 and isinstance(at, dict):
-            new = copy.copy(given.PickValueInList([*NUMBERS, *OTHERS]))
+            new = copy.deepcopy(given.PickValueInList([*NUMBERS, *OTHERS]))
             at[given.PickValueInList(KEYS)] = new
         elif what == 3 and isinstance(at[key], int | float):
             at[key] = at[key] * given.ConsumeIntInRange(-20, 40) / 10

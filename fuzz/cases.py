@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -12,8 +13,20 @@ HERE = Path(__file__).parent
 
 
 def main(name: str, case: Callable[[bytes], None], longest: int) -> None:
-    """Fuzz for the seconds of the command line; new inputs go to ``found``."""
-    seconds = sys.argv[1] if len(sys.argv) > 1 else "60"
+    """Fuzz for some seconds, or a number of cases from a fixed seed; new inputs go to ``found``.
+
+    The same cases of a fresh clone are the same on every machine, whatever its speed, as long as
+    ``PYTHONHASHSEED`` is fixed.
+    """
+    parser = argparse.ArgumentParser()
+    parser.add_argument("seconds", nargs="?", default="60")
+    parser.add_argument("--cases")
+    how_long = parser.parse_args()
+    limits = (
+        ["-seed=1", f"-runs={how_long.cases}"]
+        if how_long.cases
+        else [f"-max_total_time={how_long.seconds}"]
+    )
     found = HERE / "found" / name
     found.mkdir(parents=True, exist_ok=True)
     words = HERE / f"{name}.dict"
@@ -22,7 +35,7 @@ def main(name: str, case: Callable[[bytes], None], longest: int) -> None:
             sys.argv[0],
             str(found),
             str(HERE / "corpus" / name),
-            f"-max_total_time={seconds}",
+            *limits,
             f"-max_len={longest}",
             "-timeout=100",
             "-rss_limit_mb=4096",
