@@ -67,6 +67,9 @@ def jobs() -> dict[str, Callable[[], Any]]:
         load_torque=30.0,
     )
     as_built = shaft.with_deviations(driving_yoke=0.01, cross=[0.0, 0.02])
+    forces = ("joint_force", "bearing_force")
+    leaning = mounted.with_deviations(cross=0.01)
+    pulled = leaning.plan(forces, load=torque)
     orders = shaft.plan(("speed_ratio", "moment"), load=torque)
     recorded = small + 0.02 * np.sin(2.0 * small)
     steps = Load(output_torque=[400.0, 700.0], speed_rpm=[1500.0, 900.0])
@@ -82,6 +85,15 @@ def jobs() -> dict[str, Callable[[], Any]]:
     def weighted() -> Any:  # noqa: ANN401
         found = slopes.gradient(angle[:5000], {"speed_ratio": 1.0, "moment": 0.5})
         return {name: getattr(found, name) for name in ("value", "bends", "twists", "inertias")}
+
+    def pulling() -> Any:  # noqa: ANN401
+        found = pulled.gradient(small, {"bearing_force": 1.0})
+        return {name: getattr(found, name) for name in ("value", "deviations", "lengths")}
+
+    def deviating() -> Any:  # noqa: ANN401
+        found = shaft.order_tolerances(driving_yoke=0.001, cross=0.002)
+        lash = as_built.lash(small, 0.05, 40.0)
+        return {"worst": found.worst_deviations, "shares": found.shares, "lash": lash}
 
     def toleranced() -> Any:  # noqa: ANN401
         found = shaft.tolerances(phases=0.02, bends=0.01, samples=2000, seed=3)
@@ -137,7 +149,10 @@ def jobs() -> dict[str, Callable[[], Any]]:
         "phases": lambda: {"phases": batch.optimal_phases()},
         "equivalent": lambda: {"k": each.equivalent().k},
         "scene": lambda: Scene.parse(SCENE).run().values,
-        "forces": lambda: mounted.evaluate(small, ("joint_force", "bearing_force"), load=torque),
+        "forces": lambda: mounted.evaluate(small, forces, load=torque),
+        "forces as built": lambda: leaning.evaluate(small, forces, load=torque),
+        "gradient of forces": pulling,
+        "deviations": deviating,
         "derivatives": derived,
         "gradient": weighted,
         "tolerances": toleranced,
