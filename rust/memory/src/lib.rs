@@ -91,19 +91,25 @@ impl Stores {
     /// anyone reads `out`.
     #[inline(always)]
     #[expect(unsafe_code, reason = "vector stores past the caches")]
+    #[cfg_attr(
+        not(any(target_arch = "x86", target_arch = "x86_64")),
+        expect(unused_variables, reason = "there are no such stores")
+    )]
     unsafe fn stream(self, out: *mut u8, strip: *const u8) -> bool {
-        let aligned = out.addr().is_multiple_of(STRIP_BYTES);
         match self.0 {
-            Vectors::Ordinary => return false,
             // SAFETY: a token has proved that the machine has the instructions.
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Vectors::Avx2 if aligned => unsafe { stream_avx2(out, strip) },
+            Vectors::Avx2 if out.addr().is_multiple_of(STRIP_BYTES) => {
+                unsafe { stream_avx2(out, strip) };
+                true
+            }
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Vectors::Avx512 if aligned => unsafe { stream_avx512(out, strip) },
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            _ => {}
+            Vectors::Avx512 if out.addr().is_multiple_of(STRIP_BYTES) => {
+                unsafe { stream_avx512(out, strip) };
+                true
+            }
+            _ => false,
         }
-        aligned
     }
 }
 

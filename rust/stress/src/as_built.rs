@@ -7,7 +7,7 @@ use cardan::{Geometry, Output, check_deviations};
 
 use crate::error_table::{ErrorTable, RowLimits};
 use crate::forces::Arrangement;
-use crate::judge::{self, Tier};
+use crate::judge::Tier;
 use crate::leaning::{ExactAsBuilt, LeaningInstant};
 use crate::loading::{LoadedDriveline, Loading};
 use crate::samples::{Kind, Random};
@@ -59,12 +59,7 @@ fn names() -> [&'static str; 14] {
 
 /// The largest errors of the outputs in a tier.
 fn limits(tier: Tier) -> [f64; 14] {
-    let column = match tier {
-        Tier::Faithful => "tolerance_0",
-        Tier::Default => "worst",
-        Tier::Loose | Tier::Float32 => "single",
-    };
-    names().map(|name| judge::limit("as_built", name, column).expect("the table has it"))
+    names().map(|name| tier.limit_in("as_built", name))
 }
 
 /// A kind of driveline.

@@ -8,7 +8,7 @@
 use cardan::{Geometry, Output};
 
 use crate::error_table::{ErrorTable, RowLimits};
-use crate::judge::{self, Tier};
+use crate::judge::Tier;
 use crate::loading::{BearingLayout, LoadedDriveline, Loading};
 use crate::loads::{ANGLES, Frames, LoadShape};
 use crate::samples::Random;
@@ -25,12 +25,7 @@ fn names() -> [&'static str; 2] {
 
 /// The largest errors of the outputs in a tier.
 fn limits(tier: Tier) -> [f64; 2] {
-    let column = match tier {
-        Tier::Faithful => "tolerance_0",
-        Tier::Default => "worst",
-        Tier::Loose | Tier::Float32 => "single",
-    };
-    names().map(|name| judge::limit("force", name, column).expect("the table has it"))
+    names().map(|name| tier.limit_in("force", name))
 }
 
 /// The worst errors of the forces of a kind of chain, by tier and output.

@@ -93,13 +93,17 @@ impl Tier {
 
     /// The largest error of one joint that is accepted.
     pub(crate) fn limit(self, quantity: Quantity) -> f64 {
+        self.limit_in("output", quantity.name())
+    }
+
+    /// The largest error that a row of a table of limits accepts.
+    pub(crate) fn limit_in(self, table: &str, row: &str) -> f64 {
         let column = match self {
             Self::Faithful => "tolerance_0",
             Self::Default => "worst",
             Self::Loose | Self::Float32 => "single",
         };
-        limit("output", quantity.name(), column)
-            .unwrap_or_else(|| panic!("{} has no limit {column:?}", quantity.name()))
+        limit(table, row, column).unwrap_or_else(|| panic!("{row} has no limit {column:?}"))
     }
 
     /// The same of chains, in their units.
