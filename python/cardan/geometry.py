@@ -246,9 +246,20 @@ def _laid_out(
 
 
 def _lengths(points: FloatArray) -> FloatArray:
-    """The distances between successive points, without overflow of their squares."""
+    """The distances between successive points, without overflow of their squares.
+
+    They have the same bits on every machine, unlike those of ``hypot``.
+    """
     x, y, z = np.moveaxis(np.diff(points, axis=-2), -1, 0)
-    lengths: FloatArray = np.hypot(np.hypot(x, y), z)
+    with np.errstate(over="ignore", under="ignore"):
+        squares = x * x + y * y + z * z
+    lengths: FloatArray = np.sqrt(squares)
+    far = ~((squares > 1e-280) & (squares < np.inf))
+    if far.any():
+        steps = np.stack([x[far], y[far], z[far]])
+        _, power = np.frexp(np.max(np.abs(steps), axis=0))
+        x, y, z = np.ldexp(steps, -power)
+        lengths[far] = np.ldexp(np.sqrt(x * x + y * y + z * z), power)
     return lengths
 
 

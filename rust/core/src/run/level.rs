@@ -60,6 +60,7 @@ macro_rules! compiled_up_to_avx2 {
         }
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
         {
+            let _: &fearless_simd::Level = &$level;
             let ($compact, $stores) = (false, cardan_memory::Stores::ordinary());
             $run
         }
