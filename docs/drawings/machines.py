@@ -11,7 +11,7 @@ import draw
 import numpy as np
 from draw import BLUE, GREEN, GREY, INK, RED, Drawing, Point, arc
 
-EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
+MACHINES = pathlib.Path(__file__).parents[2] / "python" / "cardan" / "scene" / "machines"
 SHAFT, BLOCK = "#c9c9c9", "#e6e6e6"
 
 
@@ -46,8 +46,8 @@ class View:
 
 
 def scene_of(name: str) -> dict[str, Any]:
-    """Return an example scene as the tables of its file."""
-    return tomllib.loads((EXAMPLES / f"{name}.toml").read_text("utf-8"))
+    """Return the scene of a machine as the tables of its file."""
+    return tomllib.loads((MACHINES / f"{name}.toml").read_text("utf-8"))
 
 
 def box(d: Drawing, left: float, bottom: float, right: float, top: float) -> None:
@@ -79,9 +79,7 @@ def side_view(
 def machine_truck() -> Drawing:
     """Side view of a truck's driveline with its bearings."""
     title = "Driveline of a truck with a centre bearing, from the side"
-    scene, points, d, see = side_view(
-        "truck_centre_bearing", (745, 235), title, (70.0, 165.0), 0.165, 3.0
-    )
+    scene, points, d, see = side_view("truck-shaft", (745, 235), title, (70.0, 165.0), 0.165, 3.0)
     box(d, 8, 118, 118, 205)
     start, end = see(points[3]), see(points[4])
     box(d, start[0] + 6, end[1] - 40, end[0] + 8, end[1] + 30)
@@ -102,7 +100,7 @@ def machine_truck() -> Drawing:
 
 def machine_steering() -> Drawing:
     """Side and top view of a steering column."""
-    scene = scene_of("steering_column")
+    scene = scene_of("steering-column")
     points = np.array(scene["driveline"]["points_mm"], dtype=float)
     d = Drawing(640, 260, "Steering column from the side and from above")
     side = View(d, (40.0, 220.0), 0.27)
@@ -133,7 +131,7 @@ def machine_steering() -> Drawing:
 
 def machine_pto() -> Drawing:
     """Top view of a PTO shaft, straight and in a turn about the hitch pin."""
-    scene = scene_of("pto_shaft")
+    scene = scene_of("pto-shaft")
     straight = np.array(scene["driveline"]["points_mm"], dtype=float)[:, [0, 2]]
     turned = straight.copy()
     for point in (2, 3):
@@ -172,7 +170,7 @@ def machine_pto() -> Drawing:
 def machine_mill() -> Drawing:
     """Side view of a mill spindle with its bearings."""
     title = "Spindle of a rolling mill, from the side"
-    scene, points, d, see = side_view("mill_spindle", (700, 225), title, (140.0, 150.0), 0.075, 2.0)
+    scene, points, d, see = side_view("mill-spindle", (700, 225), title, (140.0, 150.0), 0.075, 2.0)
     start, end = see(points[0]), see(points[3])
     box(d, start[0] - 15, 105, start[0] + 90, 192)
     box(d, see((4700, 0))[0] - 8, 60, see((4950, 0))[0], 190)
@@ -201,7 +199,7 @@ def machine_mill() -> Drawing:
 
 def machine_rig() -> Drawing:
     """Side view of a test rig with a Z shaft."""
-    scene = scene_of("test_rig")
+    scene = scene_of("test-rig")
     lengths, bend = (
         scene["driveline"]["lengths_mm"],
         math.radians(scene["driveline"]["bends_deg"][0]),
@@ -235,7 +233,7 @@ def machine_rig() -> Drawing:
 def machine_ship() -> Drawing:
     """Side view of a boat's shaft with its bearings."""
     title = "Shaft of a boat, from the side"
-    scene, points, d, see = side_view("ship_shaft", (700, 215), title, (130.0, 165.0), 0.19)
+    scene, points, d, see = side_view("ship-shaft", (700, 215), title, (130.0, 165.0), 0.19)
     start, end = see(points[0]), see(points[3])
     box(d, 15, 135, start[0] + 2, 205)
     for x in (35.0, 105.0):

@@ -92,7 +92,9 @@ def test_pages_name_the_files_of_their_scenes() -> None:
         for title, file in re.findall(r'^```toml title="(.*?)"\n--8<-- "(.*?)"\n', text, re.M):
             named = f"This scene is `{file}` in the repository." in text
             saved = f"Save this scene as `{title}`. In the repository it is `{file}`." in text
-            assert named or saved or page.name == "examples.md", page
+            writes = f"`cardan new {Path(title).stem} {title}` writes this scene."
+            new = f"{writes} In the repository it is\n`{file}`." in text
+            assert named or saved or new or page.name == "examples.md", page
 
 
 def test_attributes_of_pictures_are_on_one_line() -> None:

@@ -44,11 +44,11 @@ from cardan.plots.style import degree_ticks, text_width
 from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
+from example_scenes import EXAMPLES
 from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
 FOLDER = Path(__file__).parents[2] / "examples"
-EXAMPLES = sorted(FOLDER.glob("*.toml"))
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 
 TALL = """\

@@ -20,6 +20,7 @@ from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion import torsion_figures
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
+from example_scenes import example
 from pages import curves, figure, legend_of, page_of, scales, tables, value
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -95,9 +96,9 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     assert words in page
 
 
-@pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill_spindle"])
+@pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill-spindle"])
 def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) -> None:
-    page = page_of(Scene.load(EXAMPLES / f"{name}.toml"), tmp_path)
+    page = page_of(Scene.load(example(f"{name}.toml")), tmp_path)
     (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
     drawing = json.loads(found)["drawing"]
     points = np.array(drawing["points"]).reshape(-1, 3)

@@ -196,16 +196,28 @@ Examples:
   cardan report shaft.toml --output shaft.html
 """
 
+
+def _kinds(*, machine: bool) -> str:
+    """Return the lines of the starters that are machines, or of those that are not."""
+    found = {kind: starter for kind, starter in STARTERS.items() if starter.machine is machine}
+    return "\n".join(f"  {kind:17}{starter.meaning}" for kind, starter in found.items())
+
+
 NEW = f"""\
 Write a commented scene that is ready to run. An existing file is never overwritten.
 
 \b
 KIND is one of
-{chr(10).join(f"  {kind:13}{starter.meaning}" for kind, starter in STARTERS.items())}
+{_kinds(machine=False)}
+
+\b
+or the scene of a machine, as its page in the documentation shows it:
+{_kinds(machine=True)}
 
 \b
 Examples:
   cardan new joint joint.toml
+  cardan new truck-shaft truck.toml
   cardan new recorded run.toml
 """
 
