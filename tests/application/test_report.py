@@ -49,6 +49,7 @@ from example_scenes import EXAMPLES
 from pages import curves, scales, tables
 
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
+MACHINES = [path.stem for path in EXAMPLES if path.parent.name == "machines"]
 HOSTILE = (
     "</title><script>document.title = 'taken'</script>&amp;\"'<!-- \x01\x1b"
     " $title ${x} {{ title }} {% raw %} {#"
@@ -225,8 +226,8 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
     names = [re.findall(r"<text[^>]*>(.*?)</text>", drawing) for drawing in drawings]
     assert names == [
         ["x", "y", "z", "drive", "output"],
-        ["x", "y", "drive", "output"],
-        ["x", "z", "drive", "output"],
+        ["x", "y", "drive", "output", "12°", "9°"],
+        ["x", "z", "drive", "output", "12°", "9°"],
     ]
     for drawing in drawings:
         places = {
@@ -953,13 +954,15 @@ def moved(browser: webdriver.Chrome, sample: int) -> None:
     )
 
 
-@pytest.mark.parametrize("name", ["states", "truck-shaft", "pto-shaft", "mill-spindle"])
-def test_names_of_states_cover_nothing(browser: webdriver.Chrome, folder: Path, name: str) -> None:
-    """In the browser's own font, every text of a chart is within it and apart from the others."""
+@pytest.mark.parametrize("name", ["states", *MACHINES])
+def test_texts_of_drawings_and_charts_of_states_are_apart(
+    browser: webdriver.Chrome, folder: Path, name: str
+) -> None:
+    """In the browser's own font, every text is within its drawing and covers no other."""
     opened(browser, folder, name)
     charts = js(
         browser,
-        """return [...document.querySelectorAll("#states figure > svg")].map((svg) => ({
+        """return [...document.querySelectorAll("#states figure > svg, .views svg")].map((svg) => ({
             size: [svg.viewBox.baseVal.width, svg.viewBox.baseVal.height],
             texts: [...svg.querySelectorAll("text")].map((text) => {
                 const box = text.getBBox(), at = svg.createSVGPoint();
