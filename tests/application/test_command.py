@@ -865,6 +865,14 @@ def test_figure_of_a_study_that_is_unknown(tmp_path: Path, monkeypatch: pytest.M
             "not TOML: Invalid hex value (at line 1, column 14); "
             "a path with backslashes needs single quotes",
         ),
+        *(
+            (
+                f"[driveline]\nbends_deg = {given}\n",
+                "not TOML: Expected newline or end of document after a statement (at line 2, "
+                f"column {column}); a decimal has a point (8.5), a list has brackets ([8, 5])",
+            )
+            for given, column in (("8,5", 14), ("8.5, 9", 16), ("-12 ,3", 17))
+        ),
         (
             "# a\u2028b\n[driveline]\nbends_deg = [2021-01-01]\n",
             "line 3: [driveline] bends_deg[0] is 2021-01-01; it must be a number",

@@ -43,6 +43,7 @@ from cardan.report.maps import heat_map
 from cardan.report.page import environment
 from cardan.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.scene import Scene, load_scene
+from cardan.scene.starters import STARTERS
 from cardan.scene.study import Column
 from cardan.words.summary import figure_text
 from example_scenes import EXAMPLES
@@ -982,6 +983,24 @@ def test_texts_of_drawings_and_charts_of_states_are_apart(
         assert texts.min() >= 0.0
         assert np.all(texts.max(axis=(0, 1)) <= drawn_chart["size"])
         for one, other in combinations(texts, 2):
+            assert apart(one, other)
+
+
+@pytest.mark.parametrize("name", ["truck-shaft", "test-rig", "ship-shaft"])
+def test_names_of_bearings_lie_beyond_the_yokes(
+    browser: webdriver.Chrome, folder: Path, name: str
+) -> None:
+    opened(browser, folder, name)
+    boxes = """return ["#view-1", "#view-2"].map((view) => arguments[0].map((kind) =>
+        [...document.querySelectorAll(`${view} ${kind}`)]
+            .filter((element) => kind !== "text" || element.textContent.startsWith("B"))
+            .map((element) => {
+                const {x, y, width, height} = element.getBBox();
+                return [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+            })))"""
+    for names_of_view, yokes in js(browser, boxes, ["text", ".yoke"]):
+        assert len(names_of_view) == Scene.parse(STARTERS[name].text).line.n_bearings
+        for one, other in product(np.array(names_of_view), np.array(yokes)):
             assert apart(one, other)
 
 
