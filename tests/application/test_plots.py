@@ -1272,6 +1272,8 @@ def test_lengths_that_are_not_known_or_not_wanted_are_not_named() -> None:
     line = Driveline.from_bends([5, 5], degrees=True)
     assert named_lengths(plots.plot_driveline(line, length_unit="mm")) == []
     assert len(named_lengths(plots.plot_driveline(TRUCK, length_unit="m"))) == 2
+    with pytest.raises(ValueError, match="length_unit is 'inch'; it must be 'mm' or 'm'"):
+        plots.plot_driveline(line, length_unit="inch")  # type: ignore[arg-type]
 
 
 def test_bends_lie_in_their_planes() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -91,9 +91,11 @@ def plot_driveline(
 
     Raises:
         ImportError: matplotlib is missing.
-        ValueError: a batch, points that do not lie along the shafts.
+        ValueError: a batch, points that do not lie along the shafts, an unknown unit.
     """
     _single(line)
+    if length_unit not in (None, *get_args(LengthUnit)):
+        raise ArgumentValueError("length_unit", f"is {length_unit!r}; it must be 'mm' or 'm'")
     places = _places(line, points)
     with drawing(ax, height_mm=_HEIGHT) as axes:
         if ax is None:
