@@ -22,6 +22,7 @@ from cardan.figures.optimise import optimised
 from cardan.figures.scene_forces import scene_force_paths
 from cardan.figures.slides import drawn_slides
 from cardan.figures.torsion import torsion_figures
+from cardan.scene.starters import STARTERS
 
 matplotlib.use("agg")
 matplotlib.style.use(dict(plots.STYLE))
@@ -196,26 +197,26 @@ plots.write_life(needed_life(scene), folder / "life.svg")
 print("wrote life.svg")
 
 # The machines of the how-to pages: layouts, forces, torques and scatter.
-for name, example in (("machine_truck", "truck_centre_bearing"), ("machine_pto", "pto_shaft")):
-    best = optimised(cardan.Scene.load(Path(__file__).with_name(f"{example}.toml")))
+for name, kind in (("machine_truck", "truck-shaft"), ("machine_pto", "pto-shaft")):
+    best = optimised(cardan.Scene.parse(STARTERS[kind].text))
     assert best is not None
     save(name, plots.plot_optimise(best))
 
-scene = cardan.Scene.load(Path(__file__).with_name("mill_spindle.toml"))
+scene = cardan.Scene.parse(STARTERS["mill-spindle"].text)
 save("machine_mill", plots.plot_forces(scene_force_paths(scene), scene.title))
 
-vibration = torsion_figures(cardan.Scene.load(Path(__file__).with_name("test_rig.toml")))
+vibration = torsion_figures(cardan.Scene.parse(STARTERS["test-rig"].text))
 assert vibration is not None
 save("machine_rig", plots.plot_torsion(vibration))
 
-scene = cardan.Scene.load(Path(__file__).with_name("steering_column.toml"))
+scene = cardan.Scene.parse(STARTERS["steering-column"].text)
 assert scene.states is not None
 columns = scene.drivelines()
 save("machine_steering", plots.plot_curves(columns, "speed_ratio", labels=scene.states.names))
 
 # The boat of the drawing after its engine was lowered.
-text = Path(__file__).with_name("ship_shaft.toml").read_text(encoding="utf-8")
-lowered = text.replace("-220, 0]", "-127.715, 0]").replace("-262, 0]", "-169.715, 0]")
+boat = STARTERS["ship-shaft"].text
+lowered = boat.replace("-220, 0]", "-127.715, 0]").replace("-262, 0]", "-169.715, 0]")
 scene = cardan.Scene.parse(lowered)
 assert scene.tolerances is not None
 plots.write_tolerances(scene.tolerances, folder / "machine_ship.svg")

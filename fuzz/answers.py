@@ -23,7 +23,9 @@ from cases import main
 from click.testing import CliRunner
 
 COMMANDS = ["check", "phase", "optimise", "tolerances", "life", "torsion", "run"]
-EXAMPLES = Path(__file__).parent.parent / "examples"
+ROOT = Path(__file__).parent.parent
+EXAMPLES = ROOT / "examples"
+MACHINES = ROOT / "python" / "cardan" / "scene" / "machines"
 FOLDER = Path(tempfile.mkdtemp())
 # Studies and searches as short as they are still something.
 SHORT = {"steps": 3, "samples": 50, "samples_per_turn": 36, "starts": 1, "turns": 1}
@@ -35,9 +37,8 @@ def scenes() -> list[dict[str, Any]]:
     """Return the examples as tables, with everything that takes long made short."""
     for path in EXAMPLES.glob("*.csv"):
         shutil.copy(path, FOLDER)
-    return [
-        tomllib.loads(path.read_text()) | {"output": {}} for path in sorted(EXAMPLES.glob("*.toml"))
-    ]
+    paths = [*EXAMPLES.glob("*.toml"), *MACHINES.glob("*.toml")]
+    return [tomllib.loads(path.read_text()) | {"output": {}} for path in sorted(paths)]
 
 
 SCENES = scenes()

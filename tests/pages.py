@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -50,13 +51,17 @@ def value(text: str) -> float:
     return float(text.replace("\N{MINUS SIGN}", "-"))
 
 
-def scales(chart: ElementTree.Element) -> dict[str, list[tuple[float, float]]]:
-    """Return place and value of every tick of each axis."""
+def scales(
+    chart: ElementTree.Element, names: Sequence[str] = ()
+) -> dict[str, list[tuple[float, float]]]:
+    """Return place and value of every tick of each axis; a name along x has its number."""
     ticks: dict[str, list[tuple[float, float]]] = {"x": [], "y": []}
     for line, text in pairwise(chart[1]):
         if line.get("class") == "grid":
             axis = "x" if line.get("x1") == line.get("x2") else "y"
-            ticks[axis].append((float(line.attrib[f"{axis}1"]), value(text.text or "")))
+            shown = text.text or ""
+            number = names.index(shown) if axis == "x" and names else value(shown)
+            ticks[axis].append((float(line.attrib[f"{axis}1"]), number))
     return ticks
 
 
@@ -65,12 +70,14 @@ def legend_of(chart: ElementTree.Element) -> list[str]:
     return [" ".join("".join(item.itertext()).split()) for item in chart[2]]
 
 
-def curves(chart: ElementTree.Element) -> dict[str, NDArray[np.float64]]:
+def curves(chart: ElementTree.Element, names: Sequence[str] = ()) -> dict[str, NDArray[np.float64]]:
     """Return the points ``(n, 2)`` of every curve by its legend, as its axes say where they are.
+
+    Along an axis of names they have the numbers of these.
 
     None of them lies outside the frame.
     """
-    ticks = {axis: np.array(found) for axis, found in scales(chart).items()}
+    ticks = {axis: np.array(found) for axis, found in scales(chart, names).items()}
     x_axis, y_axis = (np.polyfit(ticks[axis][:, 0], ticks[axis][:, 1], 1) for axis in "xy")
     found: dict[str, list[str]] = {}
     for line in chart.iter("polyline"):

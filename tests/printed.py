@@ -8,13 +8,14 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from cardan.command import commands
+from example_scenes import example
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 def printed(command: str, name: str, *more: str | Path) -> str:
     """Return what a command prints of an example."""
-    arguments = [command, str(EXAMPLES / f"{name}.toml"), *map(str, more)]
+    arguments = [command, str(example(f"{name}.toml")), *map(str, more)]
     result = CliRunner().invoke(commands(), arguments)
     assert result.exit_code in (0, 1), result.output
     return result.output

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 import pathlib
 import tomllib
+from itertools import pairwise
 from typing import Any
 
 import draw
 import numpy as np
 from draw import BLUE, GREEN, GREY, INK, RED, Drawing, Point, arc
 
-EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
+MACHINES = pathlib.Path(__file__).parents[2] / "python" / "cardan" / "scene" / "machines"
+TRUE = "lengths and bends are true"
+NOTE = f"{TRUE}; triangles: bearings"
 SHAFT, BLOCK = "#c9c9c9", "#e6e6e6"
 
 
@@ -45,9 +48,38 @@ class View:
             self.d.text((x, y - 28), str(number), colour=GREEN, size=12)
 
 
+def dimension(d: Drawing, start: Point, end: Point, length: float, aside: float) -> None:
+    """Draw a length in mm along a line, to its left by some pixels, or to its right if negative."""
+    first, last = np.array(start), np.array(end)
+    along = (last - first) / np.linalg.norm(last - first)
+    out = math.copysign(1.0, aside) * np.array([-along[1], along[0]])
+    near, far = (place + abs(aside) * out for place in (first, last))
+    for place, foot in ((first, near), (last, far)):
+        d.line(_point(place + 10.0 * out), _point(foot + 5.0 * out), colour=GREY, width=1)
+    middle, size = (near + far) / 2.0, 12.0
+    d.text(_point(middle - (0.0, 0.37 * size)), f"{length:.4g} mm", size=size)
+    left, low, right, high = d.labels[-1][1]
+    # The line leaves out its text with some room around it.
+    room = np.array([(right - left) / 2.0 + 5.0, (high - low) / 2.0 + 5.0])
+    reach = float(np.min(room / np.maximum(np.abs(along), 1e-9)))
+    for tip, way in ((near, 1.0), (far, -1.0)):
+        d.arrow(_point(middle - way * reach * along), _point(tip), width=0.9)
+
+
+def _point(place: Any) -> Point:  # noqa: ANN401
+    return float(place[0]), float(place[1])
+
+
+def bends(points: Any) -> list[str]:  # noqa: ANN401
+    """Return the bend of every joint of points in space, in degrees."""
+    steps = np.diff(np.asarray(points, dtype=float), axis=0)
+    steps /= np.linalg.norm(steps, axis=-1, keepdims=True)
+    return [f"{math.degrees(math.acos(a @ b)):.3g}°" for a, b in pairwise(steps)]
+
+
 def scene_of(name: str) -> dict[str, Any]:
-    """Return an example scene as the tables of its file."""
-    return tomllib.loads((EXAMPLES / f"{name}.toml").read_text("utf-8"))
+    """Return the scene of a machine as the tables of its file."""
+    return tomllib.loads((MACHINES / f"{name}.toml").read_text("utf-8"))
 
 
 def box(d: Drawing, left: float, bottom: float, right: float, top: float) -> None:
@@ -79,9 +111,8 @@ def side_view(
 def machine_truck() -> Drawing:
     """Side view of a truck's driveline with its bearings."""
     title = "Driveline of a truck with a centre bearing, from the side"
-    scene, points, d, see = side_view(
-        "truck_centre_bearing", (745, 235), title, (70.0, 165.0), 0.165, 3.0
-    )
+    scene, points, d, see = side_view("truck-shaft", (745, 235), title, (70.0, 165.0), 0.165, 3.0)
+    whole = np.array(scene["driveline"]["points_mm"], dtype=float)
     box(d, 8, 118, 118, 205)
     start, end = see(points[3]), see(points[4])
     box(d, start[0] + 6, end[1] - 40, end[0] + 8, end[1] + 30)
@@ -91,23 +122,40 @@ def machine_truck() -> Drawing:
     d.text((63, 212), "gearbox", size=13)
     d.text((start[0] + 34, end[1] + 36), "axle", size=13)
     d.text((end[0] + 36, end[1] - 5), "±80 mm", colour=RED, size=13, anchor="start")
-    for number, point in enumerate(points[1:4]):
+    names = [f"joint {number}, {bend}" for number, bend in enumerate(bends(whole))]
+    for point, name, (right, up), anchor in zip(
+        points[1:4],
+        names,
+        ((-8.0, 16.0), (-4.0, 16.0), (2.0, -26.0)),
+        ("start", "end", "end"),
+        strict=True,
+    ):
         x, y = see(point)
-        d.text((x + (16, 0, -34)[number], y + (14, 14, -22)[number]), f"joint {number}", size=13)
+        d.text((x + right, y + up), name, size=13, anchor=anchor)
+    for shaft, aside in ((1, -58.0), (2, 32.0)):
+        length = float(np.linalg.norm(whole[shaft + 1] - whole[shaft]))
+        dimension(d, see(points[shaft]), see(points[shaft + 1]), length, aside)
     x, y = see(points[1] + 1150.0 / 1300.0 * (points[2] - points[1]))
     d.text((x - 60, y - 26), "centre bearing", size=13)
-    d.text((330, 14), "side view, heights drawn 3 times as large; triangles: bearings", size=13)
+    d.text(
+        (330, 14),
+        f"side view, heights drawn 3 times as large; {NOTE}",
+        size=13,
+    )
     return d
 
 
 def machine_steering() -> Drawing:
     """Side and top view of a steering column."""
-    scene = scene_of("steering_column")
+    scene = scene_of("steering-column")
     points = np.array(scene["driveline"]["points_mm"], dtype=float)
-    d = Drawing(640, 260, "Steering column from the side and from above")
+    d = Drawing(670, 260, "Steering column from the side and from above")
     side = View(d, (40.0, 220.0), 0.27)
-    top = View(d, (345.0, 80.0), 0.27)
-    for see, axes, title in ((side, (0, 2), "side view"), (top, (0, 1), "top view")):
+    top = View(d, (372.0, 80.0), 0.27)
+    for see, axes, title in (
+        (side, (0, 2), f"side view; {TRUE}"),
+        (top, (0, 1), "top view"),
+    ):
         places = points[:, axes]
         see.shafts(places)
         start, end = see(places[0]), see(places[3])
@@ -120,11 +168,13 @@ def machine_steering() -> Drawing:
         )
         d.text((end[0] + 22, end[1] - (20 if see is side else 4)), "rack", size=13)
         d.text((see((450, 0))[0], 10), title, size=13)
-    for number in (0, 1):
+    for number, bend in enumerate(bends(points)):
         x, y = side(points[number + 1, [0, 2]])
-        d.text((x + 30, y + 6), f"joint {number}", size=13)
+        d.text((x + 10, y + 6), f"joint {number}, {bend}", size=13, anchor="start")
         x, y = top(points[number + 1, [0, 1]])
         d.text((x - 4, y + 14), f"joint {number}", size=13)
+    length = float(np.linalg.norm(points[2] - points[1]))
+    dimension(d, side(points[1, [0, 2]]), side(points[2, [0, 2]]), length, -30.0)
     d.text((112, 236), "steering wheel", size=13)
     both_ways(d, (16.0, 205.0), 22)
     d.text((44, 168), "±30 mm", colour=RED, size=13)
@@ -133,12 +183,13 @@ def machine_steering() -> Drawing:
 
 def machine_pto() -> Drawing:
     """Top view of a PTO shaft, straight and in a turn about the hitch pin."""
-    scene = scene_of("pto_shaft")
+    scene = scene_of("pto-shaft")
     straight = np.array(scene["driveline"]["points_mm"], dtype=float)[:, [0, 2]]
-    turned = straight.copy()
+    whole = np.array(scene["driveline"]["points_mm"], dtype=float)
     for point in (2, 3):
-        for axis, column in ((0, "x"), (1, "z")):
-            turned[point, axis] = scene["states"]["points_mm"][str(point)][column][-1]
+        for axis, column in ((0, "x"), (2, "z")):
+            whole[point, axis] = scene["states"]["points_mm"][str(point)][column][-1]
+    turned = whole[:, [0, 2]]
     d = Drawing(640, 310, "PTO shaft from above, straight and in a turn")
     see = View(d, (150.0, 60.0), 0.3)
     pin = see((400, 0))
@@ -161,18 +212,21 @@ def machine_pto() -> Drawing:
     d.text((62, 56), "tractor", size=13)
     d.text((pin[0] + 34, 34), "hitch pin", colour=BLUE, size=13)
     d.text((200, 20), "drawbar", colour=BLUE, size=13)
+    first, second = bends(whole)
     x, y = see(turned[1])
-    d.text((x, y + 16), "joint 0", size=13)
+    d.text((x - 16, y + 44), f"joint 0, {first}", size=13, anchor="end")
     x, y = see(turned[2])
-    d.text((x - 40, y + 12), "joint 1", size=13)
-    d.text((470, 12), "top view; dashed: straight", size=13)
+    d.text((x + 14, y - 16), f"joint 1, {second}", size=13, anchor="start")
+    length = float(np.linalg.norm(whole[2] - whole[1]))
+    dimension(d, see(turned[1]), see(turned[2]), length, 30.0)
+    d.text((632, 12), f"top view; dashed: straight; {TRUE}", size=13, anchor="end")
     return d
 
 
 def machine_mill() -> Drawing:
     """Side view of a mill spindle with its bearings."""
     title = "Spindle of a rolling mill, from the side"
-    scene, points, d, see = side_view("mill_spindle", (700, 225), title, (140.0, 150.0), 0.075, 2.0)
+    scene, points, d, see = side_view("mill-spindle", (700, 225), title, (140.0, 150.0), 0.075, 2.0)
     start, end = see(points[0]), see(points[3])
     box(d, start[0] - 15, 105, start[0] + 90, 192)
     box(d, see((4700, 0))[0] - 8, 60, see((4950, 0))[0], 190)
@@ -189,19 +243,21 @@ def machine_mill() -> Drawing:
     see.bearings(scene, points)
     d.text((start[0] + 38, 198), "pinion stand", size=13)
     d.text((0.5 * (left[0] + right[0]), left[1] - 32), "roll", size=13)
-    for number, point in enumerate(points[1:3]):
+    for number, (point, bend) in enumerate(zip(points[1:3], bends(points), strict=True)):
         x, y = see(point)
-        d.text((x + (8 if number == 0 else -16), y + 14), f"joint {number}", size=13)
+        d.text((x + (30 if number == 0 else -40), y + 14), f"joint {number}, {bend}", size=13)
+    length = float(np.linalg.norm(points[2] - points[1]))
+    dimension(d, see(points[1]), see(points[2]), length, -40.0)
     middle = (0.5 * (left[0] + right[0]), left[1] + 50)
     both_ways(d, middle, 26)
     d.text((middle[0], middle[1] + 34), "gap, wear", colour=RED, size=13)
-    d.text((350, 12), "side view, heights drawn twice as large; triangles: bearings", size=13)
+    d.text((350, 12), f"side view, heights drawn twice as large; {NOTE}", size=13)
     return d
 
 
 def machine_rig() -> Drawing:
     """Side view of a test rig with a Z shaft."""
-    scene = scene_of("test_rig")
+    scene = scene_of("test-rig")
     lengths, bend = (
         scene["driveline"]["lengths_mm"],
         math.radians(scene["driveline"]["bends_deg"][0]),
@@ -224,6 +280,7 @@ def machine_rig() -> Drawing:
     d.arrow(*arc(second, 92, 180, 180 - slope), colour=RED)
     d.text((first[0] + 108, first[1] + 8), "9°", colour=RED, size=13)
     d.text((second[0] - 108, second[1] - 20), "9°", colour=RED, size=13)
+    dimension(d, first, second, lengths[1], -52.0)
     d.text((first[0] + 8, first[1] + 15), "joint 0", size=13)
     d.text((second[0] - 6, second[1] + 15), "joint 1", size=13)
     d.text((80, 152), "motor", size=13)
@@ -235,7 +292,7 @@ def machine_rig() -> Drawing:
 def machine_ship() -> Drawing:
     """Side view of a boat's shaft with its bearings."""
     title = "Shaft of a boat, from the side"
-    scene, points, d, see = side_view("ship_shaft", (700, 215), title, (130.0, 165.0), 0.19)
+    scene, points, d, see = side_view("ship-shaft", (700, 215), title, (130.0, 165.0), 0.19)
     start, end = see(points[0]), see(points[3])
     box(d, 15, 135, start[0] + 2, 205)
     for x in (35.0, 105.0):
@@ -255,9 +312,11 @@ def machine_ship() -> Drawing:
     see.bearings(scene, points)
     d.text((70, 168), "engine", size=13)
     d.text((70, 92), "soft mounts", colour=BLUE, size=13)
-    for number, point in enumerate(points[1:3]):
+    for number, (point, bend) in enumerate(zip(points[1:3], bends(points), strict=True)):
         x, y = see(point)
-        d.text((x + 12, y + 14), f"joint {number}", size=13)
+        d.text((x + 26, y + 14), f"joint {number}, {bend}", size=13)
+    length = float(np.linalg.norm(points[2] - points[1]))
+    dimension(d, see(points[1]), see(points[2]), length, -36.0)
     d.text((tail[0] - 4, tail[1] + 42), "propeller", size=13)
     d.text((240, 48), "hull", colour=GREY, size=13)
     d.text((350, 12), "side view, to scale; triangles: bearings", size=13)

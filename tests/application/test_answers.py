@@ -14,9 +14,9 @@ from click.testing import CliRunner
 from cardan.command import commands
 from cardan.figures.schema import answers_schema
 from cardan.scene import Scene, load_scene, starters
+from example_scenes import EXAMPLES
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 SCHEMA = answers_schema()
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)

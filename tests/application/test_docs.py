@@ -9,16 +9,18 @@ from collections.abc import Iterator
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
 import cardan
 from cardan import torsion
 from cardan.command import commands
+from cardan.scene.starters import STARTERS
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -92,7 +94,9 @@ def test_pages_name_the_files_of_their_scenes() -> None:
         for title, file in re.findall(r'^```toml title="(.*?)"\n--8<-- "(.*?)"\n', text, re.M):
             named = f"This scene is `{file}` in the repository." in text
             saved = f"Save this scene as `{title}`. In the repository it is `{file}`." in text
-            assert named or saved or page.name == "examples.md", page
+            writes = f"`cardan new {Path(title).stem} {title}` writes this scene."
+            new = f"{writes} In the repository it is\n`{file}`." in text
+            assert named or saved or new or page.name == "examples.md", page
 
 
 def test_attributes_of_pictures_are_on_one_line() -> None:
@@ -114,6 +118,32 @@ def test_the_drawings_are_those_of_the_scripts(
     monkeypatch.syspath_prepend(DOCS / "drawings")
     for path in _module(DOCS / "drawings" / f"{script}.py").write(tmp_path):
         assert path.read_text("utf-8") == (DOCS / "drawings" / path.name).read_text("utf-8")
+
+
+def test_drawings_of_machines_have_lengths_and_bends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each number is what the scene gives, and no label covers another or leaves its drawing."""
+    monkeypatch.syspath_prepend(DOCS / "drawings")
+    drawn_states = {"pto-shaft": 2}
+    kinds = [kind for kind, starter in STARTERS.items() if starter.machine]
+    drawings = _module(DOCS / "drawings" / "machines.py").DRAWINGS
+    for kind, draw in zip(kinds, drawings, strict=True):
+        scene = cardan.Scene.parse(STARTERS[kind].text)
+        line = scene.in_state(drawn_states[kind]).line if kind in drawn_states else scene.line
+        drawn = draw()
+        texts = [text for text, _ in drawn.labels]
+        for length in 1e3 * line.lengths().each[1:-1]:
+            assert texts.count(f"{length:.4g} mm") == 1
+        for joint, bend in enumerate(np.degrees(line.bends)):
+            # The rig has arcs of its two bends.
+            named = "9°" if kind == "test-rig" else f"joint {joint}, {bend:.3g}°"
+            assert named in texts
+        for (_, one), (_, other) in combinations(drawn.labels, 2):
+            aside = one[2] < other[0] or other[2] < one[0]
+            assert aside or one[3] < other[1] or other[3] < one[1]
+        for _, (left, low, right, high) in drawn.labels:
+            assert min(left, low) >= 0.0
+            assert right <= drawn.size[0]
+            assert high <= drawn.size[1]
 
 
 @pytest.mark.parametrize("name", ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"])

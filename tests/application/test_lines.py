@@ -14,11 +14,11 @@ import pytest
 from click.testing import CliRunner
 
 from cardan.command import commands
+from example_scenes import EXAMPLES, example
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGE = DOCS / "reference" / "lines.md"
-EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 
 _ITEM = r"(shaft|joint|bearing|point)s? \d+(?:(?:, | to | and )\d+)*"
 _NUMBER = r"-?\d+(?:\.\d+)?"
@@ -182,9 +182,9 @@ def test_page_explains_reports_and_nothing_else(
     found, page = labels_of_pages(), tmp_path / "page.html"
     (tmp_path / "toleranced.toml").write_text(TOLERANCED, encoding="utf-8")
     found |= judged(printed_labels(done("tolerances", "toleranced.toml")))
-    for name in ("steering_column", "rumble"):
-        found |= judged(printed_labels(done("run", str(ROOT / "examples" / f"{name}.toml"))))
-    for name in ("truck_centre_bearing", "steering_column", "suspension", "run_up", "ball_joint"):
-        done("report", str(ROOT / "examples" / f"{name}.toml"), "--output", str(page))
+    for name in ("steering-column", "rumble"):
+        found |= judged(printed_labels(done("run", str(example(f"{name}.toml")))))
+    for name in ("truck-shaft", "steering-column", "suspension", "run_up", "ball_joint"):
+        done("report", str(example(f"{name}.toml")), "--output", str(page))
         found |= labels_of_report(page)
     assert found ^ explained() == set()

@@ -24,6 +24,7 @@ from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.edit import map_of, with_values
 from cardan.words.optimise import change_lines, table_of
+from example_scenes import EXAMPLES, example
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "examples" / "truck_heights.toml").read_text("utf-8")
@@ -406,7 +407,7 @@ def test_values_are_changed_in_place() -> None:
 
 def test_rounding_counts_as_nothing_in_the_table() -> None:
     # Straight ahead the joints cancel before and after, but for rounding.
-    found = optimised(Scene.load(ROOT / "examples" / "pto_shaft.toml"))
+    found = optimised(Scene.load(example("pto-shaft.toml")))
     assert found is not None
     assert 0.0 < max(found.best.per_state_before[0], found.best.per_state[0]) < 1e-8
     _, ((_, *straight), *turns) = table_of(found)
@@ -414,7 +415,7 @@ def test_rounding_counts_as_nothing_in_the_table() -> None:
     assert all(float(value) > 0.01 for _, *row in turns for value in row)
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.toml")), ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 def test_examples_are_read_as_toml_reads_them(path: Path) -> None:
     text = path.read_text("utf-8")
 

@@ -44,11 +44,11 @@ from cardan.plots.style import degree_ticks, text_width
 from cardan.scene import Scene, SceneResult, load_scene
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
+from example_scenes import EXAMPLES
 from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
 FOLDER = Path(__file__).parents[2] / "examples"
-EXAMPLES = sorted(FOLDER.glob("*.toml"))
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 
 TALL = """\
@@ -1242,6 +1242,38 @@ def test_bends_and_phases_are_named() -> None:
         assert f"joint {joint}\n{bend:.3g}°" in named
     for shaft, phase in ((1, "17.19"), (2, "\N{MINUS SIGN}40.11")):
         assert f"shaft {shaft}\nphase {phase}°" in named
+
+
+def named_lengths(axes: Axes) -> list[str]:
+    """The last lines of the labels of shafts that have more than name and phase."""
+    texts = [text.get_text().split("\n") for text in axes.texts]
+    return [lines[2] for lines in texts if lines[0].startswith("shaft") and len(lines) > 2]
+
+
+def test_lengths_are_named_in_the_unit_of_the_scene() -> None:
+    straight = np.linalg.norm(np.diff(POINTS, axis=0), axis=-1)[1:-1]
+    for unit, factor in (("mm", 1e-3), ("m", 1.0)):
+        text = f"[driveline]\npoints_{unit} = {(np.array(POINTS)).tolist()}\n"
+        result = Scene.parse(text).run()
+        np.testing.assert_allclose(result.scene.line.lengths().each[1:-1], factor * straight)
+        (axes,) = (axes for axes in drawn(result).axes if axes.get_label() == "driveline")
+        shown = named_lengths(axes)
+        assert [name.split()[1] for name in shown] == [unit, unit]
+        found = [float(name.split()[0]) for name in shown]
+        np.testing.assert_allclose(found, straight, rtol=5e-4)
+    for text in ("lengths_mm = [200, 1234.56, 300]", "lengths_m = [0.2, 1.23456, 0.3]"):
+        result = Scene.parse(f"[driveline]\nbends_deg = [5, 5]\n{text}\n").run()
+        (axes,) = (axes for axes in drawn(result).axes if axes.get_label() == "driveline")
+        assert named_lengths(axes) == ["1235 mm" if "mm" in text else "1.235 m"]
+
+
+def test_lengths_that_are_not_known_or_not_wanted_are_not_named() -> None:
+    assert named_lengths(plots.plot_driveline(TRUCK, points=POINTS)) == []
+    line = Driveline.from_bends([5, 5], degrees=True)
+    assert named_lengths(plots.plot_driveline(line, length_unit="mm")) == []
+    assert len(named_lengths(plots.plot_driveline(TRUCK, length_unit="m"))) == 2
+    with pytest.raises(ValueError, match="length_unit is 'inch'; it must be 'mm' or 'm'"):
+        plots.plot_driveline(line, length_unit="inch")  # type: ignore[arg-type]
 
 
 def test_bends_lie_in_their_planes() -> None:

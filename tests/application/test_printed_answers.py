@@ -28,6 +28,7 @@ from cardan.words.slides import slides_text
 from cardan.words.slip import slip_text
 from cardan.words.steering import steering_text
 from cardan.words.summary import figure_text
+from example_scenes import example
 from heights import HEIGHTS, NAMES, SPEED, drivelines, scene_text
 from printed import EXAMPLES, blocks, first_number, printed, rows
 
@@ -144,7 +145,7 @@ def test_tube() -> None:
     assert shown["critical bending speed"].endswith(" rpm")
     margin = first_number(shown["critical bending speed"]) / 1500.0
     assert shown["margin"] == f"{margin:.3g} times the largest speed 1500 rpm; at least 1.5"
-    over = printed("life", "ship_shaft")
+    over = printed("life", "ship-shaft")
     shown = blocks(over)["Tube of shaft 1"]
     stress, _, limit = shown["shear stress"].partition("; permitted ")
     assert first_number(stress) > first_number(limit)
@@ -299,7 +300,7 @@ SECTIONS = {
     "worn_joints": lambda scene: backlash_text(needed(scene_backlash(scene))),
     "slip": lambda scene: slip_text(needed(slip_figures(scene))),
     "axial_travel": lambda scene: slides_text(needed(scene_slides(scene))),
-    "steering_column": lambda scene: steering_text(needed(steering_figures(scene))),
+    "steering-column": lambda scene: steering_text(needed(steering_figures(scene))),
 }
 
 
@@ -310,7 +311,7 @@ def needed(figures: _Figures | None) -> _Figures:
 
 @pytest.mark.parametrize("name", SECTIONS)
 def test_sections_of_a_scene_are_printed_once(name: str, tmp_path: Path) -> None:
-    scene = Scene.load(EXAMPLES / f"{name}.toml")
+    scene = Scene.load(example(f"{name}.toml"))
     section = SECTIONS[name](scene)
     ran, checked = printed("run", name, "--into", tmp_path), printed("check", name)
     for text in (ran, checked):
@@ -345,17 +346,17 @@ def test_a_sweep_of_half_a_turn_has_all_extremes(
     assert ("An extreme that the sweep does not reach has no angle." in said) == is_short
 
 
-@pytest.mark.parametrize("name", ["workshop", "mill_spindle"])
+@pytest.mark.parametrize("name", ["workshop", "mill-spindle"])
 def test_tolerances(name: str) -> None:
     text = printed("tolerances", name)
-    given = tomllib.loads((EXAMPLES / f"{name}.toml").read_text(encoding="utf-8"))["tolerances"]
+    given = tomllib.loads((example(f"{name}.toml")).read_text(encoding="utf-8"))["tolerances"]
     lines = dict(re.findall(r"^ *(\S.*?)  +(\S.*)$", text, re.M))
     for key, group in (("bends_deg", "bends"), ("phases_deg", "phases"), ("points_mm", "points")):
         unit = " mm" if group == "points" else "°"
         assert lines.get(f"tolerance of {group}") == (
             f"±{given[key]:g}{unit}" if key in given else None
         )
-    tolerances = Scene.load(EXAMPLES / f"{name}.toml").tolerances
+    tolerances = Scene.load(example(f"{name}.toml")).tolerances
     assert tolerances
     sampled = np.degrees(np.asarray(tolerances.ascending))
     shares = {"half of them up to": 0.5, "95 % up to": 0.95, "99 % up to": 0.99}

@@ -14,7 +14,7 @@ import sys
 import time
 from collections.abc import Iterator
 from html.parser import HTMLParser
-from itertools import pairwise, product
+from itertools import combinations, pairwise, product
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -23,6 +23,7 @@ import jinja2
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from numpy.typing import NDArray
 from selenium import webdriver
 from selenium.webdriver.chrome.options import Options
 from selenium.webdriver.chrome.service import Service
@@ -33,7 +34,7 @@ from selenium.webdriver.remote.webelement import WebElement
 from cardan import Driveline, Limits, Load, __version__
 from cardan.arrays import FloatArray
 from cardan.command import commands
-from cardan.figures import names
+from cardan.figures import names, states
 from cardan.figures.names import column_name, key_name
 from cardan.report import write_report
 from cardan.report.charts import chart
@@ -42,12 +43,14 @@ from cardan.report.maps import heat_map
 from cardan.report.page import environment
 from cardan.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
 from cardan.scene import Scene, load_scene
+from cardan.scene.starters import STARTERS
 from cardan.scene.study import Column
 from cardan.words.summary import figure_text
+from example_scenes import EXAMPLES
 from pages import curves, scales, tables
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
 DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
+MACHINES = [path.stem for path in EXAMPLES if path.parent.name == "machines"]
 HOSTILE = (
     "</title><script>document.title = 'taken'</script>&amp;\"'<!-- \x01\x1b"
     " $title ${x} {{ title }} {% raw %} {#"
@@ -75,6 +78,9 @@ ODD = {
     "cube": "[driveline]\nbends_deg = [5, 6]\n[load]\nspeed_rpm = 100\n[study]\n"
     "bends_deg.0 = {from = 0, to = 30, steps = 7}\nbends_deg.1 = [1, 2, 3]\n"
     "speed_rpm = [100, 200]\n",
+    "states": "[driveline]\nbends_deg = [5, 6]\n[states]\n"
+    f"bends_deg.0 = {list(range(12, 0, -1))}\n"
+    f"names = {[f'ride height {place} mm, WWWWWWWWWWW' for place in range(12)]}\n",
 }
 
 
@@ -221,8 +227,8 @@ def test_drawings_name_axes_and_the_way_of_the_power(tmp_path: Path) -> None:
     names = [re.findall(r"<text[^>]*>(.*?)</text>", drawing) for drawing in drawings]
     assert names == [
         ["x", "y", "z", "drive", "output"],
-        ["x", "y", "drive", "output"],
-        ["x", "z", "drive", "output"],
+        ["x", "y", "drive", "output", "12°", "9°"],
+        ["x", "z", "drive", "output", "12°", "9°"],
     ]
     for drawing in drawings:
         places = {
@@ -496,6 +502,7 @@ def test_names_of_keys_and_figures() -> None:
     ):
         assert column_name(column) == name
     assert doctest.testmod(names) == (0, 4)
+    assert doctest.testmod(states) == (0, 3)
 
 
 def test_all_curves_of_a_study_are_drawn_or_a_map(tmp_path: Path) -> None:
@@ -946,6 +953,65 @@ def moved(browser: webdriver.Chrome, sample: int) -> None:
         slider.dispatchEvent(new Event("input"));""",
         sample,
     )
+
+
+@pytest.mark.parametrize("name", ["states", *MACHINES])
+def test_texts_of_drawings_and_charts_of_states_are_apart(
+    browser: webdriver.Chrome, folder: Path, name: str
+) -> None:
+    """In the browser's own font, every text is within its drawing and covers no other."""
+    opened(browser, folder, name)
+    charts = js(
+        browser,
+        """return [...document.querySelectorAll("#states figure > svg, .views svg")].map((svg) => ({
+            size: [svg.viewBox.baseVal.width, svg.viewBox.baseVal.height],
+            texts: [...svg.querySelectorAll("text")].map((text) => {
+                const box = text.getBBox(), at = svg.createSVGPoint();
+                const turned = text.transform.baseVal.consolidate();
+                return [[0, 0], [1, 0], [1, 1], [0, 1]].map(([x, y]) => {
+                    at.x = box.x + x * box.width;
+                    at.y = box.y + y * box.height;
+                    const placed = turned ? at.matrixTransform(turned.matrix) : at;
+                    return [placed.x, placed.y];
+                });
+            }),
+        }))""",
+    )
+    assert charts
+    for drawn_chart in charts:
+        texts = np.array(drawn_chart["texts"])
+        assert texts.min() >= 0.0
+        assert np.all(texts.max(axis=(0, 1)) <= drawn_chart["size"])
+        for one, other in combinations(texts, 2):
+            assert apart(one, other)
+
+
+@pytest.mark.parametrize("name", ["truck-shaft", "test-rig", "ship-shaft"])
+def test_names_of_bearings_lie_beyond_the_yokes(
+    browser: webdriver.Chrome, folder: Path, name: str
+) -> None:
+    opened(browser, folder, name)
+    boxes = """return ["#view-1", "#view-2"].map((view) => arguments[0].map((kind) =>
+        [...document.querySelectorAll(`${view} ${kind}`)]
+            .filter((element) => kind !== "text" || element.textContent.startsWith("B"))
+            .map((element) => {
+                const {x, y, width, height} = element.getBBox();
+                return [[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
+            })))"""
+    for names_of_view, yokes in js(browser, boxes, ["text", ".yoke"]):
+        assert len(names_of_view) == Scene.parse(STARTERS[name].text).line.n_bearings
+        for one, other in product(np.array(names_of_view), np.array(yokes)):
+            assert apart(one, other)
+
+
+def apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
+    """Whether a side of one of two rectangles, by their corners, has all of the other beyond it."""
+    for corners in (one, other):
+        for side in (corners[1] - corners[0], corners[3] - corners[0]):
+            first, second = one @ side, other @ side
+            if first.max() <= second.min() or second.max() <= first.min():
+                return True
+    return False
 
 
 def test_script_moves_numbers_cursor_and_drawing(browser: webdriver.Chrome, folder: Path) -> None:

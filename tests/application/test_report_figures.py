@@ -5,12 +5,14 @@ from __future__ import annotations
 import html
 import json
 import re
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from cardan import Driveline, Load
 from cardan.figures.life import needed_life
@@ -20,6 +22,7 @@ from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion import torsion_figures
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
+from example_scenes import example
 from pages import curves, figure, legend_of, page_of, scales, tables, value
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -95,9 +98,9 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
     assert words in page
 
 
-@pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill_spindle"])
+@pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill-spindle"])
 def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) -> None:
-    page = page_of(Scene.load(EXAMPLES / f"{name}.toml"), tmp_path)
+    page = page_of(Scene.load(example(f"{name}.toml")), tmp_path)
     (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
     drawing = json.loads(found)["drawing"]
     points = np.array(drawing["points"]).reshape(-1, 3)
@@ -113,6 +116,65 @@ def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) 
         assert places[:, 1].max() < height - 20.0
         # The tips of the pins lie farther out.
         assert right - left > 0.65 * width
+
+
+def dimensions(page: str, view: int) -> tuple[list[str], list[tuple[float, float, str]]]:
+    """The bends above a view from left to right, and the lengths with the ends of their lines."""
+    (drawn,) = re.findall(rf'<svg id="view-{view}".*?</svg>', page, re.S)
+    above, below = [], []
+    for path, words in re.findall(r'class="dimension" d="(.*?)"/>\s*<text.*?>(.*?)</text>', drawn):
+        if path:
+            ends = re.findall(r"M([\d.]+) [\d.]+V", path)
+            below.append((float(ends[0]), float(ends[1]), words))
+        else:
+            above.append(words)
+    return above, below
+
+
+def centres(page: str, view: int) -> NDArray[np.float64]:
+    """Where the joints of a view are drawn."""
+    (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
+    drawing = json.loads(found)["drawing"]
+    axes, offset = (drawing["views"][view][key] for key in ("axes", "offset"))
+    return np.asarray(np.array(drawing["points"][0])[1:-1] @ np.array(axes[:2]).T + offset)
+
+
+@pytest.mark.parametrize("name", ["truck-shaft", "steering-column", "test-rig"])
+def test_side_view_and_top_view_have_bends_and_lengths(name: str, tmp_path: Path) -> None:
+    scene = Scene.load(example(f"{name}.toml"))
+    page = page_of(scene, tmp_path)
+    assert dimensions(page, 0) == ([], [])
+    lengths = [700.0]
+    if scene.points is not None:
+        lengths = np.linalg.norm(np.diff(scene.points, axis=0), axis=-1)[1:-1].tolist()
+    for view in (1, 2):
+        above, below = dimensions(page, view)
+        shown = [float(bend.removesuffix("°")) for bend in above]
+        np.testing.assert_allclose(shown, np.degrees(scene.line.bends), rtol=5e-3)
+        at = centres(page, view)[:, 0]
+        for ends, (left, right, words), length in zip(pairwise(at), below, lengths, strict=True):
+            np.testing.assert_allclose((left, right), ends, atol=0.2)
+            number, unit = words.split()
+            assert unit == "mm"
+            assert float(number) == pytest.approx(length, rel=5e-4)
+
+
+def test_dimensions_are_those_that_are_known(tmp_path: Path) -> None:
+    page = page_of("[driveline]\nbends_deg = [5, 6]\n", tmp_path)
+    assert dimensions(page, 1) == (["5°", "6°"], [])
+    page = page_of("[driveline]\nbends_deg = [5, 6]\nlengths_m = [1, 1.25, 1]\n", tmp_path)
+    assert [words for *_, words in dimensions(page, 2)[1]] == ["1.25 m"]
+    # The bends change from sample to sample.
+    recorded = page_of(Scene.load(example("recorded_run.toml")), tmp_path)
+    assert all(dimensions(recorded, view) == ([], []) for view in range(3))
+    assert "Angles above the joints" in page
+    assert "Angles above the joints" not in recorded
+
+
+def test_dimensions_without_room_are_left_out(tmp_path: Path) -> None:
+    long = ", ".join(["1000"] * 13)
+    page = page_of(f"[driveline]\nbends_deg = {[1.25] * 12}\nlengths_mm = [{long}]\n", tmp_path)
+    assert dimensions(page, 1) == ([], [])
 
 
 def test_without_bends_all_curves_are_level(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import example_scenes
 from cardan import Driveline, Limits, Load, Sweep
 from cardan.figures.summary import SummaryRow, drive_angles, summary
 from cardan.scene import Scene, SceneError
@@ -980,7 +981,7 @@ def test_validate_finds_all_at_once(tmp_path: Path) -> None:
     assert len(Scene.validate(path)) == 1
     path.write_bytes(b"\xff")
     assert Scene.validate(path) == [f"{path}: not UTF-8 text at byte 0"]
-    for example in EXAMPLES.glob("*.toml"):
+    for example in example_scenes.EXAMPLES:
         assert Scene.validate(example) == []
     with pytest.raises(FileNotFoundError):
         Scene.validate(tmp_path / "missing.toml")

@@ -24,10 +24,10 @@ from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
 from cardan.words.study import study_text
 from cardan.words.summary import summary_text
+from example_scenes import EXAMPLES
 from scene_values import VALUES, as_toml
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = sorted((ROOT / "examples").glob("*.toml"))
 VALIDATOR = jsonschema.Draft202012Validator(Scene.schema())
 ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 

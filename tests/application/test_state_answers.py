@@ -20,12 +20,16 @@ from cardan.figures.states import forces_of
 from cardan.figures.steering import steering_data, steering_figures
 from cardan.plots import plot_states, write_picture
 from cardan.report import write_report
+from cardan.report.charts import FRAME, chart
+from cardan.report.samples import Curve, Panel
 from cardan.scene import Scene, StatesResult
-from pages import page_of
+from example_scenes import example
+from pages import curves, figure, page_of, scales
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TRUCK = (EXAMPLES / "ride_heights.toml").read_text(encoding="utf-8")
-COLUMN = (EXAMPLES / "steering_column.toml").read_text(encoding="utf-8")
+COLUMN = example("steering-column.toml").read_text(encoding="utf-8")
+NON_UNIFORMITY = "non-uniformity U, shaft 2"
 HEIGHTS = range(-320, -159, 20)
 NAMES = Scene.parse(TRUCK).states.names  # type: ignore[union-attr]
 
@@ -309,6 +313,60 @@ def test_pictures_and_report(tmp_path: Path) -> None:
         assert 'id="states"' in page
         assert ('id="steering"' in page) is (text is COLUMN)
     assert "straight ahead is 18.05°" in page
+
+
+def test_charts_of_the_report_name_the_states(tmp_path: Path) -> None:
+    page = page_of(TRUCK, tmp_path)
+    table = Scene.parse(TRUCK).run().study
+    assert isinstance(table, StatesResult)
+    for heading, column in (
+        ("equivalent bend, shaft 3 [deg]", "equivalent_bend"),
+        ("largest angle error, shaft 3 [deg]", "max_angle_error"),
+    ):
+        shown = figure(page, heading)
+        assert [number for _, number in scales(shown, NAMES)["x"]] == list(range(len(NAMES)))
+        drawn = curves(shown, NAMES)["as the yokes are"]
+        np.testing.assert_allclose(drawn[:, 0], range(len(NAMES)), atol=0.01)
+        np.testing.assert_allclose(drawn[:, 1], np.degrees(table.values[column]), atol=0.02)
+        assert "state" in [text.text for text in shown.iter("text")]
+
+
+def charted(names: list[str]) -> dict[str, Any]:
+    values = np.arange(float(len(names)))
+    panel = Panel("a", "", (Curve("one", values),))
+    return chart(panel, values, "state, counted from 0", named=("state", names))
+
+
+@pytest.mark.parametrize(
+    ("count", "length", "tilted"),
+    [(3, 8, 0), (7, 3, 0), (5, 12, 30), (12, 16, 60), (20, 16, 90), (2, 200, 45)],
+)
+def test_names_are_tilted_as_far_as_needed(count: int, length: int, tilted: int) -> None:
+    names = [f"{i:x}".ljust(length, "x") for i in range(count)]
+    made = charted(names)
+    assert made["tilt"] == tilted
+    assert [text[:1] for _, text in made["x_ticks"]] == [name[:1] for name in names]
+    assert all(len(text) == min(length, 24) for _, text in made["x_ticks"])
+    assert all(text.endswith("…") == (length > 24) for _, text in made["x_ticks"])
+    assert made["x_label"] == "state"
+    # Below the frame there is room for the letters of a name that stands upright.
+    assert made["frame"].height - FRAME.height >= 5.0 * min(length, 24) * np.sin(np.radians(tilted))
+
+
+def test_states_that_are_too_many_for_names_have_numbers() -> None:
+    made = charted([f"height {i}" for i in range(40)])
+    assert [text for _, text in made["x_ticks"]] == ["0", "10", "20", "30"]
+    assert (made["x_label"], made["tilt"], made["frame"]) == ("state, counted from 0", 0, FRAME)
+
+
+def test_states_without_names_have_the_values_of_their_key(tmp_path: Path) -> None:
+    text = "[driveline]\nbends_deg = [5, 6]\nphases_deg = 0\n[states]\n"
+    falling = figure(page_of(f"{text}phases_deg.0 = [3, 1, -2]\n", tmp_path), NON_UNIFORMITY)
+    assert [value for _, value in scales(falling)["x"]] == [3.0, 1.0, -2.0]
+    assert "phase, shaft 1 [deg]" in [text.text for text in falling.iter("text")]
+    two = f"{text}bends_deg.0 = [3, 1, 2]\nbends_deg.1 = [3, 1, 2]\n"
+    counted = figure(page_of(two, tmp_path), NON_UNIFORMITY)
+    assert [value for _, value in scales(counted)["x"]] == [0.0, 1.0, 2.0]
 
 
 @pytest.mark.parametrize(

@@ -301,9 +301,7 @@ def commands() -> click.Group:
 
     @cardan.command(help=help_text.OPTIMISE, short_help="Find the best values of a scene.")
     @scene_argument
-    @file_option(
-        "--to", "Scene to write; default: beside the scene, its name with .optimised.toml."
-    )
+    @file_option("--to", "Scene to write; default: NAME.optimised.toml in the folder of the scene.")
     @file_option(
         "--picture",
         "Also draw the quantity over each variable and each state, before and after.",
@@ -333,7 +331,7 @@ def commands() -> click.Group:
         "--plot",
         "picture",
         type=click.Choice(PICTURES),
-        help="What to draw; default: response. Without --output it has the scene's name with .svg.",
+        help="What to draw; default: response. Without --output the picture has the scene's name.",
     )
     @as_json
     def torsion(scene: Path, output: Path | None, picture: str | None, as_json: bool) -> None:
@@ -344,7 +342,7 @@ def commands() -> click.Group:
     @click.option("--drive", metavar="COLUMN", required=True, help="Angle of the drive.")
     @click.option("--driven", metavar="COLUMN", help="Angle of the driven shaft.")
     @click.option(
-        "--speed-ratio", metavar="COLUMN", help="Or: its speed over the speed of the drive."
+        "--speed-ratio", metavar="COLUMN", help="Or: speed of that shaft over the drive's."
     )
     @click.option("--intermediate", metavar="COLUMN", help="Angle of the shaft between two joints.")
     @click.option(

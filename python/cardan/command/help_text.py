@@ -23,6 +23,8 @@ Exit status: 0 for success, 1 if "check" found the driveline beyond a limit, 2 f
 (one line says what is wrong), 130 for an interrupt.
 """
 
+_ENDINGS = " or ".join((", ".join([*SUFFIXES][:-1]), [*SUFFIXES][-1]))
+
 # The mark keeps click from filling a paragraph.
 _KEYS = describe().replace("\n\n", "\n\n\b\n")
 
@@ -66,7 +68,7 @@ Example:
 """
 
 PLOT = f"""\
-Draw a scene and write the picture to a file that ends in {" or ".join(SUFFIXES)}.
+Draw a scene and write the picture to a file that ends in {_ENDINGS}.
 
 By default the picture shows the driveline, its key figures and its curves over the turn. The
 options draw something else.
@@ -116,8 +118,8 @@ Find the best values of what a scene lets change, over all its states.
 
 The section [optimise] names the keys that may change, how far, what to minimise and which limits
 other quantities must keep. The answer says what to change, the figures of each state before and
-after, and what limits the result. The scene with the values found is written beside the scene, as
-NAME.optimised.toml; the scene itself is never overwritten.
+after, and what limits the result. The scene with the values found is written to the folder of the
+scene, as NAME.optimised.toml. The scene itself is never overwritten.
 
 \b
 Examples:
@@ -149,9 +151,9 @@ LIFE = """\
 Say how long the joints of a driveline last, how hot they run and which size would suffice.
 
 The section [joints] of the scene describes the joints or names a table of their sizes. [life] gives
-the steps of the duty cycle. The life is the one that 90 % of the joints reach, by the load of their
-pins over the turn and by the law of the catalogues. With [tubes] the answer has stress and critical
-bending speed of the shafts. The exit status does not depend on the verdict.
+the steps of the duty cycle. The life is the one that 90 % of the joints reach. It follows from the
+load on their pins over the turn, by the law of the catalogues. With [tubes] the answer has
+stress and critical bending speed of the shafts. The exit status does not depend on the verdict.
 
 \b
 Examples:
@@ -163,8 +165,8 @@ Examples:
 TORSION = """\
 Find the resonances of compliant shafts, the torques in them and unstable speeds.
 
-The section [torsion] of the scene gives inertias, stiffnesses or tubes, dampings and the range of
-drive speeds. Shafts of infinite stiffness are "rigid".
+The section [torsion] of the scene gives inertias, stiffnesses or tubes, damping and the range of
+drive speeds. The stiffness of a shaft that does not twist is "rigid".
 
 The answer has the natural frequencies, each with the shafts that are twisted and their shares in
 the energy of twist, the critical speeds of the orders, the largest torque of each compliant shaft
@@ -196,16 +198,28 @@ Examples:
   cardan report shaft.toml --output shaft.html
 """
 
+
+def _kinds(*, machine: bool) -> str:
+    """Return the lines of the starters that are machines, or of those that are not."""
+    found = {kind: starter for kind, starter in STARTERS.items() if starter.machine is machine}
+    return "\n".join(f"  {kind:17}{starter.meaning}" for kind, starter in found.items())
+
+
 NEW = f"""\
 Write a commented scene that is ready to run. An existing file is never overwritten.
 
 \b
 KIND is one of
-{chr(10).join(f"  {kind:13}{starter.meaning}" for kind, starter in STARTERS.items())}
+{_kinds(machine=False)}
+
+\b
+or the scene of a machine, as its page in the documentation shows it:
+{_kinds(machine=True)}
 
 \b
 Examples:
   cardan new joint joint.toml
+  cardan new truck-shaft truck.toml
   cardan new recorded run.toml
 """
 

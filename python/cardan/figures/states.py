@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -43,6 +43,25 @@ def forces_of(scene: Scene) -> SceneForces | None:
 def state_name(table: StatesResult, end: End) -> str:
     """Return the name of the state in which a figure is least or largest; "" if in all."""
     return table.states.names[int(end.at[STATE])] if STATE in end.at else ""
+
+
+def without_common(names: Sequence[str]) -> tuple[str, list[str]]:
+    """Return what the names of states have in common, and the rest of each with a true minus sign.
+
+    >>> without_common(["points_mm.3.y = 20", "points_mm.3.y = 0"])
+    ('points_mm.3.y', ['20', '0'])
+    >>> without_common(["state 0", "state 1"])
+    ('state', ['0', '1'])
+    >>> without_common(["laden", "empty"])
+    ('', ['laden', 'empty'])
+    """
+    parts = [name.partition(" = ") for name in names]
+    common = {part[0] for part in parts}
+    if len(common) == 1 and all(part[1] for part in parts):
+        return common.pop(), [part[2].replace("-", "\N{MINUS SIGN}") for part in parts]
+    if all(name.startswith("state ") for name in names):
+        return "state", [name.removeprefix("state ") for name in names]
+    return "", list(names)
 
 
 def verdicts(scene: Scene, found: Check) -> list[dict[str, Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,10 +13,11 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, as_float64
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
-from cardan.figures.places import bearing_places, shaft_lengths
+from cardan.figures.places import bearing_places, length_text, shaft_lengths
 from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import DEPTH, View, tube, wedge, yoke
 from cardan.plots.style import THIN, drawing, legend_above, number
+from cardan.scene.units import LengthUnit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -68,14 +69,16 @@ def plot_driveline(
     angle: float = 0.0,
     *,
     points: ArrayLike | None = None,
+    length_unit: LengthUnit | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw a driveline in space with its yokes at a drive angle, in a parallel projection.
 
     The axis that the shafts follow most points to the right, y up; small arrows show x, y and z.
     At each joint the dashed line continues the input shaft, and the area between it and the
-    output shaft is the bend in its plane. Labels give the bend of each joint and the phase of each
-    shaft between two joints; those that find no room are left out, small bends first. Bearings are
+    output shaft is the bend in its plane. Labels give the bend of each joint, and the phase of each
+    shaft between two joints with its length if a unit is given; those that find no room are left
+    out, small bends first. Bearings are
     rings around their shafts, on feet; where room is short, their numbers alone name them.
 
     Args:
@@ -83,18 +86,21 @@ def plot_driveline(
         angle: drive angle in rad.
         points: its ends and joint centres, ``(n + 2, 3)``; by default its shafts have its lengths,
             or are all as long if it has none.
+        length_unit: in what to label the line's lengths, which are in m; by default they are not.
         ax: where to draw; by default on a new figure of pyplot, 80 mm wide.
 
     Raises:
         ImportError: matplotlib is missing.
-        ValueError: a batch, points that do not lie along the shafts.
+        ValueError: a batch, points that do not lie along the shafts, an unknown unit.
     """
     _single(line)
+    if length_unit not in (None, *get_args(LengthUnit)):
+        raise ArgumentValueError("length_unit", f"is {length_unit!r}; it must be 'mm' or 'm'")
     places = _places(line, points)
     with drawing(ax, height_mm=_HEIGHT) as axes:
         if ax is None:
             axes.set_position((0.0, 0.0, 1.0, 1.0))
-        _Sketch.begin(axes, line, places).draw(angle)
+        _Sketch.begin(axes, line, places).draw(angle, length_unit)
     return axes
 
 
@@ -149,12 +155,12 @@ class _Sketch:
         bearings = bearing_places(line, places)
         return cls(axes, line, places, bearings, view, size, scale, corner, box, [])
 
-    def draw(self, angle: float) -> None:
-        """Draw it at a drive angle."""
+    def draw(self, angle: float, length_unit: LengthUnit | None) -> None:
+        """Draw it at a drive angle, with its lengths in a unit if there is one."""
         self._shafts()
         self._bends()
         self._joints(angle)
-        self._names()
+        self._names(length_unit)
 
     def _points(self, points: FloatArray) -> FloatArray:
         """Where points in space are drawn, in points from the lower left corner."""
@@ -251,7 +257,7 @@ class _Sketch:
         for rank, (points, style) in enumerate(pieces):
             self.axes.plot(*self.view.flat(points).T, zorder=3.0 + rank / len(pieces), **style)
 
-    def _names(self) -> None:
+    def _names(self, length_unit: LengthUnit | None) -> None:
         # A grid of two points is fine enough for labels, and much less to search.
         drawn = 2.0 * np.unique(np.round(np.concatenate(self.drawn) / 2.0), axis=0)
         labels = PlacedLabels(self.axes, self.box, drawn)
@@ -275,11 +281,16 @@ class _Sketch:
             for text in (f"bearing {bearing}", f"{bearing}"):
                 if labels.beside(at, text, away, above=False):
                     break
+        lengths = self.line._geometry.lengths
         for shaft, phase in enumerate(np.degrees(self.line.phases) if all(named) else (), 1):
             at = self._points((self.places[shaft] + self.places[shaft + 1]) / 2.0)
             turned = 180.0 - (180.0 - float(phase)) % 360.0
             text = f"shaft {shaft}\nphase {number(float(f'{turned:.4g}') + 0.0)}°"
-            labels.beside(at, text, 0.34 * away + 1.0, above=False)
+            lines = [text]
+            if length_unit and lengths.size:
+                lines.append(length_text(float(lengths[shaft]), length_unit))
+            while lines and not labels.beside(at, "\n".join(lines), 0.34 * away + 1.0, above=False):
+                lines.pop()
 
     def _ends(self, labels: PlacedLabels) -> None:
         """Name the ends of the driveline, with arrows along the power flow."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from cardan.errors import ArgumentValueError
 from cardan.figures.optimise import Optimised, unit_of
+from cardan.figures.states import without_common
 from cardan.plots.style import (
     MM,
     STYLE,
@@ -19,7 +20,6 @@ from cardan.plots.style import (
     legend_above,
     line_style,
     matplotlib,
-    number,
     save,
     value_ticks,
 )
@@ -158,7 +158,7 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
         at = np.arange(len(names), dtype=np.float64)
         axes.bar(at - 0.2, before, 0.4, color=_GREY, label="before")
         axes.bar(at + 0.2, after, 0.4, color=line_style(0)["color"], label="after")
-        heading, ticks = _ticks(list(names))
+        heading, ticks = without_common(names)
         # As many names as can be read.
         step = -(-len(names) // 12)
         axes.set_xticks(at[::step], ticks[::step], parse_math=False)
@@ -171,18 +171,6 @@ def plot_optimised_states(found: Optimised, *, ax: Axes | None = None) -> Axes:
         value_ticks(axes.yaxis)
         legend_above(axes)
     return axes
-
-
-def _ticks(names: list[str]) -> tuple[str, list[str]]:
-    """What the names have in common, ``points_mm.3.y`` of ``points_mm.3.y = -40``, and the rest."""
-    parts = [name.partition(" = ") for name in names]
-    common = {part[0] for part in parts}
-    if len(common) == 1 and all(part[1] for part in parts):
-        values = [number(float(part[2])) for part in parts]
-        return common.pop(), values
-    if all(name.startswith("state ") for name in names):
-        return "state", [name.removeprefix("state ") for name in names]
-    return "", names
 
 
 def _with_unit(found: Optimised, words: str) -> str:

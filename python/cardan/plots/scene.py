@@ -166,7 +166,8 @@ def _sketch(figure: Figure, scene: Scene, top: float, height: float) -> None:
     known = scene.without_missing().line
     line = known[0] if known.shape else known
     axes = _axes(figure, _MARGIN, top - height, _SKETCH, height, "driveline")
-    plot_driveline(line, points=None if known.shape else scene.points, ax=axes)
+    points = None if known.shape else scene.points
+    plot_driveline(line, points=points, length_unit=scene.length_unit, ax=axes)
 
 
 def _key_figures(figure: Figure, result: SceneResult, top: float, height: float) -> None:

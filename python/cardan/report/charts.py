@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
+from cardan.report.name_axis import NameAxis, name_axis
 from cardan.report.samples import Panel
 
 
@@ -32,7 +33,13 @@ _DEGREES = (1, 2, 5, 10, 15, 30, 45, 90, 180, 360)
 _FLAT = 1e-9
 
 
-def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -> dict[str, Any]:
+def chart(
+    panel: Panel,
+    x: FloatArray,
+    x_label: str,
+    first: int | None = None,
+    named: tuple[str, Sequence[str]] | None = None,
+) -> dict[str, Any]:
     """Return heading, ticks, curves and legend as plain data for the macro ``chart``.
 
     Args:
@@ -41,12 +48,17 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
         x_label: what it is, with its unit.
         first: number of the first curve, by which the script finds it to set its cursor; without
             one the chart has no cursor.
+        named: what the samples are and the name of each, which replace ``x_label`` and the values
+            of ``x`` where they fit; the samples are then as far from each other.
     """
     low, high, flat = _extent(panel)
     y_ticks = ticks(low, high)
     low, high = min(low, y_ticks[0]), max(high, y_ticks[-1])
     start, stop = float(np.min(x)), float(np.max(x))
     stop = stop if stop > start else start + 1.0
+    names = _names(named[1]) if named else None
+    if names:
+        x, start, stop = np.arange(float(len(names.texts))), -0.5, len(names.texts) - 0.5
 
     def across(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
         return FRAME.left + (FRAME.right - FRAME.left) * (value - start) / (stop - start)
@@ -54,6 +66,11 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
     def up(value: Any) -> Any:  # noqa: ANN401 - numbers or arrays
         return FRAME.bottom - (FRAME.bottom - FRAME.top) * (value - low) / (high - low)
 
+    if names:
+        x_label = named[0] if named else x_label
+        marks = list(zip(x.tolist(), names.texts, strict=True))
+    else:
+        marks = [(mark, number(mark)) for mark in ticks_of(x_label, start, stop)]
     lines = []
     for i, curve in enumerate(panel.curves, first or 0):
         # A gap stays a gap.
@@ -63,17 +80,24 @@ def chart(panel: Panel, x: FloatArray, x_label: str, first: int | None = None) -
         lines.append({"number": i, "label": curve.label, "pieces": pieces})
     heading = f"{panel.heading} [{panel.unit}]" if panel.unit else panel.heading
     return {
-        "frame": FRAME,
+        "frame": FRAME._replace(height=FRAME.height + round(names.room)) if names else FRAME,
         "moves": first is not None,
         "heading": heading,
         "spoken": f"{heading} over {x_label}, from {low:.4g} to {high:.4g}",
         "x_label": x_label,
-        "x_ticks": [(f"{across(t):.1f}", number(t)) for t in ticks_of(x_label, start, stop)],
+        "x_ticks": [(f"{across(mark):.1f}", text) for mark, text in marks],
+        "tilt": names.tilt if names else 0,
         "y_ticks": [(f"{up(t):.1f}", f"{up(t) + 4:.1f}", number(t)) for t in y_ticks],
         "lines": lines,
         "unit": panel.unit,
         "left_out": panel.left_out,
     }
+
+
+def _names(names: Sequence[str]) -> NameAxis | None:
+    """The names below the frame, each in the middle of its share of the axis, if they fit."""
+    edges = np.linspace(FRAME.left, FRAME.right, len(names) + 1)
+    return name_axis(names, ((edges[:-1] + edges[1:]) / 2.0).tolist(), FRAME.width)
 
 
 def decimals(panel: Panel) -> int:

@@ -6,11 +6,17 @@ from typing import Any
 
 import numpy as np
 
+import cardan.report.dimensions as dimensions
 from cardan.arrays import FloatArray
+from cardan.figures.places import length_text
 from cardan.report.samples import Samples
+from cardan.scene.scene import Scene
 
 # Pixels; numbers of shafts need the margin above, the axes the strip below.
 _WIDTH, _SIDE, _ABOVE, _STRIP = 1000, 16.0, 40.0, 184.0
+
+# Pixels of the rows of bends above a view and of lengths below it, and where their middles lie.
+_BENDS, _LENGTHS, _ROW, _LINE = 44.0, 84.0, 26.0, 24.0
 
 # Lengths beside a shaft between two joints, which is 1; scenes need not give any.
 _END, _PIN, _YOKE = 0.75, 0.19, 0.22
@@ -21,6 +27,9 @@ _MOST = 320.0
 # Pixels of an axis, of its head and from there to its name, of the arrow of view and to its words.
 _AXIS, _HEAD, _NAME, _FLOW, _WORDS = 50.0, 13.0, 20.0, 240.0, 18.0
 
+# Pixels from those words to the edge.
+_MARGIN = 6.0
+
 _DIGITS = 4
 
 
@@ -28,8 +37,9 @@ def drawing(samples: Samples) -> dict[str, Any]:
     """Return views, joint centres and pins as plain data.
 
     A view is a matrix whose rows point to the right, down and to the viewer, with an offset and
-    a size in pixels; ``points`` are the ends and joint centres, of one sample or of all;
-    ``bearings`` are pairs of a shaft and a share of its length.
+    a size in pixels; side view and top view have dimensions, unless the bends were recorded.
+    ``points`` are the ends and joint centres, of one sample or of all; ``bearings`` are pairs of a
+    shaft and a share of its length.
     """
     directions, pins = samples.directions(), samples.pins()
     lengths = np.ones(directions.shape[-2])
@@ -37,7 +47,10 @@ def drawing(samples: Samples) -> dict[str, Any]:
     steps = directions * lengths[:, np.newaxis]
     points = np.concatenate([np.zeros_like(steps[:, :1]), np.cumsum(steps, axis=1)], axis=1)
     return {
-        "views": [_view(name, axes, points) for name, axes in views(directions).items()],
+        "views": [
+            _view(name, axes, points, samples.result.scene if level else None)
+            for level, (name, axes) in enumerate(views(directions).items())
+        ],
         "points": np.round(points, _DIGITS).tolist(),
         "pins": np.round(pins, _DIGITS).tolist(),
         "bearings": _bearings(samples),
@@ -92,13 +105,19 @@ def views(directions: FloatArray) -> dict[str, FloatArray]:
     }
 
 
-def _view(name: str, axes: FloatArray, points: FloatArray) -> dict[str, Any]:
+def _view(
+    name: str, axes: FloatArray, points: FloatArray, scene: Scene | None = None
+) -> dict[str, Any]:
+    """A view of the points of one or more drivelines, with the dimensions of a scene."""
     flat = points.reshape(-1, 3) @ axes[:2].T
     low, high = flat.min(axis=0) - 1.2 * _PIN, flat.max(axis=0) + 1.2 * _PIN
     scale = min(_MOST, (_WIDTH - 2.0 * _SIDE) / float(high[0] - low[0]))
     height = float(high[1] - low[1]) * scale + 2.0 * _ABOVE
+    rows = _rows(scene, len(points))
+    height += rows[0] + rows[1]
     middle = scale * (low + high) / 2.0
-    offset = np.array([_WIDTH, height]) / 2.0 - middle
+    offset = np.array([_WIDTH, height + rows[0] - rows[1]]) / 2.0 - middle
+    joints = scale * points[0, 1:-1] @ axes[:2].T + offset
     along = np.mean(points[:, -1] - points[:, 0], axis=0) @ axes[:2].T
     return {
         "name": name,
@@ -106,8 +125,34 @@ def _view(name: str, axes: FloatArray, points: FloatArray) -> dict[str, Any]:
         "axes": np.round(scale * axes, _DIGITS).tolist(),
         "offset": np.round(offset, 1).tolist(),
         "size": [_WIDTH, round(height + _STRIP)],
-        "arrows": [*_triad(axes, height + _STRIP / 2.0), _flow(along, height + _STRIP / 2.0)],
+        "arrows": [
+            *_triad(axes, height + _STRIP / 2.0),
+            _flow(along, height + _STRIP / 2.0),
+            *(_dimensions(scene, joints, height, rows) if scene else ()),
+        ],
     }
+
+
+def _rows(scene: Scene | None, count: int) -> tuple[float, float]:
+    """Pixels for bends above and for lengths below a view of so many drivelines."""
+    if scene is None or count > 1:
+        return 0.0, 0.0
+    known = scene.line.n_joints > 1 and scene.line._geometry.lengths.size
+    return _BENDS, _LENGTHS if known else 0.0
+
+
+def _dimensions(
+    scene: Scene, joints: FloatArray, height: float, rows: tuple[float, float]
+) -> list[dict[str, Any]]:
+    made = []
+    if rows[0]:
+        bends = [f"{bend:.3g}°" for bend in np.degrees(scene.line.bends).ravel()]
+        made += dimensions.bends(joints, bends, _ROW)
+    if rows[1]:
+        each = scene.line.lengths().each.ravel()[1:-1]
+        texts = [length_text(length, scene.length_unit) for length in each.tolist()]
+        made += dimensions.lengths(joints, texts, height - rows[1] + _LINE)
+    return made
 
 
 def _triad(axes: FloatArray, middle: float) -> list[dict[str, Any]]:
@@ -125,7 +170,9 @@ def _triad(axes: FloatArray, middle: float) -> list[dict[str, Any]]:
 
 def _flow(along: FloatArray, middle: float) -> dict[str, Any]:
     """The arrow of view, from the drive towards the output."""
-    way = _FLOW * along / np.linalg.norm(along)
+    along = along / np.linalg.norm(along)
+    # The words at its ends stay within the strip.
+    way = along * min(_FLOW, (_STRIP - dimensions.SIZE - 2.0 * _MARGIN) / max(abs(along[1]), 1e-9))
     centre = np.array([_WIDTH / 2.0, middle])
     foot, head = centre - way / 2.0, centre + way / 2.0
     aside = np.array([_WORDS, 0.0])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ from cardan.arrays import FloatArray
 from cardan.check import Check
 from cardan.figures.extremes import extremes
 from cardan.figures.names import column_name, key_name
-from cardan.figures.states import state_name, verdicts
+from cardan.figures.states import state_name, verdicts, without_common
 from cardan.report.charts import chart
 from cardan.report.limits import shown
 from cardan.report.samples import Curve, Panel
@@ -75,8 +76,12 @@ def _charts(
     if count < 2:
         return []
     x, label = np.arange(float(count)), "state, counted from 0"
+    named: tuple[str, Sequence[str]] | None = None
     if len(axes) == 1 and np.all(np.diff(axes[0].values) > 0.0):
         x, label = axes[0].values, key_name(axes[0].key)
+    else:
+        common, names = without_common(table.states.names)
+        named = key_name(common or "state"), names
     made = []
     for column in table.columns[:_MOST_DRAWN]:
         values, unit = in_degrees(table.values[column.name], column.unit)
@@ -86,7 +91,7 @@ def _charts(
         if column.name == "equivalent_bend":
             curves += _compared(scene, yokes, count)
         heading = column_name(column).partition(" [")[0]
-        made.append(chart(Panel(heading, unit, tuple(curves)), x, label))
+        made.append(chart(Panel(heading, unit, tuple(curves)), x, label, named=named))
     return made
 
 

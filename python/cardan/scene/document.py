@@ -197,14 +197,22 @@ def _toml(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except ValueError as error:
-        hint = "; a path with backslashes needs single quotes" if _WINDOWS_PATH.search(text) else ""
-        raise ValueError(f"not TOML: {error}{hint}") from None
+        hints = (hint for pattern, hint in _HINTS if pattern.search(text))
+        raise ValueError(f"not TOML: {error}{next(hints, '')}") from None
     except RecursionError:
         raise ValueError("not TOML: nested too deeply") from None
 
 
-# A path of Windows in double quotes, in which a backslash begins an escape.
-_WINDOWS_PATH = re.compile(r'"[A-Za-z]:\\[^"\\]')
+_HINTS = (
+    # A path of Windows in double quotes, in which a backslash begins an escape.
+    (re.compile(r'"[A-Za-z]:\\[^"\\]'), "; a path with backslashes needs single quotes"),
+    # A decimal comma, or a list without its brackets.
+    (
+        re.compile(r"^[^#\[{\"'\n]*=\s*[-+]?[\d.]+\s*,", re.MULTILINE),
+        "; a decimal has a point (8.5), a list has brackets ([8, 5])",
+    ),
+)
+"""What people write that is not TOML, and what to say of it."""
 
 
 def _meant(key: str, known: Iterable[str]) -> str:

@@ -172,6 +172,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
             given.get("optimise"), layout, states, loaded.load, described.teeth
         )
     output, recorded = given.get("output", {}), given.get("angles", {})
+    described_in = given.get("driveline", {})
     return {
         "name": document.name,
         "title": given[""].get("title", ""),
@@ -208,6 +209,7 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
         "torsion": torsion,
         "deviations": deviations,
         "tolerance_arms": tolerance_arms,
+        "length_unit": "m" if {"points_m", "lengths_m"} & described_in.keys() else "mm",
     }
 
 

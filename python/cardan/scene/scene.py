@@ -43,6 +43,7 @@ from cardan.scene.states import States, table_of
 from cardan.scene.steering import SteeringColumn
 from cardan.scene.study import Study, StudyResult
 from cardan.scene.torsion import TorsionCase
+from cardan.scene.units import LengthUnit
 from cardan.sweep import Sweep
 from cardan.tolerances import Tolerances
 
@@ -91,6 +92,7 @@ class Scene:
             driveline of the drawing, ``line_as_built`` has them.
         tolerance_arms: arm of each joint in m by the groups of deviations whose tolerances are
             lengths.
+        length_unit: ``"mm"`` or ``"m"``, in which the scene gives points or lengths.
     """
 
     name: str
@@ -125,6 +127,7 @@ class Scene:
     torsion: TorsionCase | None = None
     deviations: FloatArray | None = None
     tolerance_arms: Mapping[str, FloatArray] = field(default_factory=dict)
+    length_unit: LengthUnit = "mm"
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> Self:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib import resources
 from os import PathLike, fspath
 from pathlib import Path
 from types import MappingProxyType
@@ -20,11 +21,20 @@ class Starter:
         meaning: one line.
         text: the scene, with ``{name}`` where the name of its file belongs.
         recorded: whether a sample recording goes with it.
+        machine: whether it is a whole machine, from its points to its limits.
     """
 
     meaning: str
     text: str
     recorded: bool = False
+    machine: bool = False
+
+
+def _machine(kind: str, meaning: str) -> Starter:
+    """Return the scene of a machine, whose output files are named like it, as a starter."""
+    file = resources.files("cardan.scene").joinpath("machines", f"{kind}.toml")
+    text = file.read_text(encoding="utf-8")
+    return Starter(meaning, text.replace(f'= "{kind}.', '= "{name}.'), machine=True)
 
 
 _FILES = """\
@@ -176,6 +186,17 @@ modulus_MPa = 2500
 poisson = 0.4
 """,
         ),
+        **{
+            kind: _machine(kind, meaning)
+            for kind, meaning in (
+                ("truck-shaft", "a truck's shaft with a centre bearing"),
+                ("steering-column", "a steering column over its tilt"),
+                ("pto-shaft", "the PTO shaft of a baler, straight and in a turn"),
+                ("mill-spindle", "the spindle of a rolling mill"),
+                ("test-rig", "the shaft between a motor and a dynamometer"),
+                ("ship-shaft", "the shaft of a boat with its engine on soft mounts"),
+            )
+        },
     }
 )
 """Starter scenes by the name of their kind."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from types import MappingProxyType
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from cardan.arrays import FloatArray
 
 RPM = math.tau / 60.0
 """One revolution per minute in rad/s."""
+
+LengthUnit = Literal["mm", "m"]
+"""Unit in which a scene gives points or lengths."""
 
 
 class Unit(NamedTuple):

@@ -60,6 +60,8 @@ function drawn(view, svg) {
     path: added(svg, "path", { class: "bearing" }),
     name: added(svg, "text", {}, `B${i}`),
   }));
+  // Beyond the tips of a yoke that is near.
+  const away = Math.max(BAR, pin * Math.hypot(...view.axes[0])) + 0.75 * LABEL;
   const labels = shafts.map((_, i) => added(svg, "text", {}, i));
   return (sample) => {
     const points = allPoints[Math.min(sample, allPoints.length - 1)];
@@ -86,8 +88,8 @@ function drawn(view, svg) {
       const aside = [-down / length, right / length];
       const end = (size) => [x + size * aside[0], y + size * aside[1]].map((value) => value.toFixed(1)).join(" ");
       path.setAttribute("d", `M${end(-BAR)}L${end(BAR)}`);
-      name.setAttribute("x", x + (BAR + LABEL / 1.5) * aside[0]);
-      name.setAttribute("y", y + (BAR + LABEL / 1.5) * aside[1]);
+      name.setAttribute("x", x + away * aside[0]);
+      name.setAttribute("y", y + away * aside[1]);
     });
     halves.forEach((sides, joint) =>
       sides.forEach((signs, side) =>
