@@ -2,10 +2,12 @@
 
 ``python tests/stress.py --rows 2000`` judges random drivelines: harmonics, the figures of
 tolerances, and tolerances of one order. ``cardan-stress`` judges what the core computes. Exits with
-1 if anything is beyond its limit in ``data/limits.toml``.
+1 if anything is beyond its limit in ``data/limits.toml``. ``--worst FILE`` writes the worst case of
+each surface in the form of ``data/worst_python.json``.
 
-Every error of a harmonic is divided by the bound that is returned with it. The model of ideal
-chains is the map ``w -> A w + B conj(w)``. Its angle error is the argument of
+Every error of a harmonic is divided by the bound that is returned with it. Those of tolerances are
+in parts of the largest sum of ``tan(bend/2)**2`` of the joints, of which ``q`` keeps the rounding.
+The model of ideal chains is the map ``w -> A w + B conj(w)``. Its angle error is the argument of
 ``1 + q exp(-2 i a)``, at samples in extended precision. The model of joints as built turns the
 driven pin until it has its angle to the driving one.
 """
@@ -13,9 +15,12 @@ driven pin until it has its angle to the driving one.
 from __future__ import annotations
 
 import argparse
+import json
 import sys
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +33,34 @@ Complexes = NDArray[np.clongdouble]
 LIMITS = limits("worst", "python")
 PI = np.longdouble("3.14159265358979323846264338327950288")
 ORDERS = np.arange(1, 9)
-SAMPLES = 512
+# Orders of the drawn drivelines decrease by at least half per two: those that equal these orders
+# at the samples are below 1e-20.
+SAMPLES = 128
+
+Case: TypeAlias = dict[str, Doubles]
+"""Parameters of drivelines by name, rows first. What has one row belongs to all."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What is judged, and how.
+
+    Attributes:
+        draw: makes a case of so many rows.
+        judge: returns the worst error of each row, and the number of results.
+    """
+
+    draw: Callable[[np.random.Generator, int], Case]
+    judge: Callable[[Case], tuple[Doubles, int]]
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a run found of a surface: the number of results, the worst error and its case."""
+
+    results: int
+    worst: float
+    case: Case
 
 
 def q_of(bends: Any, twists: Any, phases: Any) -> Complexes:  # noqa: ANN401
@@ -49,144 +81,181 @@ def q_of(bends: Any, twists: Any, phases: Any) -> Complexes:  # noqa: ANN401
 def orders_of(error: Any) -> Any:  # noqa: ANN401
     """Return complex amplitudes of samples of a turn on the last axis."""
     turns = np.exp(-2j * PI * (np.outer(np.arange(SAMPLES), ORDERS) % SAMPLES) / SAMPLES)
-    return 2.0 / SAMPLES * (error @ turns)
+    return 2.0 / SAMPLES * (error @ turns.astype(np.result_type(error, np.complex128)))
 
 
-def drawn(random: np.random.Generator, rows: int) -> tuple[Doubles, Doubles, Doubles]:
+def drawn(random: np.random.Generator, rows: int) -> Case:
     """Return bends to 40 deg, twists and phases of drivelines with as many joints."""
     joints = int(random.integers(1, 5))
     bends = random.uniform(0.0, 0.7, (rows, joints)) ** random.uniform(1.0, 4.0)
     twists, phases = random.uniform(-np.pi, np.pi, (2, rows, joints - 1))
-    return bends, twists, phases
+    return {"bends": bends, "twists": twists, "phases": phases}
 
 
-def harmonics(random: np.random.Generator, rows: int) -> tuple[int, float]:
+def harmonics(case: Case) -> tuple[Doubles, int]:
     """Orders of the motion of ideal chains."""
-    bends, twists, phases = drawn(random, rows)
     names = ("angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-    line = Driveline.from_bends(bends, twists, phases)
-    found = line.harmonics(ORDERS, outputs=names)
-    angles = 2 * PI * np.arange(SAMPLES) / SAMPLES
-    q = q_of(bends, twists, phases)[:, np.newaxis]
-    exact = orders_of(np.angle(1 + q * np.exp(-2j * angles)))
-    worst = 0.0
+    bends, twists, phases = (case[name] for name in ("bends", "twists", "phases"))
+    found = Driveline.from_bends(bends, twists, phases).harmonics(ORDERS, outputs=names)
+    turns = np.exp(-4j * PI * np.arange(SAMPLES) / SAMPLES)
+    exact = orders_of(np.angle(1 + q_of(bends, twists, phases)[:, np.newaxis] * turns))
+    worst: Doubles = np.zeros(len(exact))
     for derivative, name in enumerate(names):
         wanted = exact * (1j * ORDERS) ** derivative
         off = np.abs(found.complex_amplitude[name] - wanted)
         # What the samples of the model lose of each order.
         bound = found.error[name][:, np.newaxis] + 1e-19 * ORDERS**derivative
-        worst = max(worst, float(np.max(off / bound)))
-    return rows * len(ORDERS) * len(names), worst
+        worst = np.maximum(worst, np.max(off / bound, axis=-1).astype(np.float64))
+    return worst, exact.size * len(names)
 
 
-def turned_pins(
-    bends: Doubles, twists: Doubles, phases: Doubles, deviations: Doubles, angle: Doubles
-) -> Doubles:
-    """Return the sum of angle errors with its mean at angles, by Newton's method."""
-    error: Doubles = np.zeros(angle.shape)
+def turned_pins(bends: Doubles, twists: Doubles, phases: Doubles, deviations: Doubles) -> Doubles:
+    """Return the sum of angle errors with its mean, at samples of a turn on the last axis.
+
+    A pin is a cosine and a sine. Newton's method turns the driven one.
+    """
+    angle = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
+    cosine, sine = np.cos(angle), np.sin(angle)
+    error: Doubles = np.zeros(SAMPLES)
     for j in range(bends.shape[-1]):
         if j > 0:
-            angle = angle + (phases[..., j - 1] - twists[..., j - 1])[..., np.newaxis] + np.pi / 2
+            turn = (phases[..., j - 1] - twists[..., j - 1])[..., np.newaxis] + np.pi / 2
+            c, s = np.cos(turn), np.sin(turn)
+            cosine, sine = cosine * c - sine * s, sine * c + cosine * s
         lean, skew, lean_driven = (deviations[..., j, i][..., np.newaxis] for i in range(3))
         bend = bends[..., j][..., np.newaxis]
-        sine, cosine = np.sin(angle), np.cos(angle)
         # The driving pin along e_out, m and v.
-        out = np.cos(lean) * cosine * np.cos(bend) - np.sin(lean) * np.sin(bend)
+        out = np.cos(lean) * np.cos(bend) * cosine - np.sin(lean) * np.sin(bend)
         normal = np.cos(lean) * sine
-        along = np.cos(lean) * cosine * np.sin(bend) + np.sin(lean) * np.cos(bend)
-        own = np.arctan2(
-            2 * np.sin(bend / 2) ** 2 * sine * cosine, np.cos(bend) * cosine**2 + sine**2
-        )
+        along = np.cos(lean) * np.sin(bend) * cosine + np.sin(lean) * np.cos(bend)
+        # Where it is without deviations.
+        c, s = np.cos(bend) * cosine, np.broadcast_to(sine, out.shape)
+        size = np.hypot(c, s)
+        c, s = c / size, s / size
+        constant = (np.sin(lean_driven) * along - np.sin(skew)) / np.cos(lean_driven)
         for _ in range(20):
-            s, c = np.sin(angle + own), np.cos(angle + own)
-            level = np.cos(lean_driven)
-            residual = level * (c * normal - s * out) + np.sin(lean_driven) * along - np.sin(skew)
-            own = own + residual / (level * (c * out + s * normal))
-        error = error + own
-        angle = angle + own
+            residual = c * normal - s * out + constant
+            step = residual / (c * out + s * normal)
+            c, s = c - step * s, s + step * c
+            size = np.sqrt(1.0 + step * step)
+            c, s = c / size, s / size
+            # Each step leaves about the square of it.
+            if np.max(np.abs(step)) < 1e-9:
+                break
+        error = error + np.arctan2(s * cosine - c * sine, c * cosine + s * sine)
+        cosine, sine = c, s
     return error
 
 
-def as_built_harmonics(random: np.random.Generator, rows: int) -> tuple[int, float]:
+def drawn_as_built(random: np.random.Generator, rows: int) -> Case:
+    """Return drivelines and the deviations of their joints, to 1.7 deg."""
+    case = drawn(random, rows)
+    return {**case, "deviations": random.uniform(-0.03, 0.03, (*case["bends"].shape, 3))}
+
+
+def as_built_harmonics(case: Case) -> tuple[Doubles, int]:
     """Orders of the angle error of drivelines of joints as built."""
-    bends, twists, phases = drawn(random, rows)
-    deviations = random.uniform(-0.03, 0.03, (*bends.shape, 3))
-    line = Driveline.from_bends(bends, twists, phases)
-    line = line.with_deviations(*np.moveaxis(deviations, -1, 0))
+    line = Driveline.from_bends(case["bends"], case["twists"], case["phases"])
+    line = line.with_deviations(*np.moveaxis(case["deviations"], -1, 0))
     found = line.harmonics(ORDERS, outputs="angle_error")
-    angles = np.broadcast_to(2 * np.pi * np.arange(SAMPLES) / SAMPLES, (rows, SAMPLES))
-    exact = orders_of(turned_pins(bends, twists, phases, deviations, angles))
+    exact = orders_of(turned_pins(**case))
     off = np.abs(found.complex_amplitude["angle_error"] - exact)
-    bound = found.error["angle_error"][:, np.newaxis] + 1e-15
-    return rows * len(ORDERS), float(np.max(off / bound))
+    bound = found.error["angle_error"] + 1e-15
+    return np.asarray(np.max(off, axis=-1) / bound), exact.size
 
 
-def tolerances(random: np.random.Generator, rows: int) -> tuple[int, float]:
-    """Figures of tolerances: no driveline exceeds the worst, which one has, nor any the bound."""
-    bends, twists, phases = (array[0] for array in drawn(random, 1))
-    line = Driveline.from_bends(bends, twists, phases)
+def drawn_tolerances(random: np.random.Generator, rows: int) -> Case:
+    """Return one driveline, its tolerances, and deviations in units of them, half at corners."""
+    case = drawn(random, 1)
     size = 10.0 ** random.uniform(-4.0, -1.5)
-    given: dict[str, Any] = {"bends": size * random.uniform(0.1, 1.0, bends.shape)}
-    if len(phases):
-        given["phases"] = size * random.uniform(0.1, 3.0, phases.shape)
-    found = line.tolerances(**given)
-    count = 200 * rows
-
-    def within(of: str, drawing: Doubles) -> Doubles:
-        share = random.uniform(-1.0, 1.0, (count, *drawing.shape))
-        # Half of them are corners.
-        share[::2] = np.sign(share[::2])
-        return np.asarray(drawing + share * given.get(of, 0.0))
-
-    # A bend that changes its sign is a bend to the other side.
-    q = q_of(within("bends", bends), twists, within("phases", phases))
-    largest = float(np.max(2 * np.arctan(np.sqrt(np.abs(q)))))
-    at = found.worst_at
-    worst = q_of(bends + at["bends"], twists, phases + at.get("phases", 0.0))
-    own = float(2 * np.arctan(np.sqrt(np.abs(worst))))
-    beyond = max(largest - found.worst, own - found.guaranteed, abs(own - found.worst))
-    return count, max(0.0, beyond)
+    tolerances = {
+        f"tolerance of {name}": size * random.uniform(0.1, most, case[name].shape)
+        for name, most in (("bends", 1.0), ("phases", 3.0))
+    }
+    parameters = case["bends"].size + case["phases"].size
+    shares = random.uniform(-1.0, 1.0, (200 * rows, parameters))
+    shares[::2] = np.sign(shares[::2])
+    return {**case, **tolerances, "shares": shares}
 
 
-def order_tolerances(random: np.random.Generator, rows: int) -> tuple[int, float]:
-    """Contributions of deviations to an order, against differences of joints as built."""
-    del rows
-    bends, twists, phases = (array[0] for array in drawn(random, 1))
+def tolerances(case: Case) -> tuple[Doubles, int]:
+    """Figures of tolerances: no driveline exceeds the worst, which one has, nor any the bound."""
+    bends, twists, phases = (case[name][0] for name in ("bends", "twists", "phases"))
+    given = {name: case[f"tolerance of {name}"][0] for name in ("bends", "phases")}
     line = Driveline.from_bends(bends, twists, phases)
-    halves = random.uniform(1e-4, 1e-2, (len(bends), 3))
-    order = int(random.integers(1, 5))
+    # A driveline of one joint has no phases.
+    found = line.tolerances(**{name: half for name, half in given.items() if half.size})
+    own, between = np.split(case["shares"], [bends.size], axis=-1)
+    # A bend that changes its sign is a bend to the other side.
+    q = q_of(bends + own * given["bends"], twists, phases + between * given["phases"])
+    at = found.worst_at
+    reached = np.abs(q_of(bends + at["bends"], twists, phases + at.get("phases", 0.0)))
+    worst, guaranteed = (
+        np.tan(np.longdouble(bend) / 2) ** 2 for bend in (found.worst, found.guaranteed)
+    )
+    beyond = np.maximum(reached - guaranteed, np.abs(reached - worst))
+    each = np.maximum(np.abs(q) - worst, beyond) / np.sum(np.tan((bends + given["bends"]) / 2) ** 2)
+    return each.astype(np.float64), len(each)
+
+
+def drawn_order_tolerances(random: np.random.Generator, rows: int) -> Case:
+    """Return one driveline, the tolerances of its deviations, and an order."""
+    del rows
+    case = drawn(random, 1)
+    halves = random.uniform(1e-4, 1e-2, (*case["bends"].shape, 3))
+    return {**case, "halves": halves, "order": random.integers(1, 5, 1).astype(np.float64)}
+
+
+def order_tolerances(case: Case) -> tuple[Doubles, int]:
+    """Contributions of deviations to an order, against differences of joints as built."""
+    bends, twists, phases = (case[name][0] for name in ("bends", "twists", "phases"))
+    halves, order = case["halves"][0], int(case["order"][0])
+    line = Driveline.from_bends(bends, twists, phases)
     found = line.order_tolerances(*halves.T, order=order)
-    angles = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
+    # Four steps of each deviation, the worst deviations, and these with one to the other side.
+    units = np.eye(halves.size).reshape(-1, *halves.shape)
+    steps = 1e-3 * np.concatenate([units, -units, 2.0 * units, -2.0 * units])
+    at = found.worst_deviations
+    all_of_them = np.concatenate([steps, at[np.newaxis], at * (1.0 - 2.0 * units)])
+    count = len(all_of_them)
+    bends, twists, phases = (np.tile(x, (count, 1)) for x in (bends, twists, phases))
+    pins = turned_pins(bends, twists, phases, all_of_them)
+    amplitudes = orders_of(pins)[:, order - 1]
+    near, opposite, far, beyond = np.split(amplitudes[: len(steps)], 4)
+    at_worst, *others = np.abs(amplitudes[len(steps) :]) - found.worst
+    slope = ((8.0 * (near - opposite) - (far - beyond)) / 12e-3).reshape(halves.shape)
+    off = np.abs(found.contributions - slope * halves)
+    worst = np.max([np.max(off), abs(at_worst), *others])
+    return np.array([worst]), 2 * off.size + 1
 
-    def amplitude(deviations: Doubles) -> complex:
-        each = turned_pins(bends, twists, phases, deviations, angles)
-        return complex(orders_of(each)[order - 1])
 
-    worst: float = abs(abs(amplitude(found.worst_deviations)) - found.worst)
-    for place in np.ndindex(halves.shape):
-        step = np.zeros(halves.shape)
-        step[place] = 1e-3
-        near, far = (amplitude(x * step) - amplitude(-x * step) for x in (1.0, 2.0))
-        slope = (8.0 * near - far) / 12e-3
-        worst = max(worst, float(abs(found.contributions[place] - slope * halves[place])))
-    return halves.size + 1, worst
-
-
-SURFACES: dict[str, Callable[[np.random.Generator, int], tuple[int, float]]] = {
-    "harmonics": harmonics,
-    "harmonics as built": as_built_harmonics,
-    "tolerances": tolerances,
-    "order tolerances": order_tolerances,
+SURFACES = {
+    "harmonics": Surface(drawn, harmonics),
+    "harmonics as built": Surface(drawn_as_built, as_built_harmonics),
+    "tolerances": Surface(drawn_tolerances, tolerances),
+    "order tolerances": Surface(drawn_order_tolerances, order_tolerances),
 }
 
 
-def stress(rows: int, rounds: int, seed: int) -> dict[str, tuple[int, float]]:
-    """Return the number of results and the worst error of each surface."""
+def stress(
+    rows: int, rounds: int, seed: int, surfaces: dict[str, Surface] = SURFACES
+) -> dict[str, Found]:
+    """Return what a run finds of each surface."""
     found = {}
-    for name, judge in SURFACES.items():
+    for name, surface in surfaces.items():
         random = np.random.default_rng([seed, len(name)])
-        each = [judge(random, rows) for _ in range(rounds)]
-        found[name] = (sum(count for count, _ in each), max(worst for _, worst in each))
+        results, worst, kept = 0, -1.0, Case()
+        for _ in range(rounds):
+            case = surface.draw(random, rows)
+            off, count = surface.judge(case)
+            # What is not a number is as wrong as can be.
+            off = np.where(np.isnan(off), np.inf, off)
+            results += count
+            row = int(np.argmax(off))
+            if off[row] > worst:
+                worst = float(off[row])
+                kept = {key: x[[row]] if len(x) > 1 else x for key, x in case.items()}
+        found[name] = Found(results, worst, kept)
     return found
 
 
@@ -195,12 +264,22 @@ def main() -> int:
     parser.add_argument("--rows", type=int, default=200, help="drivelines of a round")
     parser.add_argument("--rounds", type=int, default=10, help="rounds of each surface")
     parser.add_argument("--seed", type=int, default=1, help="another run")
+    parser.add_argument("--only", choices=SURFACES, help="one surface")
+    parser.add_argument("--worst", type=Path, help="write the worst cases, as JSON")
     options = parser.parse_args()
-    failed = False
-    for name, (count, worst) in stress(options.rows, options.rounds, options.seed).items():
-        print(f"{name:20} {worst:.2e} of {LIMITS[name]:g} in {count} results")
-        failed |= not worst <= LIMITS[name]
-    return 1 if failed else 0
+    surfaces = {options.only: SURFACES[options.only]} if options.only else SURFACES
+    found = stress(options.rows, options.rounds, options.seed, surfaces)
+    for name, own in found.items():
+        print(f"{name:20} {own.worst:.2e} of {LIMITS[name]:g} in {own.results} results")
+    if options.worst:
+        cases = [
+            {"surface": name, "off": own.worst}
+            | {key: array.tolist() for key, array in own.case.items()}
+            for name, own in found.items()
+        ]
+        rows = ",\n  ".join(map(json.dumps, cases))
+        options.worst.write_text(f'{{"cases": [\n  {rows}\n]}}\n', encoding="utf-8")
+    return 0 if all(own.worst <= LIMITS[name] for name, own in found.items()) else 1
 
 
 if __name__ == "__main__":

@@ -1,22 +1,25 @@
-"""The worst samples of the stress command against mpmath.
+"""The worst samples that the stress tools found, with the exact bits of their inputs.
 
-``cardan-stress --worst`` writes them (rust/stress): per output and tier the sample among 10**8,
-random and adversarial, at which the result was farthest off, with the exact bits of its inputs.
+``cardan-stress --worst`` writes those of the core (rust/stress), here against mpmath: per output
+and tier the sample among 10**8, random and adversarial, at which the result was farthest off.
+``stress.py --worst`` writes those of what Python computes on top of it.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from cardan import OUTPUTS, Driveline, Load
 from limits import limits
 from oracle import Exact, ExactJoint, ExactTurn, MpNumber, mp, read
 from stress import LIMITS as PYTHON_LIMITS
-from stress import stress
+from stress import SURFACES, stress
 
 CASES = read("worst_cases.json")["cases"]
+PYTHON_CASES = read("worst_python.json")["cases"]
 LIMITS = {"tolerance=0": limits("tolerance_0"), "default": limits("worst")}
 
 
@@ -107,6 +110,19 @@ def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
 def test_what_python_computes_keeps_its_limits() -> None:
     found = stress(rows=20, rounds=3, seed=7)
     assert found.keys() == PYTHON_LIMITS.keys()
-    for name, (count, worst) in found.items():
-        assert count > 0, name
-        assert worst <= PYTHON_LIMITS[name], (name, worst)
+    for name, own in found.items():
+        assert own.results > 0, name
+        assert own.worst <= PYTHON_LIMITS[name], (name, own.worst)
+
+
+def test_every_surface_of_python_has_kept_cases() -> None:
+    assert {case["surface"] for case in PYTHON_CASES} == SURFACES.keys() == PYTHON_LIMITS.keys()
+
+
+@pytest.mark.parametrize("case", PYTHON_CASES, ids=lambda case: case["surface"])
+def test_the_worst_cases_of_python_keep_their_limits(case: dict[str, Any]) -> None:
+    name = case["surface"]
+    arrays = {key: np.array(x) for key, x in case.items() if key not in ("surface", "off")}
+    off, results = SURFACES[name].judge(arrays)
+    assert results > 0
+    assert np.max(off) <= PYTHON_LIMITS[name]

@@ -109,6 +109,14 @@ def test_the_example_of_the_theory_page() -> None:
     assert direct(line, deviations).equivalent().bend_deg == pytest.approx(brute, abs=1e-9)
 
 
+@pytest.mark.parametrize("bend", [1e-9, 1.3e-5, 1e-3, 0.49, 0.51])
+def test_the_bound_of_one_joint_is_its_largest_bend(bend: float) -> None:
+    found = Driveline.from_bends([bend]).tolerances(bends=10.0 * bend if bend < 0.1 else 0.3)
+    largest = 11.0 * bend if bend < 0.1 else bend + 0.3
+    assert found.worst == pytest.approx(largest, rel=2e-15, abs=0.0)
+    assert found.guaranteed == pytest.approx(largest, rel=2e-15, abs=0.0)
+
+
 def test_the_worst_may_be_inside_the_box() -> None:
     # The phase of the largest bend, both bends adding up, is within the tolerance and no corner.
     line = Driveline.from_bends([12, 7], phases=[83.0], degrees=True)

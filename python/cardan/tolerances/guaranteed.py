@@ -131,7 +131,9 @@ def _arms(sides: FloatArray, nearer: bool) -> FloatArray:
 
 def _length(bends: FloatArray) -> FloatArray:
     """``L = ln sec(bend)``."""
-    return -np.log(np.cos(bends))
+    # The cosine of a small bend has lost the digits of its difference from 1.
+    small = -np.log1p(-2.0 * np.sin(0.5 * bends) ** 2)
+    return np.where(bends < 0.5, small, -np.log(np.cos(bends)))
 
 
 def _two_triangles(first: FloatArray, second: FloatArray, bends: FloatArray) -> FloatArray:

@@ -38,6 +38,8 @@ pub(crate) struct ErrorTable {
     counts: Vec<(&'static str, u64, u64)>,
     /// What is beyond its limit, a line each.
     pub(crate) failures: Vec<String>,
+    /// The worst of each row and column, a line each.
+    pub(crate) worst: Vec<String>,
 }
 
 impl ErrorTable {
@@ -48,7 +50,7 @@ impl ErrorTable {
         found: &[ShapeErrors<S, ROWS, OUTPUTS>],
         name: impl Fn(S) -> &'static str,
     ) -> Self {
-        let (mut rows, mut failures) = (vec![], vec![]);
+        let (mut rows, mut failures, mut worst) = (vec![], vec![], vec![]);
         for (row, own) in limits.iter().enumerate() {
             for found in found {
                 if found.off[row].iter().all(|&off| off == 0.0) {
@@ -59,11 +61,17 @@ impl ErrorTable {
                 failures.extend(found.beyond(row, own.limits, own.name));
             }
             rows.push(("limit", own.name, own.limits.iter().map(f64::to_string).collect()));
+            worst.extend((0..OUTPUTS).filter_map(|output| {
+                let of = |found: &&ShapeErrors<S, ROWS, OUTPUTS>| found.off[row][output];
+                let found = found.iter().max_by(|a, b| of(a).total_cmp(&of(b)))?;
+                let place = &found.place[row][output];
+                (!place.is_empty()).then(|| format!("{:.3e} {}: {place}", of(&found), own.name))
+            }));
         }
         let count =
             |own: &ShapeErrors<S, ROWS, OUTPUTS>| (name(own.shape), own.judged, own.results);
         let counts = found.iter().map(count).collect();
-        Self { title, note, columns: columns.to_vec(), rows, counts, failures }
+        Self { title, note, columns: columns.to_vec(), rows, counts, failures, worst }
     }
 
     /// For the terminal.

@@ -97,7 +97,7 @@ impl Report<'_> {
         text
     }
 
-    /// The worst samples with the digits that they have.
+    /// The worst samples with the digits that they have, and the worst places of the tables.
     pub(crate) fn worst(&self) -> String {
         let mut cases = vec![];
         let all = [Tier::Faithful, Tier::Default].map(|tier| Quantity::ALL.map(|q| (tier, q)));
@@ -114,7 +114,10 @@ impl Report<'_> {
                 hex(sample.torque)
             ));
         }
-        format!("{{\"cases\": [\n{}\n]}}\n", cases.join(",\n"))
+        let places = self.tables.iter().flat_map(|table| &table.worst);
+        let places: Vec<String> = places.map(|place| format!("  {place:?}")).collect();
+        let [cases, places] = [cases, places].map(|lines| lines.join(",\n"));
+        format!("{{\"cases\": [\n{cases}\n], \"places\": [\n{places}\n]}}\n")
     }
 }
 

@@ -4,7 +4,7 @@
 //! drive is integrated by the extrapolation of the midpoint rule (W. B. Gragg, 1965; R. Bulirsch and
 //! J. Stoer, 1966), and the periodic orbit is corrected by Newton's method on the state at its start.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::space::solved;
 use crate::wide::Wide;
@@ -52,8 +52,18 @@ impl VibrationInstant {
     }
 }
 
-/// Angles of the drive and of the output ends of compliant shafts, then their speeds.
+/// Angles of the drive and of the output ends of compliant shafts, then their speeds. Those of the
+/// ends are relative to the drive: the extrapolation multiplies what is rounded by about 100.
 pub(crate) type VibrationState = Vec<f64>;
+
+/// Angles and speeds of the pieces, the first the drive's, of a state.
+pub(crate) fn motion_of_pieces(state: &[f64]) -> [Vec<f64>; 2] {
+    let (angles, speeds) = state.split_at(state.len() / 2);
+    [angles, speeds].map(|of| {
+        let ends = of[1..].iter().map(|relative| of[0] + relative);
+        std::iter::once(of[0]).chain(ends).collect()
+    })
+}
 
 impl VibratingDriveline {
     pub(crate) fn unknowns(&self) -> usize {
@@ -137,9 +147,10 @@ impl VibratingDriveline {
 
     /// Derivatives of a state by time.
     fn rates(&self, state: &[f64]) -> VibrationState {
-        let (angles, speeds) = state.split_at(state.len() / 2);
-        let at = self.at(angles, speeds);
-        speeds.iter().copied().chain(self.accelerations(&at, speeds)).collect()
+        let [angles, speeds] = motion_of_pieces(state);
+        let at = self.at(&angles, &speeds);
+        let rates = state[state.len() / 2..].iter().copied();
+        rates.chain(self.accelerations(&at, &speeds)).collect()
     }
 
     /// The state after a time, in so many steps.
@@ -185,7 +196,7 @@ impl VibratingDriveline {
         time: f64,
         steps: usize,
     ) -> (Vec<Vec<f64>>, VibrationState) {
-        const STEP: f64 = 1e-3;
+        const STEP: f64 = 2e-4;
         let pieces = state.len() / 2;
         let unknown: Vec<usize> = (1..pieces).chain(pieces + 1..2 * pieces).collect();
         let speed = state[pieces];
@@ -206,12 +217,8 @@ impl VibratingDriveline {
             (0..unknown.len()).map(slope).collect()
         };
         let columns: Vec<Vec<f64>> = unknown.iter().map(column).collect();
-        // The drive and the pins turn by half a turn.
         let after = map(state);
-        let defect = |k: usize| {
-            let turned = if unknown[k] < pieces { PI } else { 0.0 };
-            after[k] - turned - state[unknown[k]]
-        };
+        let defect = |k: usize| after[k] - state[unknown[k]];
         let row = |k: usize| -> Vec<Wide> {
             let entry = |c: usize| Wide::from(f64::from(u8::from(k == c)) - columns[c][k]);
             (0..unknown.len()).map(entry).chain([Wide::from(defect(k))]).collect()

@@ -1,6 +1,6 @@
 //! The search for the orbit at one speed: starts, refinement of the mesh, continuation in speed.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, NewtonStep, Orbit};
@@ -193,7 +193,9 @@ pub(super) fn refined(
     equation: &mut MotionEquation<'_>,
     goal: OrbitGoal,
 ) -> Result<Orbit, Failure> {
-    // Halving divides the error at least by the first, and by the second if that was observed.
+    // Halving divides the error at least by the first. It divides it by the second if that was
+    // observed and no free vibration is too fast for the intervals: what they leave of one decreases
+    // later, when it may be all that is left.
     const GAINS: (f64, f64) = (16.0, 128.0);
     let Found { mut orbit, mut contraction, .. } = found;
     let mut before = [f64::NAN; 2];
@@ -205,17 +207,27 @@ pub(super) fn refined(
             difference(&orbit, &fine.orbit),
             if goal.stability { maps_differ(&orbit, &fine.orbit) } else { 0.0 },
         ];
-        let settled = (0..2).all(|i| {
-            // NaN, at first, counts as no gain.
-            let gain = (before[i] / change[i]).max(GAINS.0).min(GAINS.1);
-            change[i] <= (gain * goal.tolerance * scales[i]).max(10.0 * ROUNDING)
-        });
+        let settled_by = |most: f64| {
+            (0..2).all(|i| {
+                // NaN, at first, counts as no gain.
+                let gain = (before[i] / change[i]).max(GAINS.0).min(most);
+                change[i] <= (gain * goal.tolerance * scales[i]).max(10.0 * ROUNDING)
+            })
+        };
+        let settled = settled_by(GAINS.0)
+            || settled_by(GAINS.1) && follows_free_vibrations(&fine.orbit, equation);
         (orbit, contraction, before) = (fine.orbit, fine.contraction, change);
         if settled && orbit.intervals > goal.order && resolved(&orbit, equation, goal) {
             return Ok(orbit);
         }
     }
     Err(Failure::NotResolved)
+}
+
+/// Whether the intervals are shorter than half a period of every free vibration.
+fn follows_free_vibrations(orbit: &Orbit, equation: &MotionEquation<'_>) -> bool {
+    let highest = equation.system.natural_frequencies().last().copied();
+    highest.is_some_and(|highest| orbit.width() * highest <= PI * equation.speed)
 }
 
 /// The largest difference of the maps of half a turn.

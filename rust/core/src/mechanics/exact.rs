@@ -28,6 +28,16 @@ pub(crate) enum To {
     Joint(usize),
 }
 
+impl To {
+    /// The number of joints and intermediate shafts before it.
+    fn elements(self) -> usize {
+        match self {
+            Self::Shaft(shaft) => 2 * shaft - 1,
+            Self::Joint(joint) => 2 * joint,
+        }
+    }
+}
+
 /// The map `w → A w + B w̄` of a chain, multiplied by the squares of the cosines of half its bends,
 /// which spares divisions.
 #[derive(Clone, Debug)]
@@ -37,41 +47,36 @@ pub(crate) struct ExactMap {
     words: usize,
     /// `|A|² − |B|²`.
     complement: DoubleDouble,
+    /// How many joints and intermediate shafts it passes.
+    elements: usize,
 }
+
+/// The maps of one driveline: with the fewest words, with twice as many, and so on, each as far as it
+/// was needed. Ends that follow each other along the chain pass each of its elements once per number
+/// of words.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ExactMaps(Vec<ExactMap>);
 
 /// The fewest words and the most, and the digits that a result needs.
 const FEWEST: usize = 4;
 const MOST: usize = 32;
 const ENOUGH: i64 = 128;
 
-impl ExactMap {
-    /// The map, with enough digits.
-    pub(crate) fn new(chains: Chains<'_>, line: usize, to: To) -> Self {
-        Self::longer(chains, line, to, FEWEST, |map| {
-            let [cosine, sine] = map.rows();
-            match to {
-                To::Shaft(_) => {
-                    [&map.a, &map.b].iter().all(|x| x.is_zero() || x.digits() >= ENOUGH)
-                }
-                To::Joint(_) => [cosine, sine].iter().all(|row| row.digits() >= ENOUGH),
+impl ExactMaps {
+    /// The map to an end, with enough digits.
+    pub(crate) fn map(&mut self, chains: Chains<'_>, line: usize, to: To) -> ExactMap {
+        let mut words = FEWEST;
+        for kept in 0.. {
+            if kept == self.0.len() {
+                self.0.push(ExactMap::identity(words));
             }
-        })
-    }
-
-    /// The map with at least `words` words, and as many as `suffices` asks for.
-    fn longer(
-        chains: Chains<'_>,
-        line: usize,
-        to: To,
-        mut words: usize,
-        suffices: impl Fn(&Self) -> bool,
-    ) -> Self {
-        loop {
-            let mut map = Self::with_words(chains, line, to, words);
-            if suffices(&map) {
-                return map;
+            let map = &mut self.0[kept];
+            map.pass(chains, line, to);
+            if map.suffices(to) {
+                return map.clone();
             }
             if words >= MOST {
+                let mut map = map.clone();
                 // What is left is smaller than any double.
                 if map.b.digits() < ENOUGH {
                     map.b = FixedComplex::zero(words);
@@ -80,34 +85,69 @@ impl ExactMap {
             }
             words *= 2;
         }
+        unreachable!("the words reach the most")
+    }
+}
+
+impl ExactMap {
+    /// The map to an end, with enough digits.
+    pub(crate) fn new(chains: Chains<'_>, line: usize, to: To) -> Self {
+        ExactMaps::default().map(chains, line, to)
     }
 
     fn with_words(chains: Chains<'_>, line: usize, to: To, words: usize) -> Self {
+        let mut map = Self::identity(words);
+        map.pass(chains, line, to);
+        map
+    }
+
+    fn identity(words: usize) -> Self {
+        Self {
+            a: FixedComplex::one(words),
+            b: FixedComplex::zero(words),
+            words,
+            complement: DoubleDouble::ONE,
+            elements: 0,
+        }
+    }
+
+    /// Appends the joints and shafts from its end to another one, which is not before it.
+    fn pass(&mut self, chains: Chains<'_>, line: usize, to: To) {
         let (first, between) = (line * chains.joints, line * (chains.joints - 1));
-        let (mut a, mut b) = (FixedComplex::one(words), FixedComplex::zero(words));
-        let mut complement = DoubleDouble::ONE;
-        let (joints, shafts) = match to {
-            To::Shaft(shaft) => (shaft, shaft - 1),
-            To::Joint(joint) => (joint, joint),
-        };
-        for j in 0..joints {
-            let bend = chains.bends[first + j];
-            let half = FixedComplex::turn(&[0.5 * bend], words);
-            let (keep, turn_back) = (&half.re * &half.re, &half.im * &half.im);
-            (a, b) = (
-                &a.times(&keep) - &b.conj().times(&turn_back),
-                &b.times(&keep) - &a.conj().times(&turn_back),
-            );
-            complement = complement * Joint::of_chain(bend).cos;
-            if j < shafts {
-                let (phase, twist) = (chains.phases[between + j], chains.twists[between + j]);
-                let turn = FixedComplex::turn(&[phase, -twist], words);
-                // A quarter turn ahead of the difference.
-                let turn = FixedComplex { re: -&turn.im, im: turn.re };
-                (a, b) = (&a * &turn, &b * &turn);
+        for element in self.elements..to.elements() {
+            let j = element / 2;
+            if element.is_multiple_of(2) {
+                self.pass_joint(chains.bends[first + j]);
+            } else {
+                self.pass_shaft(chains.phases[between + j], chains.twists[between + j]);
             }
         }
-        Self { a, b, words, complement }
+        self.elements = to.elements();
+    }
+
+    fn pass_joint(&mut self, bend: f64) {
+        let half = FixedComplex::turn(&[0.5 * bend], self.words);
+        let (keep, turn_back) = (&half.re * &half.re, &half.im * &half.im);
+        (self.a, self.b) = (
+            &self.a.times(&keep) - &self.b.conj().times(&turn_back),
+            &self.b.times(&keep) - &self.a.conj().times(&turn_back),
+        );
+        self.complement = self.complement * Joint::of_chain(bend).cos;
+    }
+
+    fn pass_shaft(&mut self, phase: f64, twist: f64) {
+        let turn = FixedComplex::turn(&[phase, -twist], self.words);
+        // A quarter turn ahead of the difference.
+        let turn = FixedComplex { re: -&turn.im, im: turn.re };
+        (self.a, self.b) = (&self.a * &turn, &self.b * &turn);
+    }
+
+    /// Whether it has enough digits for what follows from it at this end.
+    fn suffices(&self, to: To) -> bool {
+        match to {
+            To::Shaft(_) => [&self.a, &self.b].iter().all(|x| x.is_zero() || x.digits() >= ENOUGH),
+            To::Joint(_) => self.rows().iter().all(|row| row.digits() >= ENOUGH),
+        }
     }
 
     /// The vectors whose products with `(cos α, sin α)` are cosine and sine behind the map.
@@ -187,8 +227,8 @@ impl<'a> ExactSamples<'a> {
             let number = product(map, &angle.pin(words));
             let enough = |x: &Fixed| x.digits() >= ENOUGH || x.is_zero();
             if words < MOST && !(enough(&number.re) && enough(&number.im)) {
-                self.map =
-                    Some((line, ExactMap::longer(self.chains, line, self.to, 2 * words, |_| true)));
+                let longer = ExactMap::with_words(self.chains, line, self.to, 2 * words);
+                self.map = Some((line, longer));
                 continue;
             }
             let power = 64 * words as i64 - number.digits();
@@ -269,6 +309,47 @@ mod tests {
             let map = ExactMap::new(chains(&[bend; 2], &[0.7], &[0.7]), 0, To::Shaft(2));
             assert!(map.b.is_zero());
         }
+    }
+
+    /// Ends of a chain of so many joints, in order.
+    fn ends(joints: usize) -> impl Iterator<Item = To> {
+        (1..joints).flat_map(|j| [To::Joint(j), To::Shaft(j + 1)])
+    }
+
+    #[test]
+    fn maps_that_are_kept_are_those_that_begin_at_the_drive() {
+        // Words for twenty of the steep joints do not suffice for forty.
+        let bends: Vec<f64> = (0..40).map(|j| if j < 4 { 0.2 } else { 1.5 }).collect();
+        let shafts: Vec<f64> = (0..39).map(|j| (f64::from(j) * 1.7).sin()).collect();
+        let chains = chains(&bends, &shafts, &[0.4; 39]);
+        let mut maps = ExactMaps::default();
+        for to in ends(40) {
+            let (kept, new) = (maps.map(chains, 0, to), ExactMap::new(chains, 0, to));
+            assert_eq!(kept.words, new.words, "{to:?}");
+            assert_eq!(kept.matrix(), new.matrix(), "{to:?}");
+            let [kept, new] = [kept, new].map(|map| map.transfer());
+            assert_eq!((kept.a, kept.b, kept.complement), (new.a, new.b, new.complement));
+        }
+        assert!(maps.0.len() > 2);
+    }
+
+    #[test]
+    fn a_map_that_is_kept_does_not_pass_a_joint_again() {
+        let (bends, shafts) = ([0.3, 1.2, 0.7, 0.4], [0.4, -2.0, 0.9]);
+        let wanted = ExactMap::new(chains(&bends, &shafts, &shafts), 0, To::Shaft(4)).transfer();
+        let mut maps = ExactMaps::default();
+        for to in ends(4) {
+            // Whatever lies two joints before the end is not looked at.
+            let (mut bends, mut shafts) = (bends, shafts);
+            let passed = (to.elements() / 2).saturating_sub(2);
+            bends[..passed].fill(f64::NAN);
+            shafts[..passed].fill(f64::NAN);
+            let found = maps.map(chains(&bends, &shafts, &shafts), 0, to).transfer();
+            if to == To::Shaft(4) {
+                assert_eq!((found.a, found.b), (wanted.a, wanted.b));
+            }
+        }
+        assert_eq!(maps.0.len(), 1);
     }
 
     #[test]

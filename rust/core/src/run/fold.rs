@@ -6,7 +6,7 @@
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::chain::{Transfer, Wave};
-use crate::mechanics::exact::{ExactMap, To};
+use crate::mechanics::exact::{ExactMap, ExactMaps, To};
 use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
@@ -199,6 +199,12 @@ impl<T: Angle> Folded<T> {
         let Self {
             shafts, poses, waves, turnings, lines: kept, forces, frames, maps, turns, ..
         } = self;
+        // Empty unless a driveline has lost digits.
+        let mut kept_maps: Vec<ExactMaps> = vec![];
+        let mut exact = |i: usize, to: To| {
+            kept_maps.resize_with(length, ExactMaps::default);
+            kept_maps[i].map(lines.chains(n), numbers[i], to)
+        };
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
         if T::LOW {
@@ -242,8 +248,8 @@ impl<T: Angle> Folded<T> {
             }
             if T::LOW && j > 0 && plan.joints[j].needs_tilt {
                 let maps = maps.read(length);
-                let exact = |i: usize| ExactMap::new(lines.chains(n), numbers[i], To::Joint(j));
-                let lane = |i: usize| waves_of(&maps.at(i), products[i], || exact(i));
+                let mut to_joint = |i: usize| exact(i, To::Joint(j));
+                let lane = |i: usize| waves_of(&maps.at(i), products[i], || to_joint(i));
                 waves[j].extend((0..length).map(lane));
             }
             if j == 0
@@ -276,18 +282,19 @@ impl<T: Angle> Folded<T> {
                 continue;
             }
             let (maps, shaft) = (maps.read(length), &mut shafts[j + 1]);
-            let exact = |i: usize| ExactMap::new(lines.chains(n), numbers[i], To::Shaft(j + 1));
+            let mut to_shaft = |i: usize| exact(i, To::Shaft(j + 1)).transfer();
             let lost = |i: usize| Transfer::loses_digits(&maps.at(i), sums[i], products[i]);
             if turns_load {
-                turnings[j + 1].extend((0..length).map(|i| {
-                    Turning::new(&if lost(i) { exact(i).transfer() } else { maps.at(i) })
-                }));
+                turnings[j + 1].extend(
+                    (0..length)
+                        .map(|i| Turning::new(&if lost(i) { to_shaft(i) } else { maps.at(i) })),
+                );
             }
             match shaft {
                 Some(shaft) if T::LOW => {
                     shaft.set_with_offsets(start, length, &maps);
                     for i in (0..length).filter(|&i| lost(i)) {
-                        shaft.set_with_offsets(start + i, 1, &exact(i).transfer());
+                        shaft.set_with_offsets(start + i, 1, &to_shaft(i));
                     }
                 }
                 Some(shaft) => shaft.set(start, length, &maps),
@@ -317,7 +324,7 @@ fn gather(
 
 /// Cosine and sine of a joint's input angle, from an exact map if this one has lost digits.
 #[inline(always)]
-fn waves_of(map: &Transfer, product: f64, exact: impl Fn() -> ExactMap) -> [Wave; 2] {
+fn waves_of(map: &Transfer, product: f64, exact: impl FnOnce() -> ExactMap) -> [Wave; 2] {
     let near = map.waves();
     if !near.iter().any(|wave| wave.loses_digits(product)) {
         return near;
