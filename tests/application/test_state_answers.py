@@ -353,6 +353,10 @@ def test_names_are_tilted_as_far_as_needed(count: int, length: int, tilted: int)
     assert made["frame"].height - FRAME.height >= 5.0 * min(length, 24) * np.sin(np.radians(tilted))
 
 
+def test_wide_letters_take_more_room() -> None:
+    assert [charted([letter * 6] * 5)["tilt"] for letter in ("x", "山")] == [0, 30]
+
+
 def test_states_that_are_too_many_for_names_have_numbers() -> None:
     made = charted([f"height {i}" for i in range(40)])
     assert [text for _, text in made["x_ticks"]] == ["0", "10", "20", "30"]

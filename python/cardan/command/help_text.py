@@ -118,8 +118,8 @@ Find the best values of what a scene lets change, over all its states.
 
 The section [optimise] names the keys that may change, how far, what to minimise and which limits
 other quantities must keep. The answer says what to change, the figures of each state before and
-after, and what limits the result. The scene with the values found is written to the folder of the
-scene, as NAME.optimised.toml. The scene itself is never overwritten.
+after, and what limits the result. The values found go into a new scene in the same folder,
+NAME.optimised.toml. The scene itself is never overwritten.
 
 \b
 Examples:
@@ -151,9 +151,9 @@ LIFE = """\
 Say how long the joints of a driveline last, how hot they run and which size would suffice.
 
 The section [joints] of the scene describes the joints or names a table of their sizes. [life] gives
-the steps of the duty cycle. The life is the one that 90 % of the joints reach. It follows from the
-load on their pins over the turn, by the law of the catalogues. With [tubes] the answer has
-stress and critical bending speed of the shafts. The exit status does not depend on the verdict.
+the steps of the duty cycle. The life is the one that 90 % of the joints reach. It follows from
+the load on the pins over the turn, by the law of the catalogues. With [tubes] the answer has stress
+and critical bending speed of the shafts. The exit status does not depend on the verdict.
 
 \b
 Examples:
