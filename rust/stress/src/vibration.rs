@@ -196,7 +196,7 @@ impl VibratingDriveline {
         time: f64,
         steps: usize,
     ) -> (Vec<Vec<f64>>, VibrationState) {
-        const STEP: f64 = 2e-4;
+        const STEP: f64 = 1e-3;
         let pieces = state.len() / 2;
         let unknown: Vec<usize> = (1..pieces).chain(pieces + 1..2 * pieces).collect();
         let speed = state[pieces];

@@ -318,12 +318,13 @@ mod tests {
 
     #[test]
     fn maps_that_are_kept_are_those_that_begin_at_the_drive() {
-        // Words for twenty of the steep joints do not suffice for forty.
-        let bends: Vec<f64> = (0..40).map(|j| if j < 4 { 0.2 } else { 1.5 }).collect();
-        let shafts: Vec<f64> = (0..39).map(|j| (f64::from(j) * 1.7).sin()).collect();
-        let chains = chains(&bends, &shafts, &[0.4; 39]);
+        // Each pair of the first 72 joints compensates itself and divides the map by 3000.
+        let bends: Vec<f64> = (0..78).map(|j| if j < 72 { 1.5705 } else { 0.3 }).collect();
+        let turned = |j: i32| if j < 72 { 0.4 } else { f64::from(j).sin() };
+        let twists: Vec<f64> = (0..77).map(turned).collect();
+        let chains = chains(&bends, &twists, &[0.4; 77]);
         let mut maps = ExactMaps::default();
-        for to in ends(40) {
+        for to in ends(78) {
             let (kept, new) = (maps.map(chains, 0, to), ExactMap::new(chains, 0, to));
             assert_eq!(kept.words, new.words, "{to:?}");
             assert_eq!(kept.matrix(), new.matrix(), "{to:?}");

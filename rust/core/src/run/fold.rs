@@ -197,18 +197,13 @@ impl<T: Angle> Folded<T> {
     fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
         let (n, length) = (plan.joint_count, numbers.len());
         let Self {
-            shafts, poses, waves, turnings, lines: kept, forces, frames, maps, turns, ..
+            shafts, poses, waves, turnings, lines: own, forces, frames, maps, turns, ..
         } = self;
-        // Empty unless a driveline has lost digits.
-        let mut kept_maps: Vec<ExactMaps> = vec![];
-        let mut exact = |i: usize, to: To| {
-            kept_maps.resize_with(length, ExactMaps::default);
-            kept_maps[i].map(lines.chains(n), numbers[i], to)
-        };
+        let mut kept = vec![ExactMaps::default(); if T::LOW { length } else { 0 }];
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
         if T::LOW {
-            kept.extend(numbers);
+            own.extend(numbers);
         }
         let (mut phases, mut twists) = ([0.0; LANES], [0.0; LANES]);
         let apart = numbers.iter().enumerate().filter(|&(i, &line)| line != numbers[0] + i).count();
@@ -248,8 +243,8 @@ impl<T: Angle> Folded<T> {
             }
             if T::LOW && j > 0 && plan.joints[j].needs_tilt {
                 let maps = maps.read(length);
-                let mut to_joint = |i: usize| exact(i, To::Joint(j));
-                let lane = |i: usize| waves_of(&maps.at(i), products[i], || to_joint(i));
+                let mut exact = |i: usize| kept[i].map(lines.chains(n), numbers[i], To::Joint(j));
+                let lane = |i: usize| waves_of(&maps.at(i), products[i], || exact(i));
                 waves[j].extend((0..length).map(lane));
             }
             if j == 0
@@ -282,19 +277,18 @@ impl<T: Angle> Folded<T> {
                 continue;
             }
             let (maps, shaft) = (maps.read(length), &mut shafts[j + 1]);
-            let mut to_shaft = |i: usize| exact(i, To::Shaft(j + 1)).transfer();
+            let mut exact = |i: usize| kept[i].map(lines.chains(n), numbers[i], To::Shaft(j + 1));
             let lost = |i: usize| Transfer::loses_digits(&maps.at(i), sums[i], products[i]);
             if turns_load {
-                turnings[j + 1].extend(
-                    (0..length)
-                        .map(|i| Turning::new(&if lost(i) { to_shaft(i) } else { maps.at(i) })),
-                );
+                turnings[j + 1].extend((0..length).map(|i| {
+                    Turning::new(&if lost(i) { exact(i).transfer() } else { maps.at(i) })
+                }));
             }
             match shaft {
                 Some(shaft) if T::LOW => {
                     shaft.set_with_offsets(start, length, &maps);
                     for i in (0..length).filter(|&i| lost(i)) {
-                        shaft.set_with_offsets(start + i, 1, &to_shaft(i));
+                        shaft.set_with_offsets(start + i, 1, &exact(i).transfer());
                     }
                 }
                 Some(shaft) => shaft.set(start, length, &maps),
