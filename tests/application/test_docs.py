@@ -159,6 +159,8 @@ def test_contributing_names_what_ci_runs() -> None:
     steps = {step.split("#")[0].strip() for step in re.split(r"&&|\n", shown)} - {""}
     by_hand = {
         "maturin develop --release",
+        "maturin build --release --interpreter python3.14t --out dist/t",
+        "PYTHON=python3.14t .ci/wheel dist/t",
         "pytest -m physics",
         "fuzz/run geometry 3600",
         "python fuzz/scene.py 3600",
