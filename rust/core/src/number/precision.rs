@@ -41,6 +41,9 @@ pub(crate) struct Costs {
     /// Where registers are wide, a loop that alone needs the pins of an array of angles finds them
     /// itself, which saves storing them.
     pub(crate) fresh_pins: bool,
+    /// Where registers are wide, the motion of one shaft at moderate bends goes by strips that find
+    /// their pins themselves.
+    pub(crate) pins_by_strips: bool,
 }
 
 impl Precision {
@@ -51,9 +54,15 @@ impl Precision {
             turn_fractions: false,
             separate_reduction: false,
             fresh_pins: false,
+            pins_by_strips: false,
         };
         match self {
-            Self::Single => Costs { turn_fractions: true, separate_reduction: true, ..none },
+            Self::Single => Costs {
+                turn_fractions: true,
+                separate_reduction: true,
+                pins_by_strips: true,
+                ..none
+            },
             Self::Double => Costs { fresh_pins: true, ..none },
             Self::DoubleDouble => Costs { double_angle: true, separate_reduction: true, ..none },
         }

@@ -95,11 +95,6 @@ impl LargeAngleFlag {
         Self { least: ROUNDING.to_bits() - (1 << 40), span: 1 << 41, accumulated: 0 }
     }
 
-    /// For [`turn_fraction_q30`]: angles from about 3.2e6 are too large.
-    pub(crate) const fn for_turn_fractions() -> Self {
-        Self { least: TURN_FRACTION_ROUNDING.to_bits() - (1 << 51), span: 1 << 52, accumulated: 0 }
-    }
-
     /// Records one reduction, with two integer operations.
     #[inline(always)]
     pub(crate) fn accumulate(&mut self, bits: u64) {
@@ -110,6 +105,27 @@ impl LargeAngleFlag {
     #[inline(always)]
     pub(crate) fn any(self) -> bool {
         self.accumulated >= self.span
+    }
+}
+
+/// The same for [`turn_fraction_q30`]: angles from about 3.2e6 are too large.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct LargeFractionFlag {
+    accumulated: u64,
+}
+
+impl LargeFractionFlag {
+    /// Records one turn fraction. Those of other angles have the exponent of the constant that
+    /// rounds them, so that one operation suffices.
+    #[inline(always)]
+    pub(crate) fn accumulate(&mut self, fraction: u64) {
+        self.accumulated |= fraction ^ TURN_FRACTION_ROUNDING.to_bits();
+    }
+
+    /// Whether any angle was too large or NaN.
+    #[inline(always)]
+    pub(crate) fn any(self) -> bool {
+        self.accumulated >= 1 << 52
     }
 }
 

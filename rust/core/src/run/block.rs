@@ -31,7 +31,7 @@ pub(crate) const CHUNK: usize = 1024;
 /// Samples per chunk with a load, which has more buffers.
 const SHORT_CHUNK: usize = CHUNK / 2;
 
-/// Samples per chunk if one loop finds its pins itself, which has few buffers or none.
+/// Doubles per chunk of a loop that finds its pins. A single very large angle makes it begin again.
 const FRESH_CHUNK: usize = 2 * CHUNK;
 
 /// Samples per chunk of a long sweep that is computed by rotations without staging buffers.
@@ -105,11 +105,11 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
     /// Buffers for runs of at most so many rows each.
     pub(crate) fn new(shared: &'a Shared<'a, 's, T>, rows: usize, staging: bool) -> Self {
         let Shared { plan, table, ref routes, .. } = *shared;
-        let row_length = table.row_length();
-        let fresh = |folded| sines::are_fresh(plan, routes, folded, GeometryIndex::Shared(0));
+        let (row_length, one) = (table.row_length(), GeometryIndex::Shared(0));
+        let fresh = |folded| sines::are_fresh(plan, routes, folded, one, row_length);
         let is_fresh = shared.fresh_pins && !staging && shared.folded.is_some_and(fresh);
         let chunk_length = if is_fresh {
-            FRESH_CHUNK
+            FRESH_CHUNK * size_of::<f64>() / size_of::<T::Float>()
         } else if plan.load.is_some() {
             SHORT_CHUNK
         } else if routes.has_rotation() && plan.moderate && !plan.needs_poses() && !staging {
@@ -120,7 +120,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         } else {
             CHUNK
         };
-        let longest = chunk_length.min(row_length);
+        let (longest, staged) =
+            (chunk_length.min(row_length), if staging { plan.planes } else { 0 });
         let allocate = || {
             let (lines, by_sample) = match table.geometry_variation() {
                 GeometryVariation::One => (1, false),
@@ -136,11 +137,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             numbers: vec![],
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
-            staging: if staging {
-                vec![vec![T::Plane::default(); longest]; plan.planes]
-            } else {
-                vec![]
-            },
+            staging: vec![vec![T::Plane::default(); longest]; staged],
             angles: vec![],
             pins_key: None,
             wide_pins_key: None,
@@ -361,7 +358,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let folded: &Folded<T> = &self.folded;
         let key = selected.is_none().then_some((begin, step, size));
         let needed = sines::sines_needed(plan, routes, folded, geometry);
-        let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry);
+        let fresh = shared.fresh_pins && sines::are_fresh(plan, routes, folded, geometry, size);
         if needed.pins && !fresh && (key.is_none() || self.pins_key != key) {
             let group = tables.tangent_sum.as_ref();
             kernels::find_pins(level, plan, drive, group, scratch, size);

@@ -4,6 +4,7 @@ mod angle_sink;
 mod as_built;
 mod as_built_constants;
 mod block;
+mod by_strips;
 mod constants;
 mod evaluation;
 pub mod execution;

@@ -16,6 +16,7 @@ use crate::plan::output::{Needs, Output};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan, ShaftStep};
 use crate::run::angle_sink::{AngleSink, ArrayAngle, SteppedAngle, SweepAngle};
+use crate::run::by_strips;
 use crate::run::constants::{GeometryIndex, with_constants};
 use crate::run::fold::Folded;
 use crate::run::formula::MotionFormula;
@@ -49,6 +50,7 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     fresh: bool,
 ) -> bool {
     let too_large = Cell::new(LargeAngleFlag::for_quadrants());
+    let mut valid = true;
     let Scratch { pins, double_sin_cos, groups, rotated_pins, turned_pins, rates, errors, .. } =
         scratch;
     let pins = pins_of(pins, size);
@@ -69,15 +71,21 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             run_drive_shaft::<T, W>(step, drive, rates, outputs, size);
             continue;
         };
-        if T::PRECISION.costs().fresh_pins
+        let costs = T::PRECISION.costs();
+        if (costs.fresh_pins || costs.pins_by_strips)
             && outputs.has_wide_registers()
             && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
                 (fresh, drive, geometry)
         {
             let constants = shaft.equivalents(geometry, size).at(index);
-            run_fresh(
-                step, range, constants, angles, &too_large, rates, errors, outputs, size, compact,
-            );
+            if costs.pins_by_strips {
+                valid = by_strips::run_shaft(step, range, constants, angles, outputs);
+            } else {
+                run_fresh(
+                    step, range, constants, angles, &too_large, rates, errors, outputs, size,
+                    compact,
+                );
+            }
             continue;
         }
         let has_own = T::LOW && shaft.has_offsets();
@@ -147,7 +155,7 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             run_tilts(step, at, pins, outputs);
         });
     }
-    !too_large.get().any()
+    valid && !too_large.get().any()
 }
 
 /// Outputs of the only shaft that needs pins, which its loop finds itself.
@@ -331,7 +339,9 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>, C: St
         map::copy::<T>(ratio.view(size), outputs.plane(plane));
     }
     match remaining {
-        (Some(ratio), None) => map::formula(S::speed_ratio, at, pins, outputs.plane(ratio)),
+        (Some(ratio), None) => {
+            map::formula(S::speed_ratio, at, pins.unsigned(), outputs.plane(ratio));
+        }
         (None, Some(acceleration)) => {
             map::formula(S::acceleration_ratio, at, pins, outputs.plane(acceleration));
         }

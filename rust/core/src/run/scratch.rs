@@ -25,7 +25,10 @@ pub(crate) struct Scratch<T: Number> {
     pub(crate) double_sin_cos: [Column<T>; 2],
     /// The groups that replace `double_sin_cos` in a long sweep.
     pub(crate) groups: Vec<rotation::RotationGroup<T>>,
+    /// Empty until then too, if they are rotated from the pins of the drive.
     pub(crate) rotated_pins: [Column<T>; 2],
+    /// Whether any are.
+    rotates_pins: bool,
     /// Sine and cosine of a joint's input angle, up to a common factor.
     pub(crate) turned_pins: [Column<T>; 2],
     /// Speed ratio and acceleration ratio of each shaft that the load needs.
@@ -58,6 +61,7 @@ impl<T: Number> Scratch<T> {
         let wide = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
         let needs_pins = !routes.splits() || steep || plan.needs_poses();
         let tilts = T::LOW && plan.needs_sense();
+        let behind_chain = plan.moving().any(|step| step.shaft > 1);
         let loaded = plan.load.is_some();
         let moments = plan.any_joint.torsion;
         let supports = plan.joints.iter().any(JointStep::needs_support);
@@ -69,9 +73,8 @@ impl<T: Number> Scratch<T> {
             wide_pins: columns(size(wide)),
             double_sin_cos: columns(size(routes.has_double_angle())),
             groups: vec![],
-            rotated_pins: columns(size(
-                tilts || (needs_pins || T::LOW) && plan.moving().any(|step| step.shaft > 1),
-            )),
+            rotated_pins: columns(size(tilts || T::LOW && behind_chain)),
+            rotates_pins: needs_pins && behind_chain,
             turned_pins: columns(size(tilts)),
             rates: rates.collect(),
             power: Column::new(size(loaded)),
@@ -85,10 +88,13 @@ impl<T: Number> Scratch<T> {
         }
     }
 
-    /// Allocates the pins, unless they exist.
+    /// Allocates the pins and those that are rotated from them, unless they exist.
     pub(crate) fn allocate_pins(&mut self) {
         if self.pins[0].is_empty() {
             self.pins = columns(self.longest);
+        }
+        if self.rotates_pins && self.rotated_pins[0].is_empty() {
+            self.rotated_pins = columns(self.longest);
         }
     }
 

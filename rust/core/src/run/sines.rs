@@ -4,6 +4,7 @@ use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::Plan;
+use crate::run::by_strips::PIN_STRIP;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::fold::Folded;
 use crate::run::scratch::Scratch;
@@ -74,17 +75,23 @@ pub(crate) fn find_double_angles<T: Number>(
     }
 }
 
-/// Whether the only loop of a chunk of an array that needs pins can find them itself.
+/// Whether the only loop of a chunk of an array that needs pins can find them itself, or its strips
+/// can.
 #[inline(always)]
 pub(crate) fn are_fresh<T: Number>(
     plan: &Plan,
     routes: &Routes,
     folded: &Folded<T>,
     geometry: GeometryIndex,
+    size: usize,
 ) -> bool {
+    let by_strips = T::PRECISION.costs().pins_by_strips;
+    if by_strips && !(plan.moderate && size >= PIN_STRIP) {
+        return false;
+    }
     let mut moving = plan.moving();
     match (moving.next(), moving.next(), plan.any_joint.pin_loops) {
-        (None, _, 1) => !plan.needs_sense(),
+        (None, _, 1) => !by_strips && !plan.needs_sense(),
         (Some(step), None, 0) => {
             let (route, range) = folded.route(routes, step.shaft, geometry);
             route == Route::Tangent && step.has_one_loop(range.is_moderate())

@@ -199,6 +199,23 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
         several
     }
 
+    /// The chosen planes, for writing in strips.
+    #[inline(always)]
+    pub(crate) fn chosen<const N: usize>(
+        &mut self,
+        chosen: [Option<usize>; N],
+    ) -> [Option<Words<'_, W>>; N] {
+        let window = self.first..self.first + self.size;
+        let mut words = [const { None }; N];
+        for (i, plane) in self.planes.iter_mut().enumerate() {
+            if let Some(place) = chosen.iter().position(|&chosen| chosen == Some(i)) {
+                let plane = plane.part(window.clone());
+                words[place] = Some(Words { plane, stores: self.stores, angles: self.angles });
+            }
+        }
+        words
+    }
+
     /// The words of a plane.
     #[inline(always)]
     pub(crate) fn words(&mut self, plane: usize) -> &mut [W] {
@@ -219,6 +236,12 @@ impl<W: Float> Words<'_, W> {
     #[inline(always)]
     pub(crate) fn words(&mut self) -> &mut [W] {
         self.plane.words()
+    }
+
+    /// Stores words that fill cache lines, from word `first` on.
+    #[inline(always)]
+    pub(crate) fn put_words(&mut self, first: usize, words: &[W]) {
+        self.plane.put(self.stores, first, words);
     }
 
     #[inline(always)]
@@ -283,7 +306,7 @@ impl<T: Real, W: Float> Sink<T> for Words<'_, W> {
 
     #[inline(always)]
     fn put(&mut self, first: usize, strip: &WordStrip<W>) {
-        self.plane.put(self.stores, first, &strip.0);
+        self.put_words(first, &strip.0);
     }
 }
 

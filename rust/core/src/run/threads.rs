@@ -160,7 +160,8 @@ impl<'a, 's> Run<'a, 's> {
         // caches: stores past them would write these back first.
         let new_pages = execution.new_memory && of_plane.saturating_mul(plan.planes) >= NEW_PAGES;
         let past_caches = of_plane.saturating_mul(plan.planes + 1) >= PAST_CACHES && !new_pages;
-        let fresh_pins = T::PRECISION.costs().fresh_pins
+        let costs = T::PRECISION.costs();
+        let fresh_pins = (costs.fresh_pins || costs.pins_by_strips)
             && has_wide_registers(level)
             && one
             && !plan.as_built

@@ -8,7 +8,7 @@ use crate::mechanics::chain::Offset;
 use crate::mechanics::exact::ExactAngle;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
-use crate::number::reduction::{self, LargeAngleFlag};
+use crate::number::reduction::{self, LargeAngleFlag, LargeFractionFlag};
 use crate::number::series;
 use crate::number::storage::{View, ViewMut};
 use crate::number::strips::At;
@@ -56,11 +56,17 @@ impl<T: Real> SinCos<'_, T> {
 pub(crate) trait SinCosBlocks<T>: Copy {
     type SinCosBlock: SinCosBlock<T>;
 
+    /// The same source, perhaps without the signs of sines and cosines.
+    type Unsigned: SinCosBlocks<T>;
+
     /// Whether they are computed by rotations of a sweep's groups.
     const FROM_SWEEP: bool = false;
 
     /// Whether the loop finds them itself.
     const FRESH: bool = false;
+
+    /// The same sines and cosines for formulas in their squares, which need no signs.
+    fn unsigned(self) -> Self::Unsigned;
 
     /// The angles of whole steps of such a sweep, as many as the longest block.
     fn turns(&self) -> View<'_, DoubleDouble> {
@@ -88,6 +94,12 @@ pub(crate) trait SinCosBlock<T>: Copy {
 
 impl<T: Real> SinCosBlocks<T> for SinCos<'_, T> {
     type SinCosBlock = Self;
+    type Unsigned = Self;
+
+    #[inline(always)]
+    fn unsigned(self) -> Self {
+        self
+    }
 
     #[inline(always)]
     fn parts(self) -> impl Iterator<Item = (usize, Self)> {
@@ -360,7 +372,7 @@ fn coarse_sin_cos<K: SinCosKind, T: Angle>(
 ) {
     let length = angle.len();
     let (mut sine, mut cosine) = (sine.cut(length), cosine.cut(length));
-    let mut too_large = LargeAngleFlag::for_turn_fractions();
+    let mut too_large = LargeFractionFlag::default();
     for i in 0..length {
         let phase = reduction::turn_fraction_q30(angle[i]);
         too_large.accumulate(phase);
@@ -375,7 +387,7 @@ fn coarse_sin_cos<K: SinCosKind, T: Angle>(
     }
     let mut beyond = LargeAngleFlag::for_quadrants();
     for i in 0..length {
-        let mut too_large = LargeAngleFlag::for_turn_fractions();
+        let mut too_large = LargeFractionFlag::default();
         too_large.accumulate(reduction::turn_fraction_q30(angle[i]));
         let reduced = T::reduce(multiple::<K>(angle[i]));
         beyond.accumulate(reduced.1);
@@ -457,6 +469,6 @@ pub(crate) fn rotate<T: Real>(
 
 /// A pin turned by the angle with this cosine and sine.
 #[inline(always)]
-pub(super) fn turned_pin<T: Real>((s, c): (T, T), [turn_cos, turn_sin]: [T; 2]) -> (T, T) {
+pub(crate) fn turned_pin<T: Real>((s, c): (T, T), [turn_cos, turn_sin]: [T; 2]) -> (T, T) {
     (s.mul_add(turn_cos, c * turn_sin), c.mul_add(turn_cos, -(s * turn_sin)))
 }

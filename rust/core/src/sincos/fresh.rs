@@ -8,9 +8,10 @@ use crate::number::trig::Angle;
 use crate::sincos::array::{PinLine, SinCosBlock, SinCosBlocks, SinCosKind, turned_pin};
 
 /// Pins of an array of angles, found by the loop that needs them. `TURNED` ones are of the sum of
-/// each angle and that of a chain's turn, as [`crate::sincos::array::rotate`] finds them.
+/// each angle and that of a chain's turn, as [`crate::sincos::array::rotate`] finds them. Pins that
+/// are not `SIGNED` have sines and cosines without their signs, for squares.
 #[derive(Clone, Copy)]
-pub(crate) struct FreshPins<'a, T, const TURNED: bool> {
+pub(crate) struct FreshPins<'a, T, const TURNED: bool, const SIGNED: bool = true> {
     pub(crate) angles: &'a [f64],
     /// Cosine and sine of the turn.
     pub(crate) turn: [T; 2],
@@ -19,12 +20,21 @@ pub(crate) struct FreshPins<'a, T, const TURNED: bool> {
 }
 
 /// How many samples ahead the angles of fresh pins are requested.
-const AHEAD: usize = 512;
+pub(crate) const AHEAD: usize = 256;
 
-impl<T: Angle, const TURNED: bool> SinCosBlocks<T> for FreshPins<'_, T, TURNED> {
+impl<'a, T: Angle, const TURNED: bool, const SIGNED: bool> SinCosBlocks<T>
+    for FreshPins<'a, T, TURNED, SIGNED>
+{
     type SinCosBlock = Self;
+    type Unsigned = FreshPins<'a, T, TURNED, false>;
 
     const FRESH: bool = true;
+
+    #[inline(always)]
+    fn unsigned(self) -> Self::Unsigned {
+        let Self { angles, turn, too_large } = self;
+        FreshPins { angles, turn, too_large }
+    }
 
     #[inline(always)]
     fn parts(self) -> impl Iterator<Item = (usize, Self)> {
@@ -32,7 +42,9 @@ impl<T: Angle, const TURNED: bool> SinCosBlocks<T> for FreshPins<'_, T, TURNED> 
     }
 }
 
-impl<T: Angle, const TURNED: bool> SinCosBlock<T> for FreshPins<'_, T, TURNED> {
+impl<T: Angle, const TURNED: bool, const SIGNED: bool> SinCosBlock<T>
+    for FreshPins<'_, T, TURNED, SIGNED>
+{
     #[inline(always)]
     fn len(&self) -> usize {
         self.angles.len()
@@ -49,8 +61,11 @@ impl<T: Angle, const TURNED: bool> SinCosBlock<T> for FreshPins<'_, T, TURNED> {
         let mut too_large = self.too_large.get();
         too_large.accumulate(reduced.1);
         self.too_large.set(too_large);
-        let pin = PinLine::sin_cos(reduced);
-        if TURNED { turned_pin(pin, self.turn) } else { pin }
+        // A quarter turn only exchanges sine and cosine and changes a sign, so that the other turn
+        // may come before it.
+        let pin = PinLine::sin_cos(if SIGNED { reduced } else { (reduced.0, 0) });
+        let (s, c) = if TURNED { turned_pin(pin, self.turn) } else { pin };
+        if !SIGNED && reduced.1 & 1 == 1 { (c, s) } else { (s, c) }
     }
 
     #[inline(always)]

@@ -246,8 +246,14 @@ impl<'a, T: Angle> RotatedSinCos<'a, T> {
 
 impl<'a, T: Real> SinCosBlocks<T> for RotatedSinCos<'a, T> {
     type SinCosBlock = RotatedGroup<'a, T>;
+    type Unsigned = Self;
 
     const FROM_SWEEP: bool = true;
+
+    #[inline(always)]
+    fn unsigned(self) -> Self {
+        self
+    }
 
     #[inline(always)]
     fn turns(&self) -> View<'_, DoubleDouble> {
