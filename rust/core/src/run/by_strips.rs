@@ -6,8 +6,6 @@
 //! in the nearest cache, and results leave it in whole cache lines.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is constant")]
 
-use cardan_memory::ask;
-
 use crate::mechanics::joint::{self, JointConstants};
 use crate::number::Number;
 use crate::number::atan::AtanRange;
@@ -17,7 +15,7 @@ use crate::plan::output::Output;
 use crate::plan::steps::ShaftStep;
 use crate::run::sink::{Outputs, Words};
 use crate::sincos::array::{PinLine, SinCosKind, turned_pin};
-use crate::sincos::fresh::AHEAD;
+use crate::sincos::fresh::ask_ahead;
 
 /// The samples of a strip, and the fewest of a chunk. The loops of strips of 32 samples wait for
 /// one another, and strips of 128 do not stay in registers.
@@ -55,9 +53,7 @@ pub(crate) fn run_shaft<T: Number, W: Float>(
         let first = first.min(last);
         let angles = &angles[first..first + PIN_STRIP];
         if asks {
-            for line in (0..PIN_STRIP).step_by(8) {
-                ask(angles, AHEAD + line);
-            }
+            ask_ahead(angles, 0, PIN_STRIP);
         }
         let (mut pins, mut drive, mut motion) = ([zeros(); 2], zeros(), [zeros(); 3]);
         find_pins(angles, turn, &mut pins, &mut too_large);

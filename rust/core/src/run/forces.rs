@@ -190,7 +190,7 @@ fn solve<T: Real>(
 pub(crate) struct ForceBuffers<T: Real> {
     /// The torsion parts of each joint that a force depends on: of ideal joints multiplied by the
     /// determinant of the map before it, or those of the drive shaft under the power of the joint; of
-    /// joints as built as they are.
+    /// joints as built as they are. Without a load there are none.
     pub(crate) parts: Vec<[Column<T>; PARTS]>,
     /// The inverse of each pin's squared length, if the parts of several joints need it.
     pub(crate) inverse_squares: Column<T>,
@@ -206,7 +206,9 @@ impl<T: Real> ForceBuffers<T> {
         let size = |needed: bool| if needed { longest } else { 0 };
         let mut targets = plan.forces.iter().flat_map(|step| &step.targets);
         let long = targets.any(|target| PARTS * target.sources.len() > GROUP);
-        let sources = plan.joints.iter().enumerate().map(|(joint, step)| step.is_source(joint));
+        let loaded =
+            plan.joints.iter().take(if plan.load.is_some() { plan.joint_count } else { 0 });
+        let sources = loaded.enumerate().map(|(joint, step)| step.is_source(joint));
         Self {
             parts: sources.map(|is_source| columns(size(is_source))).collect(),
             inverse_squares: Column::new(size(plan.needs_inverse_squares())),

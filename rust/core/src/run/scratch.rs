@@ -50,13 +50,12 @@ pub(crate) struct Scratch<T: Number> {
 impl<T: Number> Scratch<T> {
     pub(crate) fn new(plan: &Plan, table: &Table<'_>, longest: usize, routes: &Routes) -> Self {
         let size = |needed: bool| if needed { longest } else { 0 };
-        let rates = (0..=plan.joint_count).map(|shaft| {
-            let kept = plan.shafts.iter().find(|step| step.shaft == shaft);
-            [
-                Column::new(size(kept.is_some_and(|step| step.keep_ratio))),
-                Column::new(size(kept.is_some_and(|step| step.keep_acceleration))),
-            ]
-        });
+        // Most shafts of a long chain keep nothing.
+        let mut rates: Vec<_> = (0..=plan.joint_count).map(|_| columns(0)).collect();
+        for step in plan.shafts.iter().filter(|step| step.keep_ratio || step.keep_acceleration) {
+            let kept = [step.keep_ratio, step.keep_acceleration];
+            rates[step.shaft] = kept.map(|kept| Column::new(size(kept)));
+        }
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
         let wide = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
         let needs_pins = !routes.splits() || steep || plan.needs_poses();
@@ -76,7 +75,7 @@ impl<T: Number> Scratch<T> {
             rotated_pins: columns(size(tilts || T::LOW && behind_chain)),
             rotates_pins: needs_pins && behind_chain,
             turned_pins: columns(size(tilts)),
-            rates: rates.collect(),
+            rates,
             power: Column::new(size(loaded)),
             kept_power: 0,
             torsion: Column::new(size(moments)),
