@@ -137,7 +137,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
             numbers: vec![],
             chunk_length,
             scratch: Scratch::new(plan, table, longest, routes),
-            staging: vec![vec![T::Plane::default(); longest]; staged],
+            staging: (0..staged).map(|_| vec![T::Plane::default(); longest]).collect(),
             angles: vec![],
             pins_key: None,
             wide_pins_key: None,

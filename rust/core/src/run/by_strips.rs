@@ -6,6 +6,8 @@
 //! in the nearest cache, and results leave it in whole cache lines.
 #![allow(clippy::needless_range_loop, reason = "an iterator hides that its count is constant")]
 
+use cardan_memory::ask;
+
 use crate::mechanics::joint::{self, JointConstants};
 use crate::number::Number;
 use crate::number::atan::AtanRange;
@@ -15,11 +17,14 @@ use crate::plan::output::Output;
 use crate::plan::steps::ShaftStep;
 use crate::run::sink::{Outputs, Words};
 use crate::sincos::array::{PinLine, SinCosKind, turned_pin};
-use crate::sincos::fresh::ask_ahead;
 
 /// The samples of a strip, and the fewest of a chunk. The loops of strips of 32 samples wait for
 /// one another, and strips of 128 do not stay in registers.
 pub(crate) const PIN_STRIP: usize = 64;
+
+/// How many samples ahead angles are requested: half a page of memory. Requests in the page that
+/// follows the present one made a copy of angles to such results a fifth slower.
+const AHEAD: usize = 256;
 
 /// Numbers of a strip.
 type Numbers<T> = [T; PIN_STRIP];
@@ -53,7 +58,9 @@ pub(crate) fn run_shaft<T: Number, W: Float>(
         let first = first.min(last);
         let angles = &angles[first..first + PIN_STRIP];
         if asks {
-            ask_ahead(angles, 0, PIN_STRIP);
+            for line in (0..PIN_STRIP).step_by(8) {
+                ask(angles, AHEAD + line);
+            }
         }
         let (mut pins, mut drive, mut motion) = ([zeros(); 2], zeros(), [zeros(); 3]);
         find_pins(angles, turn, &mut pins, &mut too_large);

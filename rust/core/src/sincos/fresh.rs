@@ -19,17 +19,8 @@ pub(crate) struct FreshPins<'a, T, const TURNED: bool, const SIGNED: bool = true
     pub(crate) too_large: &'a Cell<LargeAngleFlag>,
 }
 
-/// How many samples ahead angles are requested: half a page of memory. The machine's own requests end
-/// with the page, and they suffer from requests in the next one.
-const AHEAD: usize = 256;
-
-/// Requests the memory of angles that are read in a while, where those from `i` on are read at once.
-#[inline(always)]
-pub(crate) fn ask_ahead(angles: &[f64], i: usize, length: usize) {
-    for line in (0..length).step_by(8) {
-        cardan_memory::ask(angles, i + AHEAD + line);
-    }
-}
+/// How many samples ahead the angles of fresh pins are requested.
+const AHEAD: usize = 512;
 
 impl<'a, T: Angle, const TURNED: bool, const SIGNED: bool> SinCosBlocks<T>
     for FreshPins<'a, T, TURNED, SIGNED>
@@ -79,6 +70,8 @@ impl<T: Angle, const TURNED: bool, const SIGNED: bool> SinCosBlock<T>
 
     #[inline(always)]
     fn ask(&self, i: usize, length: usize) {
-        ask_ahead(self.angles, i, length);
+        for line in (0..length).step_by(8) {
+            cardan_memory::ask(self.angles, i + AHEAD + line);
+        }
     }
 }
