@@ -14,6 +14,7 @@ use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
+use crate::run::chunk_length::{SHORT_CHUNK, chunk_length};
 use crate::run::constants::GeometryIndex;
 use crate::run::extrema;
 use crate::run::fold::Folded;
@@ -24,18 +25,6 @@ use crate::run::sines;
 use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
 use crate::sincos::array::DriveAngles;
-
-/// Samples per chunk. The buffers for so many samples stay in the first-level cache, or nearly.
-pub(crate) const CHUNK: usize = 1024;
-
-/// Samples per chunk with a load, which has more buffers.
-const SHORT_CHUNK: usize = CHUNK / 2;
-
-/// Doubles per chunk of a loop that finds its pins. A single very large angle makes it begin again.
-const FRESH_CHUNK: usize = 2 * CHUNK;
-
-/// Samples per chunk of a long sweep that is computed by rotations without staging buffers.
-const LONG_CHUNK: usize = 16 * CHUNK;
 
 /// The most rows whose drivelines are folded together.
 pub(crate) const GROUP: usize = 64;
@@ -108,18 +97,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let (row_length, one) = (table.row_length(), GeometryIndex::Shared(0));
         let fresh = |folded| sines::are_fresh(plan, routes, folded, one, row_length);
         let is_fresh = shared.fresh_pins && !staging && shared.folded.is_some_and(fresh);
-        let chunk_length = if is_fresh {
-            FRESH_CHUNK * size_of::<f64>() / size_of::<T::Float>()
-        } else if plan.load.is_some() {
-            SHORT_CHUNK
-        } else if routes.has_rotation() && plan.moderate && !plan.needs_poses() && !staging {
-            LONG_CHUNK
-        } else if T::LOW {
-            // Starting these long loops costs more than results that leave the first-level cache.
-            2 * CHUNK
-        } else {
-            CHUNK
-        };
+        let chunk_length = chunk_length::<T>(plan, routes, is_fresh, staging);
         let (longest, staged) =
             (chunk_length.min(row_length), if staging { plan.planes } else { 0 });
         let allocate = || {
@@ -239,7 +217,12 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let mut at = start;
         while at < stop && !self.stopped() {
             let next = self.chunk_end(part, at, stop, target);
-            self.chunk(part, at..next, None, row_in_block, target);
+            if !self.chunk(part, at..next, None, row_in_block, target) {
+                for first in (at..next).step_by(SHORT_CHUNK) {
+                    let piece = first..next.min(first + SHORT_CHUNK);
+                    self.chunk(part, piece, None, row_in_block, target);
+                }
+            }
             at = next;
         }
         if stop < end {
@@ -317,7 +300,8 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         extrema::samples_near_extrema(sweep, samples, shafts)
     }
 
-    /// Runs one chunk of a row, or samples selected from it.
+    /// Runs one chunk of a row, or samples selected from it. Returns whether it has results: not if an
+    /// angle of a long chunk is too large for the loop that finds its pins.
     fn chunk(
         &mut self,
         part: &RowPart,
@@ -325,7 +309,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         selected: Option<&[f64]>,
         row_in_block: usize,
         target: &mut Target<'_, '_, W>,
-    ) {
+    ) -> bool {
         let loads = self.load_columns();
         let Self { shared, scratch, .. } = self;
         let &Shared { plan, table, level, ref routes, ref tables, .. } = *shared;
@@ -397,10 +381,13 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                     level, plan, drive, joints, geometry, scratch, planes, window, row_offset,
                 );
             } else if !motion(scratch, fresh) {
+                if size > SHORT_CHUNK {
+                    return false;
+                }
                 kernels::find_pins(level, plan, drive, None, scratch, size);
                 motion(scratch, false);
             }
-            let Some(load) = &plan.load else { return };
+            let Some(load) = &plan.load else { return true };
             for index in loads.clone() {
                 let (origin, step) = scratch.cursors[index];
                 if step != 0 {
@@ -419,14 +406,17 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
                 kernels::find_pins(level, plan, drive, None, scratch, size);
                 load(scratch, false);
             }
+            true
         };
         if let Some(planes) = direct {
-            run(planes, first..first + size);
-        } else {
-            let planes = self.staging.iter_mut().map(|words| Plane::cached(words));
-            run(&mut planes.collect::<Vec<_>>(), 0..size);
+            return run(planes, first..first + size);
+        }
+        let planes = self.staging.iter_mut().map(|words| Plane::cached(words));
+        let has_results = run(&mut planes.collect::<Vec<_>>(), 0..size);
+        if has_results {
             self.unstage(first, size, row_in_block, target);
         }
+        has_results
     }
 
     /// Converts or reduces the results of one chunk in `staging`.

@@ -5,6 +5,7 @@ mod as_built;
 mod as_built_constants;
 mod block;
 mod by_strips;
+mod chunk_length;
 mod constants;
 mod evaluation;
 pub mod execution;
