@@ -316,18 +316,7 @@ impl<'a, 's, T: StoresAs<W>, W: Float> Block<'a, 's, T, W> {
         let (rotations, size) = (tables.rotations.as_ref(), samples.len());
         let (origin, step) = scratch.cursors[ANGLE];
         let begin = origin + samples.start * step;
-        let drive = match (&table.sweep, selected) {
-            (Some(sweep), Some(selected)) => DriveAngles::Selected(sweep, selected),
-            (Some(sweep), None) => DriveAngles::Sweep(sweep, begin),
-            (None, _) if step == 1 => {
-                DriveAngles::Array(&table.columns[ANGLE].data[begin..begin + size])
-            }
-            (None, _) => {
-                self.angles.resize(size, 0.0);
-                table.columns[ANGLE].read(begin, step, &mut self.angles);
-                DriveAngles::Array(&self.angles)
-            }
-        };
+        let drive = sines::drive_angles(table, selected, [begin, step, size], &mut self.angles);
         let geometry = match table.geometry_variation() {
             GeometryVariation::One => GeometryIndex::Shared(0),
             GeometryVariation::ByRow => GeometryIndex::Shared(part.row - self.rows.start),

@@ -49,7 +49,6 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     compact: bool,
     fresh: bool,
 ) -> bool {
-    let too_large = Cell::new(LargeAngleFlag::for_quadrants());
     let mut valid = true;
     let Scratch { pins, double_sin_cos, groups, rotated_pins, turned_pins, rates, errors, .. } =
         scratch;
@@ -78,14 +77,7 @@ pub(crate) fn run_motion<T: Number, W: Float>(
                 (fresh, drive, geometry)
         {
             let constants = shaft.equivalents(geometry, size).at(index);
-            if costs.pins_by_strips {
-                valid = by_strips::run_shaft(step, range, constants, angles, outputs);
-            } else {
-                run_fresh(
-                    step, range, constants, angles, &too_large, rates, errors, outputs, size,
-                    compact,
-                );
-            }
+            valid = run_fresh(step, range, constants, angles, rates, errors, outputs, compact);
             continue;
         }
         let has_own = T::LOW && shaft.has_offsets();
@@ -155,10 +147,11 @@ pub(crate) fn run_motion<T: Number, W: Float>(
             run_tilts(step, at, pins, outputs);
         });
     }
-    valid && !too_large.get().any()
+    valid
 }
 
-/// Outputs of the only shaft that needs pins, which its loop finds itself.
+/// Outputs of the only shaft that needs pins, which its loop or its strips find themselves. Returns
+/// whether they are valid.
 #[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one shaft")]
 fn run_fresh<T: Number, W: Float>(
@@ -166,14 +159,16 @@ fn run_fresh<T: Number, W: Float>(
     range: AtanRange,
     (joint, turn): (JointConstants<T>, [T; 2]),
     angles: &[f64],
-    too_large: &Cell<LargeAngleFlag>,
     rates: [&mut Column<T>; 2],
     errors: ViewMut<'_, T>,
     outputs: &mut Outputs<'_, '_, W>,
-    size: usize,
     compact: bool,
-) {
-    let (drive, at) = (DriveAngles::Array(angles), Same(joint));
+) -> bool {
+    if T::PRECISION.costs().pins_by_strips {
+        return by_strips::run_shaft(step, range, (joint, turn), angles, outputs);
+    }
+    let too_large = &Cell::new(LargeAngleFlag::for_quadrants());
+    let (drive, at, size) = (DriveAngles::Array(angles), Same(joint), angles.len());
     if step.shaft > 1 {
         let pins = FreshPins::<T, true> { angles, turn, too_large };
         run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
@@ -181,6 +176,7 @@ fn run_fresh<T: Number, W: Float>(
         let pins = FreshPins::<T, false> { angles, turn, too_large };
         run_shaft(step, range, at, drive, pins, rates, errors, outputs, size, compact);
     }
+    !too_large.get().any()
 }
 
 /// The tilts of one joint.

@@ -1,5 +1,6 @@
 //! The sines and cosines that one chunk needs.
 
+use crate::input::table::{ANGLE, Table};
 use crate::number::Number;
 use crate::number::storage::{Column, views_mut};
 use crate::plan::route::{Route, Routes};
@@ -13,6 +14,28 @@ use crate::sincos::array::{
 };
 use crate::sincos::rotation::Rotations;
 use crate::sincos::tangent_sum::TangentSum;
+
+/// The angles of a chunk of so many samples, which begin at this element and follow in these steps;
+/// gathered in `angles` if they are not contiguous.
+pub(crate) fn drive_angles<'d>(
+    table: &'d Table<'_>,
+    selected: Option<&'d [f64]>,
+    [begin, step, size]: [usize; 3],
+    angles: &'d mut Vec<f64>,
+) -> DriveAngles<'d> {
+    match (&table.sweep, selected) {
+        (Some(sweep), Some(selected)) => DriveAngles::Selected(sweep, selected),
+        (Some(sweep), None) => DriveAngles::Sweep(sweep, begin),
+        (None, _) if step == 1 => {
+            DriveAngles::Array(&table.columns[ANGLE].data[begin..begin + size])
+        }
+        (None, _) => {
+            angles.resize(size, 0.0);
+            table.columns[ANGLE].read(begin, step, angles);
+            DriveAngles::Array(angles)
+        }
+    }
+}
 
 /// Computes the pins of the drive for a chunk.
 #[inline(always)]
