@@ -89,27 +89,30 @@ impl Stores {
     /// # Safety
     /// `out` and `strip` must have [`STRIP_BYTES`], and the caller must call [`complete`] before
     /// anyone reads `out`.
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     #[inline(always)]
     #[expect(unsafe_code, reason = "vector stores past the caches")]
-    #[cfg_attr(
-        not(any(target_arch = "x86", target_arch = "x86_64")),
-        expect(unused_variables, reason = "there are no such stores")
-    )]
     unsafe fn stream(self, out: *mut u8, strip: *const u8) -> bool {
+        // Found before the match, which makes loops over strips faster.
+        let aligned = out.addr().is_multiple_of(STRIP_BYTES);
         match self.0 {
+            Vectors::Ordinary => return false,
             // SAFETY: a token has proved that the machine has the instructions.
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Vectors::Avx2 if out.addr().is_multiple_of(STRIP_BYTES) => {
-                unsafe { stream_avx2(out, strip) };
-                true
-            }
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Vectors::Avx512 if out.addr().is_multiple_of(STRIP_BYTES) => {
-                unsafe { stream_avx512(out, strip) };
-                true
-            }
-            _ => false,
+            Vectors::Avx2 if aligned => unsafe { stream_avx2(out, strip) },
+            Vectors::Avx512 if aligned => unsafe { stream_avx512(out, strip) },
+            _ => {}
         }
+        aligned
+    }
+
+    /// The same where no store bypasses the caches.
+    ///
+    /// # Safety
+    /// None is needed.
+    #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+    #[expect(unsafe_code, reason = "declared like the other")]
+    unsafe fn stream(self, _: *mut u8, _: *const u8) -> bool {
+        false
     }
 }
 
