@@ -200,6 +200,16 @@ def test_a_channel_outside_its_records(
         read_columns(recording, ["time", "n"], raster)
 
 
+def test_a_time_in_a_group_that_is_not_there(recording: Path) -> None:
+    content = bytearray(recording.read_bytes())
+    with asammdf.MDF(recording) as file:
+        # The flags of the group, of which one says that another group has its times.
+        content[file.groups[0].channel_group.address + 24 + 48 + 16] |= 1 << 3
+    recording.write_bytes(content)
+    with pytest.raises(ValueError, match="the time of column 'n' is not readable: "):
+        read_columns(recording, ["n"], 0.1)
+
+
 def test_records_that_no_file_can_hold(recording: Path) -> None:
     def many(group: Any) -> None:  # noqa: ANN401
         group.channel_group.cycles_nr = 2**50

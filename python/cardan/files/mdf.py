@@ -49,7 +49,8 @@ def read_mdf(
     """
     with _opened(path) as file:
         groups = _groups(file, names)
-        for group in set().union(*groups):
+        named = set().union(*groups)
+        for group in named | {_time_group(file, group) for group in named}:
             _check_size(file.groups[group].channel_group, os.path.getsize(path))
         shared = set.intersection(*map(set, groups))
         if raster_s is not None:
@@ -169,8 +170,7 @@ def _numbers(
             **part,
         )
     except Exception as error:
-        reason = short(" ".join(str(error).split()))
-        raise ValueError(f"column {name!r} is not readable: {reason}") from None
+        raise _unreadable(f"column {name!r}", error) from None
     if samples.ndim != 1 or samples.dtype.kind not in "fiub":
         raise ValueError(
             f"column {name!r} has shape {samples.shape} and dtype {samples.dtype}; "
@@ -180,6 +180,31 @@ def _numbers(
     if invalid is not None:
         column[np.asarray(invalid, bool)] = np.nan
     return np.asarray(column, np.float64)
+
+
+def _times(file: Any, name: str, group: int) -> FloatArray:  # noqa: ANN401 - of asammdf
+    """The times of all rows of a channel, or their numbers if the group has no times."""
+    what = f"the time of column {name!r}"
+    of = _time_group(file, group)
+    master = file.masters_db.get(of)
+    if master is not None:
+        _check_place(file.groups[of], master, what)
+    try:
+        return np.asarray(file.get_master(group), np.float64)
+    except Exception as error:
+        raise _unreadable(what, error) from None
+
+
+def _time_group(file: Any, group: int) -> int:  # noqa: ANN401 - of asammdf
+    """The channel group that holds the times of a group: itself, or another one."""
+    remote = getattr(file.groups[group].channel_group, "cg_master_index", None)
+    return group if remote is None else int(remote)
+
+
+def _unreadable(what: str, error: Exception) -> ValueError:
+    # Of damaged records asammdf raises whatever their bytes lead to.
+    reason = short(" ".join(str(error).split()))
+    return ValueError(f"{what} is not readable: {reason}")
 
 
 def _check_place(group: Any, index: int, what: str) -> None:  # noqa: ANN401 - of asammdf
@@ -203,17 +228,14 @@ def _resampled(
     raster_s: float,
     rows: int | None,
 ) -> Iterator[tuple[list[FloatArray], int]]:
-    masters = [file.masters_db.get(found[0]) for found in groups]
     signals: list[tuple[FloatArray, FloatArray] | None] = []
-    for name, (group, *_), master in zip(names, groups, masters, strict=True):
-        if any(index == master for found, index in file.channels_db[name] if found == group):
+    for name, (group, *_) in zip(names, groups, strict=True):
+        if (group, file.masters_db.get(group)) in file.channels_db[name]:
             # The times themselves.
             signals.append(None)
             continue
         values = _numbers(file, name, group)
-        if master is not None:
-            _check_place(file.groups[group], master, f"the time of column {name!r}")
-        time = np.asarray(file.get_master(group), np.float64)
+        time = _times(file, name, group)
         known = ~(np.isnan(time) | np.isnan(values))
         if not known.any():
             raise ValueError(f"column {name!r} has no numbers")
