@@ -1,7 +1,7 @@
 """What Python computes on top of the core, against models that share none of it.
 
-``python tests/stress.py --rows 2000`` judges random drivelines: harmonics, the figures of
-tolerances, and tolerances of one order. ``cardan-stress`` judges what the core computes. Exits with
+``python tests/stress.py --rows 2000`` judges random drivelines: harmonics of the motion and of the
+loads, the figures of tolerances, and tolerances of one order. ``cardan-stress`` judges what the core computes. Exits with
 1 if anything is beyond its limit in ``data/limits.toml``. ``--worst FILE`` writes the worst case of
 each surface in the form of ``data/worst_python.json``.
 
@@ -9,7 +9,7 @@ Every error of a harmonic is divided by the bound that is returned with it. Thos
 in parts of the largest sum of ``tan(bend/2)**2`` of the joints, of which ``q`` keeps the rounding.
 The model of ideal chains is the map ``w -> A w + B conj(w)``. Its angle error is the argument of
 ``1 + q exp(-2 i a)``, at samples in extended precision. The model of joints as built turns the
-driven pin until it has its angle to the driving one.
+driven pin until it has its angle to the driving one; that of loads puts these pins into space.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -25,7 +25,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from cardan import Driveline
+from cardan import Driveline, Load
 from limits import limits
 from oracle import Doubles
 
@@ -109,17 +109,36 @@ def harmonics(case: Case) -> tuple[Doubles, int]:
     return worst, exact.size * len(names)
 
 
-def turned_pins(bends: Doubles, twists: Doubles, phases: Doubles, deviations: Doubles) -> Doubles:
-    """Return the sum of angle errors with its mean, at samples of a turn on the last axis.
+@dataclass(frozen=True)
+class Pins:
+    """Where the pins of one joint are, at samples on the last axis.
 
-    A pin is a cosine and a sine. Newton's method turns the driven one.
+    Attributes:
+        driving: cosine and sine of the joint's input angle.
+        driven: those of its driven angle.
     """
-    angle = 2.0 * np.pi * np.arange(SAMPLES) / SAMPLES
+
+    driving: tuple[Any, Any]
+    driven: tuple[Any, Any]
+
+
+def turned_pins(
+    bends: Any,  # noqa: ANN401
+    twists: Any,  # noqa: ANN401
+    phases: Any,  # noqa: ANN401
+    deviations: Any,  # noqa: ANN401
+) -> Iterator[Pins]:
+    """Yield the pins of each joint, of the precision of the arguments; Newton's method turns them.
+
+    A pin is a cosine and a sine.
+    """
+    precision = np.finfo(np.result_type(bends))
+    angle = (2 * PI * np.arange(SAMPLES) / SAMPLES).astype(precision.dtype)
+    quarter = (PI / 2).astype(precision.dtype)
     cosine, sine = np.cos(angle), np.sin(angle)
-    error: Doubles = np.zeros(SAMPLES)
     for j in range(bends.shape[-1]):
         if j > 0:
-            turn = (phases[..., j - 1] - twists[..., j - 1])[..., np.newaxis] + np.pi / 2
+            turn = (phases[..., j - 1] - twists[..., j - 1])[..., np.newaxis] + quarter
             c, s = np.cos(turn), np.sin(turn)
             cosine, sine = cosine * c - sine * s, sine * c + cosine * s
         lean, skew, lean_driven = (deviations[..., j, i][..., np.newaxis] for i in range(3))
@@ -140,11 +159,18 @@ def turned_pins(bends: Doubles, twists: Doubles, phases: Doubles, deviations: Do
             size = np.sqrt(1.0 + step * step)
             c, s = c / size, s / size
             # Each step leaves about the square of it.
-            if np.max(np.abs(step)) < 1e-9:
+            if np.max(np.abs(step)) ** 2 < 0.01 * precision.eps:
                 break
-        error = error + np.arctan2(s * cosine - c * sine, c * cosine + s * sine)
+        yield Pins((cosine, sine), (c, s))
         cosine, sine = c, s
-    return error
+
+
+def error_of(pins: Iterable[Pins]) -> Any:  # noqa: ANN401
+    """Return the sum of the joints' angle errors with its mean."""
+    return sum(
+        np.arctan2(s * cosine - c * sine, c * cosine + s * sine)
+        for (cosine, sine), (c, s) in ((own.driving, own.driven) for own in pins)
+    )
 
 
 def drawn_as_built(random: np.random.Generator, rows: int) -> Case:
@@ -158,10 +184,126 @@ def as_built_harmonics(case: Case) -> tuple[Doubles, int]:
     line = Driveline.from_bends(case["bends"], case["twists"], case["phases"])
     line = line.with_deviations(*np.moveaxis(case["deviations"], -1, 0))
     found = line.harmonics(ORDERS, outputs="angle_error")
-    exact = orders_of(turned_pins(**case))
+    exact = orders_of(error_of(turned_pins(**case)))
     off = np.abs(found.complex_amplitude["angle_error"] - exact)
     bound = found.error["angle_error"] + 1e-15
     return np.asarray(np.max(off, axis=-1) / bound), exact.size
+
+
+def drawn_loads(random: np.random.Generator, rows: int) -> Case:
+    """Return drivelines, half of them of joints as built, and one load of all."""
+    case = drawn_as_built(random, rows)
+    case["deviations"] *= random.integers(0, 2)
+    shafts = case["bends"].shape[-1] + 1
+    load = {
+        "given at the output": random.integers(0, 2, 1).astype(np.float64),
+        "torque": random.uniform(-2.0, 2.0, 1),
+        "speed": random.uniform(0.0, 2.0, 1),
+        "acceleration": random.uniform(-2.0, 2.0, 1),
+        "inertias": random.uniform(0.0, 0.2, (1, shafts)) * random.integers(0, 2, (1, shafts)),
+    }
+    return {**case, **load}
+
+
+def load_harmonics(case: Case) -> tuple[Doubles, int]:
+    """Orders of torques, moments and support moments."""
+    (at_output, torque, speed, acceleration) = (
+        float(case[name][0]) for name in ("given at the output", "torque", "speed", "acceleration")
+    )
+    given = {"output_torque" if at_output else "drive_torque": torque}
+    load = Load(**given, speed=speed, acceleration=acceleration, inertias=case["inertias"][0])
+    line = Driveline.from_bends(case["bends"], case["twists"], case["phases"])
+    if np.any(case["deviations"]):
+        line = line.with_deviations(*np.moveaxis(case["deviations"], -1, 0))
+    exact = loads_of(line, load)
+    found = line.plan(tuple(exact), shafts=slice(None), load=load).harmonics(ORDERS)
+    worst: Doubles = np.zeros(len(case["bends"]))
+    count = 0
+    for name, samples in exact.items():
+        off = np.abs(found.complex_amplitude[name] - orders_of(samples))
+        mean = np.abs(found.mean[name] - np.mean(samples, axis=-1))
+        # The model has errors of its own where nothing is left.
+        each = np.maximum(np.max(off, axis=-1), mean) / (found.error[name] + 1e-18)
+        # Rows follow the items.
+        each = np.max(np.moveaxis(each, 1, 0).reshape(len(worst), -1), axis=-1)
+        worst = np.maximum(worst, each.astype(np.float64))
+        count += off.size + mean.size
+    return worst, count
+
+
+def loads_of(line: Driveline, load: Load) -> dict[str, Any]:
+    """Return the loads of each item at samples of a turn, from vectors of pins and shafts.
+
+    Only a moment that is normal to both pins passes a cross, and power is kept.
+    """
+    bends, twists, phases, deviations = (
+        np.asarray(x, np.longdouble)
+        for x in (line.bends, line.twists, line.phases, line.deviations)
+    )
+    # Vectors before the samples.
+    u, m = (
+        np.asarray(x[..., 0, :, np.newaxis], np.longdouble) for x in (line.directions, line.normals)
+    )
+    directions, moments, ratios = [u], [], [np.ones((len(bends), SAMPLES), np.longdouble)]
+    for j, pins in enumerate(turned_pins(bends, twists, phases, deviations)):
+        if j > 0:
+            turn = twists[:, j - 1, np.newaxis, np.newaxis]
+            m = np.cos(turn) * m + np.sin(turn) * np.cross(u, m, axis=1)
+        bend, lean, lean_driven = (
+            x[:, np.newaxis, np.newaxis]
+            for x in (bends[:, j], deviations[:, j, 0], deviations[:, j, 2])
+        )
+        (c, s), (c_driven, s_driven) = (
+            (x[:, np.newaxis] if x.ndim > 1 else x for x in pin)
+            for pin in (pins.driving, pins.driven)
+        )
+        e = np.cross(m, u, axis=1)
+        behind, across = np.cos(bend) * u + np.sin(bend) * e, np.cos(bend) * e - np.sin(bend) * u
+        driving = np.sin(lean) * u + np.cos(lean) * (c * e + s * m)
+        driven = np.sin(lean_driven) * behind + np.cos(lean_driven) * (
+            c_driven * m - s_driven * across
+        )
+        moment = np.cross(driving, driven, axis=1)
+        before, after = (np.sum(moment * shaft, axis=1) for shaft in (u, behind))
+        # Of a torsion of 1 in the driving shaft.
+        moments.append(moment / before[:, np.newaxis])
+        ratios.append(ratios[-1] * before / after)
+        u = behind
+        directions.append(u)
+    torques = torques_of(ratios, load)
+    moments = [
+        moment * (torque * ratio / before)[:, np.newaxis]
+        for moment, torque, ratio, before in zip(
+            moments, torques[1:], ratios[1:], ratios, strict=False
+        )
+    ]
+    supports = []
+    for shaft, before, after in zip(directions, [0.0, *moments], [*moments, 0.0], strict=True):
+        both = after - before
+        supports.append(both - np.sum(both * shaft, axis=1, keepdims=True) * shaft)
+    return {
+        "torque": np.array(torques),
+        "moment": np.array(moments),
+        "support_moment": np.array(supports),
+    }
+
+
+def torques_of(ratios: list[Any], load: Load) -> list[Any]:
+    """Return the torque of each shaft: the power into it, which the inertias take, by its speed."""
+    assert load.inertias is not None
+    orders = np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES)
+    steps = 2 * PI * (np.outer(orders, np.arange(SAMPLES)) % SAMPLES) / SAMPLES
+    waves = np.exp(1j * steps)
+    derivative = ((np.conj(waves.T) * (1j * orders)) @ waves).real / SAMPLES
+    taken = [
+        inertia * (load.speed**2 * (ratio @ derivative) + load.acceleration * ratio) * ratio
+        for inertia, ratio in zip(load.inertias, ratios, strict=True)
+    ]
+    if load.end == "drive":
+        powers = np.cumsum([load.torque * ratios[0], *(-own for own in taken[:-1])], axis=0)
+    else:
+        powers = np.cumsum([load.torque * ratios[-1], *taken[::-1]], axis=0)[:0:-1]
+    return [power / ratio for power, ratio in zip(powers, ratios, strict=True)]
 
 
 def drawn_tolerances(random: np.random.Generator, rows: int) -> Case:
@@ -219,8 +361,8 @@ def order_tolerances(case: Case) -> tuple[Doubles, int]:
     all_of_them = np.concatenate([steps, at[np.newaxis], at * (1.0 - 2.0 * units)])
     count = len(all_of_them)
     bends, twists, phases = (np.tile(x, (count, 1)) for x in (bends, twists, phases))
-    pins = turned_pins(bends, twists, phases, all_of_them)
-    amplitudes = orders_of(pins)[:, order - 1]
+    errors = error_of(turned_pins(bends, twists, phases, all_of_them))
+    amplitudes = orders_of(errors)[:, order - 1]
     near, opposite, far, beyond = np.split(amplitudes[: len(steps)], 4)
     at_worst, *others = np.abs(amplitudes[len(steps) :]) - found.worst
     slope = ((8.0 * (near - opposite) - (far - beyond)) / 12e-3).reshape(halves.shape)
@@ -232,6 +374,7 @@ def order_tolerances(case: Case) -> tuple[Doubles, int]:
 SURFACES = {
     "harmonics": Surface(drawn, harmonics),
     "harmonics as built": Surface(drawn_as_built, as_built_harmonics),
+    "harmonics of loads": Surface(drawn_loads, load_harmonics),
     "tolerances": Surface(drawn_tolerances, tolerances),
     "order tolerances": Surface(drawn_order_tolerances, order_tolerances),
 }
