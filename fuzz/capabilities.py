@@ -255,7 +255,8 @@ def optimum(given: Input) -> None:
 def service(given: Input) -> None:
     """Losses, life, slides, play of a spline and a drive that runs freely."""
     line = mounted(given)
-    if line.size > MANY:
+    # Means over a turn take a time that grows with the square of the number of joints.
+    if line.size > MANY or line.n_joints > 60:
         return
     load = load_of(given, line)
     if max(load.torque.size, load.speed.size) > MANY:

@@ -82,8 +82,9 @@ def case(data: bytes) -> None:
     try:
         parts = [chunk.columns for chunk in read_chunks(path, names or ["a"], rows, raster)]
     except ValueError:
-        # Of damaged records those of one chunk alone may be unreadable.
-        assert kind == ".mf4"
+        # Of damaged records those of one chunk alone may be unreadable, and pyarrow checks more
+        # of a row group that it reads in pieces.
+        assert kind in (".mf4", ".parquet")
         return
     for column, *chunks in zip(columns, *parts, strict=True):
         np.testing.assert_array_equal(np.concatenate(chunks), column)
