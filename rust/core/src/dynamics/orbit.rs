@@ -87,6 +87,12 @@ impl Orbit {
         self.states[2 * interval * m..][..2 * m].split_at(m)
     }
 
+    /// The largest slope at the ends of the intervals.
+    pub(super) fn largest_slope(&self) -> f64 {
+        let slopes = (0..self.intervals).flat_map(|k| self.state(k).1);
+        slopes.fold(0.0, |most, slope| most.max(slope.abs()))
+    }
+
     /// Whether the states at drive angle 0 differ by more than this, in rad and in slopes.
     pub(super) fn differs(&self, other: &Self, by: f64) -> bool {
         let pairs = self.states.iter().zip(&other.states).take(2 * self.unknowns);

@@ -187,7 +187,9 @@ fn converged(
     None
 }
 
-/// Halves the intervals until the orbit, its harmonics and its multipliers no longer change.
+/// Halves the intervals until the orbit, its slopes, its harmonics and its multipliers no longer
+/// change. A fast free vibration shows in the slopes, multiplied by its order, before it shows in the
+/// orbit.
 pub(super) fn refined(
     found: Found,
     equation: &mut MotionEquation<'_>,
@@ -198,17 +200,16 @@ pub(super) fn refined(
     // later, when it may be all that is left.
     const GAINS: (f64, f64) = (16.0, 128.0);
     let Found { mut orbit, mut contraction, .. } = found;
-    let mut before = [f64::NAN; 2];
+    let mut before = [f64::NAN; 3];
     while 2 * orbit.intervals <= MOST {
         let fine = converged(orbit.halved(), equation, goal.tolerance, Some(contraction))
             .ok_or(Failure::NotFound)?;
-        let scales = [fine.twist, fine.orbit.monodromy.amax().max(1.0)];
-        let change = [
-            difference(&orbit, &fine.orbit),
-            if goal.stability { maps_differ(&orbit, &fine.orbit) } else { 0.0 },
-        ];
+        let scales = [fine.twist, fine.orbit.largest_slope(), fine.orbit.monodromy.amax().max(1.0)];
+        let [angles, slopes] = differences(&orbit, &fine.orbit);
+        let maps = if goal.stability { maps_differ(&orbit, &fine.orbit) } else { 0.0 };
+        let change = [angles, slopes, maps];
         let settled_by = |most: f64| {
-            (0..2).all(|i| {
+            (0..3).all(|i| {
                 // NaN, at first, counts as no gain.
                 let gain = (before[i] / change[i]).max(GAINS.0).min(most);
                 change[i] <= (gain * goal.tolerance * scales[i]).max(10.0 * ROUNDING)
@@ -235,11 +236,14 @@ fn maps_differ(coarse: &Orbit, fine: &Orbit) -> f64 {
     (&fine.monodromy - &coarse.monodromy).amax()
 }
 
-/// The largest difference of unknowns at the points that both meshes share, in rad.
-fn difference(coarse: &Orbit, fine: &Orbit) -> f64 {
-    (0..coarse.intervals).fold(0.0, |most: f64, k| {
-        let pairs = coarse.state(k).0.iter().zip(fine.state(2 * k).0);
-        pairs.fold(most, |most, (x, y)| most.max((x - y).abs()))
+/// The largest differences of unknowns, in rad, and of slopes at the points that both meshes share.
+fn differences(coarse: &Orbit, fine: &Orbit) -> [f64; 2] {
+    let largest = |x: &[f64], y: &[f64]| -> f64 {
+        x.iter().zip(y).fold(0.0, |most, (x, y)| most.max((x - y).abs()))
+    };
+    (0..coarse.intervals).fold([0.0, 0.0], |[angles, slopes]: [f64; 2], k| {
+        let (near, exact) = (coarse.state(k), fine.state(2 * k));
+        [angles.max(largest(near.0, exact.0)), slopes.max(largest(near.1, exact.1))]
     })
 }
 
