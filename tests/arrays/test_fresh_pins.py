@@ -34,6 +34,8 @@ TIERS: dict[str, dict[str, Any]] = {
 LINES = {
     "joint": Driveline.from_bends([0.5]),
     "small": Driveline.from_bends([0.01]),
+    "middle": Driveline.from_bends([0.9]),
+    "large": Driveline.from_bends([1.2]),
     "steep": Driveline.from_bends([1.4]),
     "chain": Driveline.from_bends([0.2, 0.3, 0.1], [0.3, 0.2], [0.1, 0.4]),
     "steep chain": Driveline.from_bends([0.9, 0.8, 0.4], [0.3, 0.2], [0.1, 0.4]),
