@@ -25,6 +25,7 @@ from cardan.arrays import FloatArray
 from cardan.arrays.planes import PlanePlace
 from cardan.equivalent import equivalent
 from cardan.errors import wrong_element
+from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.request import Request, item_indices
 from cardan.result import Result
@@ -44,6 +45,8 @@ _BLOCK = 1 << 20
 # Samples of half a turn.
 _FEWEST, _MOST, _MOST_WITH_KINKS = 16, 1 << 20, 1 << 12
 _HIGHEST = _MOST >> 2
+# Samples that show the size of an output.
+_TERMS = 64
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(16)
 
 
@@ -99,6 +102,8 @@ def order_sums(
             sums[:, block], error[:, block] = _refined(
                 rule, samples, _MOST, request.tolerance, vector
             )
+        if part.load is not None and part.load.inertias is not None and OUTPUTS[name].needs_load:
+            error[:, block] += _ROUNDING * _size_without_inertias(plan, part, part.load, name)
     own = () if items is None else (items,)
     sums = sums.reshape((*own, *rows, *sums.shape[2:]))
     return sums[..., 1:], sums[..., 0].real, error.reshape((*own, *rows, *error.shape[2:]))
@@ -184,6 +189,21 @@ def _panels(count: int) -> tuple[FloatArray, FloatArray]:
     width = np.pi / count
     at = (np.arange(count)[:, np.newaxis] + 0.5 * (1.0 + _NODES)) * width
     return at.ravel(), np.tile(_WEIGHTS, count) / (2.0 * count)
+
+
+def _size_without_inertias(plan: Repeatable, request: Request, load: Load, name: str) -> FloatArray:
+    """The largest magnitudes of an output under the largest torque in any shaft, without inertias.
+
+    Where the torque of an inertia nearly cancels another one, the output has the rounding of both.
+    """
+    turn = Sweep.revolutions(1, _TERMS)
+    torques = plan._again(replace(request, names=("torque",), shafts=slice(None)))(turn)["torque"]
+    largest = np.maximum(np.max(np.abs(torques), axis=(0, -1)), np.abs(load.torque).reshape(-1))
+    alone = replace(request, names=(name,), load=Load(drive_torque=largest[:, np.newaxis]))
+    values = np.abs(plan._again(alone)(turn)[name])
+    if not OUTPUTS[name].vector:
+        return np.asarray(np.max(values, axis=-1))
+    return np.asarray(np.max(values, axis=(-2, -1))[..., np.newaxis])
 
 
 def _parts(turns: NDArray[Any]) -> FloatArray:
