@@ -2,8 +2,8 @@
 
 ``python tests/stress.py --rows 2000`` judges random drivelines: harmonics of the motion and of the
 loads, the figures of tolerances, and tolerances of one order. ``cardan-stress`` judges what the
-core computes. Exits with 1 if anything is beyond its limit in ``data/limits.toml``. ``--worst FILE``
-writes the worst case of each surface in the form of ``data/worst_python.json``.
+core computes. Exits with 1 if anything is beyond its limit in ``data/limits.toml``. ``--worst
+FILE`` writes the worst case of each surface in the form of ``data/worst_python.json``.
 
 Every error of a harmonic is divided by the bound that is returned with it. Those of tolerances are
 in parts of the largest sum of ``tan(bend/2)**2`` of the joints, of which ``q`` keeps the rounding.
