@@ -92,7 +92,9 @@ class Check:
     @property
     def heading(self) -> str:
         """The verdict in a sentence, or how many drivelines have which."""
-        return f"{counted(self.ranks)}." if self.ranks.shape else _HEADINGS[str(self.verdict)]
+        if not self.ranks.shape:
+            return _HEADINGS[str(self.verdict)]
+        return f"{counted(self.ranks, 'drivelines are within all limits')}."
 
     def __str__(self) -> str:
         """Return the verdict, the figures of catalogue and practice, and the sources as text."""

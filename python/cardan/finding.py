@@ -201,13 +201,13 @@ class Finding:
         return f"{self.name} {self.value_text}{place} is {'; '.join(self.words)}{source}"
 
 
-def counted(ranks: NDArray[np.int_]) -> str:
+def counted(ranks: NDArray[np.int_], within: str = "within") -> str:
     """Say how many of several drivelines have each verdict: ``"341 of 513 within, 172 beyond"``."""
     if ranks.size and not ranks.any():
         return VERDICTS[0]
     numbers = {VERDICTS[rank]: int(np.count_nonzero(ranks == rank)) for rank in (1, 2, 3, 4)}
-    within = f"{numbers.pop('within')} of {ranks.size} within"
-    return ", ".join([within, *(f"{count} {name}" for name, count in numbers.items() if count)])
+    first = f"{numbers.pop('within')} of {ranks.size} {within}"
+    return ", ".join([first, *(f"{count} {name}" for name, count in numbers.items() if count)])
 
 
 def _rpm(speed: float) -> str:

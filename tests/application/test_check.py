@@ -291,7 +291,9 @@ def test_the_whole_check_in_words() -> None:
 
 def test_a_batch_in_words() -> None:
     text = str(Driveline.from_bends([[1], [2], [4]], degrees=True).check(100.0, "truck"))
-    assert text.startswith("2 of 3 within, 1 beyond.\n\nCatalogue: beyond\n")
+    assert text.startswith(
+        "2 of 3 drivelines are within all limits, 1 beyond.\n\nCatalogue: beyond\n"
+    )
     assert "- equivalent bend: up to 4°\n    beyond the 3° limit by 1°\n" in text
     assert "Practice: not judged" in str(joints(5, 5).check([1.0, 2.0]))
 

@@ -427,7 +427,9 @@ def test_check_of_a_study_is_of_every_driveline(
         monkeypatch.setattr("cardan.scene.study._BLOCK", block)
         result = run("check", path)
         assert result.exit_code == 1
-        assert result.output.startswith("4 of 8 within, 1 tolerable, 3 beyond.\n")
+        assert result.output.startswith(
+            "4 of 8 drivelines are within all limits, 1 tolerable, 3 beyond.\n"
+        )
         said = [line.strip() for line in result.output.splitlines()]
         bend = next(i for i, line in enumerate(said) if line.startswith("- equivalent bend"))
         assert said[bend] == "- equivalent bend: up to 3.1°"

@@ -314,7 +314,7 @@ def test_the_example_answers(tmp_path: Path) -> None:
     assert data["L10_h"] == found.decisive.hours
     checked = command("check", CONVEYOR)
     assert checked.exit_code == 1
-    advice = "Make the joints size 1550, which gives 8772 h."
+    advice = "Choose size 1550 for the joints; their life is then 8772 h."
     assert f"- {advice}" in checked.output
     assert headline(found) in " ".join(checked.output.split())
     answer = json.loads(command("check", CONVEYOR, "--json").output)

@@ -489,7 +489,8 @@ ERRORS: list[tuple[str, int | None, str]] = [
     (
         section("study") + "equivalent_bend_deg = [3, 4]",
         4,
-        "[study] unknown key 'equivalent_bend_deg'; it belongs in [limits]",
+        "[study] unknown key 'equivalent_bend_deg'; [study] varies numbers of [driveline], [load] "
+        "and [[bearing]]",
     ),
     (
         section("sweep") + "samples_per_turn = 1.5",

@@ -95,7 +95,7 @@ def test_an_archive_has_the_keys_of_the_states(tmp_path: Path) -> None:
 def test_check_judges_every_state_and_names_the_worst(tmp_path: Path) -> None:
     status, text = run("check", TRUCK, tmp_path)
     assert status == 1
-    assert text.startswith("7 of 9 within, 2 beyond.")
+    assert text.startswith("7 of 9 drivelines are within all limits, 2 beyond.")
     assert "largest in bump +80 mm" in text
     data = answer("check", TRUCK, tmp_path)
     found = data["states"]["verdicts"]

@@ -355,7 +355,7 @@ def test_the_remedy_is_that_of_a_rule_that_is_exceeded() -> None:
     assert "a damping ratio of at least 0.0311 prevents this" in first
     kept = replace(found, rules=tuple(replace(rule, damping_ratio=1.0) for rule in found.rules))
     (first, *_) = torsion_sentences(kept)
-    assert first.endswith("the smallest vibration grows.")
+    assert first.endswith("the smallest disturbance makes the shafts leave it.")
 
 
 def test_the_command(tmp_path: Path) -> None:

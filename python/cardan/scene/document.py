@@ -81,7 +81,7 @@ class Document:
         for key, value in values.items():
             with self.within(name, key):
                 if key not in section.keys:
-                    hint = _meant(key, section.keys)
+                    hint = _meant(key, section.keys, studied=name == "study")
                     if name == "study" and key.partition(".")[0] in section.keys:
                         hint = "write it without quotes"
                     raise ValueError(f"unknown key {shown(key)}; {hint}")
@@ -215,10 +215,12 @@ _HINTS = (
 """What people write that is not TOML, and what to say of it."""
 
 
-def _meant(key: str, known: Iterable[str]) -> str:
+def _meant(key: str, known: Iterable[str], *, studied: bool = False) -> str:
     known = list(known)
     for name, section in FORMAT.items():
         if name and key in section.keys:
+            if studied:
+                return "[study] varies numbers of [driveline], [load] and [[bearing]]"
             return f"it belongs in {section.heading(name)}"
     stem, column, _ = key.partition("_column")
     stems = [name.partition("_column")[0] for name in known]

@@ -55,8 +55,8 @@ def advice_text(data: dict[str, Any]) -> str:
         return f"The yokes have their best setting; nothing to turn. {present} is within {limit}."
     if data["cause"] == "none":
         return (
-            f"Nothing has to be turned: {present} is within {limit}. The best setting leaves "
-            f"{settable:.3f}°."
+            f"Nothing has to be turned: {present} is within {limit}. The best "
+            f"{'teeth leave' if 'on_teeth' in bends else 'setting leaves'} {settable:.3f}°."
         )
     cause = f"The phases are the cause: {present} is beyond {limit}."
     if "on_teeth" in bends and settable > data["limit_deg"]:
@@ -131,9 +131,9 @@ def _states_remedies(data: dict[str, Any]) -> list[str]:
     if not data["shafts"]:
         return ["A single joint cannot cancel its own unevenness; add a second joint."]
     return [
-        f"The common setting with the least mean over the states leaves {_most(data, settable)}, "
-        f"beyond the limit of {data['limit_deg']:.4g}°. Bring the bends of the joints nearer to "
-        "each other in that state, or give it more weight."
+        f"Even the best common setting of the yokes leaves {_most(data, settable)}, beyond the "
+        f"limit of {data['limit_deg']:.4g}°. Bring the bends of the joints nearer to each other "
+        "in that state. More weight of that state favours it at the cost of the others."
     ]
 
 

@@ -66,7 +66,7 @@ def life_remedies(found: LifeFigures) -> list[str]:
     if found.chosen is None:
         return []
     hours = hours_text(found.chosen.hours or 0.0)
-    return [f"Make the joints size {found.chosen.size.name}, which gives {hours}."]
+    return [f"Choose size {found.chosen.size.name} for the joints; their life is then {hours}."]
 
 
 def _headline(found: LifeFigures) -> str:
@@ -80,11 +80,14 @@ def _headline(found: LifeFigures) -> str:
         parts += [f"L10h {hours_text(first.hours)}{required}", f"joint {first.joint} decides"]
     if chosen is not None:
         gives = f"size {chosen.size.name} would give {hours_text(chosen.hours or 0.0)}"
-        parts.append(gives if parts else gives.capitalize())
+        parts.append(gives)
     elif found.sizes and target is not None and not (first and found.passes):
         none = f"no size of the table reaches {hours_text(target)} within its limits"
-        parts.append(none if parts else none.capitalize())
-    return "; ".join(parts) if parts else "No life is known: the joints have no rating"
+        parts.append(none)
+    if not parts and any(joint.size.rating is not None for joint in found.joints):
+        return "No life is known: the joints with a rating have plain bearings"
+    text = "; ".join(parts) or "no life is known: the joints have no rating"
+    return f"{text[0].upper()}{text[1:]}"
 
 
 def _faults(joint: JointLife) -> Iterator[str]:

@@ -26,7 +26,7 @@ def states_text(table: StatesResult, *, radians: bool = False) -> str:
     found = list(extremes(table, radians=radians))
     columns = [(axis.key, [f"{value:.6g}" for value in axis.values]) for axis in table.states.axes]
     columns += [
-        (each.name, [figure_text(float(value)) for value in values])
+        (each.name, [figure_text(_settled(each.name, float(value))) for value in values])
         for each, values in zip(found, _values(table, found, radians), strict=True)
     ]
     names = ("States", [f"  {name}" for name in table.states.names])
@@ -40,8 +40,15 @@ def worst_lines(table: StatesResult, *, radians: bool = False) -> Iterator[tuple
     """Yield figures of which less is better: what each is, its largest value, and the state."""
     for each in extremes(table, radians=radians):
         value = each.largest.value
+        value = _settled(each.name, value)
         if each.less_is_better and math.isfinite(value) and not alike(each.least.value, value):
             yield each.name, f"{figure_text(value)} in {state_name(table, each.largest)}"
+
+
+def _settled(name: str, value: float) -> float:
+    """An angle, or 0 where it is the rounding of bends that cancel each other."""
+    rounding = {"_deg": 1e-6, "_rad": 1e-8}.get(name[-4:], 0.0)
+    return 0.0 if abs(value) < rounding else value
 
 
 def verdict_lines(data: Sequence[dict[str, Any]]) -> Iterator[tuple[str, str]]:

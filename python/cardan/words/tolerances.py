@@ -139,8 +139,9 @@ def permitted_texts(found: ToleranceFigures, permitted: Sequence[Permitted]) -> 
 
 def verdict_text(figure: ToleranceFigure, *, named: bool = False) -> str:
     """Return the verdict on one figure: as drawn, then with the tolerances."""
-    name = f"{figure.label.capitalize()}: " if named else ""
-    worst = f"the worst has {with_unit(figure.worst, figure.unit)}{_in(figure.worst_in)}"
+    name = f"{figure.label[:1].upper()}{figure.label[1:]}: " if named else ""
+    about = "about " if figure.worst_kind == "linear" else ""
+    worst = f"the worst has {about}{with_unit(figure.worst, figure.unit)}{_in(figure.worst_in)}"
     if figure.shares and figure.shares[0].share > 0.0:
         first = figure.shares[0]
         most = "mostly" if first.share > 0.5 else "the largest share"
@@ -172,7 +173,9 @@ def _permitted(part: Permitted, found: ToleranceFigures) -> str:
         return f"With any error of the {group} every driveline is within {limit}{same}."
     low, high = (_rounded_down(part.factor * end) for end in part.given)
     sizes = _ends((low, high), part.unit)
-    return f"Every driveline is within {limit} if the {group} are exact to {sizes}{same}."
+    # To first order the worst driveline is only about the worst.
+    about = "To first order, every" if found.figures[0].worst_kind == "linear" else "Every"
+    return f"{about} driveline is within {limit} if the {group} are exact to {sizes}{same}."
 
 
 def _rounded_down(value: float) -> float:

@@ -161,7 +161,10 @@ def _side_by_side(found: TorsionFigures) -> Iterator[str]:
 
 
 def _unstable(found: TorsionFigures, region: SpeedRange) -> str:
-    text = f"{_between(region)} the motion is unstable: the smallest vibration grows."
+    text = (
+        f"{_between(region)} the motion of the tables is unstable: the smallest disturbance makes "
+        "the shafts leave it."
+    )
     rules = [
         rule
         for rule in found.rules
