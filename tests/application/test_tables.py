@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import threading
 from pathlib import Path
 from typing import Any
 
@@ -191,6 +192,8 @@ def test_rows_are_counted_through(
     with pytest.raises(ValueError, match=message) as caught:
         stream(scene, tmp_path, rows=64)
     assert str(caught.value).startswith(f"{scene}, line 1: [angles] {source}: ")
+    # Nothing is left to the garbage collector, which may run inside the start of another thread.
+    assert not [one for one in threading.enumerate() if one.name.startswith("cardan-")]
     # Whole or not at all.
     assert target.read_bytes() == b"earlier"
     assert sorted(path.suffix for path in tmp_path.iterdir()) == [".parquet", ".parquet", ".toml"]

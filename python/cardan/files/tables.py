@@ -49,9 +49,9 @@ def map_parquet(
         OSError: a file cannot be read or written.
         ValueError: as for ``recording.read_columns``; a file that is not Parquet.
     """
-    chunks = read_ahead(read_chunks(source, names, rows))
-    pieces = ((function(*chunk.columns), chunk.total) for chunk in chunks)
-    return write_pieces(target, pieces, progress)
+    with closing(read_ahead(read_chunks(source, names, rows))) as chunks:
+        pieces = ((function(*chunk.columns), chunk.total) for chunk in chunks)
+        return write_pieces(target, pieces, progress)
 
 
 def write_pieces(

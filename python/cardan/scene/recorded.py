@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Generator, Iterator, Mapping
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -84,22 +85,23 @@ class Recording:
         held: _Rows = {}
         # Rows that have been delivered, at the beginning of those held.
         before = first = 0
-        for chunk in self._chunks(rows):
-            arrived = self._arrived(chunk)
-            held = {key: np.concatenate([held[key], arrived[key]]) for key in held} or arrived
-            count = len(next(iter(held.values())))
-            whole = rows is None or chunk.first + len(chunk.columns[0]) == chunk.total
-            # The filter needs the rows after a sample as well.
-            end = count if whole else count - reach
-            if end <= before:
-                continue
-            for begin in range(before, end, rows or count):
-                part = slice(begin, min(end, begin + (rows or count)))
-                yield self._angles(held, part, first + begin - before), chunk.total
-            first += end - before
-            kept = max(0, end - reach)
-            held = {key: column[kept:] for key, column in held.items()}
-            before = end - kept
+        with closing(self._chunks(rows)) as chunks:
+            for chunk in chunks:
+                arrived = self._arrived(chunk)
+                held = {key: np.concatenate([held[key], arrived[key]]) for key in held} or arrived
+                count = len(next(iter(held.values())))
+                whole = rows is None or chunk.first + len(chunk.columns[0]) == chunk.total
+                # The filter needs the rows after a sample as well.
+                end = count if whole else count - reach
+                if end <= before:
+                    continue
+                for begin in range(before, end, rows or count):
+                    part = slice(begin, min(end, begin + (rows or count)))
+                    yield self._angles(held, part, first + begin - before), chunk.total
+                first += end - before
+                kept = max(0, end - reach)
+                held = {key: column[kept:] for key, column in held.items()}
+                before = end - kept
         if not self._found:
             names = ", ".join(
                 repr(name) for name in (*self._columns.values(), *self._bends.values())
@@ -111,7 +113,7 @@ class Recording:
                 )
             raise ValueError(f"{self._file}: no row has a number in each of the columns {names}")
 
-    def _chunks(self, rows: int | None) -> Iterator[Chunk]:
+    def _chunks(self, rows: int | None) -> Generator[Chunk]:
         names = [*self._columns.values(), *self._bends.values()]
         try:
             chunks = read_chunks(self._file, names, rows, self._raster)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Generator, Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
@@ -161,7 +162,7 @@ class Scene:
         return cls._of(Document(text, name), Path(folder))
 
     @classmethod
-    def parts(cls, path: str | PathLike[str], rows: int) -> Iterator[tuple[Self, int]]:
+    def parts(cls, path: str | PathLike[str], rows: int) -> Generator[tuple[Self, int]]:
         """Read a scene file whose recorded angles may not fit in memory.
 
         Args:
@@ -192,14 +193,14 @@ class Scene:
             for key in ("reduce", "closed_forms", "table", "picture"):
                 if key in output:
                     raise ArgumentValueError(key, "does not go with streaming; it needs all angles")
-        pieces = read_ahead(Recording(recorded, folder).pieces(rows))
-        while True:
-            with document.within("angles"):
-                piece = next(pieces, None)
-            if piece is None:
-                return
-            angle, total = piece
-            yield cls._of(document, folder, angle), total
+        with closing(read_ahead(Recording(recorded, folder).pieces(rows))) as pieces:
+            while True:
+                with document.within("angles"):
+                    piece = next(pieces, None)
+                if piece is None:
+                    return
+                angle, total = piece
+                yield cls._of(document, folder, angle), total
 
     @classmethod
     def validate(cls, path: str | PathLike[str]) -> list[str]:

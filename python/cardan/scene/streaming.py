@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from contextlib import closing
 from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -64,32 +65,34 @@ def stream(
         OSError: the scene cannot be read or the curves not be written.
         ValueError: as for ``Scene.load``; keys of the scene that need all samples at once.
     """
-    parts = Scene.parts(scene, rows)
-    first, total = next(parts)
-    assert first.curves_file
-    path = Path(into) / first.curves_file
-    if first.recording and path.exists() and path.samefile(first.recording):
-        raise ValueError(f"{path} is the recording that the scene reads; it would be overwritten")
+    with closing(Scene.parts(scene, rows)) as parts:
+        first, total = next(parts)
+        assert first.curves_file
+        path = Path(into) / first.curves_file
+        if first.recording and path.exists() and path.samefile(first.recording):
+            raise ValueError(
+                f"{path} is the recording that the scene reads; it would be overwritten"
+            )
 
-    missing, way = 0, Way()
-    ends: list[float] = []
-    signals: tuple[Signal, ...] = ()
+        missing, way = 0, Way()
+        ends: list[float] = []
+        signals: tuple[Signal, ...] = ()
 
-    def pieces() -> Iterable[tuple[Mapping[str, NDArray[Any]], int]]:
-        yield curves(first), total
-        for part, _ in parts:
-            yield curves(part), total
+        def pieces() -> Iterable[tuple[Mapping[str, NDArray[Any]], int]]:
+            yield curves(first), total
+            for part, _ in parts:
+                yield curves(part), total
 
-    def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
-        nonlocal missing, signals
-        missing += part.missing
-        signals = joined(signals, part.signals)
-        known = part.without_missing().drive_angle_deg
-        way.add(known)
-        if known.size:
-            ends[:] = [*(ends or known[:1].tolist())[:1], float(known[-1])]
-        return columns(SceneResult(part, part.evaluate()), radians=radians)
+        def curves(part: Scene) -> Mapping[str, NDArray[Any]]:
+            nonlocal missing, signals
+            missing += part.missing
+            signals = joined(signals, part.signals)
+            known = part.without_missing().drive_angle_deg
+            way.add(known)
+            if known.size:
+                ends[:] = [*(ends or known[:1].tolist())[:1], float(known[-1])]
+            return columns(SceneResult(part, part.evaluate()), radians=radians)
 
-    written = write_pieces(path, pieces(), progress)
-    # A recording without any number is refused.
-    return Streamed(path, written, missing, (ends[0], ends[1]), way.turns, signals, way.extent)
+        written = write_pieces(path, pieces(), progress)
+        # A recording without any number is refused.
+        return Streamed(path, written, missing, (ends[0], ends[1]), way.turns, signals, way.extent)
