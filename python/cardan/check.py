@@ -12,7 +12,7 @@ from cardan import notebook
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.equivalent import EquivalentJoint
 from cardan.finding import VERDICTS, Finding, counted
-from cardan.limits import CATALOGUE, Limits, limits_of
+from cardan.limits import CATALOGUE, PRESETS, Limits, limits_of
 from cardan.quantities import MOTION_QUANTITIES
 from cardan.wrapping import wrap
 
@@ -112,12 +112,14 @@ class Check:
         return "\n".join(lines)
 
     def _lines(self) -> list[str]:
-        group, whose = self.findings[0].group, self.limits.preset
-        if group == "catalogue":
-            own = self.limits.figures["equivalent_bend_deg"] != CATALOGUE
-            whose = "own limit" if own else None
+        group, preset = self.findings[0].group, self.limits.preset
+        known = {CATALOGUE, *PRESETS.get(preset or "", {}).values()}
+        own = {found.limit for found in self.findings if found.limit} - known
+        whose = [preset] if preset and group == "practice" else []
+        whose += ["own limit" if len(own) == 1 else "own limits"] if own else []
         verdict = VERDICTS[int(np.max(self.ranks, initial=0))]
-        lines = [f"{group.capitalize()}{f' ({whose})' if whose else ''}: {verdict}"]
+        limits = f" ({', '.join(whose)})" if whose else ""
+        lines = [f"{group.capitalize()}{limits}: {verdict}"]
         for finding in self.findings:
             verdict_words, *more = finding.words
             lines.append(f"- {finding.name}: {finding.value_text}")

@@ -351,10 +351,10 @@ def test_remedies_for_a_single_joint(tmp_path: Path) -> None:
     for bend, said in ((8.5, True), (2.5, False)):
         text = f"[driveline]\nbends_deg = [{bend}]\n"
         page = PageText(written(scene(text), tmp_path)).text
-        assert ("make joint 0 at most 3.00°, or add a second joint" in page) == said
+        assert ("give joint 0 a bend of at most 3.00°, or add a second joint" in page) == said
         text += "[limits]\nequivalent_bend_deg = 2\n"
         page = PageText(written(scene(text), tmp_path)).text
-        assert "make joint 0 at most 2.00°, or add a second joint" in page
+        assert "give joint 0 a bend of at most 2.00°, or add a second joint" in page
 
 
 def test_yokes_on_splines(tmp_path: Path) -> None:

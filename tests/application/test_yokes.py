@@ -235,7 +235,10 @@ def test_bends_that_differ(tmp_path: Path) -> None:
     path = scene(tmp_path, "bends_deg = [14, 9]\ntwists_deg = [180]")
     words = " ".join(phase(path).split())
     assert "The bends differ (14° and 9°); no phase can fix that: the best setting leaves 10.768°"
-    said = re.search(r"make joint 0 (.+?)° to (.+?)°, or joint 1 (.+?)° to (.+?)°, then", words)
+    said = re.search(
+        r"give joint 0 a bend of (.+?)° to (.+?)°, or joint 1 a bend of (.+?)° to (.+?)°; then",
+        words,
+    )
     assert said is not None
     ends = [
         (float(said[1]), 9.0),
@@ -253,7 +256,7 @@ def test_bends_that_differ(tmp_path: Path) -> None:
 def test_of_more_joints_the_largest_is_to_be_changed(tmp_path: Path) -> None:
     words = " ".join(phase(scene(tmp_path, "bends_deg = [4, 20, 6]")).split())
     assert "Joint 1 is bent by 20°, more than the other joints can cancel; no phase" in words
-    said = re.search(r"make joint 1 (.+?)° to (.+?)°, then", words)
+    said = re.search(r"give joint 1 a bend of (.+?)° to (.+?)°; then", words)
     assert said is not None
     for bend in said.groups():
         line = Driveline.from_bends([4, float(bend), 6], degrees=True)
@@ -279,7 +282,9 @@ def test_nothing_to_turn(tmp_path: Path) -> None:
     assert "The best setting leaves 0.000°." in words
     words = " ".join(phase(scene(tmp_path, "bends_deg = [0, 7]")).split())
     assert "One bend alone cannot cancel" in words
-    assert "make joint 1 at most 3.00°, or joint 0 6.33° to 7.61°, then" in words
+    assert (
+        "give joint 1 a bend of at most 3.00°, or joint 0 a bend of 6.33° to 7.61°; then" in words
+    )
 
 
 def test_remedies_for_a_check() -> None:
@@ -297,8 +302,8 @@ def test_remedies_for_a_check() -> None:
     assert ", of shaft 2 by " in words(9, 8, 7, phases=[60, 50])[0]
     assert words(15, phases=[]) == [
         "A single joint cannot cancel its own unevenness.",
-        "To come within the limit of 3°, make joint 0 at most 3.00°, or add a second joint "
-        "with the same bend.",
+        "To come within the limit of 3°, give joint 0 a bend of at most 3.00°, or add a second "
+        "joint with the same bend.",
     ]
     assert len(words(14, 9, phases=[0])) == 2
 

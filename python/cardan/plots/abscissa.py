@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 Over = Literal["turns", "time", "orders"]
 """What a scene's curves are drawn over."""
 
+# Orders in steps of a quarter or less have a curve; between coarser ones nothing is known.
+_FEWEST_OF_CURVES = 4
+
 _Curves = Sequence[tuple[str, FloatArray]]
 
 
@@ -107,12 +110,21 @@ def _by_order(axes: Axes, curves: _Curves, scale: float, *, angle: FloatArray) -
     from matplotlib.ticker import MaxNLocator
 
     found = orders(angle, np.stack([values for _, values in curves]))
-    for place, ((label, _), sizes) in enumerate(zip(curves, found.amplitudes, strict=True)):
-        axes.plot(found.orders[1:], sizes[1:], label=label, **line_style(place))
+    # Below a billionth of the unit there is rounding only.
+    sizes = np.where(found.amplitudes > 1e-9 * scale, found.amplitudes, 0.0)[:, 1:]
+    drawn = [(label, row) for (label, _), row in zip(curves, sizes, strict=True)]
+    if found.turns < _FEWEST_OF_CURVES:
+        panel.draw_stems(axes, found.orders[1:], drawn, 0.5 / found.turns)
+    else:
+        for place, (label, row) in enumerate(drawn):
+            axes.plot(found.orders[1:], row, label=label, **line_style(place))
     axes.grid(visible=True)
-    axes.set_xlim(0.0, float(found.orders[-1]))
+    axes.set_xlim(0.0, float(found.orders[-1]) + 0.5 / found.turns)
     axes.xaxis.set_major_locator(MaxNLocator(12, integer=True))
     value_ticks(axes.yaxis)
-    largest = float(np.max(found.amplitudes[:, 1:]))
-    # Below a billionth of the unit there is rounding only.
-    axes.set_ylim(0.0, 1.05 * largest if largest > 1e-9 * scale else scale)
+    largest = float(np.max(sizes))
+    axes.set_ylim(0.0, 1.05 * largest or scale)
+    if not largest:
+        axes.text(
+            0.5, 0.5, "constant", transform=axes.transAxes, ha="center", va="center", color="0.35"
+        )

@@ -13,7 +13,7 @@ import cardan.plots.panel as panel
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
 from cardan.outputs import OUTPUTS
-from cardan.plots.style import MARKERS, drawing, legend_above, line_style
+from cardan.plots.style import drawing, legend_above
 from cardan.request import item_index
 
 if TYPE_CHECKING:
@@ -57,16 +57,9 @@ def plot_harmonics(
     found = line.harmonics(orders, shaft)
     amplitudes, unit = panel.in_unit(OUTPUTS[quantity], np.atleast_2d(getattr(found, quantity)))
     names = panel.names(line, labels)
-    apart = 0.8 * _least_step(found.orders) / len(names)
     with drawing(ax, height_mm=45.0) as axes:
-        for i, (label, sizes) in enumerate(zip(names, amplitudes, strict=True)):
-            there = sizes > 0.0
-            places = found.orders[there] + (i - (len(names) - 1) / 2.0) * apart
-            style = line_style(i)
-            axes.vlines(places, 0.0, sizes[there], color=style["color"])
-            axes.plot(
-                places, sizes[there], MARKERS[i], color=style["color"], markersize=4.0, label=label
-            )
+        curves = list(zip(names, amplitudes, strict=True))
+        panel.draw_stems(axes, found.orders, curves, 0.8 * _least_step(found.orders))
         if np.any(amplitudes > 0.0):
             least = float(np.min(amplitudes[amplitudes > 0.0]))
             axes.set_yscale("log")

@@ -13,7 +13,7 @@ from cardan.errors import ArgumentValueError
 from cardan.figures.rounding import flat_limits
 from cardan.outputs import Output
 from cardan.plots.bands import Bands
-from cardan.plots.style import degree_ticks, line_style, value_ticks
+from cardan.plots.style import MARKERS, degree_ticks, line_style, value_ticks
 from cardan.scene.units import in_degrees
 from cardan.sweep import Sweep
 
@@ -51,6 +51,27 @@ def draw(
     degree_ticks(axes.xaxis, first, last)
     drawn = np.concatenate([line.get_ydata() for line in axes.get_lines()])
     _frame(axes, first, last, drawn, scale)
+
+
+def draw_stems(
+    axes: Axes, orders: FloatArray, curves: Sequence[tuple[str, FloatArray]], width: float
+) -> None:
+    """Draw amplitudes by order as stems, those of one order side by side; none where they are 0.
+
+    Args:
+        axes: where.
+        orders: multiples of the drive's rotation, ``(orders,)``.
+        curves: label and amplitudes of each, ``(orders,)``.
+        width: of the stems of one order together, in orders.
+    """
+    apart = width / len(curves)
+    for place, (label, sizes) in enumerate(curves):
+        there = sizes > 0.0
+        at = orders[there] + (place - (len(curves) - 1) / 2.0) * apart
+        colour = line_style(place)["color"]
+        axes.vlines(at, 0.0, sizes[there], color=colour)
+        marker = MARKERS[place % len(MARKERS)]
+        axes.plot(at, sizes[there], marker, color=colour, markersize=4.0, label=label)
 
 
 def draw_bands(

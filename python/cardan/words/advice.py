@@ -177,12 +177,13 @@ def _changes(data: dict[str, Any]) -> str:
     straight = [found for found in data["bend_ranges"] if found not in bent]
     changed = {1: [*bent, *straight[:1]], 2: bent}.get(len(bent), [largest])
     changes = ", or ".join(
-        f"joint {found['joint']} {_range(found['from_deg'], found['to_deg'])}" for found in changed
+        f"joint {found['joint']} a bend of {_range(found['from_deg'], found['to_deg'])}"
+        for found in changed
     )
-    then = ", then set the yokes anew"
+    then = "; then set the yokes anew"
     if not data["shafts"]:
         then = ", or add a second joint with the same bend"
-    return f"To come within the limit of {data['limit_deg']:.4g}°, make {changes}{then}."
+    return f"To come within the limit of {data['limit_deg']:.4g}°, give {changes}{then}."
 
 
 def _bent(data: dict[str, Any]) -> list[dict[str, Any]]:

@@ -13,6 +13,7 @@ from cardan.figures.names import key_name
 from cardan.figures.rounding import alike
 from cardan.figures.states import state_name
 from cardan.scene.states import StatesResult
+from cardan.words.phrases import listed
 from cardan.words.summary import aligned, figure_text
 
 OF_DRIVELINE = "Angles, motion and loads above are those of [driveline]; the states follow."
@@ -56,9 +57,23 @@ def verdict_lines(data: Sequence[dict[str, Any]]) -> Iterator[tuple[str, str]]:
     for state in data:
         bend = state["equivalent_bend_deg"]
         words = "unknown" if bend is None else f"{bend:.4g}°"
-        words += f", {state['verdict']}"
-        others = [name.replace("_", " ") for name in state["beyond"] if name != "equivalent_bend"]
-        yield state["state"], words + (f": {', '.join(others)}" if others else "")
+        others = [_figure_name(name) for name in state["beyond"] if name != "equivalent_bend"]
+        by_bend = len(others) == len(state["beyond"]) - 1
+        if by_bend or not others:
+            words += f", {state['verdict']}"
+        if others:
+            verb = "is" if len(others) == 1 else "are"
+            which = listed([f"the {name}" for name in others])
+            words += f", and so {verb} {which}" if by_bend else f", but {which} {verb} beyond"
+        yield state["state"], words
+
+
+def _figure_name(figure: str) -> str:
+    """The words for ``inertia_excitation_driving``: "inertia excitation when driving"."""
+    name = figure.replace("_", " ")
+    for ending in (" driving", " coasting"):
+        name = name.replace(ending, f" when{ending}")
+    return name
 
 
 def verdicts_text(data: Sequence[dict[str, Any]]) -> str:
