@@ -1231,8 +1231,14 @@ def test_labels_lie_in_the_nearest_free_place() -> None:
         upright = anchor + np.stack([np.full(99, -5.0 * side), np.linspace(-150, 150, 99)], axis=-1)
         labels.drawn = np.concatenate([labels.drawn, upright])
         assert placed(labels, above=True) == pytest.approx((14.0 * side, 5.0 + height / 2.0))
+    # Farther aside a line leads to it.
+    labels = labels_among(0.0)
+    assert labels.beside(np.array([3.0, 290.0]), "joint 0", 5.0, above=True)
+    (line,) = labels.axes.lines
+    ends = np.asarray(line.get_xydata()) * labels.size
+    np.testing.assert_allclose(ends, [[3.0, 285.0], [31.0, 285.0]], atol=1e-9)
     # No label leaves the drawing.
-    assert not labels_among(0.0).beside(np.array([3.0, 290.0]), "joint 0", 5.0, above=True)
+    assert not labels_among(0.0).beside(np.array([-20.0, 290.0]), "joint 0", 5.0, above=True)
 
 
 def test_bends_and_phases_are_named() -> None:

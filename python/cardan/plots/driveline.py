@@ -33,6 +33,7 @@ _YOKES: tuple[Mapping[str, Any], ...] = (
 )
 # Over half the span of a yoke: radius and width of a bearing, height and half width of its foot.
 _RING, _WIDTH, _FOOT, _FOOT_ASIDE = 0.62, 0.5, 1.15, 0.42
+_ALONG = 80  # points along a line that no label may cover
 _BEARING = "#009E73"
 _BEND: Mapping[str, Any] = {"facecolor": "#D55E00", "alpha": 0.22, "linewidth": 0.0}
 _CONTINUED: Mapping[str, Any] = {"color": "0.35", "linestyle": (0, (4, 2)), "linewidth": 0.6}
@@ -196,6 +197,7 @@ class _Sketch:
                 outline, rim = tube(first, last, self.size, self.view)
                 depth = self.view.depth(np.stack([first, last]))
                 areas += [(depth, outline, "0.82"), (depth, rim, "0.93")]
+                self._take(_edge(outline))
             for place in centres:
                 outline, rim = tube(place - half, place + half, self.size, self.view, _RING)
                 depth = self.view.depth(place)
@@ -204,10 +206,8 @@ class _Sketch:
                 stand = np.stack([place, foot - aside, foot + aside])
                 areas += [(depth, stand, "white"), (depth, outline, _BEARING), (depth, rim, "0.93")]
                 self._take(np.linspace(2.0 * place - foot, foot, 20))
-            along = np.linspace(0.0, 1.0, 80)[:, np.newaxis]
-            rise = 0.34 * self.size * self.view.axes[1]
-            for side in (-1.0, 0.0, 1.0):
-                self._take(start + along * (end - start) + side * rise)
+                self._take(_edge(outline))
+            self._take(np.linspace(start, end, _ALONG))
         # Sorting is stable: of one piece, what is added later lies on top.
         for _, area, colour in sorted(areas, key=lambda piece: piece[0]):
             shape = Polygon(self.view.flat(area), facecolor=colour, zorder=2.0, **thin)
@@ -309,10 +309,15 @@ class _Sketch:
             self._arrow(*((far, near) if end == 0 else (near, far)), "0.1", 1.0)
             # On the side to which the arrow leads away, unless the driveline comes back there.
             aside = -7.0 if far[1] < near[1] - 6.0 else 7.0
-            x, y = float(far[0]), float(far[1])
-            rises = [way * step * aside for step in (1.0, 1.6, 2.2, 2.8) for way in (1.0, -1.0)]
-            free = (rise for rise in rises if not labels.covers(x, y + rise, name))
-            labels.at(x, y + next(free, aside), name, "center")
+            away = np.sign(far - near) * (1.0, 0.0)
+            places = [
+                far + out * away + (0.0, way * step * aside)
+                for step in (1.0, 1.6, 2.2, 2.8)
+                for out in (0.0, 6.0, 12.0)
+                for way in (1.0, -1.0)
+            ]
+            free = (place for place in places if not labels.covers(*place, name))
+            labels.at(*next(free, places[0]), name, "center")
 
     def _directions(self, labels: PlacedLabels) -> None:
         """Show the axes, and from where the senses of turn are meant."""
@@ -340,6 +345,13 @@ class _Sketch:
 
     def _clear(self, tail: FloatArray, head: FloatArray) -> None:
         self.drawn.append(tail + np.linspace(0.0, 1.0, 9)[:, np.newaxis] * (head - tail))
+
+
+def _edge(outline: FloatArray) -> FloatArray:
+    """Points along the edge of an area, ``(points, 3)``."""
+    share = np.linspace(0.0, 1.0, _ALONG)[:, np.newaxis, np.newaxis]
+    onward = np.roll(outline, -1, axis=0) - outline
+    return np.asarray((outline + share * onward).reshape(-1, 3), np.float64)
 
 
 def _rim(width: float) -> dict[str, Any]:

@@ -17,6 +17,7 @@ Bounds = tuple[float, float, float, float]  # left, bottom, right, top
 
 _ROOM = 2.0  # points around a label
 _NEAR, _FAR = 8, 30  # points from which, and to which, a line connects a label to its point
+_ASIDE = (0.0, 6.0, -6.0, 14.0, -14.0, 28.0, -28.0)  # points to the right
 _LINE = 1.25  # height of a line over the size of its font
 
 
@@ -52,7 +53,7 @@ class PlacedLabels:
             (step + abs(aside) + 12.0 * ((side > 0.0) != above), aside, side, step)
             for step in range(0, _FAR, 2)
             for side in (1.0, -1.0)
-            for aside in (0.0, 6.0, -6.0, 14.0, -14.0)
+            for aside in _ASIDE
         )
         for _, aside, side, step in places:
             x, begin = float(anchor[0]) + aside, float(anchor[1]) + side * away
@@ -62,7 +63,7 @@ class PlacedLabels:
             if self._is_free(self._box(x, y, width, height)) and not self._is_written(line):
                 self._write(x, y, text, "center")
                 self.boxes.append(self._box(x, y, width, height))
-                if step > _NEAR:
+                if step > _NEAR or abs(aside) > _NEAR + 6.0:
                     self._line(line)
                 return True
         return False
