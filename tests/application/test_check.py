@@ -186,6 +186,14 @@ def test_figures_of_your_own() -> None:
     )
     assert joints(5).check(limits=limits).verdict == "tolerable"
     assert "Catalogue (own limit): tolerable" in str(joints(5).check(limits=limits))
+    assert "Practice (truck, own limit): " in str(joints(5).check(limits=limits))
+    assert "Practice (truck): " in str(joints(5).check(limits="truck"))
+    alone = Limits(torsional_excitation_rad_s2=800)
+    assert "Catalogue: beyond" in str(joints(5).check(limits=alone))
+    assert "Practice (own limit): " in str(joints(5).check(limits=alone))
+    both = Limits(torsional_excitation_rad_s2=800, inertia_excitation_rad_s2=900)
+    assert "Practice (own limits): " in str(joints(5, 4).check(limits=both))
+    assert "Practice: not judged" in str(joints(5).check(100.0))
     # With a speed some sentences are longer than a line of a terminal.
     said = str(Driveline.from_bends([6, 5], [180], degrees=True).check(350.0, Limits("truck")))
     assert "tolerable, " in said

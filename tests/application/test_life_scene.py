@@ -24,6 +24,7 @@ from cardan.figures.tubes import tube_figures
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.words.life import life_sentences, life_text, tube_sentences
+from example_scenes import example
 
 ROOT = Path(__file__).parents[2]
 CONVEYOR = ROOT / "examples" / "conveyor.toml"
@@ -181,6 +182,16 @@ def test_small_swings_and_plain_bearings_are_named() -> None:
     assert plain.decisive is plain.joints[1]
     assert "does not apply to the plain bearings of joint 0." in " ".join(life_sentences(plain))
     assert plain.heat == figures(text).heat
+
+
+@pytest.mark.parametrize("name", ["conveyor.toml", "ship-shaft.toml"])
+def test_the_torques_leave_out_the_vibration(name: str) -> None:
+    """The answer says so where the scene gives shafts as torsion springs."""
+    scene = Scene.load(example(name))
+    found = life_figures(scene)
+    assert found
+    said = " ".join(life_sentences(found))
+    assert ("the vibration of [torsion] is not in them" in said) == (scene.torsion is not None)
 
 
 @pytest.mark.parametrize(

@@ -23,6 +23,7 @@ from cardan.report import write_report
 from cardan.report.charts import FRAME, chart
 from cardan.report.samples import Curve, Panel
 from cardan.scene import Scene, StatesResult
+from cardan.words.states import verdict_lines
 from example_scenes import example
 from pages import curves, figure, page_of, scales
 
@@ -108,6 +109,27 @@ def test_check_judges_every_state_and_names_the_worst(tmp_path: Path) -> None:
     assert not data["passes"]
     turned = TRUCK.replace("[90, 0]", "[30, 10]")
     assert run("check", turned, tmp_path)[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("beyond", "words"),
+    [
+        ("", "3.5°, tolerable"),
+        ("equivalent_bend", "3.5°, beyond"),
+        ("torsional_excitation", "3.5°, but the torsional excitation is beyond"),
+        ("equivalent_bend bend_difference", "3.5°, beyond, and so is the bend difference"),
+        (
+            "equivalent_bend torsional_excitation inertia_excitation_driving "
+            "inertia_excitation_coasting",
+            "3.5°, beyond, and so are the torsional excitation, the inertia excitation when "
+            "driving and the inertia excitation when coasting",
+        ),
+    ],
+)
+def test_the_verdict_on_a_state_names_what_else_is_beyond(beyond: str, words: str) -> None:
+    verdict = "beyond" if beyond else "tolerable"
+    state = {"state": "laden", "equivalent_bend_deg": 3.5, "verdict": verdict}
+    assert list(verdict_lines([{**state, "beyond": beyond.split()}])) == [("laden", words)]
 
 
 def test_check_passes_only_if_all_states_do(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -111,6 +111,8 @@ class LifeFigures:
         chosen: the size to take: the smallest that reaches the target, or without a target the
             next larger one; ``None`` if the present one suffices or none does.
         efficiency: of the energy over the duty cycle; ``None`` if the losses are not known.
+        is_compliant: whether the scene gives its shafts as torsion springs; the torques here are
+            those of rigid shafts all the same.
     """
 
     duty: DutyCycle
@@ -118,6 +120,7 @@ class LifeFigures:
     sizes: tuple[SizeLife, ...]
     chosen: SizeLife | None
     efficiency: float | None
+    is_compliant: bool
 
     @property
     def decisive(self) -> JointLife | None:
@@ -155,8 +158,9 @@ def life_figures(scene: Scene) -> LifeFigures | None:
         return None
     each = tuple(_joints(joints.each, duty)) if joints.each else ()
     sizes = tuple(_sizes(joints.table, duty)) if joints.table else ()
-    found = LifeFigures(duty, each, sizes, None, _efficiency(each, duty))
-    return LifeFigures(duty, each, sizes, _chosen(found), found.efficiency)
+    is_compliant = scene.torsion is not None
+    found = LifeFigures(duty, each, sizes, None, _efficiency(each, duty), is_compliant)
+    return replace(found, chosen=_chosen(found))
 
 
 def needed_life(scene: Scene) -> LifeFigures:

@@ -54,6 +54,11 @@ def life_sentences(found: LifeFigures) -> Iterator[str]:
             f"The law of life is that of needle bearings. It does not apply to the plain bearings "
             f"of {_joints(plain)}."
         )
+    if found.is_compliant:
+        yield (
+            "The torques are those of rigid shafts: the vibration of [torsion] is not in them. "
+            "'cardan torsion' says how large it is."
+        )
     if found.heat is not None and found.efficiency is not None:
         yield (
             f"Over the duty cycle the joints dissipate {figure_text(found.heat)} W; "
