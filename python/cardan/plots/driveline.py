@@ -316,8 +316,9 @@ class _Sketch:
                 for out in (0.0, 6.0, 12.0)
                 for way in (1.0, -1.0)
             ]
-            free = (place for place in places if not labels.covers(*place, name))
-            labels.at(*next(free, places[0]), name, "center")
+            free = (place for place in places if not labels.covers(place[0], place[1], name))
+            x, y = next(free, places[0])
+            labels.at(float(x), float(y), name, "center")
 
     def _directions(self, labels: PlacedLabels) -> None:
         """Show the axes, and from where the senses of turn are meant."""

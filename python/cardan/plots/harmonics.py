@@ -59,7 +59,8 @@ def plot_harmonics(
     names = panel.names(line, labels)
     with drawing(ax, height_mm=45.0) as axes:
         curves = list(zip(names, amplitudes, strict=True))
-        panel.draw_stems(axes, found.orders, curves, 0.8 * _least_step(found.orders))
+        width = 0.8 * _least_step(found.orders)
+        panel.draw_stems(axes, np.asarray(found.orders, np.float64), curves, width)
         if np.any(amplitudes > 0.0):
             least = float(np.min(amplitudes[amplitudes > 0.0]))
             axes.set_yscale("log")
