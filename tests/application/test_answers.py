@@ -101,7 +101,13 @@ TOLERANCES = {
 }
 TUBES = {
     *("tubes", "shaft", "stiffness_Nm_per_rad", "inertia_kgm2", "mass_kg", "torque_Nm"),
-    *("shear_stress_MPa", "permitted_stress_MPa", "critical_speed_rpm", "largest_speed_rpm"),
+    *(
+        "torque_in",
+        "shear_stress_MPa",
+        "permitted_stress_MPa",
+        "critical_speed_rpm",
+        "largest_speed_rpm",
+    ),
     *("margin", "least_margin", "passes"),
 }
 LIFE = {

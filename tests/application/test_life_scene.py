@@ -20,10 +20,10 @@ from cardan.figures.life import LifeFigures, life_figures, needed_life
 from cardan.figures.life_answer import life_data
 from cardan.figures.limits import check_data, check_scene, passes
 from cardan.figures.schema import answers_schema
-from cardan.figures.tubes import tube_figures
+from cardan.figures.tubes import tube_figures, tubes_data
 from cardan.report import write_report
 from cardan.scene import Scene
-from cardan.words.life import life_sentences, life_text, tube_sentences
+from cardan.words.life import life_sentences, life_text, tube_lines, tube_sentences
 from example_scenes import example
 
 ROOT = Path(__file__).parents[2]
@@ -298,6 +298,34 @@ def test_tubes_are_those_of_the_library() -> None:
     alone = tube_figures(Scene.parse(f"{TWO}{TUBE}"))[0]
     assert alone.stress is alone.margin is None
     assert alone.passes
+
+
+def test_tubes_bear_the_load_in_every_state_and_step() -> None:
+    """The largest torque is that of the step or of the state with the larger one, by name."""
+    text = (
+        "[driveline]\nbends_deg = [18, 18]\n[load]\nspeed_rpm = 1500\noutput_torque_Nm = 400\n"
+        '[states]\nbends_deg.1 = [18, 24]\nnames = ["straight", "turn"]\n'
+        f"{TUBE}permitted_stress_MPa = 12\n"
+    )
+    duty = (
+        "[life]\nhours = [2, 1]\nspeed_rpm = [1600, 900]\noutput_torque_Nm = {}\n"
+        'names = ["haul", "lift"]\n'
+    )
+    for section, torque, place, rpm in (
+        ("", 400.0 / math.cos(math.radians(24.0)), "turn", 1500.0),
+        (duty.format("[50, 60]"), 400.0 / math.cos(math.radians(24.0)), "turn", 1600.0),
+        (duty.format("[50, 900]"), 900.0 / math.cos(math.radians(18.0)), "lift", 1600.0),
+    ):
+        (found,) = tube_figures(Scene.parse(text + section))
+        assert found.torque == pytest.approx(torque, rel=1e-9)
+        assert found.torque_in == place
+        assert found.speed_rpm == pytest.approx(rpm)
+        assert dict(tube_lines(found))["largest torque"].endswith(f" N m in {place}")
+        (data,) = tubes_data((found,))
+        assert (data["torque_Nm"], data["torque_in"]) == (found.torque, place)
+    (same,) = tube_figures(Scene.parse(text.replace("[18, 24]", "[18, 18]")))
+    assert same.torque_in == ""
+    assert dict(tube_lines(same))["largest torque"].endswith(" N m")
 
 
 def test_tubes_take_their_lengths_from_points() -> None:

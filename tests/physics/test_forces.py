@@ -13,11 +13,11 @@ from typing import Any, TypeAlias
 import numpy as np
 import pytest
 
-from cardan import Driveline, Load
+from cardan import Driveline, Load, Sweep
 from deviation_oracle import LeaningFrames
 from equilibrium import BearingPlace, assignments, forces, system
 from limits import TABLE
-from oracle import Doubles, Exact, ExactTurn, mp
+from oracle import Doubles, Exact, ExactTurn, mp, read
 from vectors import ExactLoads, Frames
 
 ANGLES = np.linspace(-3.0, 4.0, 7)
@@ -252,3 +252,25 @@ def test_errors_in_ulp(kind: str, tier: str) -> None:
     worst = np.max([judged(tier, rng, counts, steepest) for _ in range(12)], axis=0)
     limits = [LIMITS[name][tier] for name in ("joint_force", "bearing_force")]
     assert np.all(worst <= limits), f"{kind}, {tier}: {worst} ulp"
+
+
+# --- the worst that cardan-stress found ---------------------------------------------------------
+
+WORST = read("worst_forces.json")["cases"]
+
+
+@pytest.mark.parametrize("case", WORST, ids=lambda case: f"{case['tolerance']} {case['output']}")
+def test_the_worst_forces_keep_their_limits(case: dict[str, Any]) -> None:
+    """Forces of several shafts nearly cancel at this drive angle: over the turn they are larger."""
+    line = Driveline.from_bends(case["bends"], case["twists"], case["phases"])
+    bearings = list(zip(case["bearings"], case["positions"], strict=True))
+    line = line.with_bearings(bearings, case["lengths"])
+    way, tolerance, name = case["supported"], case["tolerance"], case["output"]
+    off = errors(line, bearings, way, [case["angle"]], case["load"], tolerance)[name]
+    limit = LIMITS[name]["worst"] if tolerance is None else LIMITS[name]["single"] * 2.0**53
+    assert off <= limit
+    over_the_turn = line.evaluate(
+        Sweep.revolutions(1, 720), name, load=Load(**case["load"]), tolerance=0
+    )
+    at = line.evaluate(case["angle"], name, load=Load(**case["load"]), tolerance=0)
+    assert np.max(np.abs(over_the_turn[name])) > 3.0 * np.max(np.abs(at[name]))

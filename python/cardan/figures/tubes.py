@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from cardan.driveline import Driveline
 from cardan.figures.answers import record
+from cardan.figures.rounding import alike
 from cardan.figures.turn_extremes import peak
-from cardan.scene.duty import DutyCycle
+from cardan.load import Load
 from cardan.scene.scene import Scene
 from cardan.scene.units import RPM
 
@@ -24,7 +26,9 @@ class TubeFigures:
         stiffness: in N m/rad.
         inertia: in kg m².
         mass: in kg.
-        torque: largest torque over the turn and the duty cycle in N m.
+        torque: largest torque in N m, over the turn, all states with the scene's load, and the
+            duty cycle.
+        torque_in: the state or the step of the duty cycle with it, "" if there is only one.
         stress: the shear stress that it causes, in Pa.
         permitted_stress: ``None`` if the scene permits any.
         critical_rpm: critical bending speed.
@@ -37,6 +41,7 @@ class TubeFigures:
     inertia: float
     mass: float
     torque: float | None
+    torque_in: str
     stress: float | None
     permitted_stress: float | None
     critical_rpm: float
@@ -70,36 +75,53 @@ class TubeFigures:
 
 def tube_figures(scene: Scene) -> tuple[TubeFigures, ...]:
     """Return the tubes of a scene; none if it has none."""
-    tubes, duty = scene.service.tubes, scene.service.duty
+    tubes, cases = scene.service.tubes, list(_cases(scene))
     if tubes is None:
         return ()
-    found, count = tubes.tube, len(tubes.shafts)
-    torques = None if duty is None else [_largest_torque(duty, shaft) for shaft in tubes.shafts]
-    stresses = None if torques is None else found.shear_stress(torques)
-    speed = None if duty is None else float(np.max(duty.speed_rpm))
+    found = tubes.tube
+    worst = [_largest_torque(cases, shaft) for shaft in tubes.shafts] if cases else None
+    stresses = found.shear_stress([torque for torque, _ in worst]) if worst else None
+    speed = max((abs(float(load.speed)) / RPM for _, _, load in cases), default=0.0)
     return tuple(
         TubeFigures(
-            tubes.shafts[i],
+            shaft,
             float(found.stiffness[i]),
             float(found.inertia[i]),
             float(found.mass[i]),
-            None if torques is None else torques[i],
+            worst[i][0] if worst else None,
+            worst[i][1] if worst else "",
             None if stresses is None else float(stresses[i]),
             tubes.permitted_stress,
             float(found.critical_speed[i] / RPM),
-            speed,
+            speed or None,
             tubes.least_margin,
         )
-        for i in range(count)
+        for i, shaft in enumerate(tubes.shafts)
     )
 
 
-def _largest_torque(duty: DutyCycle, shaft: int) -> float:
-    """The largest magnitude of a shaft's torque over a turn, of all steps."""
-    return max(
-        peak(duty.line[step], "torque", shaft, duty.load_of(step)).value
-        for step in range(duty.count)
-    )
+_Case = tuple[str, Driveline, Load]
+
+
+def _cases(scene: Scene) -> Iterator[_Case]:
+    """Every load of the tubes with its name: each step of the duty cycle, [load] in each state."""
+    duty, states = scene.service.duty, scene.states
+    if duty is not None:
+        for step, name in enumerate(duty.names):
+            yield name, duty.line[step], duty.load_of(step)
+    for i, name in enumerate(states.names if states else ("",)):
+        each = scene.in_state(i) if states else scene
+        load = each.load_case
+        # A recorded load has no turn over which to look for the largest torque.
+        if load is not None and not each.line.shape and not np.ndim(load.speed + load.torque):
+            yield name, each.line, load
+
+
+def _largest_torque(cases: Sequence[_Case], shaft: int) -> tuple[float, str]:
+    """The largest magnitude of a shaft's torque over a turn, and the case that has it."""
+    found = [peak(line, "torque", shaft, load).value for _, line, load in cases]
+    worst = int(np.argmax(found))
+    return found[worst], "" if alike(min(found), found[worst]) else cases[worst][0]
 
 
 def tubes_data(found: tuple[TubeFigures, ...]) -> list[dict[str, Any]]:
@@ -111,6 +133,7 @@ def tubes_data(found: tuple[TubeFigures, ...]) -> list[dict[str, Any]]:
             "inertia_kgm2": tube.inertia,
             "mass_kg": tube.mass,
             "torque_Nm": tube.torque,
+            "torque_in": tube.torque_in,
             "shear_stress_MPa": None if tube.stress is None else 1e-6 * tube.stress,
             "permitted_stress_MPa": None
             if tube.permitted_stress is None
@@ -130,7 +153,8 @@ _MAYBE: Mapping[str, Any] = {"type": ["number", "null"]}
 
 TUBES_SCHEMA: Mapping[str, Any] = {
     "type": "array",
-    "description": "the tubes of shafts, with the largest torque over the turn and the duty cycle",
+    "description": "the tubes of shafts, with the largest torque over the turn, the states and "
+    "the duty cycle",
     "items": record(
         {
             "shaft": {"type": "integer", "minimum": 0},
@@ -138,6 +162,7 @@ TUBES_SCHEMA: Mapping[str, Any] = {
             "inertia_kgm2": _NUMBER,
             "mass_kg": _NUMBER,
             "torque_Nm": _MAYBE,
+            "torque_in": {"type": "string", "description": "state or step; empty if it is one"},
             "shear_stress_MPa": _MAYBE,
             "permitted_stress_MPa": _MAYBE,
             "critical_speed_rpm": _NUMBER,

@@ -189,8 +189,9 @@ def tube_lines(tube: TubeFigures) -> list[tuple[str, str]]:
         limit = ""
         if tube.permitted_stress is not None:
             limit = f"; permitted {1e-6 * tube.permitted_stress:.4g} MPa"
+        where = f" in {tube.torque_in}" if tube.torque_in else ""
         lines += [
-            ("largest torque", f"{figure_text(tube.torque)} N m"),
+            ("largest torque", f"{figure_text(tube.torque)} N m{where}"),
             ("shear stress", f"{1e-6 * tube.stress:.4g} MPa{limit}"),
         ]
     lines.append(("critical bending speed", f"{tube.critical_rpm:.0f} rpm"))
