@@ -308,6 +308,15 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
     offsets = [one["offset_deg"] for one in data["on_centre"]]
     assert max(offsets) == pytest.approx(-min(offsets), abs=0.01)
     assert [one["state"] for one in data["on_centre"]] == tomllib.loads(turned)["states"]["names"]
+    # A turn that a workshop can set is said, a smaller one is not.
+    best = -2.22 - (max(offsets) + min(offsets)) / 2.0
+    for off, words in (
+        (0.08, "has its best place on the column: a turn brings the worst state nearer by less"),
+        (0.12, "by 0.12° counter-clockwise, looking from the column towards the output; that"),
+        (-0.12, "by 0.12° clockwise, looking from the column towards the output; that leaves"),
+    ):
+        near = COLUMN.replace("centre_deg = 10", f"centre_deg = {best + off!r}")
+        assert words in " ".join(run("check", near, tmp_path)[1].split())
     exact = COLUMN[: COLUMN.index("[limits]")].replace("centre_deg = 10", "centre_deg = 0")
     own = steering_figures(Scene.parse(exact))
     assert own

@@ -6,11 +6,14 @@ from collections.abc import Iterator
 
 from cardan.figures.steering import OnCentre, SteeringFigures
 from cardan.words.advice import SHOWN
-from cardan.words.summary import aligned, figure_text
+from cardan.words.summary import aligned
 from cardan.wrapping import fill
 
 HEADINGS = ("ratio", "slope per rad", "off symmetry", "nearest")
 """What the figures of a row are."""
+
+# Degrees; a workshop sets no yoke more finely.
+_SETTABLE = 0.1
 
 
 def steering_text(found: SteeringFigures) -> str:
@@ -57,8 +60,11 @@ def _turning(found: SteeringFigures, where: str) -> str:
     if len({one.nearest for one in found.each}) == 1 and len(found.each) > 1:
         middle = (min(offsets) + max(offsets)) / 2.0
         left = (max(offsets) - min(offsets)) / 2.0
-        if abs(middle) < SHOWN:
-            return f"No turn of the yoke on the column brings all states nearer than {left:.2f}°."
+        if abs(middle) < _SETTABLE:
+            return (
+                "The driving yoke of joint 0 has its best place on the column: a turn brings the "
+                f"worst state nearer by less than {_SETTABLE:g}°."
+            )
         return (
             f"Turn the driving yoke of joint 0 on the column by {_turn(-middle)}, looking from the "
             f"column towards the output; that leaves at most {left:.2f}° in any state."
@@ -94,4 +100,4 @@ def _off(one: OnCentre) -> float:
 
 def _turn(degrees: float) -> str:
     sense = "clockwise" if degrees > 0.0 else "counter-clockwise"
-    return f"{figure_text(abs(degrees))}° {sense}"
+    return f"{abs(degrees):.2f}° {sense}"
