@@ -9,16 +9,9 @@ use crate::number::float::Real;
 use crate::plan::forces::ForceStep;
 use crate::plan::{End, Output};
 use crate::run::gradient::as_built_forces::{self, PlacesAsBuilt, solve_as_built};
+use crate::run::gradient::carried::{Carried, Direction, WIDTH};
 use crate::run::gradient::line::{Counts, Wanted};
 use crate::run::gradient::sample::LoadAt;
-
-/// The derivatives that one pass over the samples finds.
-pub(super) const WIDTH: usize = 4;
-
-/// A number with its derivatives by the parameters of a pass.
-pub(super) type Carried = Dual<WIDTH>;
-/// A vector of such numbers.
-pub(super) type Direction = [Carried; 3];
 
 /// A parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,9 +6,8 @@ use crate::mechanics::phasing::is_set;
 use crate::plan::Output;
 use crate::plan::forces::ForceStep;
 use crate::run::execution::Execution;
-use crate::run::gradient::as_built::{
-    LineAsBuilt, Pass, SampleAsBuilt, Variable, WIDTH, variables,
-};
+use crate::run::gradient::as_built::{LineAsBuilt, Pass, SampleAsBuilt, Variable, variables};
+use crate::run::gradient::carried::WIDTH;
 use crate::run::gradient::line::Wanted;
 use crate::run::gradient::motion::CHUNK;
 use crate::run::gradient::{BLOCK, Differentiated, threads};

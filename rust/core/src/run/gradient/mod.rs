@@ -8,6 +8,7 @@ mod as_built;
 mod as_built_forces;
 mod as_built_sums;
 mod blocks;
+mod carried;
 mod columns;
 mod forces;
 mod line;
