@@ -189,6 +189,18 @@ def test_errors_stay_within_the_tolerance_beside_fast_vibrations() -> None:
         assert np.all(np.abs(getattr(found, name) - getattr(exact, name)) < 5e-9 * largest)
 
 
+def test_natural_frequencies_do_not_depend_on_the_unit_of_inertia() -> None:
+    # Within the steep joint the inertia varies in many orders.
+    line = cardan.Driveline.from_bends([80.0], degrees=True)
+    inertias, stiffnesses = np.array([[0.0, 0.01], [0.05, 0.0]]), np.array([8000.0, INF])
+    found = [
+        cardan.TorsionalSystem(line, inertias=unit * inertias, stiffnesses=unit * stiffnesses)
+        for unit in (1.0, 2.0**-30)
+    ]
+    one, other = (system.natural_frequencies()[0] for system in found)
+    assert one == pytest.approx(other, rel=1e-12)
+
+
 def test_natural_frequencies_of_two_masses() -> None:
     # Straight joints: two springs in series with two flywheels, by the quadratic equation.
     line = cardan.Driveline.from_bends([0.0, 0.0])

@@ -138,6 +138,24 @@ def test_multipliers_do_not_depend_on_the_unknown(speed: float, load: float) -> 
     assert multipliers.prod() == pytest.approx(own.prod(), abs=2e-7)
 
 
+def test_a_flywheel_on_a_spring_behind_all_joints_vibrates_freely() -> None:
+    # What deviates from the orbit obeys J y'' + (d + b) y' + c y = 0, whatever the constant load.
+    damping, viscous, speeds = 1.5, 0.4, np.array([90.0, 150.0, 420.0])
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([20.0], degrees=True),
+        inertias=[[0.0, 0.0], [0.0, INERTIA]],
+        stiffnesses=[INF, STIFFNESS],
+        dampings=[0.0, damping],
+        load_torque=300.0,
+        load_damping=viscous,
+    )
+    decay = (damping + viscous) / (2 * INERTIA)
+    roots = -decay + np.array([1j, -1j]) * np.sqrt(NATURAL**2 - decay**2)
+    for speed, multipliers in zip(speeds, system.stability(speeds).multipliers, strict=True):
+        exact = np.exp(roots * np.pi / speed)
+        assert np.poly(multipliers) == pytest.approx(np.poly(exact), abs=1e-9)
+
+
 def joint_functions(
     angle: NDArray[np.float64], bend: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
