@@ -170,9 +170,9 @@ def test_power_is_balanced_over_a_period(case: dict[str, Any]) -> None:
     assert given == pytest.approx(power, abs=1e-10 * scale)
 
 
-def test_errors_stay_within_the_tolerance_beside_fast_vibrations() -> None:
+def test_fast_vibrations_need_finer_intervals_than_the_angles() -> None:
     # The last shaft vibrates a hundred times faster than the drive turns, and damping couples it to
-    # the slopes: they need finer intervals than the angles.
+    # the slopes. Intervals that suit the angles alone leave errors of 1e-7.
     line = cardan.Driveline.from_bends([20.5, 16.1, 27.7], phases=[80.0, 96.5], degrees=True)
     system = cardan.TorsionalSystem(
         line,
