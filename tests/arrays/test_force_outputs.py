@@ -299,8 +299,12 @@ def test_what_forces_need() -> None:
     ("bearings", "output", "words"),
     [
         ([], "joint_force", "shafts 1 and 2 both float, and joint 1 cannot support both"),
-        ([(0, 0.1), (2, 0.5)], "joint_force", "joint 0 cannot support both its shafts, 0 and 1"),
-        ([(1, 0.5), (2, 0.5), (2, 0.6)], "joint_force", "shaft 1 has three supports, bearing 0 an"),
+        ([(0, 0.1), (2, 0.5)], "joint_force", "joint 0 cannot support both its shafts, 0 and 1$"),
+        (
+            [(1, 0.5), (2, 0.5), (2, 0.6)],
+            "joint_force",
+            "shaft 1 has three supports, bearing 0 and joints 0 and 1;",
+        ),
         ([(3, 0.1), (3, 0.15), (2, 0.5), (3, 0.2)], "bearing_force", "shaft 3 has 3 bearings"),
     ],
 )

@@ -126,6 +126,31 @@ def test_any_number_of_threads_has_the_same_bits(load: Load | None) -> None:
     assert found[0] == found[1] == found[2]
 
 
+@pytest.mark.parametrize("leans", [False, True], ids=["ideal", "as built"])
+def test_gradients_of_many_samples_are_sums_of_those_of_pieces(leans: bool) -> None:
+    # Many samples are summed block by block, and the blocks by several threads.
+    count, size = 20_000, 4_000
+    line = ONE.with_deviations(0.01, -0.02, 0.03) if leans else BATCH[2, 0]
+    names = ("angle_error", "acceleration_ratio", "moment")
+    angle, speed, weights = *RNG.uniform(-9, 9, (2, count)), RNG.normal(size=(3, count))
+    inertias = RNG.uniform(0.1, 1.0, (count, line.n_joints + 1))
+
+    def gradient(part: slice) -> Any:  # noqa: ANN401
+        load = Load(output_torque=10.0, speed=speed[part], inertias=inertias[part])
+        plan = line.plan(names, shafts=line.n_joints, joints=0, load=load)
+        weight = dict(zip(names, weights[:, part], strict=True))
+        weight["moment"] = weight["moment"][..., np.newaxis] * [1.0, -0.5, 0.3]
+        return plan.gradient(angle[part], weight)
+
+    whole = gradient(slice(None))
+    pieces = [gradient(slice(first, first + size)) for first in range(0, count, size)]
+    own = ("deviations",) if leans else ("points",)
+    for name in ("value", "bends", "twists", "phases", "output_torque", "inertias", *own):
+        parts = np.array([getattr(piece, name) for piece in pieces])
+        scale = np.max(np.sum(np.abs(parts), axis=0))
+        assert np.max(np.abs(getattr(whole, name) - parts.sum(axis=0))) <= 1e-12 * scale, name
+
+
 def test_far_angles_and_sweeps_agree_with_arrays() -> None:
     plan = ONE.plan(("speed_ratio", "angle_error"))
     weights = {"speed_ratio": 1.0, "angle_error": 0.3}

@@ -91,6 +91,24 @@ def test_the_motion_is_that_of_the_pins(tolerance: float | None) -> None:
             assert apart <= limit * size, (name, angle, float(apart / size))
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("bend", "driving_yoke", "cross", "driven_yoke"),
+    [(69.7, 0.02, -7.3, -0.02), (66.5, -1.1, -6.8, -0.2), (20.0, -5.0, 3.0, -4.0)],
+)
+def test_large_deviations_of_either_sign(
+    bend: float, driving_yoke: float, cross: float, driven_yoke: float, sign: float
+) -> None:
+    # The bound of the error, which chooses the inverse tangent, counts their magnitudes.
+    leans = np.radians([driving_yoke, cross, driven_yoke]) * sign
+    line = Driveline.from_bends([bend], degrees=True).with_deviations(*leans)
+    model = LeaningChain([LeaningJoint(line.bends[0], leans.tolist())], [], [])
+    angles = np.linspace(0.0, 2 * np.pi, 25)
+    found = line.evaluate(angles, "angle_error").angle_error
+    exact = np.array([float(model.lag(angle) - model.lag(0.0)) for angle in angles.tolist()])
+    np.testing.assert_allclose(found - found[0], exact, rtol=0, atol=1e-14)
+
+
 @pytest.mark.parametrize("case", KEPT, ids=lambda case: f"{case['tier']} {case['output']}")
 def test_the_worst_samples_keep_the_limits(case: dict[str, Any]) -> None:
     """Of ``cardan-stress``: one with a bend near 0, one near 90 deg, and chains."""

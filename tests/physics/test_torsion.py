@@ -170,6 +170,37 @@ def test_power_is_balanced_over_a_period(case: dict[str, Any]) -> None:
     assert given == pytest.approx(power, abs=1e-10 * scale)
 
 
+def test_fast_vibrations_need_finer_intervals_than_the_angles() -> None:
+    # The last shaft vibrates a hundred times faster than the drive turns, and damping couples it to
+    # the slopes. Intervals that suit the angles alone leave errors of 1e-7.
+    line = cardan.Driveline.from_bends([20.5, 16.1, 27.7], phases=[80.0, 96.5], degrees=True)
+    system = cardan.TorsionalSystem(
+        line,
+        inertias=[[0.0, 0.019], [0.031, 0.0035], [0.009, 0.0244], [0.003, 0.055]],
+        stiffnesses=[2200.0, 13_400.0, INF, 92_800.0],
+        damping_ratios=0.49,
+        load_torque=-49.0,
+        load_damping=0.3,
+    )
+    speeds = np.array([40.0, 88.0, 430.0, 510.0])
+    found, exact = (system.steady(speeds, tolerance=x) for x in (1e-9, 1e-12))
+    largest = np.maximum(np.abs(exact.torque_min), np.abs(exact.torque_max))
+    for name in ("torque_min", "torque_max", "torque_mean"):
+        assert np.all(np.abs(getattr(found, name) - getattr(exact, name)) < 5e-9 * largest)
+
+
+def test_natural_frequencies_do_not_depend_on_the_unit_of_inertia() -> None:
+    # Within the steep joint the inertia varies in many orders.
+    line = cardan.Driveline.from_bends([80.0], degrees=True)
+    inertias, stiffnesses = np.array([[0.0, 0.01], [0.05, 0.0]]), np.array([8000.0, INF])
+    found = [
+        cardan.TorsionalSystem(line, inertias=unit * inertias, stiffnesses=unit * stiffnesses)
+        for unit in (1.0, 2.0**-30)
+    ]
+    one, other = (system.natural_frequencies()[0] for system in found)
+    assert one == pytest.approx(other, rel=1e-12)
+
+
 def test_natural_frequencies_of_two_masses() -> None:
     # Straight joints: two springs in series with two flywheels, by the quadratic equation.
     line = cardan.Driveline.from_bends([0.0, 0.0])

@@ -136,3 +136,95 @@ def test_multipliers_do_not_depend_on_the_unknown(speed: float, load: float) -> 
     multipliers = system.stability(drive).multipliers
     assert multipliers.sum() == pytest.approx(own.sum(), abs=2e-7)
     assert multipliers.prod() == pytest.approx(own.prod(), abs=2e-7)
+
+
+def test_a_flywheel_on_a_spring_behind_all_joints_vibrates_freely() -> None:
+    # What deviates from the orbit obeys J y'' + (d + b) y' + c y = 0, whatever the constant load.
+    damping, viscous, speeds = 1.5, 0.4, np.array([90.0, 150.0, 420.0])
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([20.0], degrees=True),
+        inertias=[[0.0, 0.0], [0.0, INERTIA]],
+        stiffnesses=[INF, STIFFNESS],
+        dampings=[0.0, damping],
+        load_torque=300.0,
+        load_damping=viscous,
+    )
+    decay = (damping + viscous) / (2 * INERTIA)
+    roots = -decay + np.array([1j, -1j]) * np.sqrt(NATURAL**2 - decay**2)
+    for speed, multipliers in zip(speeds, system.stability(speeds).multipliers, strict=True):
+        exact = np.exp(roots * np.pi / speed)
+        assert np.poly(multipliers) == pytest.approx(np.poly(exact), abs=1e-9)
+
+
+def joint_functions(
+    angle: NDArray[np.float64], bend: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """The angle behind a joint and its first two derivatives by the angle before it."""
+    z = -(np.tan(bend / 2) ** 2) * np.exp(-2j * angle)
+    return (
+        angle + np.angle(1 + z),
+        ((1 - z) / (1 + z)).real,
+        (4j * z / (1 + z) ** 2).real,
+    )
+
+
+@pytest.mark.parametrize("drive", [110.0, 180.0, 300.0])
+def test_multipliers_are_those_of_neighbouring_motions(drive: float) -> None:
+    # Two compliant shafts, each behind a joint, and a third joint before a flywheel with a viscous
+    # load: what each shaft passes on depends on the angles and on the slopes of its neighbours. The
+    # motions begin beside the orbit and are integrated by Runge's and Kutta's method.
+    bends = np.radians([25.0, 30.0, 35.0])
+    stiffnesses, dampings = np.array([9000.0, 7000.0]), np.array([1.5, 1.0])
+    inertias, far, load, viscous = np.array([0.03, 0.01]), 0.05, 40.0, 0.6
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends(bends),
+        inertias=[[0.0, 0.0], [0.0, inertias[0]], [0.0, inertias[1]], [far, 0.0]],
+        stiffnesses=[INF, *stiffnesses, INF],
+        dampings=[0.0, *dampings, 0.0],
+        load_torque=load,
+        load_damping=viscous,
+    )
+    turn = np.pi / 2  # Of a shaft with twist 0 and phase 0.
+
+    def slopes(angle: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
+        angles, rates = state[:2], drive * state[2:]
+        drive_angle = np.full_like(angles[0], angle)
+        one, two, three = (
+            joint_functions(x, bend) for x, bend in zip((drive_angle, *angles), bends, strict=True)
+        )
+        twists = np.array([one[0] + turn, two[0] + turn]) - angles
+        slips = np.array([one[1] * drive, two[1] * rates[0]]) - rates
+        torques = stiffnesses[:, None] * twists + dampings[:, None] * slips
+        ratio, ratio_slope = three[1:]
+        last = torques[1] - ratio * (load + viscous * ratio * rates[1])
+        accelerations = [
+            (torques[0] - two[1] * torques[1]) / inertias[0],
+            (last - far * ratio * ratio_slope * rates[1] ** 2) / (inertias[1] + far * ratio**2),
+        ]
+        return np.array([*state[2:], *(x / drive**2 for x in accelerations)])
+
+    orbit = system.orbit(drive, 1)
+    assert orbit.found
+    ends = [1, 2]
+    start = np.concatenate(
+        [
+            orbit.angle_error[ends, 1, 0] + turn * np.array([1.0, 2.0]),
+            orbit.speed[ends, 1, 0] / drive,
+        ]
+    )
+    by = 1e-4
+    aside = by * np.hstack([np.eye(4), -np.eye(4), np.zeros((4, 1))])
+    state, steps = start[:, None] + aside, 2000
+    step = np.pi / steps
+    for i in range(steps):
+        angle = i * step
+        first = slopes(angle, state)
+        second = slopes(angle + step / 2, state + step / 2 * first)
+        third = slopes(angle + step / 2, state + step / 2 * second)
+        fourth = slopes(angle + step, state + step * third)
+        state = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+    assert state[:, -1] - [np.pi, np.pi, 0.0, 0.0] == pytest.approx(start, abs=1e-8)
+    matrix = (state[:, :4] - state[:, 4:8]) / (2 * by)
+    found = system.stability(drive).multipliers
+    # The coefficients of the characteristic polynomial do not depend on an order.
+    assert np.poly(found) == pytest.approx(np.poly(np.linalg.eigvals(matrix)), abs=1e-6)

@@ -27,8 +27,6 @@ pub(super) struct PieceMotion {
     pub(super) ratio: f64,
     /// Second derivative.
     pub(super) ratio_slope: f64,
-    /// Third derivative, without a factor.
-    pub(super) ratio_curvature: f64,
     /// The inertia as it acts on the piece's angle, in kg m².
     pub(super) inertia: f64,
     /// Its first derivative.
@@ -76,7 +74,6 @@ impl RigidPiece {
             angle_error: 0.0,
             ratio: 1.0,
             ratio_slope: 0.0,
-            ratio_curvature: 0.0,
             inertia: self.own_inertia,
             inertia_slope: 0.0,
             inertia_curvature: 0.0,
@@ -94,7 +91,7 @@ impl RigidPiece {
             found.inertia_curvature += 2.0 * inertia * (a * a + r * j);
             if i == last {
                 found.angle_error = motion.angle_error;
-                (found.ratio, found.ratio_slope, found.ratio_curvature) = (r, a, j);
+                (found.ratio, found.ratio_slope) = (r, a);
             }
         }
         found
