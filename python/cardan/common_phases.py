@@ -120,7 +120,7 @@ class _Chains:
         shafts = phases.shape[-1]
         turns = [self._turn(phases, shaft) for shaft in range(shafts)]
         # Columns (A, conj B) and (B, conj A) of the chain up to each shaft, the shaft included.
-        a = np.ones_like(turns[0]) if shafts else np.ones((len(phases), len(self.k)), complex)
+        a = np.ones_like(turns[0])
         b = np.zeros_like(a)
         before = []
         for joint in range(shafts + 1):

@@ -243,8 +243,7 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
             f"turns {1.0 + series[1] / math.tau:.3g} times as fast as the drive; it must count "
             "in the drive's sense and unit",
         )
-    second = complex(series[3], series[3 + _ORDERS])
-    q = 1j * second if of_angle else -0.5 * second
+    q = 1j * complex(series[3], series[3 + _ORDERS]) if of_angle else _start(drive, values)
     # A step too far would leave the disc of the joints.
     q *= min(1.0, 0.99 / max(abs(q), 1e-300))
     turned = np.exp(-2j * drive)
@@ -289,6 +288,20 @@ def _fitted(drive: FloatArray, values: FloatArray, of_angle: bool, turns: float)
         samples=left.size,
         turns=turns,
     )
+
+
+def _start(drive: FloatArray, ratio: FloatArray) -> complex:
+    """A ``q`` for a recorded speed ratio ``r``: its reciprocal is a single wave, however steep.
+
+    ``1/r`` is ``1 + k**2 + 2 Re q exp(-2 i a)`` over ``1 - k**2``. The weights ``r**2`` let it
+    scatter as the recording does.
+    """
+    wave = np.column_stack([np.ones_like(drive), np.cos(2.0 * drive), np.sin(2.0 * drive)])
+    (mean, *parts), *_ = np.linalg.lstsq(wave * ratio[:, np.newaxis] ** 2, ratio, rcond=None)
+    if not mean > 0.0:
+        return 0.0j
+    size = complex(*parts) / float(mean)
+    return size / (1.0 + math.sqrt(max(0.0, 1.0 - abs(size) ** 2)))
 
 
 def _model(

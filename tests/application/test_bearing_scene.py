@@ -116,6 +116,18 @@ def test_a_study_moves_points_and_keeps_the_bearings() -> None:
     assert scene.study.planes == 3 * 8
 
 
+def test_states_have_the_bearings_and_lengths_of_their_points() -> None:
+    text = f"{TEXT}[states]\npoints_mm.3-4.y = [-220, -160]\n"
+    states = Scene.parse(text).states
+    assert states is not None
+    line = states.drivelines()
+    points = np.array([POINTS, POINTS])
+    points[:, 3:, 1] = [[-0.22], [-0.16]]
+    wanted = Driveline.from_points(points).with_bearings(BEARINGS)
+    np.testing.assert_allclose(line.lengths().each, wanted.lengths().each, rtol=1e-14)
+    assert [shaft for shaft, _ in line.bearings] == [shaft for shaft, _ in BEARINGS]
+
+
 def test_lengths_of_a_driveline_without_points() -> None:
     lengths = LINE.lengths().each
     bends, twists = LINE.bends_deg.tolist(), np.degrees(LINE.twists).tolist()

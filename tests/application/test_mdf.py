@@ -200,6 +200,16 @@ def test_a_channel_outside_its_records(
         read_columns(recording, ["time", "n"], raster)
 
 
+def test_a_channel_one_byte_outside_its_records(recording: Path) -> None:
+    def outside(group: Any) -> None:  # noqa: ANN401
+        channel = group.channels[1]
+        channel.byte_offset = group.channel_group.samples_byte_nr - channel.bit_count // 8 + 1
+
+    changed(recording, 0, outside)
+    with pytest.raises(ValueError, match="column 'n' lies outside the records of its channel"):
+        read_columns(recording, ["n"])
+
+
 def test_a_time_in_a_group_that_is_not_there(recording: Path) -> None:
     content = bytearray(recording.read_bytes())
     with asammdf.MDF(recording) as file:

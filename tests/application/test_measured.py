@@ -407,6 +407,11 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
     [
         (ANGLES, {"t": [0, 1, 1], "n": [1, 2, 3]}, "line 4, column 't' is 1.0 after 1.0; times"),
         (ANGLES, {"t": [0, 2, np.nan, 1], "n": [1] * 4}, "line 5, column 't' is 1.0 after 2.0; t"),
+        (
+            ANGLES,
+            {"t": [0, 1, np.nan, 5, 3, 6], "n": [1] * 6},
+            "line 6, column 't' is 3.0 after 5.0; times must increase",
+        ),
         (ANGLES, {"t": [0, 1e31], "n": [1, 1]}, "column 't' is 1e+31; it must lie within ±1e+30"),
         (
             ANGLES,
@@ -416,7 +421,7 @@ def test_a_wrong_unit_is_seen(tmp_path: Path) -> None:
         (ANGLES, {"t": [0, 1], "n": [1, 1]}, "no row has two others within filter_reach = 5 rows"),
     ],
 )
-@pytest.mark.parametrize("rows", [None, 1])
+@pytest.mark.parametrize("rows", [None, 1, 4])
 def test_what_is_refused_in_a_file(
     tmp_path: Path, text: str, table: dict[str, Any], message: str, rows: int | None
 ) -> None:

@@ -367,3 +367,18 @@ def test_other_files(tmp_path: Path) -> None:
         with pytest.raises(FileNotFoundError) as caught:
             read_columns(tmp_path / f"a.{suffix}", ["angle"])
         assert Path(caught.value.filename) == tmp_path / f"a.{suffix}"
+
+
+@pytest.mark.usefixtures("csv_reader")
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_pieces_know_how_many_rows_there_are(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".csv":
+        path.write_text("angle\n" + "1.5\n" * 3000)
+    else:
+        np.savez(path, angle=np.full(3000, 1.5))
+    totals = [chunk.total for chunk in read_chunks(path, ["angle"], 1000)]
+    # The heading is a line as well, until it is known that there is one.
+    assert totals[-1] == 3000
+    assert all(total in (3000, 3001) for total in totals)
+    assert [chunk.total for chunk in read_chunks(path, ["angle"], None)] == [3000]

@@ -89,6 +89,14 @@ def test_states_are_any_axis_and_the_rest_stays_a_batch() -> None:
     assert np.array_equal(np.degrees(by_last), line.optimal_phases(states=1, degrees=True))
 
 
+@pytest.mark.parametrize("states", [None, 0])
+def test_no_yoke_turns_by_more_than_a_quarter(states: int | None) -> None:
+    # It looks the same after half a turn.
+    line = states_of(np.random.default_rng(8), 4, 3)
+    turned = line.optimal_phases(states=states, fixed=2) - line.phases
+    assert np.all(np.abs(turned) <= 0.5 * np.pi)
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_fixed_shafts_stay_and_the_others_make_the_best_of_it(seed: int) -> None:
     line = states_of(np.random.default_rng(seed), 3, 4)

@@ -93,7 +93,8 @@ def test_arguments_broadcast_and_radians_are_the_default() -> None:
     [
         ((20.0, 0.06, 0.03), {"synchronous": 35.0}, "pivot and synchronous are both given"),
         (([10.0, -5.0], 0.06), {}, "total[1] is -5.0 deg; it must lie in [0, 180) deg"),
-        ((180.0, 0.06), {}, "total is 180.0 deg"),
+        ((180.0, 0.06), {}, "total is 180.0 deg; it must lie in [0, 180) deg"),
+        ((300.0, 0.06), {}, "total is 300.0 deg; it must lie in [0, 180) deg"),
         ((20.0, 0.0), {}, "length is 0.0; it must be positive and finite"),
         ((20.0, 0.06, 0.06), {}, "pivot is 0.06; it must lie between the joints"),
         ((20.0, 0.06, [0.01, -1.0]), {}, "pivot[1] is -1.0; it must lie between"),

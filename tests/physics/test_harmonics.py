@@ -83,6 +83,14 @@ def test_motion_against_exact_samples(bends: list[float], samples: int) -> None:
             assert found.error[name][shaft] <= 1e-12 * max(1.0, *map(abs, map(float, values)))
 
 
+@pytest.mark.parametrize("bend", [1.1, 1.2, 1.25, 1.3])
+def test_the_error_of_a_high_order_alone_is_known(bend: float) -> None:
+    orders = np.array([40])
+    found = Driveline.from_bends([bend]).plan("speed_ratio").harmonics(orders)
+    fold = Fold.of([bend], [], [])
+    check(found, "speed_ratio", series([fold.speed_ratio(at) for at in turns(512)], orders))
+
+
 @pytest.mark.parametrize(
     "load",
     [

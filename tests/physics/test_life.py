@@ -79,6 +79,26 @@ def test_chains_with_inertias_are_as_sums_of_vectors() -> None:
     assert found.decisive == int(np.argmin(found.hours))
 
 
+def test_inertias_of_their_own_have_lives_of_their_own() -> None:
+    line = cardan.Driveline.from_bends([12.0, 8.0], degrees=True)
+    of: dict[str, Any] = {"output_torque": 60.0, "speed_rpm": 900.0}
+    inertias = np.array([[0.1, 0.02, 0.1], [0.0, 0.3, 0.2]])
+    both = line.life(cardan.Load(**of, inertias=inertias), rating=400.0)
+    assert both.hours.shape == (2, 2)
+    for i, own in enumerate(inertias):
+        alone = line.life(cardan.Load(**of, inertias=own), rating=400.0)
+        assert both.hours[:, i] == pytest.approx(alone.hours, rel=1e-9)
+
+
+def test_the_way_round_does_not_matter() -> None:
+    line = cardan.Driveline.from_bends([12.0, 8.0], degrees=True)
+    hours = [
+        line.life(cardan.Load(drive_torque=60.0, speed=speed), rating=400.0).hours.tolist()
+        for speed in (90.0, -90.0)
+    ]
+    assert hours[0] == hours[1]
+
+
 def test_a_straight_joint_has_the_life_of_the_law() -> None:
     line = cardan.Driveline.from_bends([[0.0], [1e-9]], degrees=True)
     found = line.life(cardan.Load(drive_torque=100.0, speed_rpm=1000.0), rating=1000.0)

@@ -160,6 +160,23 @@ def test_parameters_give_the_derivatives() -> None:
     assert len(calls) < 0.8 * many
 
 
+def test_parameters_go_with_a_function_whose_derivatives_are_differences() -> None:
+    known = [("points", (2, 1)), *(("phases", i, np.pi / 180.0) for i in range(2))]
+    named = cardan.optimise(truck, START, BOUNDS, parameters=known, **PHASES)
+    found = cardan.optimise(
+        truck,
+        START,
+        BOUNDS,
+        minimise=lambda line: np.asarray(line.equivalent().bend),
+        parameters=known,
+        keep={"inertia_excitation": 1.0},
+        **PHASES,
+    )
+    assert found.value == pytest.approx(named.value, rel=1e-3)
+    # The limit is far away.
+    assert not [limit for limit in found.active if limit.kind == "keep"]
+
+
 def supported(x: NDArray[np.float64]) -> Driveline:
     """A truck at three ride heights with bearings, ``(..., 3)``, in metres.
 

@@ -115,3 +115,29 @@ def test_what_vanishes_has_no_direction_to_grow_in(name: str) -> None:
     np.testing.assert_array_equal(found.of(line, load), [0.0])
     slopes = found.derivatives(line, load, ["bends"])["bends"]
     np.testing.assert_array_equal(slopes, [[0.0, 0.0]])
+
+
+@pytest.mark.parametrize(
+    ("name", "items"),
+    [
+        ("torque_peak", None),
+        ("torque_0_peak", 0),
+        ("moment_1_rms", 1),
+        ("moment_rms", "none"),
+        ("joint_force_2_max", 2),
+        ("joint_force_max", "none"),
+        ("torque_1_2_peak", "none"),
+    ],
+)
+def test_only_outputs_of_shafts_go_without_a_number(name: str, items: object) -> None:
+    found = reduced_quantity(name)
+    assert (found.items if found else "none") == items
+
+
+@pytest.mark.parametrize("reduction", ["peak", "rms", "mean", "min", "max"])
+def test_without_a_torque_nothing_loads_a_driveline_however_it_is_built(reduction: str) -> None:
+    line = line_of(ANGLES)
+    for quantity in quantities(reduction):
+        if quantity.output.needs_load:
+            found = quantity.derivatives(line, Load(output_torque=0.0), ANGLES.keys())
+            assert all(np.all(own == 0.0) for own in found.values()), quantity.label

@@ -56,13 +56,18 @@ def test_the_pins_are_where_lines_in_space_say(bend: float, angle: float) -> Non
     assert -second == pytest.approx(s_3, abs=1e-12)
 
 
-@pytest.mark.parametrize("bend", [5.0, 20.0, 45.0, 75.0])
+@pytest.mark.parametrize("bend", [5.0, 20.0, 45.0, 75.0, 89.0])
 def test_amplitudes_have_closed_forms(bend: float) -> None:
     line = cardan.Driveline.from_bends([bend], degrees=True)
     beta = math.radians(bend)
     k = math.tan(beta / 2.0) ** 2
-    yoke = line.slides(driving_pin=0.5).amplitudes([1, 2, 4])[0]
+    of_yoke = line.slides(driving_pin=0.5)
+    yoke = of_yoke.amplitudes([1, 2, 4])[0]
     assert yoke == pytest.approx([math.tan(beta / 2.0), 0.0, 0.0], rel=1e-11, abs=1e-13)
+    if bend <= 45.0:
+        # Farthest where the pin is normal to the bend plane: the offset then lies in that plane,
+        # across the driving shaft.
+        assert of_yoke.travel()[0] == pytest.approx(2.0 * 0.5 * math.sin(beta), rel=1e-12)
     apart = line.slides(shafts=0.5).amplitudes([1, 2, 4, 6])[0]
     expected = [0.0, *(k**n / math.sin(beta) for n in (1, 2, 3))]
     assert apart == pytest.approx(expected, rel=1e-11, abs=1e-13)
@@ -86,6 +91,14 @@ def test_amplitudes_are_integrals() -> None:
     of_driven = [order(n, lambda a: mpmath.sin(bend) * mpmath.cos(a) / rho(a)) for n in (1, 2, 3)]
     assert driven == pytest.approx(of_driven, rel=1e-11, abs=1e-13)
     assert cross == pytest.approx([order(n, lambda a: 1 / rho(a)) for n in (1, 2, 4)], abs=1e-13)
+
+
+def test_amplitudes_of_a_steep_joint_are_those_of_many_samples() -> None:
+    found = cardan.Driveline.from_bends([89.0], degrees=True).slides(cross=0.5)
+    angles = np.arange(1 << 14) * (math.tau / (1 << 14))
+    for order in (2, 4):
+        wanted = 2.0 * abs(np.mean(found.at(angles)[0] * np.exp(-1j * order * angles)))
+        assert found.amplitudes(order)[0] == pytest.approx(wanted, rel=1e-10)
 
 
 def test_offsets_add_and_chains_have_their_input_angles() -> None:
@@ -142,6 +155,18 @@ def test_what_is_refused(named: dict[str, Any], message: str) -> None:
     line = cardan.Driveline.from_bends([10], degrees=True)
     with pytest.raises(ValueError, match=re.escape(message)):
         line.slides(**named)
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_whether_a_slide_moves_does_not_depend_on_the_unit(scale: float, sign: float) -> None:
+    line = cardan.Driveline.from_bends([10, 0.1], degrees=True)
+    offset = 0.5 * scale * sign
+    with pytest.raises(ValueError, match="the offsets of joint 1 make it slide by"):
+        line.slides(driving_pin=[0.0, offset], blocked="shaft")
+    # A straight joint moves along its pins alone, but for rounding.
+    straight = cardan.Driveline.from_bends([10, 0], twists=20, degrees=True)
+    straight.slides(shafts=[0.0, offset], driven_pin=[0.0, offset], blocked="shaft")
 
 
 def test_a_blocked_slide_that_does_not_move_is_no_fault() -> None:

@@ -213,6 +213,7 @@ def test_natural_frequencies_of_two_masses() -> None:
     expected = np.sqrt([(sum_ - root) / 2, (sum_ + root) / 2])
     assert system.natural_frequencies() == pytest.approx(expected, rel=1e-12)
     assert system.critical_speeds([2, 6]) == pytest.approx(expected[:, None] / [2, 6], rel=1e-12)
+    assert system.critical_speeds(1)[:, 0] == pytest.approx(expected, rel=1e-12)
 
 
 def test_inertias_of_shafts_are_split_in_half() -> None:
@@ -349,6 +350,10 @@ GOOD: dict[str, Any] = {"inertias": np.full((3, 2), 0.1), "stiffnesses": [INF, 4
         ({"dampings": [0.0, -1.0, 0.0]}, r"dampings\[1\] is -1\.0; it must be finite and not neg"),
         ({"damping_ratios": [0.0, INF, 0.0]}, r"damping_ratios\[1\] is inf; it must be finite"),
         ({"dampings": 1.0, "damping_ratios": 0.1}, "dampings and damping_ratios are both given"),
+        (
+            {"damping_ratios": np.full((2, 3), 0.1)},
+            r"damping_ratios has the batch \(2,\), the system \(\)",
+        ),
         ({"load_torque": [1.0, np.nan]}, r"load_torque\[1\] is nan; it must be finite"),
         ({"load_damping": -0.5}, r"load_damping is -0\.5; it must be finite and not negative"),
     ],
@@ -375,6 +380,7 @@ def test_the_batch_of_a_missing_inertia_is_named() -> None:
         (lambda s: s.orbit(100.0, 0), ValueError, "samples is 0; it must be positive"),
         (lambda s: s.orbit(100.0, 2.0), TypeError, "samples is 2.0; it must be an integer"),
         (lambda s: s.stability(100.0, workers=0), ValueError, "workers is 0"),
+        (lambda s: s.steady(100.0, workers=0), ValueError, "workers is 0"),
         (
             lambda _: cardan.TorsionalSystem(cast("Any", 3), **GOOD),
             TypeError,

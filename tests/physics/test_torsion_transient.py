@@ -63,6 +63,28 @@ def test_a_steady_start_stays_on_the_orbit() -> None:
     assert found.torque[:, -1] == pytest.approx(orbit.torque[:, 0], abs=1e-6 * scale)
 
 
+def test_breaks_show_a_short_pulse_before_the_second_time() -> None:
+    # At rest steps grow, and would pass over a pulse of 2 ms between two times.
+    begin, end = 3.0, 3.002
+    found = oscillator().transient(
+        [0.0, end, 3.01],
+        speed=0.0,
+        torque=lambda t: 50.0 if begin <= t < end else 0.0,
+        breaks=[begin, end],
+    )
+    # A damped oscillator at rest under a constant torque, by its characteristic roots.
+    root = complex(-0.1, np.sqrt(1.0 - 0.1**2)) * 400.0
+
+    def deflected(after: float) -> float:
+        # x = s (1 + Re(conj(r) exp(r t) / (i Im r))), which begins with x = x' = 0.
+        wave = root.conjugate() * np.exp(root * after) / (1j * root.imag)
+        return float(50.0 / 8000.0 * (1.0 + wave.real))
+
+    twists = found.angle_error[1, 0] - found.angle_error[1, 1]
+    later = deflected(3.01 - begin) - deflected(3.01 - end)
+    assert twists == pytest.approx([0.0, deflected(end - begin), later], abs=1e-9)
+
+
 def test_a_step_of_the_load_is_that_of_an_oscillator() -> None:
     system, ratio, natural, step = oscillator(), 0.1, 400.0, 50.0
     times = np.linspace(0.0, 0.1, 101)

@@ -16,6 +16,7 @@ def test_a_tube_of_steel() -> None:
     assert shaft.stiffness == pytest.approx(82123.4, abs=0.05)
     assert shaft.shear_stress(2000.0) == pytest.approx(57.937e6, abs=500.0)
     assert shaft.critical_speed * 30 / math.pi == pytest.approx(6604.19, abs=0.005)
+    assert isinstance(shaft.shear_stress(2000.0), float)
 
 
 def test_inertia_is_that_of_rings() -> None:
@@ -51,6 +52,9 @@ def test_tubes_broadcast() -> None:
             {"outer_diameter": 0.1, "wall": [0.01, 0.06], "length": 1.0},
             r"wall\[1\] is 0\.06 m; a wall is at most half the outer diameter",
         ),
+        # A wall of half the diameter is a solid bar, and one wall may be too thick for one tube.
+        ({"outer_diameter": 0.1, "wall": [0.05, 0.06], "length": 1.0}, r"wall\[1\] is 0\.06 m"),
+        ({"outer_diameter": [0.2, 0.1], "wall": 0.06, "length": 1.0}, r"wall\[1\] is 0\.06 m"),
     ],
 )
 def test_wrong_tubes_are_refused(arguments: dict[str, object], message: str) -> None:
