@@ -14,13 +14,14 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 import pytest
 
 from cardan import Driveline, Sweep
 from limits import limits
-from oracle import Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, mp
+from oracle import Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, mp, read
 
 DIGITS = 260
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
@@ -329,3 +330,14 @@ def test_large_phases_and_twists_keep_their_difference() -> None:
         for tolerance in (None, 0):
             got = chain.line.evaluate(angles, "speed_ratio", tolerance=tolerance).speed_ratio
             assert want.distance(got).max() < 1e-14
+
+
+@pytest.mark.parametrize("case", read("worst_chains.json")["cases"], ids=lambda c: len(c["bends"]))
+def test_angles_that_are_less_than_the_angle_error(case: dict[str, Any]) -> None:
+    """The worst that cardan-stress found: drive angle and angle error cancel to a fifth."""
+    chain = SteepChain(*(tuple(case[name]) for name in ("bends", "twists", "phases")))
+    with mp.workdps(DIGITS):
+        want = Exact.of([chain.fold.angle(ExactTurn.by(case["angle"]))])
+    got = chain.line.evaluate([case["angle"]], ("angle", "angle_error"), tolerance=0)
+    assert want.distance(got.angle).max() <= 0.8 * want.ulp[0]
+    assert 3.0 < abs(got.angle_error[0] / got.angle[0]) < 5.0
