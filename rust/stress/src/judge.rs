@@ -108,8 +108,12 @@ impl Tier {
 
     /// The same of chains, in their units.
     pub(crate) fn chain_limit(self, quantity: Quantity) -> f64 {
-        let own = limit("output", quantity.name(), "worst_chain");
-        own.filter(|_| self == Self::Default).unwrap_or_else(|| self.limit(quantity))
+        let column = match self {
+            Self::Faithful => "tolerance_0_chain",
+            Self::Default => "worst_chain",
+            Self::Loose | Self::Float32 => return self.limit(quantity),
+        };
+        limit("output", quantity.name(), column).unwrap_or_else(|| self.limit(quantity))
     }
 }
 

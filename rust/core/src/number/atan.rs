@@ -215,22 +215,6 @@ fn atan_with_error_term(t: DoubleDouble, coefficients: &[f64]) -> DoubleDouble {
     DoubleDouble { high: t.high, low: (t.high * z).mul_add(polynomial(z, coefficients), low) }
 }
 
-/// The same where the polynomial is up to a twentieth of the tangent. A chain's angle may be a fifth of
-/// its angle error, and shows the rounding of the polynomial: the cube of the tangent has an error
-/// term as well.
-#[inline(always)]
-fn atan_of_large_tangent<const N: usize>(t: DoubleDouble, coefficients: &[f64; N]) -> DoubleDouble {
-    let (&first, others) = coefficients.split_first().expect("a polynomial has a coefficient");
-    let z = t.high * t.high;
-    let cube = t.high * z;
-    let cube_low = t.high.mul_add(t.high.mul_add(t.high, -z), t.high.mul_add(z, -cube));
-    // The sum of the first coefficient and the others would be rounded. Apart from each other, only the
-    // others are, which are less than a tenth.
-    let low = cube_low.mul_add(first, (-z).mul_add(t.low, t.low));
-    let low = (cube * z).mul_add(polynomial(z, others), low);
-    DoubleDouble { high: t.high, low: cube.mul_add(first, low) }
-}
-
 impl Atan for DoubleDouble {
     #[inline(always)]
     fn atan_hundredth(y: Self, x: Self) -> Self {
@@ -244,12 +228,12 @@ impl Atan for DoubleDouble {
 
     #[inline(always)]
     fn atan_third(y: Self, x: Self) -> Self {
-        atan_of_large_tangent(y / x, &ATAN_0_32)
+        atan_with_error_term(y / x, &ATAN_0_32)
     }
 
     #[inline(always)]
     fn atan_eighth_turn(y: Self, x: Self) -> Self {
-        atan_of_large_tangent(y / x, &ATAN_0_41)
+        atan_with_error_term(y / x, &ATAN_0_41)
     }
 
     #[inline(always)]
