@@ -295,6 +295,9 @@ def test_tubes_are_those_of_the_library() -> None:
     assert tube_figures(Scene.parse(mild))[0].passes
     assert passes(Scene.parse(mild))
     assert list(tube_sentences(tube_figures(Scene.parse(mild)))) == []
+    turning = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = 900\n{TUBE}"))[0]
+    assert turning.torque is turning.stress is None
+    assert turning.speed_rpm == pytest.approx(900.0)
     alone = tube_figures(Scene.parse(f"{TWO}{TUBE}"))[0]
     assert alone.stress is alone.margin is None
     assert alone.passes

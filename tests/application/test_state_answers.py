@@ -308,7 +308,7 @@ def test_steering_is_part_of_the_check(tmp_path: Path) -> None:
     offsets = [one["offset_deg"] for one in data["on_centre"]]
     assert max(offsets) == pytest.approx(-min(offsets), abs=0.01)
     assert [one["state"] for one in data["on_centre"]] == tomllib.loads(turned)["states"]["names"]
-    # A turn that a workshop can set is said, a smaller one is not.
+    # The answer names a turn that a workshop can set. It leaves out a smaller one.
     best = -2.22 - (max(offsets) + min(offsets)) / 2.0
     for off, words in (
         (0.08, "has its best place on the column: a turn brings the worst state nearer by less"),

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 import cardan
 from cardan.torsion import system as module
 from oracle import read
+from runge_kutta import half_turn
 
 CASES: list[dict[str, Any]] = read("torsion.json")["cases"]
 NAMES = [f"{case['case']} at {case['speed']:.4g}" for case in CASES]
@@ -434,17 +435,8 @@ def test_a_large_orbit_within_a_resonance_is_periodic() -> None:
         return np.array([speed, inertial / (inertia * drive**2)])
 
     start = np.array([orbit.angle_error[1, 1, 0] + turn, orbit.speed[1, 1, 0] / drive])
-    state, steps = start, 4000
-    step = np.pi / steps
-    largest = 0.0
-    for i in range(steps):
-        angle = i * step
-        one = slopes(angle, state)
-        two = slopes(angle + step / 2, state + step / 2 * one)
-        three = slopes(angle + step / 2, state + step / 2 * two)
-        four = slopes(angle + step, state + step * three)
-        state = state + step / 6 * (one + 2 * two + 2 * three + four)
-        largest = max(largest, abs(state[0] - angle - step - turn))
-    assert largest > 1.5
+    states = list(half_turn(slopes, start, 4000))
+    assert max(abs(state[0] - angle - turn) for angle, state in states) > 1.5
+    _, state = states[-1]
     assert state - [np.pi, 0.0] == pytest.approx(start, abs=1e-7)
     assert system.stability(drive).stable

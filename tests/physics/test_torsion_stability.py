@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import cardan
+from runge_kutta import half_turn
 
 INF = float("inf")
 STIFFNESS, INERTIA = 8000.0, 0.05
@@ -214,15 +215,7 @@ def test_multipliers_are_those_of_neighbouring_motions(drive: float) -> None:
     )
     by = 1e-4
     aside = by * np.hstack([np.eye(4), -np.eye(4), np.zeros((4, 1))])
-    state, steps = start[:, None] + aside, 2000
-    step = np.pi / steps
-    for i in range(steps):
-        angle = i * step
-        first = slopes(angle, state)
-        second = slopes(angle + step / 2, state + step / 2 * first)
-        third = slopes(angle + step / 2, state + step / 2 * second)
-        fourth = slopes(angle + step, state + step * third)
-        state = state + step / 6 * (first + 2 * second + 2 * third + fourth)
+    *_, (_, state) = half_turn(slopes, start[:, None] + aside, 2000)
     assert state[:, -1] - [np.pi, np.pi, 0.0, 0.0] == pytest.approx(start, abs=1e-8)
     matrix = (state[:, :4] - state[:, 4:8]) / (2 * by)
     found = system.stability(drive).multipliers

@@ -79,8 +79,9 @@ def tube_figures(scene: Scene) -> tuple[TubeFigures, ...]:
     if tubes is None:
         return ()
     found = tubes.tube
-    worst = [_largest_torque(cases, shaft) for shaft in tubes.shafts] if cases else None
-    stresses = found.shear_stress([torque for torque, _ in worst]) if worst else None
+    # Without a torque or inertias there is no load to judge.
+    worst = [_largest_torque(cases, shaft) for shaft in tubes.shafts]
+    stresses = found.shear_stress([torque for torque, _ in worst])
     speed = max((abs(float(load.speed)) / RPM for _, _, load in cases), default=0.0)
     return tuple(
         TubeFigures(
@@ -88,9 +89,9 @@ def tube_figures(scene: Scene) -> tuple[TubeFigures, ...]:
             float(found.stiffness[i]),
             float(found.inertia[i]),
             float(found.mass[i]),
-            worst[i][0] if worst else None,
-            worst[i][1] if worst else "",
-            None if stresses is None else float(stresses[i]),
+            worst[i][0] or None,
+            worst[i][1],
+            float(stresses[i]) or None,
             tubes.permitted_stress,
             float(found.critical_speed[i] / RPM),
             speed or None,
@@ -119,7 +120,7 @@ def _cases(scene: Scene) -> Iterator[_Case]:
 
 def _largest_torque(cases: Sequence[_Case], shaft: int) -> tuple[float, str]:
     """The largest magnitude of a shaft's torque over a turn, and the case that has it."""
-    found = [peak(line, "torque", shaft, load).value for _, line, load in cases]
+    found = [peak(line, "torque", shaft, load).value for _, line, load in cases] or [0.0]
     worst = int(np.argmax(found))
     return found[worst], "" if alike(min(found), found[worst]) else cases[worst][0]
 
