@@ -145,7 +145,8 @@ impl ExactMap {
     /// Whether it has enough digits for what follows from it at this end.
     fn suffices(&self, to: To) -> bool {
         match to {
-            To::Shaft(_) => [&self.a, &self.b].iter().all(|x| x.is_zero() || x.digits() >= ENOUGH),
+            // Zero is no exception: a small number is zero in few words.
+            To::Shaft(_) => [&self.a, &self.b].iter().all(|x| x.digits() >= ENOUGH),
             To::Joint(_) => self.rows().iter().all(|row| row.digits() >= ENOUGH),
         }
     }
@@ -210,8 +211,8 @@ impl<'a> ExactSamples<'a> {
         Self { chains, to, map: None }
     }
 
-    /// The parts of a complex number that `product` makes of the map and the pin, with the digits
-    /// of each part or exactly zero, and at least one of them not.
+    /// The parts of a complex number that `product` makes of the map and the pin. Each part has its
+    /// digits, or is smaller than any double and therefore zero.
     fn parts(
         &mut self,
         line: usize,
@@ -225,7 +226,7 @@ impl<'a> ExactSamples<'a> {
             let (_, map) = self.map.as_ref().expect("it was made");
             let words = map.words;
             let number = product(map, &angle.pin(words));
-            let enough = |x: &Fixed| x.digits() >= ENOUGH || x.is_zero();
+            let enough = |x: &Fixed| x.digits() >= ENOUGH;
             if words < MOST && !(enough(&number.re) && enough(&number.im)) {
                 let longer = ExactMap::with_words(self.chains, line, self.to, 2 * words);
                 self.map = Some((line, longer));
@@ -245,6 +246,10 @@ impl<'a> ExactSamples<'a> {
             FixedComplex { re: -&turn.re, im: -&turn.im }
         });
         let length = (x.square() + y.square()).sqrt();
+        if length.high == 0.0 {
+            // The joint does nothing at any angle.
+            return [DoubleDouble::ONE, DoubleDouble::default()];
+        }
         [x / length, y / length]
     }
 
