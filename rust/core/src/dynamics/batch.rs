@@ -11,6 +11,7 @@ use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
 use crate::dynamics::search::OrbitGoal;
 use crate::dynamics::system::{PieceState, TorsionalSystem};
 use crate::mechanics::phasing::is_set;
+use crate::number::elementary::norm;
 use crate::run::execution::Execution;
 use crate::run::queue::work_off;
 
@@ -147,7 +148,7 @@ pub(super) fn multipliers(orbit: &Orbit) -> Vec<Complex<f64>> {
     let mut found: Vec<Complex<f64>> =
         orbit.monodromy.complex_eigenvalues().iter().copied().collect();
     // Conjugates have equal moduli up to rounding; the sign orders them.
-    let key = |x: &Complex<f64>| (x.norm(), x.re, x.im);
+    let key = |x: &Complex<f64>| (norm(*x), x.re, x.im);
     found.sort_by(|x, y| {
         let ((a, b, c), (d, e, f)) = (key(x), key(y));
         let same = (a - d).abs() <= 1e-12 * a.max(d);

@@ -4,6 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Complex;
 
+use crate::number::elementary::{norm, turn};
+
 /// `f(α) = mean + Re Σ amplitudes[n − 1] e^{2niα}`.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FourierSeries {
@@ -13,7 +15,7 @@ pub(super) struct FourierSeries {
 
 /// `e^{2πik/count}` for all `k`.
 pub(super) fn roots_of_unity(count: usize) -> Vec<Complex<f64>> {
-    (0..count).map(|k| Complex::from_polar(1.0, TAU * k as f64 / count as f64)).collect()
+    (0..count).map(|k| turn(TAU * k as f64 / count as f64)).collect()
 }
 
 impl FourierSeries {
@@ -35,7 +37,7 @@ impl FourierSeries {
     /// about as large.
     pub(super) fn tail(&self) -> f64 {
         let from = self.amplitudes.len() * 3 / 4;
-        self.amplitudes[from..].iter().fold(0.0, |most, x| x.norm().max(most))
+        self.amplitudes[from..].iter().fold(0.0, |most, x| norm(*x).max(most))
     }
 
     /// The amplitude of an order of the drive's rotation.
@@ -46,7 +48,7 @@ impl FourierSeries {
 
     /// The value and the first two derivatives by the drive angle.
     pub(super) fn at(&self, angle: f64) -> [f64; 3] {
-        let step = Complex::from_polar(1.0, 2.0 * angle);
+        let step = turn(2.0 * angle);
         let mut turn = Complex::new(1.0, 0.0);
         let mut found = [self.mean, 0.0, 0.0];
         for (n, amplitude) in (1..).zip(&self.amplitudes) {

@@ -3,6 +3,7 @@
 use crate::mechanics::chain::{Transfer, shaft_turn};
 use crate::mechanics::joint::Joint;
 use crate::mechanics::transmission::Ideal;
+use crate::number::elementary::atan2;
 
 /// The joints and rigid shafts between the output end of one compliant shaft and the input end of
 /// the next. Together they are one equivalent joint `F` with an inertia that varies with the angle
@@ -59,7 +60,7 @@ impl RigidPiece {
         Self {
             own_inertia,
             followers: inertias.iter().enumerate().map(follower).collect(),
-            offset: transfer.a.im.value().atan2(transfer.a.re.value()),
+            offset: atan2(transfer.a.im.value(), transfer.a.re.value()),
         }
     }
 

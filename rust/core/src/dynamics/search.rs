@@ -6,6 +6,8 @@ use crate::dynamics::motion_equation::MotionEquation;
 use crate::dynamics::orbit::{Failure, NewtonStep, Orbit};
 use crate::dynamics::periodic::{FourierSeries, roots_of_unity};
 use crate::dynamics::system::TorsionalSystem;
+use crate::number::elementary::norm;
+use crate::number::trig;
 
 /// The fewest and the most intervals of half a turn.
 const FEWEST: usize = 8;
@@ -94,7 +96,7 @@ impl TorsionalSystem {
         Oscillation { size, phase, from }: Oscillation,
     ) -> Option<Found> {
         let start = Orbit::start(self.unknowns(), 8 * FEWEST, |angle, [y, v, a]| {
-            let (sine, cosine) = (2.0 * angle + phase).sin_cos();
+            let (sine, cosine) = trig::sin_cos(2.0 * angle + phase);
             for (values, value) in [(y, sine), (v, 2.0 * cosine), (a, -4.0 * sine)] {
                 values[..from].fill(0.0);
                 values[from..].fill(size * value);
@@ -253,7 +255,7 @@ fn resolved(orbit: &Orbit, equation: &mut MotionEquation<'_>, goal: OrbitGoal) -
     let torques = orbit.torques(equation);
     equation.system.springs.iter().zip(&torques).all(|(spring, torques)| {
         let series = FourierSeries::through(|k| torques[k], &roots);
-        let largest = series.amplitudes.iter().fold(series.mean.abs(), |x, y| x.max(y.norm()));
+        let largest = series.amplitudes.iter().fold(series.mean.abs(), |x, y| x.max(norm(*y)));
         let permitted = goal.tolerance * largest;
         series.tail() <= permitted.max(10.0 * ROUNDING * spring.stiffness)
     })

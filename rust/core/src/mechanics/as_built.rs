@@ -23,6 +23,7 @@ use crate::mechanics::joint::Joint;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
+use crate::number::elementary;
 use crate::number::float::Real;
 use crate::number::reduction;
 use crate::number::series;
@@ -371,7 +372,7 @@ impl JointAsBuilt {
     /// What the driven angle is behind a right angle of the drive, `asin(κ/√(1 + μ²))`, apart from
     /// the share of the driving yoke.
     pub(crate) fn lag_at_right_angle(&self) -> f64 {
-        self.cross.atan2(self.root)
+        elementary::atan2(self.cross, self.root)
     }
 }
 
@@ -389,10 +390,14 @@ impl JointAsBuilt<DoubleDouble> {
             versine / (1.0 + cos),
             driving.abs() / cos,
             (cross.abs() + driven.abs()) / least,
-            cross.abs() / cross.hypot(root),
+            cross.abs() / elementary::hypot(cross, root),
         ];
-        let sum: f64 = sines.map(f64::asin).iter().sum();
+        let sum: f64 = sines.map(elementary::asin).iter().sum();
         // A NaN means that no bound was found.
-        if sum < 0.75 { AtanRange::holding(sum.tan() * (1.0 + 1e-9)) } else { AtanRange::Any }
+        if sum < 0.75 {
+            AtanRange::holding(elementary::tan(sum) * (1.0 + 1e-9))
+        } else {
+            AtanRange::Any
+        }
     }
 }

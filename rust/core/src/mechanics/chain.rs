@@ -13,7 +13,8 @@ use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::joint::Joint;
 use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
-use crate::number::float::Real;
+use crate::number::elementary::atan2;
+use crate::number::float::{Real, inverse_power_of_two};
 use crate::number::reduction::{self, HALF_PI, ROUNDING};
 use crate::number::{series, trig};
 
@@ -238,15 +239,6 @@ pub(crate) fn near_wide_shaft_turn(phase: f64, twist: f64) -> Complex {
     Complex::new(-sine, cosine)
 }
 
-/// A power of two whose product with `x` is near 1.
-#[inline(always)]
-fn inverse_power_of_two(x: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
-    // Below 2⁻¹⁰⁰⁰ the scale stays 2¹⁰⁰⁰.
-    let exponent = (x.to_bits() & EXPONENT).max(23 << 52);
-    f64::from_bits((2046 << 52) - exponent)
-}
-
 /// Cosine and sine of `φ` in `(−90°, 90°]` from cosine and sine of `2φ`.
 #[inline(always)]
 fn half_turn(cos_2: DoubleDouble, sin_2: DoubleDouble) -> (DoubleDouble, DoubleDouble) {
@@ -403,7 +395,7 @@ impl Equivalent {
 
     /// `φ` in rad, in `(−π/2, π/2]`: the joint's input angle is `α + φ`.
     pub fn angle_offset(&self) -> f64 {
-        self.turn_sin.atan2(self.turn_cos)
+        atan2(self.turn_sin, self.turn_cos)
     }
 }
 

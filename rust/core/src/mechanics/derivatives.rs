@@ -27,6 +27,7 @@ use nalgebra::Complex;
 use crate::mechanics::chain::{Transfer, shaft_turn};
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::joint::Joint;
+use crate::number::elementary;
 
 /// The map to a shaft, or its adjoint: the numbers `A` and `B`.
 pub(crate) type Map = [Complex<f64>; 2];
@@ -55,7 +56,7 @@ struct Bent {
 
 impl Bent {
     fn new(bend: f64, joint: &Joint) -> Self {
-        let half_tangent = (0.5 * bend).tan();
+        let half_tangent = elementary::tan(0.5 * bend);
         let slope = half_tangent.mul_add(half_tangent, 1.0) * half_tangent;
         Self { cosine: joint.cos, sine: joint.sin, k: joint.k, half_tangent, slope }
     }

@@ -13,6 +13,8 @@
 
 use std::f64::consts::PI;
 
+use crate::number::elementary::acos;
+
 /// The constants of a shaft's motion that determine its extremes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExtremaLocator {
@@ -27,16 +29,16 @@ impl ExtremaLocator {
     /// error, speed ratio, acceleration ratio and jerk ratio.
     pub(crate) fn angles(self, selected: [bool; 4]) -> impl Iterator<Item = f64> {
         let k = self.k;
-        let error_extreme = k.min(1.0).acos();
+        let error_extreme = acos(k.min(1.0));
         let square = k * k;
         let sum = 1.0 + square;
         let acceleration_extreme =
-            (8.0 * k / (sum + (sum * sum + 32.0 * square).sqrt())).min(1.0).acos();
+            acos((8.0 * k / (sum + (sum * sum + 32.0 * square).sqrt())).min(1.0));
         let jerk_extreme = 24.0 * square - sum * sum;
         let jerk_extreme =
             jerk_extreme / (2.0 * k * (2.0 * sum + (3.0 * sum * sum + 24.0 * square).sqrt()));
         // At shallow bends the inner extremes of the jerk ratio coincide with the one at 90°.
-        let jerk_extreme = jerk_extreme.clamp(-1.0, 1.0).acos();
+        let jerk_extreme = acos(jerk_extreme.clamp(-1.0, 1.0));
         let [error, ratio, acceleration, jerk] = selected;
         [
             (error, error_extreme),

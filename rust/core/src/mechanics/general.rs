@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::mechanics::as_built::{DEVIATIONS, JointAsBuilt, check_deviations};
 use crate::mechanics::motion::Motion;
 use crate::number::double_double::DoubleDouble;
+use crate::number::elementary::atan2;
 use crate::number::trig;
 
 /// A chain that is evaluated joint by joint. It serves joints that no single `q` describes.
@@ -95,7 +96,7 @@ impl General {
             (s, c) = turned((s, c), *turn);
             let [speed_ratio, acceleration_ratio, jerk_ratio] = joint.rates::<true>(s, c);
             let (y, x) = joint.error_tangent(s, c);
-            let angle_error = y.atan2(x);
+            let angle_error = atan2(y, x);
             let own = Motion { angle_error, speed_ratio, acceleration_ratio, jerk_ratio };
             total = own.compose(&total);
             (s, c) = joint.driven(s, c);

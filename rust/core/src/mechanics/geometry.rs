@@ -8,6 +8,7 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 
 use crate::error::{BEND_RULE, Error, Result};
+use crate::number::elementary::atan2;
 use crate::number::trig;
 
 /// A vector in space.
@@ -131,7 +132,7 @@ impl Geometry {
             let cross = accurate_cross(&scaled[j], &scaled[j + 1]);
             let (sine, cosine) = (cross.norm(), scaled[j].dot(&scaled[j + 1]));
             let straight = cosine > 0.0 && sine <= STRAIGHT * cosine;
-            let bend = if straight { 0.0 } else { sine.atan2(cosine) };
+            let bend = if straight { 0.0 } else { atan2(sine, cosine) };
             if bend >= FRAC_PI_2 {
                 let problem = format!("give bends[{j}] = {bend} rad; {BEND_RULE}");
                 return Err(Error::new(argument, &[], problem));
@@ -220,7 +221,7 @@ fn accurate_cross(a: &Vector, b: &Vector) -> Vector {
 
 /// The angle about `axis` from `from` to `to`, both perpendicular to it.
 fn twist(from: Vector, to: Vector, axis: Vector) -> f64 {
-    from.cross(&to).dot(&axis).atan2(from.dot(&to))
+    atan2(from.cross(&to).dot(&axis), from.dot(&to))
 }
 
 /// The part of `v` perpendicular to the unit vector `u`.

@@ -5,6 +5,7 @@
 
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
+use crate::number::elementary;
 use crate::number::float::Real;
 use crate::number::reduction::HALF_PI;
 use crate::number::series;
@@ -205,7 +206,7 @@ impl Joint {
 
     /// The bend `β` in rad.
     pub fn bend(&self) -> f64 {
-        self.sin.atan2(self.cos)
+        elementary::atan2(self.sin, self.cos)
     }
 
     /// Non-uniformity `U = 1/cos β − cos β = tan β sin β` (catalogue, single joint, Bild 13).
@@ -221,7 +222,7 @@ impl Joint {
 
     /// The largest angle error `asin k` in rad, reached at `tan² α = cos β` (catalogue, Bild 12).
     pub fn max_angle_error(&self) -> f64 {
-        self.max_error_tangent().atan()
+        elementary::atan(self.max_error_tangent())
     }
 
     /// The largest speed ratio, `1/cos β`.

@@ -3,6 +3,7 @@
 use nalgebra::Complex;
 
 use crate::mechanics::joint::{self, Joint, JointConstants};
+use crate::number::elementary::atan2;
 
 /// The motion of a shaft at one drive angle. Derivatives are with respect to the drive angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,5 +52,5 @@ pub(super) fn joint_motion(joint: &Joint, s: f64, c: f64) -> Motion {
     let (y, x) = joint::error_tangent(&constants, s, c);
     let (speed_ratio, acceleration_ratio) = joint::rates(&constants, s, c);
     let jerk_ratio = joint::jerk_ratio(&constants, s, c);
-    Motion { angle_error: y.atan2(x), speed_ratio, acceleration_ratio, jerk_ratio }
+    Motion { angle_error: atan2(y, x), speed_ratio, acceleration_ratio, jerk_ratio }
 }

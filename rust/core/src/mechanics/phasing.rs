@@ -11,6 +11,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::mechanics::joint::Joint;
+use crate::number::elementary;
 use crate::number::trig;
 use nalgebra::Complex;
 
@@ -93,7 +94,7 @@ fn within_a_turn(angle: f64) -> f64 {
         return angle;
     }
     let (sine, cosine) = trig::sin_cos(angle);
-    sine.atan2(cosine)
+    elementary::atan2(sine, cosine)
 }
 
 /// One bent joint as a step of length `L` in the hyperbolic plane.
@@ -108,7 +109,8 @@ struct Side {
 impl Side {
     fn new(joint: &Joint) -> Self {
         let near = joint.cos > 0.5;
-        let length = if near { -(-joint.versine).ln_1p() } else { -joint.cos.ln() };
+        let length =
+            if near { -elementary::ln_1p(-joint.versine) } else { -elementary::ln(joint.cos) };
         let cosh = 1.0 / joint.complement().sqrt();
         Self { length, cosh, sinh: joint.k * cosh }
     }
@@ -195,10 +197,12 @@ impl Polygon<'_> {
         let a: f64 = self.sides[..second].iter().map(|side| side.length).sum();
         let b = self.sides[second].length;
         let c: f64 = self.sides[second + 1..].iter().map(|side| side.length).sum();
-        let past = |x: f64| (0.5 * (a + b + c) - x).max(0.0).sinh();
+        let past = |x: f64| elementary::sinh((0.5 * (a + b + c) - x).max(0.0));
         let (s, s_a, s_b, s_c) = (past(0.0), past(a), past(b), past(c));
         // Half the interior angle between two sides; the turn `p` is 90° minus that.
-        let angle = |near: f64, also: f64, far: f64| (near * also).sqrt().atan2((s * far).sqrt());
+        let angle = |near: f64, also: f64, far: f64| {
+            elementary::atan2((near * also).sqrt(), (s * far).sqrt())
+        };
         let mut turns = vec![0.0; self.turns.len()];
         turns[second - 1] = FRAC_PI_2 - angle(s_a, s_b, s_c);
         turns[second] = FRAC_PI_2 - angle(s_b, s_c, s_a);
@@ -240,7 +244,7 @@ impl Polygon<'_> {
 
     /// The gap of the polygon, `sinh(L_E/2)`.
     fn gap(&self, change: &[f64]) -> f64 {
-        self.walk(change).0.norm()
+        elementary::norm(self.walk(change).0)
     }
 
     /// Closes the polygon by Newton's method. Each step is the smallest that solves the linear

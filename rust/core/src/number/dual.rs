@@ -3,6 +3,7 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::number::double_double::DoubleDouble;
+use crate::number::elementary::atan2;
 use crate::number::float::Real;
 use crate::number::trig;
 
@@ -38,7 +39,7 @@ impl<const N: usize> Dual<N> {
     /// The angle of a point that is not the origin.
     pub(crate) fn atan2(y: Self, x: Self) -> Self {
         let square = y.value.mul_add(y.value, x.value * x.value);
-        y.zip(x, y.value.atan2(x.value), [x.value / square, -y.value / square])
+        y.zip(x, atan2(y.value, x.value), [x.value / square, -y.value / square])
     }
 }
 

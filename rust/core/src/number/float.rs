@@ -135,6 +135,15 @@ pub trait Real:
     }
 }
 
+/// A power of two whose product with a positive `x` is near 1.
+#[inline(always)]
+pub(crate) fn inverse_power_of_two(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff0_0000_0000_0000;
+    // Below 2⁻¹⁰⁰⁰ the scale stays 2¹⁰⁰⁰, above 2¹⁰²² it stays the smallest normal number.
+    let exponent = (x.to_bits() & EXPONENT).clamp(23 << 52, 2045 << 52);
+    f64::from_bits((2046 << 52) - exponent)
+}
+
 macro_rules! plain {
     ($($float:ident, short: $short:literal;)*) => {$(
         impl Real for $float {

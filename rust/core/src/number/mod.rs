@@ -3,6 +3,7 @@
 pub mod atan;
 pub mod double_double;
 pub(crate) mod dual;
+pub(crate) mod elementary;
 pub(crate) mod fixed;
 pub mod float;
 pub mod precision;

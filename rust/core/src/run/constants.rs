@@ -10,6 +10,7 @@ use crate::mechanics::extremes::ExtremaLocator;
 use crate::mechanics::joint::JointConstants;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
+use crate::number::elementary::{atan2, hypot};
 use crate::number::float::Real;
 use crate::number::storage::{Column, View, columns, parts, views, views_mut};
 use crate::number::strips::{At, Strips};
@@ -270,14 +271,14 @@ impl<T: Angle> FoldedShaft<T> {
             let double_offset = if self.has_offsets() {
                 2.0 * self.offsets(geometry, 0).at(index).value()
             } else {
-                -im.atan2(re)
+                -atan2(im, re)
             };
-            return ExtremaLocator { double_offset, k: re.hypot(im) };
+            return ExtremaLocator { double_offset, k: hypot(re, im) };
         }
         let (joint, turn) = self.equivalents(geometry, 0).at(index);
         let [cos, sin]: [f64; 2] = turn.map(|x| x.value().into());
         let [versine, cosine]: [f64; 2] = [joint.versine, joint.cos].map(|x| x.value().into());
-        ExtremaLocator { double_offset: 2.0 * sin.atan2(cos), k: versine / (1.0 + cosine) }
+        ExtremaLocator { double_offset: 2.0 * atan2(sin, cos), k: versine / (1.0 + cosine) }
     }
 
     /// The constants in twice the drive angle.

@@ -12,6 +12,7 @@
 use nalgebra::Complex;
 
 use crate::mechanics::geometry::Vector;
+use crate::number::elementary::{atan, atan2, hypot, norm};
 use crate::number::trig;
 use crate::plan::forces::ForceStep;
 use crate::plan::{End, Output};
@@ -57,7 +58,7 @@ impl ShaftAt {
         let rest = psi * psi * -sine2;
         let w = psi * psi * (mean * mean);
         Self {
-            error: (versine * s * c).atan2((e * c).mul_add(c, s * s)),
+            error: atan2(versine * s * c, (e * c).mul_add(c, s * s)),
             ratio: rho.re,
             deviation: versine * (e * c).mul_add(c, -(s * s)) / norm,
             acceleration: square.im,
@@ -131,7 +132,7 @@ impl<'a> LineAt<'a> {
         let pin = |pose: &PoseConstants| {
             let [a, b] = pose.map;
             let pin = a * w + b * w.conj();
-            let pin = pin / pin.norm();
+            let pin = pin / norm(pin);
             (pin.im, pin.re)
         };
         let pins = line.poses.iter().map(pin).collect();
@@ -268,11 +269,11 @@ impl<'a> LineAt<'a> {
         let (value, by_bend, by_turn, loaded) = match output {
             Output::TiltDriving => {
                 let norm = (sigma * s).mul_add(sigma * s, e * e);
-                ((tangent * s).atan(), s / norm, c * e * e / norm, false)
+                (atan(tangent * s), s / norm, c * e * e / norm, false)
             }
             Output::TiltDriven => {
-                let root = (e * c).hypot(s);
-                ((sigma * c).atan2(root), e * c / root, -e * s / root, false)
+                let root = hypot(e * c, s);
+                (atan2(sigma * c, root), e * c / root, -e * s / root, false)
             }
             Output::BendingDriving => (tangent * s.abs(), s.abs() / (e * e), c * sign(s), true),
             _ => {
