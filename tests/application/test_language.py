@@ -101,7 +101,7 @@ def _files() -> Iterator[Path]:
     for name in ("README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "rust/core/README.md"):
         yield ROOT / name
     for folder, suffixes in {
-        "docs": (".md", ".py", ".json"),
+        "docs": (".md", ".py"),
         "benches": (".md", ".py"),
         "examples": (".py", ".toml"),
         "python/cardan": (".py", ".pyi", ".html", ".js"),
