@@ -132,7 +132,7 @@ def command_help() -> str:
     with click.Context(group, info_name="cardan") as parent:
         parts.append(f"```text\n{group.get_help(parent)}\n```")
         for name in group.list_commands(parent):
-            command = group.get_command(parent, name)
+            _, command, _ = group.resolve_command(parent, [name])
             assert command is not None
             with click.Context(command, info_name=name, parent=parent) as context:
                 shown = command.get_help(context)
