@@ -47,6 +47,12 @@ impl Complex {
         Self { re: self.re * factor, im: self.im * factor }
     }
 
+    /// Multiplies by a power of two, exactly.
+    #[inline(always)]
+    fn scaled(self, power: f64) -> Self {
+        Self { re: self.re.scaled(power), im: self.im.scaled(power) }
+    }
+
     #[inline(always)]
     fn norm_squared(self) -> DoubleDouble {
         self.re.square() + self.im.square()
@@ -135,7 +141,7 @@ impl Transfer {
         let largest = z.re.high.abs().max(z.im.high.abs());
         let straight = largest == 0.0;
         let scale = inverse_power_of_two(largest);
-        let z = Complex::new(z.re.scaled(scale), z.im.scaled(scale));
+        let z = z.scaled(scale);
         let size = z.norm_squared().sqrt();
         let a2 = self.a.norm_squared();
         let k = (size / a2).scaled(1.0 / scale);
@@ -164,9 +170,12 @@ impl Transfer {
     /// joints and the product of `1 + tan²(β/2)`, or bounds on them.
     #[inline(always)]
     pub(crate) fn loses_digits(&self, sum: f64, product: f64) -> bool {
-        let part = |size: f64, x: Complex| x.norm_squared().high < (Self::LEAST * size).powi(2);
-        // Squares of smaller numbers underflow.
-        sum > 1e-140 && (part(product, self.a) || part(product * sum.min(1.0), self.b))
+        let part = |size: f64, x: Complex| {
+            // Squares of small numbers would underflow.
+            let scale = inverse_power_of_two(size);
+            x.scaled(scale).norm_squared().high < (Self::LEAST * size * scale).powi(2)
+        };
+        sum > 0.0 && (part(product, self.a) || part(product * sum.min(1.0), self.b))
     }
 
     /// The part of the terms of a sum that cancellation may leave.

@@ -145,7 +145,8 @@ impl ExactMap {
     /// Whether it has enough digits for what follows from it at this end.
     fn suffices(&self, to: To) -> bool {
         match to {
-            To::Shaft(_) => [&self.a, &self.b].iter().all(|x| x.is_zero() || x.digits() >= ENOUGH),
+            // Zero is no exception: a small number is zero in few words.
+            To::Shaft(_) => [&self.a, &self.b].iter().all(|x| x.digits() >= ENOUGH),
             To::Joint(_) => self.rows().iter().all(|row| row.digits() >= ENOUGH),
         }
     }
@@ -210,8 +211,8 @@ impl<'a> ExactSamples<'a> {
         Self { chains, to, map: None }
     }
 
-    /// The parts of a complex number that `product` makes of the map and the pin, with the digits
-    /// of each part or exactly zero, and at least one of them not.
+    /// The parts of a complex number that `product` makes of the map and the pin. Each part has its
+    /// digits, or is smaller than any double and therefore zero.
     fn parts(
         &mut self,
         line: usize,
@@ -225,7 +226,7 @@ impl<'a> ExactSamples<'a> {
             let (_, map) = self.map.as_ref().expect("it was made");
             let words = map.words;
             let number = product(map, &angle.pin(words));
-            let enough = |x: &Fixed| x.digits() >= ENOUGH || x.is_zero();
+            let enough = |x: &Fixed| x.digits() >= ENOUGH;
             if words < MOST && !(enough(&number.re) && enough(&number.im)) {
                 let longer = ExactMap::with_words(self.chains, line, self.to, 2 * words);
                 self.map = Some((line, longer));
@@ -245,6 +246,10 @@ impl<'a> ExactSamples<'a> {
             FixedComplex { re: -&turn.re, im: -&turn.im }
         });
         let length = (x.square() + y.square()).sqrt();
+        if length.high == 0.0 {
+            // The joint does nothing at any angle.
+            return [DoubleDouble::ONE, DoubleDouble::default()];
+        }
         [x / length, y / length]
     }
 
@@ -307,8 +312,27 @@ mod tests {
         let last = std::f64::consts::FRAC_PI_2.next_down();
         for bend in [0.3, last] {
             let map = ExactMap::new(chains(&[bend; 2], &[0.7], &[0.7]), 0, To::Shaft(2));
-            assert!(map.b.is_zero());
+            assert_eq!(map.b.digits(), 0);
         }
+    }
+
+    #[test]
+    fn small_numbers_are_not_taken_for_zero() {
+        for exponent in [-30, -45, -100, -160] {
+            let bend = 10_f64.powi(exponent);
+            let mut samples = ExactSamples::new(chains(&[0.0, bend], &[0.4], &[0.4]), To::Shaft(2));
+            let angle = ExactAngle { parts: [1e-12, 0.0], quarters: 0 };
+            let [x, y] = samples.double_angle(0, angle).map(DoubleDouble::value);
+            assert!(x.abs() == 1.0 && (y.abs() - 2e-12).abs() < 1e-26, "{bend:e}: {x} {y:e}");
+        }
+    }
+
+    #[test]
+    fn a_bend_without_any_effect_has_a_direction() {
+        let last = f64::from_bits(1);
+        let mut samples = ExactSamples::new(chains(&[0.0, last], &[0.4], &[0.4]), To::Shaft(2));
+        let angle = ExactAngle { parts: [1e-12, 0.0], quarters: 0 };
+        assert_eq!(samples.double_angle(0, angle), [DoubleDouble::ONE, DoubleDouble::default()]);
     }
 
     /// Ends of a chain of so many joints, in order.
