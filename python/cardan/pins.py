@@ -37,8 +37,8 @@ class Pins:
         moment: magnitude of the joint's moment in N m.
         rate_driving: rate at which the pins turn in the driving yoke, per radian of the drive.
         rate_driven: the same in the driven yoke.
-        entering_torque: torque in N m that the driving shaft puts into the joint, without what its own
-            inertia takes.
+        entering_torque: torque in N m that the driving shaft puts into the joint, without what the
+            shaft's inertia takes.
         drive_torque: torque of the drive in N m.
         speed_ratio: of the driving shaft.
     """
