@@ -24,6 +24,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import tiers
 from cardan import OUTPUTS, BallJoint, Driveline, Load, Plan, Scene, Sweep, _core
 
 LINE = Driveline.from_bends([0.5, 0.4], 0.3, 0.9)
@@ -436,7 +437,7 @@ SOURCES = arrays_of.arrays(
 )
 
 
-@settings(max_examples=400)
+@settings(max_examples=tiers.part(400))
 @given(st.data())
 def test_the_native_module_takes_nothing_on_trust(data: st.DataObject) -> None:
     """Arguments of the right types only, whatever they hold: results or refusals, no panic."""

@@ -71,9 +71,9 @@ def test_a_region_at_half_the_natural_frequency_is_found_between_the_speeds_give
         stiffnesses=[INF, STIFFNESS, INF],
     )
     (natural,) = system.natural_frequencies()
-    given = natural * np.array([0.45, 0.55])
+    given = float(natural) * np.array([0.45, 0.55])
     (region,) = unstable_regions(system, given, [natural])
-    every = np.linspace(*given, 401)
+    every = np.linspace(given[0], given[1], 401)
     unstable = every[~system.stability(every).stable]
     step = every[1] - every[0]
     assert region.start == pytest.approx(unstable[0], abs=step)
