@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import os
+from typing import Any
 
 import hypothesis
+import numpy as np
 import pytest
 from hypothesis.internal.conjecture import providers
 
 import tiers
+
+_starts: dict[np.random.Generator, Any] = {}
+"""How random generators that modules of tests share are after their import."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -34,6 +39,20 @@ def pytest_configure(config: pytest.Config) -> None:
         # Hypothesis also draws constants from the source of the modules that are imported and not
         # installed, so that examples would depend on which tests run before.
         providers.is_local_module_file = lambda path: False  # type: ignore[assignment,attr-defined]
-    # A worker of pytest-xdist has a processor for itself; threads of the core would only compete.
-    if hasattr(config, "workerinput"):
-        os.environ.setdefault("RAYON_NUM_THREADS", "1")
+    # Long calls take several threads on any machine, also with a worker of pytest-xdist for each
+    # processor: what a thread may break is tested by all of them. Only a long call makes threads.
+    os.environ["RAYON_NUM_THREADS"] = "4"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for module in {getattr(item, "module", None) for item in items} - {None}:
+        for value in vars(module).values():
+            if isinstance(value, np.random.Generator):
+                _starts.setdefault(value, value.bit_generator.state)
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    # Which tests run before, in this worker, changes no random number of a test.
+    for value in vars(getattr(item, "module", None) or object).values():
+        if isinstance(value, np.random.Generator):
+            value.bit_generator.state = _starts[value]

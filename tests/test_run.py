@@ -7,9 +7,13 @@ import sys
 from pathlib import Path
 
 import hypothesis
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
+RANDOM = np.random.default_rng(1)
+FIRST = np.random.default_rng(1).random()
 
 same_examples = pytest.mark.skipif(
     not hypothesis.settings().derandomize, reason="with --hypothesis-profile=fresh"
@@ -39,3 +43,8 @@ def test_examples_do_not_depend_on_the_modules_that_are_imported(tmp_path: Path)
         patch.setitem(sys.modules, "constants", module)
         spec.loader.exec_module(module)
         assert examples() == alone
+
+
+@pytest.mark.parametrize("time", [1, 2])
+def test_a_generator_that_tests_share_begins_anew_for_each_of_them(time: int) -> None:
+    assert RANDOM.random() == FIRST

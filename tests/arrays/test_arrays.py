@@ -515,6 +515,7 @@ with multiprocessing.get_context("fork").Pool(2) as pool:
 """
 
 
+@pytest.mark.xdist_group("fork")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_forked_processes_evaluate() -> None:
     done = subprocess.run([sys.executable, "-c", FORKING], capture_output=True, text=True)

@@ -330,6 +330,7 @@ busy.join()
 """
 
 
+@pytest.mark.xdist_group("fork")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_fork_during_a_call() -> None:
     """That forked processes evaluate at all is in test_arrays.py."""
@@ -340,6 +341,7 @@ def test_fork_during_a_call() -> None:
 # --- memory ------------------------------------------------------------------------------------
 
 
+@pytest.mark.xdist_group("memory")
 @pytest.mark.parametrize(
     "call",
     [
@@ -395,6 +397,7 @@ for call in (
 """
 
 
+@pytest.mark.xdist_group("memory")
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit of address space")
 @pytest.mark.parametrize("megabytes", [1, 4, 16, 64])
 def test_memory_that_runs_out(megabytes: int) -> None:
@@ -419,6 +422,7 @@ assert out["angle"][-1] > 5
 """
 
 
+@pytest.mark.xdist_group("memory")
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit of address space")
 def test_no_thread_can_be_made() -> None:
     done = script(NO_POOL)
