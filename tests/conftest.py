@@ -5,6 +5,10 @@ from __future__ import annotations
 import os
 from typing import Any
 
+# NumPy reads this when it is imported. Threads of its linear algebra would wait for each other ten
+# times as long as the small systems of the tests take.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
 import hypothesis
 import numpy as np
 import pytest
