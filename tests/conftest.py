@@ -8,6 +8,7 @@ import hypothesis
 import pytest
 
 import tiers
+from example_scenes import Answered, Answers
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -29,3 +30,12 @@ def pytest_configure(config: pytest.Config) -> None:
     # Each worker of pytest-xdist has a processor for itself; threads of the core would only compete.
     if hasattr(config, "workerinput"):
         os.environ.setdefault("RAYON_NUM_THREADS", "1")
+
+
+@pytest.fixture(scope="session")
+def answered(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Answers:
+    """What cardan answers to an example; every worker finds what another has found."""
+    folder = tmp_path_factory.getbasetemp()
+    if hasattr(request.config, "workerinput"):
+        folder = folder.parent
+    return lambda path: Answered(path, folder / "examples")

@@ -25,13 +25,12 @@ from cardan.command import commands
 from cardan.command.files import wrote
 from cardan.figures.limits import CHECK_SCHEMA, check_data, check_scene
 from cardan.files.columns import write_columns
-from cardan.scene import Scene, load_scene
+from cardan.scene import Scene
 from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
 from cardan.words.limits import check_text
-from example_scenes import EXAMPLES, example
+from example_scenes import DRIVELINES, EXAMPLES, Answers, example
 
-DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
 
 
@@ -64,10 +63,10 @@ def into(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_every_example_runs(path: Path, into: Path) -> None:
-    result = run("run", path, "--into", into)
-    assert result.exit_code == 0, result.output
-    scene = Scene.load(path)
+def test_every_example_runs(path: Path, answered: Answers) -> None:
+    answer, scene = answered(path), Scene.load(path)
+    (status, text), into = answer.run, answer.files
+    assert status == 0, text
     named = {scene.curves_file: len(scene.drive_angle), scene.picture_file: 0}
     if scene.study and scene.table_file:
         rows_of_table = scene.states.count if scene.states else math.prod(scene.study.shape)
@@ -78,7 +77,7 @@ def test_every_example_runs(path: Path, into: Path) -> None:
     # A table over states has a row for each of a few states.
     least = 300 if scene.states else 2_000
     assert min(written.values()) > least
-    lines = result.output.splitlines()
+    lines = text.splitlines()
     assert lines[0] == scene.title
     said = [line for line in lines if line.startswith("wrote ")]
     rows = {name: f" ({rows} rows)" if rows else "" for name, rows in files.items()}
@@ -236,15 +235,14 @@ def test_recording_is_not_overwritten(tmp_path: Path, into: Path) -> None:
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_every_example_as_json(path: Path, into: Path) -> None:
-    result = run("run", path, "--into", into, "--json")
-    assert result.exit_code == 0, result.output
-    data = json.loads(result.output)
-    assert data["title"] == Scene.load(path).title
+def test_every_example_as_json(path: Path, answered: Answers) -> None:
+    answer, scene = answered(path), Scene.load(path)
+    data = answer.data("run")
+    assert data["title"] == scene.title
+    assert answer.run.status == 0
     assert {Path(file["file"]).name for file in data["files"]} == {
-        entry.name for entry in into.iterdir()
+        entry.name for entry in answer.files.iterdir()
     }
-    scene = Scene.load(path)
     assert ("states" in data) == (scene.states is not None)
     assert ("study" in data) == (scene.study is not None and scene.states is None)
 
@@ -407,9 +405,8 @@ def test_advice_follows_the_verdict() -> None:
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_the_answer_of_check_fits_its_schema(path: Path) -> None:
-    jsonschema.Draft202012Validator.check_schema(CHECK_SCHEMA)
-    data = json.loads(run("check", path, "--json").output)
+def test_the_answer_of_check_fits_its_schema(path: Path, answered: Answers) -> None:
+    data = answered(path).data("check")
     jsonschema.Draft202012Validator(CHECK_SCHEMA).validate(data)
     assert data["drivelines"][data["verdict"].replace(" ", "_")] > 0
     # Another number of joints makes no other keys.
