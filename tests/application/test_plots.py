@@ -41,15 +41,14 @@ from cardan.plots.key_figures import key_figures
 from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import View
 from cardan.plots.style import degree_ticks, text_width
-from cardan.scene import Scene, SceneResult, load_scene
+from cardan.scene import Scene, SceneResult
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
-from example_scenes import EXAMPLES
+from example_scenes import DRIVELINES, EXAMPLES
 from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
 FOLDER = Path(__file__).parents[2] / "examples"
-DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 
 TALL = """\
 title = "A title longer than a column is wide, which costs $_{5$ and breaks into three lines"
@@ -285,7 +284,7 @@ def test_acceleration_is_a_ratio_without_a_speed() -> None:
 
 @pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in DRIVELINES), TALL])
 def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    figure = drawn(Scene.parse(text, folder=EXAMPLES[0].parent).run())
+    figure = plot_scene(Scene.parse(text, folder=EXAMPLES[0].parent).run())
     figure.set_dpi(200)
     page = figure.bbox
     found = texts(figure, monkeypatch, largest=11.0)
