@@ -298,6 +298,8 @@ def test_tubes_are_those_of_the_library() -> None:
     turning = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = 900\n{TUBE}"))[0]
     assert turning.torque is turning.stress is None
     assert turning.speed_rpm == pytest.approx(900.0)
+    backwards = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = -900\n{TUBE}"))[0]
+    assert backwards.margin == turning.margin
     alone = tube_figures(Scene.parse(f"{TWO}{TUBE}"))[0]
     assert alone.stress is alone.margin is None
     assert alone.passes
