@@ -77,9 +77,10 @@ class Answered:
             return json.loads(self._printed(command, "--json", *options, *into).text)
 
     @property
-    def page(self) -> Path:
+    def page(self) -> str:
         """The page of ``cardan report``."""
-        return self._once("page.html", lambda path: write_report(load_scene(self.path), path))
+        page = self._once("page.html", lambda path: write_report(load_scene(self.path), path))
+        return page.read_text("utf-8")
 
     def _printed(self, command: str, *options: str | Path) -> Printed:
         def invoke(path: Path) -> None:

@@ -260,7 +260,7 @@ def test_the_example_answers_in_millimetres(answered: Answers) -> None:
     assert first["worst"]["acceleration_rad_s2"] == pytest.approx(
         data["figures"][0]["worst"], rel=1e-9
     )
-    words = answer.page.read_text("utf-8")
+    words = answer.page
     assert "within tolerances of joints up to" in words
     assert "As measured, the driveline is within the 100 rad/s² limit." in words
 

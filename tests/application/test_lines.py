@@ -114,8 +114,8 @@ def labels_of_pages() -> set[str]:
     return judged(label for text in shown_in_pages() for label in printed_labels(text))
 
 
-def labels_of_report(file: Path) -> set[str]:
-    cells = re.findall(r"<th[^>]*>(.*?)</th>", file.read_text("utf-8"), re.DOTALL)
+def labels_of_report(page: str) -> set[str]:
+    cells = re.findall(r"<th[^>]*>(.*?)</th>", page, re.DOTALL)
     return judged(normal(html.unescape(re.sub("<.*?>", "", cell))) for cell in cells)
 
 
