@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
 
 # NumPy reads this when it is imported. Threads of its linear algebra would wait for each other ten
 # times as long as the small systems of the tests take.
@@ -15,6 +16,9 @@ import pytest
 from hypothesis.internal.conjecture import providers
 
 import tiers
+
+if TYPE_CHECKING:
+    from example_scenes import Answers
 
 _starts: dict[np.random.Generator, Any] = {}
 """How random generators that modules of tests share are after their import."""
@@ -60,3 +64,55 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     for value in vars(getattr(item, "module", None) or object).values():
         if isinstance(value, np.random.Generator):
             value.bit_generator.state = _starts[value]
+
+
+@pytest.fixture(scope="session")
+def answered(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Answers:
+    """What cardan answers to an example; every worker finds what another has found."""
+    # Tests of the library alone run without what the application needs.
+    from example_scenes import Answered
+
+    folder = tmp_path_factory.getbasetemp()
+    if hasattr(request.config, "workerinput"):
+        folder = folder.parent
+    return lambda path: Answered(path, folder / "examples")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--slowest",
+        type=int,
+        default=0,
+        help="print so many tests without the mark long, by the time that processors took",
+    )
+
+
+def _processor_time() -> float:
+    """Return the time of this process and of its children that have ended, in s."""
+    return sum(os.times()[:4])
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    before = _processor_time()
+    try:
+        return (yield)
+    finally:
+        if item.get_closest_marker("long") is None:
+            # A worker hands this to the process that reports.
+            item.user_properties.append(("processor time", _processor_time() - before))
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:  # noqa: ANN401
+    times = {
+        report.nodeid: value
+        for reports in terminalreporter.stats.values()
+        for report in reports
+        if getattr(report, "when", None) == "call"
+        for name, value in report.user_properties
+        if name == "processor time"
+    }
+    slowest = sorted(times.items(), key=lambda item: -item[1])[: config.getoption("--slowest")]
+    for test, seconds in slowest:
+        mark = "  above 5 s" if seconds > 5.0 else ""
+        terminalreporter.write_line(f"{seconds:6.1f} s  {test}{mark}")

@@ -22,7 +22,15 @@ SHOWN = dict(
 )
 
 
-@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "script",
+    [
+        # Tests of pictures draw each of them as well.
+        pytest.param(path, marks=pytest.mark.long if path.stem == "pictures" else ())
+        for path in SCRIPTS
+    ],
+    ids=lambda path: path.stem,
+)
 def test_script(script: Path, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-W", "error", str(script)], cwd=tmp_path, capture_output=True, text=True

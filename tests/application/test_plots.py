@@ -19,7 +19,6 @@ from click.testing import CliRunner
 from matplotlib import font_manager, pyplot
 from matplotlib.axes import Axes
 from matplotlib.backend_bases import RendererBase
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -41,15 +40,14 @@ from cardan.plots.key_figures import key_figures
 from cardan.plots.labels import PlacedLabels
 from cardan.plots.space import View
 from cardan.plots.style import degree_ticks, text_width
-from cardan.scene import Scene, SceneResult, load_scene
+from cardan.scene import Scene, SceneResult
 from cardan.scene.study import StudyResult
 from cardan.sweep import Sweep
-from example_scenes import EXAMPLES
+from example_scenes import DRIVELINES, EXAMPLES
 from heights import NAMES, drivelines, scene_text
 
 DOCS = Path(__file__).parents[2] / "docs"
 FOLDER = Path(__file__).parents[2] / "examples"
-DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 
 TALL = """\
 title = "A title longer than a column is wide, which costs $_{5$ and breaks into three lines"
@@ -70,7 +68,7 @@ quantities = ["angle", "angle_error", "speed_ratio", "acceleration_ratio", "torq
 
 def drawn(result: SceneResult) -> Figure:
     figure = plot_scene(result)
-    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
+    figure.draw_without_rendering()
     return figure
 
 
@@ -285,7 +283,7 @@ def test_acceleration_is_a_ratio_without_a_speed() -> None:
 
 @pytest.mark.parametrize("text", [*(path.read_text("utf-8") for path in DRIVELINES), TALL])
 def test_nothing_overlaps(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    figure = drawn(Scene.parse(text, folder=EXAMPLES[0].parent).run())
+    figure = plot_scene(Scene.parse(text, folder=EXAMPLES[0].parent).run())
     figure.set_dpi(200)
     page = figure.bbox
     found = texts(figure, monkeypatch, largest=11.0)
@@ -323,7 +321,7 @@ def test_ticks_of_an_axis_have_as_many_decimals(ticks: list[float]) -> None:
     axes = given_axes()
     axes.set_ylim(ticks[0], ticks[-1])
     plots.style.value_ticks(axes.yaxis)
-    FigureCanvasAgg(axes.figure).draw()  # type: ignore[arg-type, no-untyped-call]
+    axes.figure.draw_without_rendering()
     shown = [label.get_text() for label in axes.get_yticklabels()]
     assert len({len(text.partition(".")[2]) for text in shown}) == 1
     # Negative ones have a true minus sign.
@@ -489,7 +487,7 @@ def test_frames_hold_what_they_show_and_are_little_larger(
 ) -> None:
     text = (FOLDER / f"{name}.toml").read_text("utf-8")
     figure = figure_of(command, text, monkeypatch, tmp_path, *option)
-    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
+    figure.draw_without_rendering()
     for axes in figure.axes:
         ends = zip(axes.dataLim.intervalx, axes.dataLim.intervaly, strict=True)
         (left, low), (right, high) = ends
@@ -634,7 +632,7 @@ def texts(
             found.append((self.get_text(), Text.get_window_extent(self, renderer)))
 
     monkeypatch.setattr(Text, "draw", record)
-    FigureCanvasAgg(figure).draw()  # type: ignore[no-untyped-call]
+    figure.draw_without_rendering()
     monkeypatch.undo()
     return found
 
