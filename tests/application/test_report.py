@@ -1105,7 +1105,16 @@ def test_drawing_shows_the_pins(browser: webdriver.Chrome, folder: Path) -> None
 
 
 @in_browser
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize(
+    "name",
+    [
+        # Pages of examples alike in what they show are opened in the long tier.
+        pytest.param(
+            name, marks=() if name in {*MACHINES, *SMALL_PAGES, *ODD} else pytest.mark.long
+        )
+        for name in PAGES
+    ],
+)
 def test_every_page(name: str, browser: webdriver.Chrome, folder: Path) -> None:
     """No request, no sideways scrolling on a phone, every number there at both ends, in order."""
     screen(browser, 360)
