@@ -146,29 +146,10 @@ def test_links(name: str) -> None:
 
 def test_contributing_names_what_ci_runs() -> None:
     ci = "".join((ROOT / ".ci" / name).read_text("utf-8") for name in ("run", "packages"))
-    shown = "\n".join(block.text for block in blocks((ROOT / "CONTRIBUTING.md").read_text("utf-8")))
-    steps = {step.split("#")[0].strip() for step in re.split(r"&&|\n", shown)} - {""}
-    by_hand = {
-        "maturin develop --release",
-        "maturin build --release --interpreter python3.14t --out dist/t",
-        "cardan plot examples/foeppl.toml --output docs/foeppl.svg",
-        "PYTHON=python3.14t .ci/wheel dist/t",
-        "pytest -m physics",
-        "fuzz/run geometry 3600",
-        "fuzz/run boundary 3600",
-        "python tests/load.py --minutes 60",
-        "python tests/stress.py --rows 20000 --rounds 100",
-        "cargo install cargo-mutants",
-        "cargo mutants --package cardan --file rust/core/src/measured.rs",
-        "mutmut run --paths-to-mutate python/cardan/life.py"
-        " --runner 'pytest -x tests/physics/test_life.py'",
-        "mutmut results",
-        "python benches/pairwise.py --base before/bin/python --new after/bin/python",
-        "cargo deny --exclude-dev check",
-        "pip-audit",
-        ".ci/arm64",
-    }
-    assert {step for step in steps if step not in ci and "pip install" not in step} == by_hand
+    shown = [block.text for block in blocks((ROOT / "CONTRIBUTING.md").read_text("utf-8"))]
+    before_a_change = next(text for text in shown if "cargo clippy" in text)
+    steps = {step.split("#")[0].strip() for step in re.split(r"&&|\n", before_a_change)} - {""}
+    assert {step for step in steps if step not in ci and "pip install" not in step} == set()
 
 
 def test_every_page_is_in_the_navigation() -> None:
