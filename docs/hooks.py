@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import html
-import json
 import re
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from latex2mathml.converter import convert
-
-if TYPE_CHECKING:
-    from mkdocs.config.defaults import MkDocsConfig
-    from mkdocs.structure.files import Files
 
 ROOT = Path(__file__).parent.parent
 
@@ -137,7 +132,7 @@ def command_help() -> str:
     with click.Context(group, info_name="cardan") as parent:
         parts.append(f"```text\n{group.get_help(parent)}\n```")
         for name in group.list_commands(parent):
-            command = group.get_command(parent, name)
+            _, command, _ = group.resolve_command(parent, [name])
             assert command is not None
             with click.Context(command, info_name=name, parent=parent) as context:
                 shown = command.get_help(context)
@@ -147,7 +142,9 @@ def command_help() -> str:
 
 def scene_keys() -> str:
     """Return a table of keys per section of a scene, from the JSON Schema."""
-    schema = json.loads((ROOT / "docs" / "scene.schema.json").read_text(encoding="utf-8"))
+    from cardan import Scene
+
+    schema = Scene.schema()
     lines = ["| key | holds |", "|---|---|"]
     sections = []
     for name, value in schema["properties"].items():
@@ -165,13 +162,3 @@ def scene_keys() -> str:
 
 def _row(key: str, value: dict[str, Any]) -> str:
     return f"| `{key}` | {value.get('description', '').replace('|', '/')} |"
-
-
-def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the pictures of the benches to the site."""
-    from mkdocs.structure.files import File
-
-    for picture in sorted((ROOT / "benches").glob("*.svg")):
-        uri = f"benches/{picture.name}"
-        files.append(File.generated(config, uri, abs_src_path=str(picture)))
-    return files

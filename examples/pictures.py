@@ -1,7 +1,6 @@
 """Draw every kind of picture that ``cardan.plots`` knows as SVG, most of them 80 mm wide.
 
-Give it a folder to write to, by default ``pictures``; those of the documentation are made by
-``python examples/pictures.py docs/pictures``.
+Give it a folder to write to, by default ``pictures``. The documentation shows them.
 """
 
 import sys

@@ -3,29 +3,116 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+# NumPy reads this when it is imported. Threads of its linear algebra would wait for each other ten
+# times as long as the small systems of the tests take.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import hypothesis
+import numpy as np
 import pytest
+from hypothesis.internal.conjecture import providers
 
 import tiers
+
+if TYPE_CHECKING:
+    from example_scenes import Answers
+
+_starts: dict[np.random.Generator, Any] = {}
+"""How random generators that modules of tests share are after their import."""
 
 
 def pytest_configure(config: pytest.Config) -> None:
     # Before a test module is imported: what its decorators ask for depends on the tier.
     tiers.whole = config.option.markexpr != "not long"
-    # The same examples in every run: a failure anywhere can be repeated everywhere. No deadline,
-    # because a busy machine is no fault of the library's; no database, because there is nothing
-    # that a run must remember.
+    # No deadline, because a busy machine is no fault of the library's; no database, because there
+    # is nothing that a run must remember.
     hypothesis.settings.register_profile(
-        "cardan",
-        derandomize=True,
+        "fresh",
         deadline=None,
         database=None,
-        print_blob=False,
+        print_blob=True,
         max_examples=tiers.part(100),
         suppress_health_check=[hypothesis.HealthCheck.too_slow],
     )
-    hypothesis.settings.load_profile("cardan")
-    # Each worker of pytest-xdist has a processor for itself; threads of the core would only compete.
-    if hasattr(config, "workerinput"):
-        os.environ.setdefault("RAYON_NUM_THREADS", "1")
+    # The same examples in every run: a failure anywhere can be repeated everywhere.
+    hypothesis.settings.register_profile(
+        "same", hypothesis.settings.get_profile("fresh"), derandomize=True, print_blob=False
+    )
+    # Hypothesis loads another one after this if its option --hypothesis-profile names it.
+    hypothesis.settings.load_profile("same")
+    if config.getoption("--hypothesis-profile") != "fresh":
+        # Hypothesis also draws constants from the source of the modules that are imported and not
+        # installed, so that examples would depend on which tests run before.
+        providers.is_local_module_file = lambda path: False  # type: ignore[assignment,attr-defined]
+    # Long calls take several threads on any machine, also with a worker of pytest-xdist for each
+    # processor: what a thread may break is tested by all of them. Only a long call makes threads.
+    os.environ["RAYON_NUM_THREADS"] = "4"
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for module in {getattr(item, "module", None) for item in items} - {None}:
+        for value in vars(module).values():
+            if isinstance(value, np.random.Generator):
+                _starts.setdefault(value, value.bit_generator.state)
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    # Which tests run before, in this worker, changes no random number of a test.
+    for value in vars(getattr(item, "module", None) or object).values():
+        if isinstance(value, np.random.Generator):
+            value.bit_generator.state = _starts[value]
+
+
+@pytest.fixture(scope="session")
+def answered(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Answers:
+    """What cardan answers to an example; every worker finds what another has found."""
+    # Tests of the library alone run without what the application needs.
+    from example_scenes import Answered
+
+    folder = tmp_path_factory.getbasetemp()
+    if hasattr(request.config, "workerinput"):
+        folder = folder.parent
+    return lambda path: Answered(path, folder / "examples")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--slowest",
+        type=int,
+        default=0,
+        help="print so many tests without the mark long, by the time that processors took",
+    )
+
+
+def _processor_time() -> float:
+    """Return the time of this process and of its children that have ended, in s."""
+    return sum(os.times()[:4])
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    before = _processor_time()
+    try:
+        return (yield)
+    finally:
+        if item.get_closest_marker("long") is None:
+            # A worker hands this to the process that reports.
+            item.user_properties.append(("processor time", _processor_time() - before))
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:  # noqa: ANN401
+    times = {
+        report.nodeid: value
+        for reports in terminalreporter.stats.values()
+        for report in reports
+        if getattr(report, "when", None) == "call"
+        for name, value in report.user_properties
+        if name == "processor time"
+    }
+    slowest = sorted(times.items(), key=lambda item: -item[1])[: config.getoption("--slowest")]
+    for test, seconds in slowest:
+        mark = "  above 5 s" if seconds > 5.0 else ""
+        terminalreporter.write_line(f"{seconds:6.1f} s  {test}{mark}")

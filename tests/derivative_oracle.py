@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from equilibrium import assignments, system
+from equilibrium import assignments, solved, system
 from oracle import ExactTurn, Fold, MpNumber, mp
 from vectors import (
     ExactLoads,
@@ -87,8 +87,7 @@ class BearingPlaces:
         counts = [list(self.shafts).count(shaft) for shaft in range(len(moments) + 1)]
         (way,) = assignments(len(moments), counts)
         bearings = list(zip(self.shafts, self.positions, strict=True))
-        equations = system(frames.directions, self.lengths, moments, bearings, way)
-        both = list(mp.lu_solve(*map(mp.matrix, equations)))
+        both = solved(*system(frames.directions, self.lengths, moments, bearings, way))
         split = 3 * len(bearings)
         return {"bearing_force": both[:split], "joint_force": both[split:]}
 

@@ -6,8 +6,9 @@ with 60 digits. Moments come from the three equations that the frictionless cros
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from cardan import Driveline
@@ -37,12 +38,20 @@ class LeaningJoint:
         return [mp.sin(lean), mp.cos(lean) * mp.cos(angle), mp.cos(lean) * mp.sin(angle)]
 
     def driven_pin(self, angle: MpNumber) -> Wide:
+        cosine, sine = mp.cos_sin(angle)
+        return [a + cosine * b + sine * c for a, b, c in zip(*self._parts, strict=True)]
+
+    @cached_property
+    def _parts(self) -> tuple[Wide, Wide, Wide]:
+        """Parts of the driven pin: constant, and that go with the cosine and sine of its angle."""
         lean = mp.mpf(self.deviations[2])
+        cosine, sine = mp.cos_sin(lean)
         across = [-mp.sin(self.bend), mp.cos(self.bend), mp.mpf(0)]
-        return [
-            mp.cos(lean) * -mp.sin(angle) * e + mp.sin(lean) * v + mp.cos(lean) * mp.cos(angle) * m
-            for e, v, m in zip(across, self.driven_shaft, [0, 0, 1], strict=True)
-        ]
+        return (
+            [sine * v for v in self.driven_shaft],
+            [mp.mpf(0), mp.mpf(0), cosine],
+            [-cosine * e for e in across],
+        )
 
     def driven_angle(self, angle: MpNumber) -> MpNumber:
         """The driven angle next to that of an ideal joint."""
@@ -50,8 +59,15 @@ class LeaningJoint:
         near = angle + mp.atan2(
             (1 - mp.cos(self.bend)) * sine * cosine, mp.cos(self.bend) * cosine**2 + sine**2
         )
-        pin, skew = self.driving_pin(angle), mp.sin(self.deviations[1])
-        return mp.findroot(lambda x: _dot(pin, self.driven_pin(x)) - skew, near)
+        pin = self.driving_pin(angle)
+        constant, by_cosine, by_sine = (_dot(pin, part) for part in self._parts)
+        constant -= mp.sin(self.deviations[1])
+
+        def gap(x: MpNumber) -> MpNumber:
+            cosine, sine = mp.cos_sin(x)
+            return constant + by_cosine * cosine + by_sine * sine
+
+        return mp.findroot(gap, near)
 
     def moment(self, angle: MpNumber) -> Wide:
         """The moment on the driven shaft for a torsion of 1: normal to both pins."""
@@ -68,18 +84,23 @@ class LeaningChain:
     twists: Sequence[float] = ()
     phases: Sequence[float] = ()
 
+    def turned(self, angle: MpNumber) -> Iterator[tuple[MpNumber, MpNumber]]:
+        """The input angle and the driven angle of each joint."""
+        before = mp.mpf(angle)
+        for joint, twist, phase in zip(
+            self.joints, [*self.twists, 0], [*self.phases, 0], strict=False
+        ):
+            behind = joint.driven_angle(before)
+            yield before, behind
+            before = behind + mp.mpf(phase) - mp.mpf(twist) + mp.pi / 2
+
     def inputs(self, angle: MpNumber) -> list[MpNumber]:
         """The input angle of each joint."""
-        found = [mp.mpf(angle)]
-        for joint, twist, phase in zip(self.joints, self.twists, self.phases, strict=False):
-            behind = joint.driven_angle(found[-1])
-            found.append(behind + mp.mpf(phase) - mp.mpf(twist) + mp.pi / 2)
-        return found
+        return [before for before, _ in self.turned(angle)]
 
     def lag(self, angle: MpNumber) -> MpNumber:
         """The sum of the joints' own driven angles less their input angles."""
-        pairs = zip(self.joints, self.inputs(angle), strict=True)
-        return mp.fsum(joint.driven_angle(x) - x for joint, x in pairs)
+        return mp.fsum(behind - before for before, behind in self.turned(angle))
 
     def mean_lag(self, samples: int = 64) -> MpNumber:
         return mp.fsum(self.lag(2 * mp.pi * i / samples) for i in range(samples)) / samples
@@ -133,10 +154,12 @@ class LeaningFrames(Frames):
 
     def pins(self, at: ExactTurn) -> list[tuple[MpVector, MpVector]]:
         found = []
-        inputs = zip(self.chain.joints, self.chain.inputs(at.angle), strict=True)
-        for (joint, own), u, m in zip(inputs, self.directions, self.normals, strict=False):
+        turned = zip(self.chain.joints, self.chain.turned(at.angle), strict=True)
+        for (joint, (before, behind)), u, m in zip(
+            turned, self.directions, self.normals, strict=False
+        ):
             axes = (u, cross(m, u), m)
-            driving, driven = joint.driving_pin(own), joint.driven_pin(joint.driven_angle(own))
+            driving, driven = joint.driving_pin(before), joint.driven_pin(behind)
             found.append((_in_space(driving, axes), _in_space(driven, axes)))
         return found
 

@@ -105,6 +105,31 @@ def system(
     return rows, right
 
 
+def solved(rows: Rows, right: Sequence[Any]) -> list[Any]:
+    """Return the solution of a square system by elimination, in which zeros cost nothing."""
+    left = [
+        ({place: x for place, x in enumerate(row) if x}, value)
+        for row, value in zip(rows, right, strict=True)
+    ]
+    done = []
+    for column in range(len(rows)):
+        largest = max(range(len(left)), key=lambda i: abs(left[i][0].get(column, 0)))
+        pivot, of_pivot = left.pop(largest)
+        for i, (row, value) in enumerate(left):
+            if column in row:
+                factor = row.pop(column) / pivot[column]
+                for place, x in pivot.items():
+                    if place != column:
+                        row[place] = row.get(place, 0) - factor * x
+                left[i] = row, value - factor * of_pivot
+        done.append((pivot, of_pivot))
+    found = [right[0]] * len(rows)
+    for column, (row, value) in reversed([*enumerate(done)]):
+        known = sum(x * found[place] for place, x in row.items() if place > column)
+        found[column] = (value - known) / row[column]
+    return found
+
+
 def _across(u: Sequence[Any]) -> list[tuple[list[Any], list[Any]]]:
     """Two pairs of vectors ``v, w`` across the unit vector ``u`` with ``v . (u x f) = w . f``."""
     smallest = min(range(3), key=lambda i: abs(u[i]))
@@ -129,9 +154,9 @@ def forces(
     rows, right = system(
         directions.tolist(), lengths.tolist(), moments.tolist(), bearings, supported
     )
-    solved, _, rank, _ = np.linalg.lstsq(np.array(rows), np.array(right))
+    found, _, rank, _ = np.linalg.lstsq(np.array(rows), np.array(right))
     assert rank == len(rows[0])
-    scale = np.abs(right).max() + np.abs(solved).max() * max(lengths)
-    assert np.abs(np.array(rows) @ solved - right).max() <= 1e-12 * scale
-    both = solved.reshape(-1, 3)
+    scale = np.abs(right).max() + np.abs(found).max() * max(lengths)
+    assert np.abs(np.array(rows) @ found - right).max() <= 1e-12 * scale
+    both = found.reshape(-1, 3)
     return both[: len(bearings)], both[len(bearings) :]

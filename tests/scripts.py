@@ -1,18 +1,43 @@
-"""The command as a process: started, limited and interrupted."""
+"""The command in this process, and as one of its own that is limited or interrupted."""
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import signal
 import subprocess
 import sysconfig
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner, Result
+
+from cardan.command import commands
 
 SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
 posix = pytest.mark.skipif(os.name != "posix", reason="POSIX signals, limits and terminals")
+signals = pytest.mark.xdist_group("signals")
+memory = pytest.mark.xdist_group("memory")
+
+
+def run(*arguments: str | Path) -> Result:
+    """Run the command in this process, in a terminal of 80 columns."""
+    return CliRunner().invoke(commands(), list(map(str, arguments)), env={"COLUMNS": "80"})
+
+
+@contextlib.contextmanager
+def largest_file(size: int) -> Iterator[None]:
+    """Let this process write no file beyond a size."""
+    import resource
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def script(*arguments: str | Path, **options: object) -> subprocess.CompletedProcess[str]:

@@ -1,10 +1,8 @@
-"""Draw the angles of the conventions: the script writes them into its folder."""
+"""Draw the angles of the conventions."""
 
 from __future__ import annotations
 
 import math
-import pathlib
-from collections.abc import Callable, Iterable
 from itertools import pairwise
 from typing import Literal
 
@@ -484,20 +482,3 @@ def ball() -> Drawing:
 
 
 DRAWINGS = (driveline, joint, along_the_shaft, tilts, deviations, views, projected, ball)
-
-
-def write(
-    folder: pathlib.Path, drawings: Iterable[Callable[[], Drawing]] = DRAWINGS
-) -> list[pathlib.Path]:
-    """Write drawings into a folder; return their files."""
-    written = []
-    for draw in drawings:
-        path = folder / f"{draw.__name__.replace('_', '-')}.svg"
-        path.write_text(draw().svg(), encoding="utf-8")
-        written.append(path)
-    return written
-
-
-if __name__ == "__main__":
-    for path in write(pathlib.Path(__file__).parent):
-        print(path.name)

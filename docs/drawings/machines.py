@@ -1,4 +1,4 @@
-"""Draw the machines of the how-to pages from their scenes: the script writes into its folder."""
+"""Draw the machines of the how-to pages from their scenes."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ import tomllib
 from itertools import pairwise
 from typing import Any
 
-import draw
 import numpy as np
-from draw import BLUE, GREEN, GREY, INK, RED, Drawing, Point, arc
+from draw import BLUE, GREEN, GREY, INK, RED, Drawing, Point, arc, polar
 
 MACHINES = pathlib.Path(__file__).parents[2] / "python" / "cardan" / "scene" / "machines"
 TRUE = "lengths and bends are true"
@@ -274,8 +273,8 @@ def machine_rig() -> Drawing:
     see.bearings(scene, points)
     first, second = see(points[1]), see(points[2])
     slope = math.degrees(bend)
-    d.line(first, draw.polar(first, 110, 0), colour=GREY, width=1.2, dash="4 4")
-    d.line(second, draw.polar(second, 110, 180), colour=GREY, width=1.2, dash="4 4")
+    d.line(first, polar(first, 110, 0), colour=GREY, width=1.2, dash="4 4")
+    d.line(second, polar(second, 110, 180), colour=GREY, width=1.2, dash="4 4")
     d.arrow(*arc(first, 92, 0, -slope), colour=RED)
     d.arrow(*arc(second, 92, 180, 180 - slope), colour=RED)
     d.text((first[0] + 108, first[1] + 8), "9°", colour=RED, size=13)
@@ -331,13 +330,3 @@ DRAWINGS = (
     machine_rig,
     machine_ship,
 )
-
-
-def write(folder: pathlib.Path) -> list[pathlib.Path]:
-    """Write all drawings into a folder; return their files."""
-    return draw.write(folder, DRAWINGS)
-
-
-if __name__ == "__main__":
-    for path in write(pathlib.Path(__file__).parent):
-        print(path.name)

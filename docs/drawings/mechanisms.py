@@ -1,11 +1,9 @@
-"""Draw double joints and joints with offsets: the script writes them into its folder."""
+"""Draw double joints and joints with offsets."""
 
 from __future__ import annotations
 
 import math
-import pathlib
 
-import draw
 import numpy as np
 from draw import BLUE, GREEN, GREY, INK, RED, Drawing, Point, Space, arc
 
@@ -92,13 +90,3 @@ def offset_joint() -> Drawing:
 
 
 DRAWINGS = (double_joint, offset_joint)
-
-
-def write(folder: pathlib.Path) -> list[pathlib.Path]:
-    """Write all drawings into a folder; return their files."""
-    return draw.write(folder, DRAWINGS)
-
-
-if __name__ == "__main__":
-    for path in write(pathlib.Path(__file__).parent):
-        print(path.name)

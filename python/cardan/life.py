@@ -43,7 +43,7 @@ class Life:
 
     Attributes:
         hours: life that 90 % of the joints reach by the exact load of the pins, in h, ``(n, ...)``.
-        catalogue: the same by the catalogue's law with the mean torque.
+        catalogue: the same by the catalogue's law with the mean torque that enters the joint.
         small_swing: whether the pins swing by less than 3 degrees to either side in one of the
             steps, ``(n, ...)``. Needles that hardly turn mark their races (false brinelling),
             which no law of fatigue covers.
@@ -172,7 +172,7 @@ def _integrands(pins: Pins, joint: int, block: slice) -> FloatArray:
     del joint, block
     weight = pins.moment**_EXPONENT
     ways = np.abs(pins.rate_driving), np.abs(pins.rate_driven)
-    torque = np.broadcast_to(np.abs(pins.driving_torque), weight.shape)
+    torque = np.broadcast_to(np.abs(pins.entering_torque), weight.shape)
     return np.stack([torque, *(weight * way for way in ways), *ways])
 
 

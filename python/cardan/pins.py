@@ -37,7 +37,8 @@ class Pins:
         moment: magnitude of the joint's moment in N m.
         rate_driving: rate at which the pins turn in the driving yoke, per radian of the drive.
         rate_driven: the same in the driven yoke.
-        driving_torque: torque of the driving shaft in N m.
+        entering_torque: torque in N m that the driving shaft puts into the joint, without what the
+            shaft's inertia takes.
         drive_torque: torque of the drive in N m.
         speed_ratio: of the driving shaft.
     """
@@ -45,7 +46,7 @@ class Pins:
     moment: FloatArray
     rate_driving: FloatArray
     rate_driven: FloatArray
-    driving_torque: FloatArray
+    entering_torque: FloatArray
     drive_torque: FloatArray
     speed_ratio: FloatArray
 
@@ -60,12 +61,14 @@ def pins_at(line: Any, load: Load, joint: int, angle: ArrayLike) -> Pins:  # noq
     shafts = sorted({0, joint, joint + 1})
     at = line.evaluate(angle, names, shafts=shafts, joints=joint, load=load)
     torque = dict(zip(shafts, at.torque, strict=True))
-    ratio = dict(zip(shafts, at.speed_ratio, strict=True))[joint]
+    ratios = dict(zip(shafts, at.speed_ratio, strict=True))
+    ratio = ratios[joint]
     return Pins(
         moment=np.hypot(torque[joint + 1], at.bending_driven),
         rate_driving=ratio * np.cos(at.tilt_driving) * np.tan(at.tilt_driven),
         rate_driven=-ratio * np.sin(at.tilt_driving),
-        driving_torque=torque[joint],
+        # From the power behind the joint.
+        entering_torque=torque[joint + 1] * ratios[joint + 1] / ratio,
         drive_torque=torque[0],
         speed_ratio=ratio,
     )

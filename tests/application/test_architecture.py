@@ -11,6 +11,12 @@ ROOT = next(folder for folder in Path(__file__).parents if (folder / "ARCHITECTU
 TEXT = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
 DECISIONS = ROOT / "docs" / "decisions"
 FILES = sorted(path for path in DECISIONS.glob("*.md") if path.name != "index.md")
+# Number, decision and measurement of each row.
+ROWS = re.findall(
+    r'^\| <a id="(\d+)"></a>(\d+) \| (.+) \| (.+) \|$',
+    (DECISIONS / "index.md").read_text(encoding="utf-8"),
+    re.MULTILINE,
+)
 SECTIONS = ["Context", "Decision", "Measurement", "Consequences"]
 
 
@@ -56,10 +62,22 @@ def test_a_decision_has_its_parts(path: Path) -> None:
     assert title is not None
     assert title[2].startswith(("accepted", "superseded "))
     assert re.findall(r"^## (.+)$", text, re.MULTILINE) == SECTIONS
-    assert f"| {number} | [{title[1]}]({path.name}) |" in (DECISIONS / "index.md").read_text(
-        "utf-8"
-    )
+    assert ROWS[number - 1][2].startswith(f"[{title[1]}]({path.name})")
 
 
 def test_decisions_are_numbered_without_gaps() -> None:
-    assert [int(path.name[:4]) for path in FILES] == list(range(1, len(FILES) + 1))
+    assert len(ROWS) >= 66
+    for number, (anchor, shown, _, _) in enumerate(ROWS, 1):
+        assert (anchor, shown) == (str(number), str(number))
+
+
+def test_links_to_decisions_have_their_target() -> None:
+    names = {path.name for path in FILES} | {"index.md", *(f"index.md#{row[0]}" for row in ROWS)}
+    linked = set()
+    for folder in ("", "benches", "records", "docs/**"):
+        for page in ROOT.glob(f"{folder}/*.md" if folder else "*.md"):
+            text = page.read_text(encoding="utf-8")
+            beside = "" if page.parent == DECISIONS else r"[\w./]*decisions/"
+            linked |= set(re.findall(rf"\]\({beside}(\d{{4}}-[^)]+|index\.md[^)]*)\)", text))
+    assert len(linked) > 20
+    assert linked <= names

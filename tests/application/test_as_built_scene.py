@@ -8,7 +8,6 @@ import re
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -18,15 +17,13 @@ from cardan.command import commands
 from cardan.figures.as_built import ORDERS, as_built_orders
 from cardan.figures.limits import check_data, check_scene
 from cardan.figures.run import run_data
-from cardan.figures.schema import answers_schema
 from cardan.figures.summary import SummaryRow, summary
 from cardan.figures.tolerances import tolerance_figures
 from cardan.report import write_report
 from cardan.scene import Scene, SceneError
 from cardan.words.as_built import BY_DRAWING
-from example_scenes import example
+from example_scenes import ANSWERS, Answers, example
 
-ANSWERS = jsonschema.Draft202012Validator(answers_schema())
 HEAD = "[driveline]\nbends_deg = [8, 8]\n[load]\nspeed_rpm = 3000\ndrive_torque_Nm = 100\n"
 JOINTS = "[joints]\ndriving_yoke_deg = [0.143, 0]\ncross_deg = 0.01\n"
 OUTPUT = '[output]\nquantities = ["angle_error", "torque", "tilt_driving"]\n'
@@ -239,10 +236,10 @@ def test_the_table_has_the_worst_of_each_order() -> None:
     )
 
 
-def test_the_example_answers_in_millimetres(tmp_path: Path) -> None:
+def test_the_example_answers_in_millimetres(answered: Answers) -> None:
     path = example("rumble.toml")
-    for name, options in (("run", ["--into", str(tmp_path)]), ("check", [])):
-        text = command(name, path, *options).output
+    answer = answered(path)
+    for text in (answer.run.text, answer.check.text):
         row = next(row for row in text.splitlines() if "within tolerances" in row)
         assert float(row.split()[-4]) > 0.0
     text = command("tolerances", path).output
@@ -259,15 +256,11 @@ def test_the_example_answers_in_millimetres(tmp_path: Path) -> None:
     data = json.loads(command("tolerances", path, "--json").output)
     ANSWERS.validate(data)
     assert data["permitted"][0]["unit"] == "mm"
-    checked = json.loads(command("check", path, "--json").output)
-    ANSWERS.validate(checked)
-    first = checked["as_built"][0]
+    first = answer.data("check")["as_built"][0]
     assert first["worst"]["acceleration_rad_s2"] == pytest.approx(
         data["figures"][0]["worst"], rel=1e-9
     )
-    page = tmp_path / "page.html"
-    write_report(Scene.load(path), page)
-    words = page.read_text("utf-8")
+    words = answer.page
     assert "within tolerances of joints up to" in words
     assert "As measured, the driveline is within the 100 rad/s² limit." in words
 

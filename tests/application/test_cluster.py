@@ -28,6 +28,9 @@ from cardan.scene import Scene, cluster, curves  # noqa: E402
 from cardan.words.study import study_text  # noqa: E402
 from example_scenes import example, replaced  # noqa: E402
 
+# One cluster serves all.
+pytestmark = pytest.mark.xdist_group("cluster")
+
 SCENE = """\
 [driveline]
 slopes_vertical_deg = [-3, -7, -4]

@@ -10,7 +10,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import sysconfig
 import textwrap
 import time
 from pathlib import Path
@@ -18,35 +17,19 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
 import cardan
 from cardan.command import commands
 from cardan.command.files import wrote
 from cardan.figures.limits import CHECK_SCHEMA, check_data, check_scene
 from cardan.files.columns import write_columns
-from cardan.scene import Scene, load_scene
+from cardan.scene import Scene
 from cardan.scene.format import FORMAT
 from cardan.scene.starters import STARTERS
 from cardan.words.limits import check_text
-from example_scenes import EXAMPLES, example
-
-DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
-SCRIPT = shutil.which("cardan", path=sysconfig.get_path("scripts"))
-
-
-def run(*arguments: str | Path) -> Result:
-    environment = {"COLUMNS": "80"}
-    return CliRunner().invoke(
-        commands(), [str(argument) for argument in arguments], env=environment
-    )
-
-
-def script(*arguments: str | Path, **options: object) -> subprocess.CompletedProcess[str]:
-    assert SCRIPT, "the script cardan is not installed"
-    return subprocess.run(  # type: ignore[call-overload, no-any-return]
-        [SCRIPT, *arguments], capture_output=True, text=True, encoding="utf-8", **options
-    )
+from example_scenes import DRIVELINES, EXAMPLES, Answers, example
+from scripts import SCRIPT, heed_signals, largest_file, posix, run, script, signals
 
 
 @pytest.fixture
@@ -64,10 +47,10 @@ def into(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_every_example_runs(path: Path, into: Path) -> None:
-    result = run("run", path, "--into", into)
-    assert result.exit_code == 0, result.output
-    scene = Scene.load(path)
+def test_every_example_runs(path: Path, answered: Answers) -> None:
+    answer, scene = answered(path), Scene.load(path)
+    (status, text), into = answer.run, answer.files
+    assert status == 0, text
     named = {scene.curves_file: len(scene.drive_angle), scene.picture_file: 0}
     if scene.study and scene.table_file:
         rows_of_table = scene.states.count if scene.states else math.prod(scene.study.shape)
@@ -78,7 +61,7 @@ def test_every_example_runs(path: Path, into: Path) -> None:
     # A table over states has a row for each of a few states.
     least = 300 if scene.states else 2_000
     assert min(written.values()) > least
-    lines = result.output.splitlines()
+    lines = text.splitlines()
     assert lines[0] == scene.title
     said = [line for line in lines if line.startswith("wrote ")]
     rows = {name: f" ({rows} rows)" if rows else "" for name, rows in files.items()}
@@ -164,15 +147,14 @@ speed_rpm = [500, 3000]
 """
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["", *NAMES])
 def test_examples_of_the_help_work(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     first, *others = examples_of()
     assert run(*first.split()).exit_code == 0
-    examples = examples_of(name)
-    assert examples
+    examples = examples_of(*filter(None, [name]))
     if name == "stream":
         write_columns("angles.parquet", {"angle_deg": np.array([0.0, 0.5, 1.0])})
         Path("long.toml").write_text(LONG)
@@ -196,8 +178,9 @@ def test_examples_of_the_help_work(
     if name == "torsion":
         with Path("shaft.toml").open("a") as scene:
             scene.write(TORSION)
-    assert all(line.split()[0] == name for line in examples)
-    for line in [*others, *examples]:
+    assert examples
+    assert all(line.split()[0] == name for line in examples if name)
+    for line in examples if name else others:
         result = run(*line.split())
         assert result.exit_code == 0, result.output
 
@@ -236,15 +219,14 @@ def test_recording_is_not_overwritten(tmp_path: Path, into: Path) -> None:
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_every_example_as_json(path: Path, into: Path) -> None:
-    result = run("run", path, "--into", into, "--json")
-    assert result.exit_code == 0, result.output
-    data = json.loads(result.output)
-    assert data["title"] == Scene.load(path).title
+def test_every_example_as_json(path: Path, answered: Answers) -> None:
+    answer, scene = answered(path), Scene.load(path)
+    data = answer.data("run")
+    assert data["title"] == scene.title
+    assert answer.run.status == 0
     assert {Path(file["file"]).name for file in data["files"]} == {
-        entry.name for entry in into.iterdir()
+        entry.name for entry in answer.files.iterdir()
     }
-    scene = Scene.load(path)
     assert ("states" in data) == (scene.states is not None)
     assert ("study" in data) == (scene.study is not None and scene.states is None)
 
@@ -407,9 +389,8 @@ def test_advice_follows_the_verdict() -> None:
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_the_answer_of_check_fits_its_schema(path: Path) -> None:
-    jsonschema.Draft202012Validator.check_schema(CHECK_SCHEMA)
-    data = json.loads(run("check", path, "--json").output)
+def test_the_answer_of_check_fits_its_schema(path: Path, answered: Answers) -> None:
+    data = answered(path).data("check")
     jsonschema.Draft202012Validator(CHECK_SCHEMA).validate(data)
     assert data["drivelines"][data["verdict"].replace(" ", "_")] > 0
     # Another number of joints makes no other keys.
@@ -600,7 +581,10 @@ def test_explain_prints_the_plan(scene: Path, monkeypatch: pytest.MonkeyPatch) -
     )
 
 
-@pytest.mark.parametrize("kind", STARTERS)
+# The scenes of the other machines are examples, which `new` copies.
+@pytest.mark.parametrize(
+    "kind", [kind for kind in STARTERS if kind == "steering-column" or not STARTERS[kind].machine]
+)
 def test_new(kind: str, into: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(into)
     result = run("new", kind, "first.toml")
@@ -772,7 +756,7 @@ def test_memory_of_a_stream(scene: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     def exhausted(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(sys.modules["cardan.command.commands"], "stream_curves", exhausted)
+    monkeypatch.setattr(sys.modules["cardan.command.stream"], "stream", exhausted)
     hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
     failed(run("stream", scene), hint)
 
@@ -937,7 +921,8 @@ curves = "a.csv"
 """
 
 
-@pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
+@posix
+@signals
 def test_interrupt(scene: Path, into: Path) -> None:
     """Ctrl-C while a large file is being written."""
     assert SCRIPT
@@ -947,8 +932,7 @@ def test_interrupt(scene: Path, into: Path) -> None:
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
-        # A test run in the background may ignore Ctrl-C, and its children would inherit that.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        preexec_fn=heed_signals,
     )
     try:
         deadline = time.monotonic() + 60
@@ -978,15 +962,15 @@ def unread(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
         os.close(writer)
 
 
-@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
-@pytest.mark.parametrize("options", [[], ["--json"]])
+@posix
+@pytest.mark.parametrize("options", [[], pytest.param(["--json"], marks=pytest.mark.long)])
 def test_files_are_written_though_nobody_reads(scene: Path, into: Path, options: list[str]) -> None:
     done = unread("run", scene, "--into", into, *options)
     assert done.stderr == ""
     assert sorted(path.name for path in into.iterdir()) == ["a.csv", "a.svg"]
 
 
-@pytest.mark.skipif(os.name != "posix", reason="POSIX pipes")
+@posix
 @pytest.mark.parametrize("arguments", [["--help"], ["check", TRUCK]])
 def test_what_only_prints_ends_with_its_reader(arguments: list[str | Path]) -> None:
     done = unread(*arguments)
@@ -995,17 +979,13 @@ def test_what_only_prints_ends_with_its_reader(arguments: list[str | Path]) -> N
     assert done.returncode == -signal.SIGPIPE
 
 
-@pytest.mark.skipif(os.name != "posix", reason="POSIX limits")
+@posix
 def test_file_that_does_not_fit(scene: Path, into: Path) -> None:
     """A real failure half-way through the file: the system takes no more than 100 kB of it."""
-    import resource
-
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
-
     scene.write_text(LARGE.replace("4000000", "40000"))
-    done = script("run", scene, "--into", into, preexec_fn=limit)
-    assert done.returncode == 2
+    with largest_file(100_000):
+        done = run("run", scene, "--into", into)
+    assert done.exit_code == 2
     assert done.stderr == f"cardan: {into / 'a.csv'}: File too large\n"
     assert list(into.iterdir()) == []
 

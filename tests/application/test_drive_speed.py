@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +12,9 @@ import cardan
 from cardan.command import commands
 from cardan.figures.drive_speed import SHARE, drive_speed
 from cardan.plots import plot_drive_speed
-from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.words.drive_speed import drive_speed_text
-from example_scenes import ANSWERS
+from example_scenes import ANSWERS, Answers, example
 
 ROOT = Path(__file__).parents[2]
 
@@ -103,19 +100,17 @@ def test_a_measured_drive_is_not_assumed_to_be_constant(tmp_path: Path) -> None:
     assert drive_speed(measured) is None
 
 
-def test_check_and_report_say_it(tmp_path: Path) -> None:
-    path = ROOT / "examples" / "drive_inertia.toml"
-    done = CliRunner().invoke(commands(), ["check", str(path)])
-    assert "\n\nConstant drive speed: a fair assumption\n" in done.output
-    assert max(map(len, done.output.splitlines())) <= 79
-    data: Any = json.loads(CliRunner().invoke(commands(), ["check", str(path), "--json"]).stdout)
+def test_check_and_report_say_it(tmp_path: Path, answered: Answers) -> None:
+    path = example("drive_inertia.toml")
+    answer = answered(path)
+    _, text = answer.check
+    assert "\n\nConstant drive speed: a fair assumption\n" in text
+    assert max(map(len, text.splitlines())) <= 79
+    data = answer.data("check")
     ANSWERS.validate(data)
     assert data["drive_speed"]["share"] == pytest.approx(1 / 11, rel=1e-3)
     assert data["drive_speed"]["needed_inertia_kgm2"] == pytest.approx(0.18, rel=0.01)
-    write_report(Scene.load(path), tmp_path / "a.html")
-    assert "<strong>Constant drive speed: a fair assumption.</strong>" in (
-        tmp_path / "a.html"
-    ).read_text("utf-8")
+    assert "<strong>Constant drive speed: a fair assumption.</strong>" in answer.page
     # It is advice and no limit.
     weak = path.read_text().replace("[8.5]", "[2]").replace("[0.2,", "[0.01,")
     (tmp_path / "weak.toml").write_text(weak)

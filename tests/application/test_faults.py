@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline
-from scripts import SCRIPT, heed_signals, posix, script
+from scripts import SCRIPT, heed_signals, largest_file, memory, posix, run, script, signals
 
 pytestmark = [posix]
 
@@ -74,24 +74,22 @@ def there(folder: Path) -> set[str]:
 @pytest.mark.parametrize("command", WRITING)
 @pytest.mark.parametrize("old", [False, True])
 def test_a_disk_that_is_full(folder: Path, command: str, old: bool) -> None:
-    import resource
-
     *_, new = WRITING[command]
     if old:
         Path(new).write_text("old")
     before = there(folder)
-    limit = (500, 500)
-    done = script(
-        *(command, "a.toml", *WRITING[command]),
-        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, limit),
-    )
-    assert (done.returncode, done.stdout) == (2, "")
+    with largest_file(500):
+        done = run(command, "a.toml", *WRITING[command])
+    assert (done.exit_code, done.stdout) == (2, "")
     assert done.stderr == f"cardan: {new}: File too large\n"
     assert there(folder) == before
     assert not old or Path(new).read_text() == "old"
 
 
-@pytest.mark.parametrize("arguments", [*([name, "a.toml"] for name in WRITING), IDENTIFY])
+@pytest.mark.parametrize(
+    "arguments",
+    [IDENTIFY, *(pytest.param([name, "a.toml"], marks=pytest.mark.long) for name in WRITING)],
+)
 def test_an_answer_that_nobody_can_take(folder: Path, arguments: list[str]) -> None:
     full = Path("/dev/full")
     if not full.exists():
@@ -104,6 +102,7 @@ def test_an_answer_that_nobody_can_take(folder: Path, arguments: list[str]) -> N
     assert done.stderr == "cardan: output: No space left on device\n"
 
 
+@memory
 def test_memory_that_does_not_suffice(folder: Path) -> None:
     import resource
 
@@ -153,8 +152,16 @@ def interrupted(arguments: list[str], number: str) -> tuple[int, str, str]:
 
 
 @needs_proc
-@pytest.mark.parametrize("command", WRITING)
-@pytest.mark.parametrize(("number", "status"), SIGNALS)
+@signals
+@pytest.mark.parametrize(
+    ("command", "number", "status"),
+    [
+        # In the short tier a signal for each command.
+        pytest.param(name, *one, marks=() if place == other else pytest.mark.long)
+        for place, name in enumerate(WRITING)
+        for other, one in enumerate(SIGNALS)
+    ],
+)
 def test_a_signal_while_it_computes(folder: Path, command: str, number: str, status: int) -> None:
     Path("a.toml").write_text(LINE.format(**LONG))
     *_, new = WRITING[command]
@@ -175,12 +182,17 @@ def recording(folder: Path) -> Path:
 
 
 @needs_proc
-@pytest.mark.parametrize(("number", "status"), SIGNALS)
+@signals
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [SIGNALS[0], *(pytest.param(*one, marks=pytest.mark.long) for one in SIGNALS[1:])],
+)
 def test_a_signal_while_it_identifies(recording: Path, number: str, status: int) -> None:
     arguments = ["identify", recording.name, *IDENTIFY[2:], "--radians"]
     assert interrupted(arguments, number) == (status, "", "")
 
 
+@memory
 def test_a_recording_that_does_not_fit_into_memory(recording: Path) -> None:
     import resource
 

@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
 import pickle
+import re
 import subprocess
 import sys
+from pathlib import Path
 
+import click
 import pytest
 
 import cardan
+from cardan.command import commands
+from cardan.command.commands import SUBCOMMANDS
 from cardan.scene import units
 
+EXAMPLES = (
+    next(path for path in Path(__file__).parents if (path / "examples").exists()) / "examples"
+)
+
+OPTIONAL = ("dask", "jinja2", "matplotlib", "pyarrow", "scipy", "xarray")
 LATER = (
     "cardan.command",
     "cardan.figures",
@@ -22,19 +33,21 @@ LATER = (
     "cardan.scene",
     "cardan.words",
     "click",
-    "dask",
-    "matplotlib",
-    "pyarrow",
-    "scipy",
-    "xarray",
+    *OPTIONAL,
 )
 
 
 def loaded(code: str) -> set[str]:
     """The modules that are there after some code in a process of its own."""
-    script = f"import sys; {code}; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True)
-    return set(done.stdout.decode().split())
+    script = f"import sys, atexit; atexit.register(lambda: print(*sys.modules)); {code}"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
+    return set(done.stdout.decode().splitlines()[-1].split())
+
+
+def loaded_by_command(*arguments: str | Path) -> set[str]:
+    """The modules that are there after a run of the command."""
+    argv = ["cardan", *map(str, arguments)]
+    return loaded(f"from cardan.command import main; sys.argv = {argv!r}; main()")
 
 
 def test_the_library_alone_is_imported() -> None:
@@ -44,20 +57,24 @@ def test_the_library_alone_is_imported() -> None:
     assert modules.isdisjoint(LATER)
 
 
-@pytest.mark.parametrize(
-    ("name", "module"),
-    [
-        ("Scene", "cardan.scene"),
-        ("approximations", "cardan.approximations"),
-        ("plots", "cardan.plots"),
-        ("reference", "cardan.reference"),
-        ("scene", "cardan.scene"),
-        ("workshop", "cardan.workshop"),
-    ],
-)
-def test_what_comes_when_it_is_asked_for(name: str, module: str) -> None:
-    assert module in loaded(f"import cardan; assert {name!r} in dir(cardan); cardan.{name}")
-    assert module in loaded(f"from cardan import {name}")
+ASKED_FOR = {
+    "Scene": "cardan.scene",
+    "approximations": "cardan.approximations",
+    "plots": "cardan.plots",
+    "reference": "cardan.reference",
+    "scene": "cardan.scene",
+    "workshop": "cardan.workshop",
+}
+
+
+@pytest.mark.parametrize("name", ASKED_FOR)
+def test_what_comes_when_it_is_asked_for(name: str) -> None:
+    modules = loaded(f"import cardan; assert {name!r} in dir(cardan); cardan.{name}")
+    assert ASKED_FOR[name] in modules
+
+
+def test_what_comes_when_it_is_imported() -> None:
+    assert set(ASKED_FOR.values()) <= loaded(f"from cardan import {', '.join(ASKED_FOR)}")
 
 
 def test_scenes_need_neither_pictures_nor_the_command() -> None:
@@ -69,19 +86,109 @@ def test_pictures_need_matplotlib_only_to_be_drawn() -> None:
     assert "matplotlib" not in loaded("import cardan; cardan.plots.plot_curves")
 
 
+@pytest.mark.parametrize(
+    "arguments", [["--version"], ["--help"], []], ids=["version", "help", "no argument"]
+)
+def test_the_command_says_what_it_is_without_the_library(arguments: list[str]) -> None:
+    modules = loaded_by_command(*arguments)
+    assert "cardan.command" in modules
+    assert {name for name in modules if name.startswith("cardan")} == {
+        "cardan",
+        "cardan._core",
+        "cardan.command",
+        "cardan.command.commands",
+        "cardan.command.terminal",
+    }
+    assert modules.isdisjoint({"numpy", *OPTIONAL})
+
+
+def test_names_of_subcommands_are_completed_without_them() -> None:
+    words = {"_CARDAN_COMPLETE": "bash_complete", "COMP_WORDS": "cardan ch", "COMP_CWORD": "1"}
+    modules = loaded(
+        f"import os; os.environ.update({words}); from cardan.command import main; main()"
+    )
+    assert "click.shell_completion" in modules
+    assert "cardan.command.check" not in modules
+
+
+@pytest.mark.parametrize("command", ["check", "run"])
+def test_a_scene_without_a_picture_needs_none(command: str, tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text("[driveline]\nbends_deg = [2, 2]\n")
+    modules = loaded_by_command(command, scene)
+    assert f"cardan.command.{command}" in modules
+    assert modules.isdisjoint({"cardan.plots", "cardan.report", *OPTIONAL})
+    others = {f"cardan.command.{name}" for name in SUBCOMMANDS if name != command}
+    assert modules.isdisjoint(others)
+
+
+def test_only_a_scene_with_the_section_needs_the_search() -> None:
+    assert "cardan.optimisation" not in loaded_by_command("check", EXAMPLES / "truck.toml")
+    assert "cardan.optimisation" in loaded_by_command("check", EXAMPLES / "truck_heights.toml")
+
+
+def test_subcommands_are_the_modules_with_a_command() -> None:
+    folder = Path(cardan.__path__[0]) / "command"
+    found = {
+        path.stem
+        for path in folder.glob("*.py")
+        if re.search(r"^def command\(", path.read_text(encoding="utf-8"), re.MULTILINE)
+    }
+    assert found == set(SUBCOMMANDS)
+
+
+@pytest.mark.parametrize("name", SUBCOMMANDS)
+def test_a_subcommand_has_its_help_in_one_place(name: str) -> None:
+    """One line in the table, the text in the module."""
+    group = commands()
+    context = click.Context(group)
+    _, command, _ = group.resolve_command(context, [name])
+    assert command is not None
+    assert command.help
+    assert command.short_help is None
+    assert SUBCOMMANDS[name] not in " ".join(command.help.split())
+
+
 def test_every_public_name_is_there() -> None:
-    assert set(cardan.__all__) <= set(dir(cardan))
-    for name in cardan.__all__:
+    assert set(vars(cardan)["__all__"]) <= set(dir(cardan))
+    for name in vars(cardan)["__all__"]:
         assert getattr(cardan, name) is not None
+
+
+def test_type_checkers_see_the_names_that_are_imported_later() -> None:
+    tree = ast.parse(Path(cardan.__file__).read_text(encoding="utf-8"))
+    (block,) = (
+        node.body
+        for node in tree.body
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
+    )
+    seen = {
+        str(alias.asname): (str(node.module), alias.name)
+        for node in block
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert seen.keys() == set(dir(cardan)) - {"__version__"}
+    for name in seen.keys() - {"jax", "torch"}:  # may be missing
+        module, own_name = seen[name]
+        assert getattr(__import__(module, fromlist=[own_name]), own_name) is getattr(cardan, name)
+
+
+def test_a_star_replaces_no_library() -> None:
+    mine: dict[str, object] = dict.fromkeys(("jax", "numpy", "scene", "scipy", "torch"), "mine")
+    names = dict(mine)
+    exec("from cardan import *", names)
+    assert {name: names[name] for name in mine} == mine
+    assert names["Driveline"] is cardan.Driveline
 
 
 def test_other_names_are_not() -> None:
     with pytest.raises(AttributeError, match=r"^module 'cardan' has no attribute 'Drivelines'$"):
-        cardan.Drivelines  # noqa: B018
+        cardan.Drivelines  # type: ignore[attr-defined]  # noqa: B018
 
 
 def test_public_classes_are_pickled_by_their_names() -> None:
-    for name in cardan.__all__:
+    for name in vars(cardan)["__all__"]:
         kind = getattr(cardan, name)
         if isinstance(kind, type):
             assert pickle.loads(pickle.dumps(kind)) is kind

@@ -24,7 +24,7 @@ from cardan.figures.tubes import tube_figures, tubes_data
 from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.words.life import life_sentences, life_text, tube_lines, tube_sentences
-from example_scenes import example
+from example_scenes import Answers, example
 
 ROOT = Path(__file__).parents[2]
 CONVEYOR = ROOT / "examples" / "conveyor.toml"
@@ -298,6 +298,8 @@ def test_tubes_are_those_of_the_library() -> None:
     turning = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = 900\n{TUBE}"))[0]
     assert turning.torque is turning.stress is None
     assert turning.speed_rpm == pytest.approx(900.0)
+    backwards = tube_figures(Scene.parse(f"{TWO}[load]\nspeed_rpm = -900\n{TUBE}"))[0]
+    assert backwards.margin == turning.margin
     alone = tube_figures(Scene.parse(f"{TWO}{TUBE}"))[0]
     assert alone.stress is alone.margin is None
     assert alone.passes
@@ -365,13 +367,10 @@ def test_the_example_answers(tmp_path: Path) -> None:
     ANSWERS.validate(check_data(scene, check_scene(scene)))
 
 
-def test_the_page_has_the_life(tmp_path: Path) -> None:
-    page = tmp_path / "page.html"
-    scene = Scene.load(CONVEYOR)
-    write_report(scene, page)
-    text = page.read_text(encoding="utf-8")
-    assert '<section id="life"' in text
-    assert headline(needed_life(scene)) in text
+def test_the_page_has_the_life(tmp_path: Path, answered: Answers) -> None:
+    page = answered(CONVEYOR).page
+    assert '<section id="life"' in page
+    assert headline(needed_life(Scene.load(CONVEYOR))) in page
     tubes = tmp_path / "tubes.html"
     write_report(Scene.parse(f"{TWO}{TUBE}"), tubes)
     assert "The tubes are within the limits" in tubes.read_text(encoding="utf-8")

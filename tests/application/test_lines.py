@@ -14,7 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan.command import commands
-from example_scenes import EXAMPLES, example
+from example_scenes import EXAMPLES, Answers, example
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -114,8 +114,8 @@ def labels_of_pages() -> set[str]:
     return judged(label for text in shown_in_pages() for label in printed_labels(text))
 
 
-def labels_of_report(file: Path) -> set[str]:
-    cells = re.findall(r"<th[^>]*>(.*?)</th>", file.read_text("utf-8"), re.DOTALL)
+def labels_of_report(page: str) -> set[str]:
+    cells = re.findall(r"<th[^>]*>(.*?)</th>", page, re.DOTALL)
     return judged(normal(html.unescape(re.sub("<.*?>", "", cell))) for cell in cells)
 
 
@@ -165,26 +165,19 @@ def test_page_explains_what_the_pages_show() -> None:
 
 
 @pytest.mark.parametrize("command", ["run", "check"])
-def test_page_explains_what_examples_print(
-    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_page_explains_what_examples_print(command: str, answered: Answers) -> None:
     for scene in EXAMPLES:
-        found = judged(printed_labels(done(command, str(scene))))
+        found = judged(printed_labels(getattr(answered(scene), command).text))
         assert found
         assert found - explained() == set(), scene.stem
 
 
-def test_page_explains_reports_and_nothing_else(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    found, page = labels_of_pages(), tmp_path / "page.html"
-    (tmp_path / "toleranced.toml").write_text(TOLERANCED, encoding="utf-8")
-    found |= judged(printed_labels(done("tolerances", "toleranced.toml")))
+def test_page_explains_reports_and_nothing_else(tmp_path: Path, answered: Answers) -> None:
+    found, toleranced = labels_of_pages(), tmp_path / "toleranced.toml"
+    toleranced.write_text(TOLERANCED, encoding="utf-8")
+    found |= judged(printed_labels(done("tolerances", str(toleranced))))
     for name in ("steering-column", "rumble"):
-        found |= judged(printed_labels(done("run", str(example(f"{name}.toml")))))
+        found |= judged(printed_labels(answered(example(f"{name}.toml")).run.text))
     for name in ("truck-shaft", "steering-column", "suspension", "run_up", "ball_joint"):
-        done("report", str(example(f"{name}.toml")), "--output", str(page))
-        found |= labels_of_report(page)
+        found |= labels_of_report(answered(example(f"{name}.toml")).page)
     assert found ^ explained() == set()

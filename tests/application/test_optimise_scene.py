@@ -24,7 +24,7 @@ from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.edit import map_of, with_values
 from cardan.words.optimise import change_lines, table_of
-from example_scenes import EXAMPLES, example
+from example_scenes import EXAMPLES, Answers, example
 
 ROOT = Path(__file__).parents[2]
 EXAMPLE = (ROOT / "examples" / "truck_heights.toml").read_text("utf-8")
@@ -110,27 +110,32 @@ def test_words_of_other_keys(vary: str, words: str) -> None:
     assert re.match(words, change_lines(found)[0]), change_lines(found)
 
 
-@pytest.mark.parametrize(
-    ("text", "vary"),
-    [
-        (TRUCK, '"points_mm.2.y" = [-40, 40], "points_mm.1-2.z" = [-9, 9], "phases_deg" = "free"'),
-        (TRUCK, '"points_mm.3-4.z" = [-10, 40], "phases_deg.1" = "free"'),
-        (
-            TRUCK.replace("points_mm", "points_m"),
-            '"points_m.2.y" = [-40, 40], "phases_deg.0-1" = [-3, 50]',
-        ),
-        (
-            "[driveline]\nbends_deg = [10, 9, 4]\nphases_deg = [20, 3]\n",
-            '"bends_deg.0-1" = [-4, 4], "twists_deg.1" = [-9, 9], "phases_deg.0" = "free"',
-        ),
-    ],
+QUANTITIES = (
+    *("equivalent_bend", "torsional_excitation", "inertia_excitation"),
+    *("support_moment_1_peak", "support_moment_2_rms", "moment_1_mean", "torque_2_max"),
+    *("torque_rms", "torque_1_mean", "torque_1_min", "tilt_driven_1_peak", "speed_ratio_max"),
 )
+VARIED = (
+    (TRUCK, '"points_mm.2.y" = [-40, 40], "points_mm.1-2.z" = [-9, 9], "phases_deg" = "free"'),
+    (TRUCK, '"points_mm.3-4.z" = [-10, 40], "phases_deg.1" = "free"'),
+    (
+        TRUCK.replace("points_mm", "points_m"),
+        '"points_m.2.y" = [-40, 40], "phases_deg.0-1" = [-3, 50]',
+    ),
+    (
+        "[driveline]\nbends_deg = [10, 9, 4]\nphases_deg = [20, 3]\n",
+        '"bends_deg.0-1" = [-4, 4], "twists_deg.1" = [-9, 9], "phases_deg.0" = "free"',
+    ),
+)
+
+
 @pytest.mark.parametrize(
-    "quantity",
+    ("text", "vary", "quantity"),
     [
-        *("equivalent_bend", "torsional_excitation", "inertia_excitation"),
-        *("support_moment_1_peak", "support_moment_2_rms", "moment_1_mean", "torque_2_max"),
-        *("torque_rms", "torque_1_mean", "torque_1_min", "tilt_driven_1_peak", "speed_ratio_max"),
+        # In the short tier each quantity of one driveline.
+        pytest.param(*varied, name, marks=pytest.mark.long if (i + j) % len(VARIED) else ())
+        for i, varied in enumerate(VARIED)
+        for j, name in enumerate(QUANTITIES)
     ],
 )
 def test_exact_derivatives_are_those_of_differences(text: str, vary: str, quantity: str) -> None:
@@ -513,10 +518,9 @@ def test_pictures_and_page_show_where_a_limit_is_not_kept(tmp_path: Path) -> Non
     assert "nan" not in section.partition("</section>")[0]
 
 
-def test_the_report_has_a_section(tmp_path: Path) -> None:
+def test_the_report_has_a_section(tmp_path: Path, answered: Answers) -> None:
     pytest.importorskip("jinja2")
-    write_report(Scene.parse(EXAMPLE), tmp_path / "a.html")
-    page = (tmp_path / "a.html").read_text("utf-8")
+    page = answered(example("truck_heights.toml")).page
     assert 'id="optimise"' in page
     assert "Move joint 1 by 40 mm along -y" in page
     text = EXAMPLE.replace("inertia_excitation_rad_s2 = 300", "equivalent_bend_deg = 0.1")

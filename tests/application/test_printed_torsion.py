@@ -11,8 +11,9 @@ import pytest
 from cardan.figures.torsion import TorsionFigures, needed_torsion
 from cardan.figures.torsion_answer import torsion_data
 from cardan.figures.torsion_modes import torsion_basics
+from cardan.figures.torsion_stability import SpeedRange, UnstableRange
 from cardan.scene import Scene
-from cardan.words.torsion import torsion_check_text, torsion_text
+from cardan.words.torsion import stability_lines, torsion_check_text, torsion_text
 from printed import EXAMPLES, blocks, first_number
 
 
@@ -136,6 +137,17 @@ def test_the_worst_critical_speed_is_one_whose_motion_is_known() -> None:
         assert int(shown[1]) == named.order
         assert float(shown[2]) == pytest.approx(named.speed * 30.0 / np.pi, rel=1e-3)
     assert "no periodic motion was found" in said
+
+
+def test_ranges_of_speed_have_their_two_ends() -> None:
+    found, rpm = needed("rig_torsion"), np.pi / 30.0
+    region = UnstableRange(2000.0 * rpm, 2100.0 * rpm, 1.5)
+    missing = (SpeedRange(600.0 * rpm, 700.0 * rpm), "it does not settle")
+    shown = stability_lines(replace(found, unstable=(region,), missing=(missing,)))
+    assert [speeds for speeds, _ in shown] == ["2000 to 2100 rpm", "600 to 700 rpm"]
+    said = torsion_text(replace(found, unstable=(region,), missing=(missing,)))
+    assert "Between 2000 and 2100 rpm the motion" in said
+    assert "Between 600 and 700 rpm the torques" in said
 
 
 def test_of_several_rules_the_one_is_named_that_is_exceeded_most() -> None:

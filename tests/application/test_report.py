@@ -42,15 +42,15 @@ from cardan.report.drawing import views
 from cardan.report.maps import heat_map
 from cardan.report.page import environment
 from cardan.report.samples import NOMINAL_TORQUE, Curve, Panel, evaluated, pins
-from cardan.scene import Scene, load_scene
+from cardan.scene import Scene
 from cardan.scene.starters import STARTERS
 from cardan.scene.study import Column
 from cardan.words.summary import figure_text
-from example_scenes import EXAMPLES
+from example_scenes import DRIVELINES, EXAMPLES, Answers
 from pages import curves, scales, tables
 
-DRIVELINES = [path for path in EXAMPLES if isinstance(load_scene(path), Scene)]
 MACHINES = [path.stem for path in EXAMPLES if path.parent.name == "machines"]
+SMALL_PAGES = ("foeppl", "suspension", "recorded_run")
 HOSTILE = (
     "</title><script>document.title = 'taken'</script>&amp;\"'<!-- \x01\x1b"
     " $title ${x} {{ title }} {% raw %} {#"
@@ -595,9 +595,8 @@ def test_a_long_recording_is_thinned(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("path", DRIVELINES, ids=lambda path: path.stem)
-def test_every_example_has_a_page_that_needs_nothing_else(path: Path, tmp_path: Path) -> None:
-    page = written(Scene.load(path), tmp_path)
-    assert page == written(Scene.load(path), tmp_path)
+def test_every_example_has_a_page_that_needs_nothing_else(path: Path, answered: Answers) -> None:
+    page = answered(path).page
     assert len(page) < 1_000_000
     for tag, attributes in PageText(page).elements:
         assert tag not in ("link", "img", "iframe", "object", "embed", "base", "form")
@@ -606,6 +605,18 @@ def test_every_example_has_a_page_that_needs_nothing_else(path: Path, tmp_path: 
         assert (attributes.get("href") or "#").startswith("#")
     assert not re.search(r"@import|url\(|fetch\(|XMLHttp|innerHTML", page)
     assert str(Path(__file__).parents[2]) not in page
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=() if path.stem in SMALL_PAGES else pytest.mark.long)
+        for path in DRIVELINES
+    ],
+    ids=lambda path: path.stem,
+)
+def test_a_page_is_the_same_every_time(path: Path, tmp_path: Path, answered: Answers) -> None:
+    assert written(Scene.load(path), tmp_path) == answered(path).page
 
 
 def test_title_is_escaped(tmp_path: Path) -> None:
@@ -810,6 +821,9 @@ def test_nothing_half_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 # --- in a browser ----------------------------------------------------------------------------
 
 
+in_browser = pytest.mark.xdist_group("browser")
+
+
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[webdriver.Chrome]:
     browser, driver = shutil.which("chromium"), shutil.which("chromedriver")
@@ -829,11 +843,11 @@ def chromium() -> Iterator[webdriver.Chrome]:
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory, answered: Answers) -> Path:
     """A page of every example and of odd scenes."""
     folder = tmp_path_factory.mktemp("pages")
     for path in DRIVELINES:
-        write_report(Scene.load(path), folder / f"{path.stem}.html")
+        (folder / f"{path.stem}.html").write_text(answered(path).page, encoding="utf-8")
     for name, text in {**ODD, "z": Z_SHAFT}.items():
         write_report(scene(text), folder / f"{name}.html")
     return folder
@@ -928,6 +942,7 @@ def agrees(browser: webdriver.Chrome, sample: int) -> None:
     assert browser.find_element(By.CSS_SELECTOR, "output[for=sample]").text == f"{sample / 2:.1f}°"
 
 
+@in_browser
 def test_keys_move_the_numbers_to_what_the_library_computes(
     browser: webdriver.Chrome, folder: Path
 ) -> None:
@@ -955,6 +970,7 @@ def moved(browser: webdriver.Chrome, sample: int) -> None:
     )
 
 
+@in_browser
 @pytest.mark.parametrize("name", ["states", *MACHINES])
 def test_texts_of_drawings_and_charts_of_states_are_apart(
     browser: webdriver.Chrome, folder: Path, name: str
@@ -986,6 +1002,7 @@ def test_texts_of_drawings_and_charts_of_states_are_apart(
             assert apart(one, other)
 
 
+@in_browser
 @pytest.mark.parametrize("name", ["truck-shaft", "test-rig", "ship-shaft"])
 def test_names_of_bearings_lie_beyond_the_yokes(
     browser: webdriver.Chrome, folder: Path, name: str
@@ -1014,6 +1031,7 @@ def apart(one: NDArray[np.float64], other: NDArray[np.float64]) -> bool:
     return False
 
 
+@in_browser
 def test_script_moves_numbers_cursor_and_drawing(browser: webdriver.Chrome, folder: Path) -> None:
     opened(browser, folder, "z")
     drawings, cursors = set(), []
@@ -1042,6 +1060,7 @@ def test_script_moves_numbers_cursor_and_drawing(browser: webdriver.Chrome, fold
     assert np.ptp(np.diff(cursors) / np.diff([0, 33, 180, 361, 500])) < 0.01
 
 
+@in_browser
 def test_drawing_shows_the_pins(browser: webdriver.Chrome, folder: Path) -> None:
     """Side view: x to the right, y up; top view: x to the right, z down. The marks sit at one end
     of each pin, the yokes on the side of their shafts, at which these end, and what is beyond a
@@ -1085,7 +1104,17 @@ def test_drawing_shows_the_pins(browser: webdriver.Chrome, folder: Path) -> None
         assert [base[2] for base in bases] == away
 
 
-@pytest.mark.parametrize("name", PAGES)
+@in_browser
+@pytest.mark.parametrize(
+    "name",
+    [
+        # Pages of examples alike in what they show are opened in the long tier.
+        pytest.param(
+            name, marks=() if name in {*MACHINES, *SMALL_PAGES, *ODD} else pytest.mark.long
+        )
+        for name in PAGES
+    ],
+)
 def test_every_page(name: str, browser: webdriver.Chrome, folder: Path) -> None:
     """No request, no sideways scrolling on a phone, every number there at both ends, in order."""
     screen(browser, 360)
@@ -1117,6 +1146,7 @@ def test_every_page(name: str, browser: webdriver.Chrome, folder: Path) -> None:
     assert (title == HOSTILE) == (name == "hostile")
 
 
+@in_browser
 def test_keyboard_reaches_everything(browser: webdriver.Chrome, folder: Path) -> None:
     opened(browser, folder, "z")
     body = browser.find_element(By.TAG_NAME, "body")
@@ -1146,6 +1176,7 @@ def test_keyboard_reaches_everything(browser: webdriver.Chrome, folder: Path) ->
     )
 
 
+@in_browser
 def test_only_its_own_script_runs(chromium: webdriver.Chrome, folder: Path, tmp_path: Path) -> None:
     """Whatever might slip into the page, the policy in its head lets nothing run or load."""
     page = (folder / "z.html").read_text(encoding="utf-8")
@@ -1164,6 +1195,7 @@ def luminance(colour: str) -> float:
     return float(np.dot([0.2126, 0.7152, 0.0722], linear))
 
 
+@in_browser
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_contrast(scheme: str, browser: webdriver.Chrome, folder: Path) -> None:
     """Text 4.5 to 1, curves 3 to 1, by the Web Content Accessibility Guidelines."""
@@ -1193,6 +1225,7 @@ def test_contrast(scheme: str, browser: webdriver.Chrome, folder: Path) -> None:
                 assert (light + 0.05) / (dark + 0.05) >= least, (colour, ground)
 
 
+@in_browser
 def test_print(browser: webdriver.Chrome, folder: Path) -> None:
     media(browser, "print", "dark")
     slider = opened(browser, folder, "truck")

@@ -22,7 +22,7 @@ from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion import torsion_figures
 from cardan.scene import Scene
 from cardan.words.summary import figure_text
-from example_scenes import example
+from example_scenes import Answers, example
 from pages import curves, figure, legend_of, page_of, scales, tables, value
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -99,8 +99,8 @@ def test_joints_as_built_move_and_load_as_the_page_says(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["truck_heights", "spatial_shaft", "mill-spindle"])
-def test_a_driveline_fills_the_width_of_its_drawings(name: str, tmp_path: Path) -> None:
-    page = page_of(Scene.load(example(f"{name}.toml")), tmp_path)
+def test_a_driveline_fills_the_width_of_its_drawings(name: str, answered: Answers) -> None:
+    page = answered(example(f"{name}.toml")).page
     (found,) = re.findall('<script type="application/json" id="data">(.*)</script>', page)
     drawing = json.loads(found)["drawing"]
     points = np.array(drawing["points"]).reshape(-1, 3)
@@ -140,9 +140,9 @@ def centres(page: str, view: int) -> NDArray[np.float64]:
 
 
 @pytest.mark.parametrize("name", ["truck-shaft", "steering-column", "test-rig"])
-def test_side_view_and_top_view_have_bends_and_lengths(name: str, tmp_path: Path) -> None:
-    scene = Scene.load(example(f"{name}.toml"))
-    page = page_of(scene, tmp_path)
+def test_side_view_and_top_view_have_bends_and_lengths(name: str, answered: Answers) -> None:
+    path = example(f"{name}.toml")
+    scene, page = Scene.load(path), answered(path).page
     assert dimensions(page, 0) == ([], [])
     lengths = [700.0]
     if scene.points is not None:
@@ -159,13 +159,13 @@ def test_side_view_and_top_view_have_bends_and_lengths(name: str, tmp_path: Path
             assert float(number) == pytest.approx(length, rel=5e-4)
 
 
-def test_dimensions_are_those_that_are_known(tmp_path: Path) -> None:
+def test_dimensions_are_those_that_are_known(tmp_path: Path, answered: Answers) -> None:
     page = page_of("[driveline]\nbends_deg = [5, 6]\n", tmp_path)
     assert dimensions(page, 1) == (["5°", "6°"], [])
     page = page_of("[driveline]\nbends_deg = [5, 6]\nlengths_m = [1, 1.25, 1]\n", tmp_path)
     assert [words for *_, words in dimensions(page, 2)[1]] == ["1.25 m"]
     # The bends change from sample to sample.
-    recorded = page_of(Scene.load(example("recorded_run.toml")), tmp_path)
+    recorded = answered(example("recorded_run.toml")).page
     assert all(dimensions(recorded, view) == ([], []) for view in range(3))
     assert "Angles above the joints" in page
     assert "Angles above the joints" not in recorded
@@ -343,14 +343,14 @@ def test_the_best_driveline_uses_least_of_its_tightest_limit(tmp_path: Path) -> 
     assert "Of the study's drivelines this one stays farthest below its limits:" in said
 
 
-def test_scatter_of_tolerances(tmp_path: Path) -> None:
+def test_scatter_of_tolerances(answered: Answers) -> None:
     """The curve is the share of the drivelines up to each value; the limit is a step."""
     scene = Scene.load(EXAMPLES / "workshop.toml")
     found = tolerance_figures(scene)
     assert found
     assert scene.tolerances
     (shown,) = found.figures
-    page = page_of(scene, tmp_path)
+    page = answered(example("workshop.toml")).page
     heading = f"Random drivelines up to this {shown.label} [%]"
     share, limit = curves(figure(page, heading)).values()
     sampled = np.degrees(np.asarray(scene.tolerances.ascending))
@@ -403,9 +403,9 @@ def test_verdicts_on_tolerances_have_their_colour(
     assert re.findall('<p class="verdict (.*?)">', section.partition("</section>")[0]) == [colour]
 
 
-def test_life_with_each_size_and_the_load_of_the_pins(tmp_path: Path) -> None:
+def test_life_with_each_size_and_the_load_of_the_pins(answered: Answers) -> None:
     scene = Scene.load(EXAMPLES / "conveyor.toml")
-    found, page = needed_life(scene), page_of(scene, tmp_path)
+    found, page = needed_life(scene), answered(example("conveyor.toml")).page
     bars = figure(page, "L10 life with each size at every joint")[1]
     hours = {one.size.name: one.hours for one in found.sizes if one.hours is not None}
     assert [text.text for text in bars.iter("text")][::2] == list(hours)
@@ -427,12 +427,12 @@ def test_life_with_each_size_and_the_load_of_the_pins(tmp_path: Path) -> None:
         assert points[:, 1] == pytest.approx(sizes, abs=0.02 * np.ptp(drawn["joint 0"][:, 1]))
 
 
-def test_curves_of_the_optimum(tmp_path: Path) -> None:
+def test_curves_of_the_optimum(answered: Answers) -> None:
     """Over each variable, the others at their best: the largest equivalent bend of all states."""
     scene = Scene.load(EXAMPLES / "truck_heights.toml")
     found = optimised(scene)
     assert found
-    section = page_of(scene, tmp_path).partition('<section id="optimise"')[2]
+    section = answered(example("truck_heights.toml")).page.partition('<section id="optimise"')[2]
     charts = re.findall("<figure>.*?</figure>", section.partition("</section>")[0], re.S)
     assert len(charts) == len(found.asked.variables) == 3
     for number, (variable, chart) in enumerate(zip(found.asked.variables, charts, strict=True)):
@@ -452,9 +452,9 @@ def test_curves_of_the_optimum(tmp_path: Path) -> None:
         assert nearest[1] == pytest.approx(float(found.goal(found.best.value)), abs=slack)
 
 
-def test_axial_travel_over_the_turn(tmp_path: Path) -> None:
+def test_axial_travel_over_the_turn(answered: Answers) -> None:
     scene = Scene.load(EXAMPLES / "axial_travel.toml")
-    page = page_of(scene, tmp_path)
+    page = answered(example("axial_travel.toml")).page
     drawn = curves(figure(page, "Axial travel of the driven shafts [mm]"))
     want = drawn_slides(scene).at(np.radians(np.arange(0.0, 361.0, 2.0)))
     assert list(drawn) == [f"joint {joint}" for joint in range(len(want))]
@@ -463,9 +463,9 @@ def test_axial_travel_over_the_turn(tmp_path: Path) -> None:
         assert points[:, 1] == pytest.approx(travel, abs=0.01 * np.ptp(want))
 
 
-def test_torques_over_the_speed_are_those_of_their_shaft(tmp_path: Path) -> None:
+def test_torques_over_the_speed_are_those_of_their_shaft(answered: Answers) -> None:
     scene = Scene.load(EXAMPLES / "truck_torsion.toml")
-    found, page = torsion_figures(scene), page_of(scene, tmp_path)
+    found, page = torsion_figures(scene), answered(example("truck_torsion.toml")).page
     assert found
     response = found.response
     assert len(response.compliant) > 1

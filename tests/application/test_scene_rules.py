@@ -18,6 +18,7 @@ from cardan.scene.errors import Location
 from cardan.scene.format import FORMAT
 from cardan.scene.forms import FORMS
 from scene_values import DEFINITIONS, VALUES, as_toml, fitting, nearly
+from tiers import part
 
 # JSON has one kind of number and none that is not finite; TOML tells 1 from 1.0.
 _TYPES = jsonschema.Draft202012Validator.TYPE_CHECKER.redefine_many(
@@ -60,11 +61,30 @@ def test_kinds_are_those_of_the_format() -> None:
     assert used == {id(kind) for kind in KINDS.values()}
 
 
+RULES = {type(kind.rule).__name__ for kind in KINDS.values()}
+
+
+@pytest.mark.parametrize("name", sorted(RULES))
+@settings(max_examples=60)
+@given(data=st.data())
+def test_reader_and_schema_take_the_same_values(name: str, data: st.DataObject) -> None:
+    kinds_of_rule = [kind for kind in KINDS.values() if type(kind.rule).__name__ == name]
+    agree(data.draw(st.sampled_from(kinds_of_rule)), data)
+
+
+@pytest.mark.long
 @pytest.mark.parametrize("name", KINDS)
 @settings(max_examples=120)
 @given(data=st.data())
-def test_reader_and_schema_take_the_same_values(name: str, data: st.DataObject) -> None:
-    rule = KINDS[name].rule
+def test_reader_and_schema_take_the_same_values_of_every_kind(
+    name: str, data: st.DataObject
+) -> None:
+    agree(KINDS[name], data)
+
+
+def agree(kind: kinds.Kind, data: st.DataObject) -> None:
+    """Reader and schema both take a value, or both refuse it."""
+    rule = kind.rule
     right = fitting(rule.schema)
     value = data.draw(st.one_of(right, right.flatmap(nearly), VALUES))
     valid = _OfToml({**rule.schema, "$defs": DEFINITIONS}).is_valid(value)
@@ -175,7 +195,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@settings(max_examples=400)
+@settings(max_examples=part(400))
 @given(scenes())
 def test_reader_and_schema_take_the_same_scenes(folder: Path, scene: dict[str, Any]) -> None:
     text = "\n".join(f"{as_toml(key)} = {as_toml(value)}" for key, value in scene.items())

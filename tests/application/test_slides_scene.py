@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import tomllib
 from pathlib import Path
@@ -18,11 +17,10 @@ import cardan
 from cardan.command import commands
 from cardan.figures.slides import SceneSlides, drawn_slides, scene_slides
 from cardan.plots import plot_slide_orders, plot_slides, write_slides
-from cardan.report import write_report
 from cardan.scene import Scene
 from cardan.scene.errors import SceneError
 from cardan.words.slides import slides_text
-from example_scenes import ANSWERS, SCENES, example, replaced
+from example_scenes import ANSWERS, SCENES, Answers, example, replaced
 
 PATH = example("axial_travel.toml")
 TEXT = PATH.read_text(encoding="utf-8")
@@ -136,22 +134,22 @@ def run(*arguments: object) -> str:
     return done.output
 
 
-def test_answers(tmp_path: Path) -> None:
+def test_answers(answered: Answers) -> None:
     SCENES.validate(tomllib.loads(TEXT))
     SCENES.validate(tomllib.loads(f'{SINGLE}blocked = ["shaft", "driven_pin"]'))
     assert not SCENES.is_valid(tomllib.loads(f'{SINGLE}blocked = "shafts"'))
     table = slides_text(figures(TEXT))
+    answer = answered(PATH)
+    assert table in answer.run.text
+    assert table in answer.check.text
     for command in ("run", "check"):
-        assert table in run(command, PATH)
-        data: dict[str, Any] = json.loads(run(command, PATH, "--json"))
+        data: dict[str, Any] = answer.data(command)
         ANSWERS.validate(data)
         first = data["slides"][0]
         assert (first["joint"], first["slide"]) == (0, "shaft")
         assert first["travel_mm"] == figures(TEXT).each[0].travel
         assert [entry["order"] for entry in first["orders"]] == [1, 2, 3, 4]
-    page = tmp_path / "page.html"
-    write_report(Scene.load(PATH), page)
-    html = page.read_text(encoding="utf-8")
+    html = answer.page
     assert "Slides of offset axes" in html
     assert "Axial travel of the driven shafts" in html
     assert "joint 0, shaft 1 axially" in html

@@ -104,6 +104,22 @@ def test_what_it_adds_to_bearings() -> None:
     assert [entry["bearing"] for entry in slip_data(found)["bearings"]] == [0, 1, 2, 3]
 
 
+def test_bearings_bear_the_force_of_the_worst_state() -> None:
+    bearings = "".join(
+        f"[[bearing]]\nshaft = {shaft}\nposition_mm = {position}\n"
+        for shaft, position in ((0, 100), (0, 250), (2, 60), (2, 160))
+    )
+    alone = TEXT[: TEXT.index("[study]")] + bearings
+    forces = []
+    for height in (-110, 0, -180):
+        found = figures(alone.replace("-110", str(height)))
+        forces.append([load.force for load in found.bearings])
+    assert len(forces[0]) == 4
+    several = figures(f"{alone}[states]\npoints_mm.2-3.y = [-110, 0, -180]\n")
+    assert [load.force for load in several.bearings] == pytest.approx(np.max(forces, axis=0))
+    assert max(forces[0]) < max(forces[2])
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

@@ -501,7 +501,7 @@ import numpy as np
 from cardan import Driveline
 
 line = Driveline.from_bends([0.5, 0.4])
-lines = Driveline.from_bends(np.full((5000, 4), 0.2))
+lines = Driveline.from_bends(np.full((1100, 4), 0.2))  # enough for threads
 angle = np.linspace(0, 6, 200_000)
 want = line.evaluate(angle).angle
 lines.optimal_phases()
@@ -515,6 +515,7 @@ with multiprocessing.get_context("fork").Pool(2) as pool:
 """
 
 
+@pytest.mark.xdist_group("fork")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_forked_processes_evaluate() -> None:
     done = subprocess.run([sys.executable, "-c", FORKING], capture_output=True, text=True)

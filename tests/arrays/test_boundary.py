@@ -24,6 +24,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import tiers
 from cardan import OUTPUTS, BallJoint, Driveline, Load, Plan, Scene, Sweep, _core
 
 LINE = Driveline.from_bends([0.5, 0.4], 0.3, 0.9)
@@ -329,6 +330,7 @@ busy.join()
 """
 
 
+@pytest.mark.xdist_group("fork")
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
 def test_fork_during_a_call() -> None:
     """That forked processes evaluate at all is in test_arrays.py."""
@@ -339,6 +341,7 @@ def test_fork_during_a_call() -> None:
 # --- memory ------------------------------------------------------------------------------------
 
 
+@pytest.mark.xdist_group("memory")
 @pytest.mark.parametrize(
     "call",
     [
@@ -394,6 +397,7 @@ for call in (
 """
 
 
+@pytest.mark.xdist_group("memory")
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit of address space")
 @pytest.mark.parametrize("megabytes", [1, 4, 16, 64])
 def test_memory_that_runs_out(megabytes: int) -> None:
@@ -418,6 +422,7 @@ assert out["angle"][-1] > 5
 """
 
 
+@pytest.mark.xdist_group("memory")
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit of address space")
 def test_no_thread_can_be_made() -> None:
     done = script(NO_POOL)
@@ -436,7 +441,7 @@ SOURCES = arrays_of.arrays(
 )
 
 
-@settings(max_examples=400)
+@settings(max_examples=tiers.part(400))
 @given(st.data())
 def test_the_native_module_takes_nothing_on_trust(data: st.DataObject) -> None:
     """Arguments of the right types only, whatever they hold: results or refusals, no panic."""

@@ -100,7 +100,7 @@ def test_sweeps_on_every_level(
 @pytest.mark.parametrize("level", _core.levels())
 @pytest.mark.parametrize("options", [{}, {"tolerance": 0.0}, {"dtype": "float32"}], ids=str)
 def test_geometry_per_sample_on_every_level(level: str, options: dict[str, Any]) -> None:
-    bends = RANDOM.uniform(0.0, 1.2, (2049, 3))
+    bends = np.random.default_rng(3).uniform(0.0, 1.2, (2049, 3))
     lines = Driveline.from_bends(bends, 0.4, 0.1)
     for angle in (ANGLES[:2049], SWEEPS["short"]):
         want = contiguous(evaluate(lines, angle, **options))

@@ -16,7 +16,10 @@ import pytest
 
 from cardan import Driveline, Sweep
 
-pytestmark = pytest.mark.skipif(os.name != "posix", reason="POSIX signals")
+pytestmark = [
+    pytest.mark.skipif(os.name != "posix", reason="POSIX signals"),
+    pytest.mark.xdist_group("signals"),
+]
 
 # The signal is sent by the process itself, some time after the call has begun.
 PREAMBLE = """

@@ -21,13 +21,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 import pytest
 
+import tiers
 from cardan import Driveline, Load, Result, _core
 from cardan.plan import Plan
 from limits import limits
@@ -79,7 +80,7 @@ def steepest(bend: float) -> float:
 
 def random() -> tuple[list[float], list[float]]:
     rng = np.random.default_rng(20)
-    bends = [*rng.uniform(0, RIGHT, 70), *rng.uniform(0, 0.6, 30)]
+    bends = [*rng.uniform(0, RIGHT, tiers.part(70)), *rng.uniform(0, 0.6, tiers.part(30))]
     angles = [*rng.uniform(-8, 8, 200), *rng.uniform(-1e3, 1e3, 60), *rng.uniform(-1e6, 1e6, 40)]
     return bends, angles
 
@@ -125,8 +126,8 @@ def edges() -> tuple[list[float], list[float]]:
 
 
 def spread() -> tuple[list[float], list[float]]:
-    small = [10.0**x for x in np.linspace(-14, 0.19, 60)]
-    steep = [RIGHT - 10.0**x for x in np.linspace(-14, 0, 30)]
+    small = [10.0**x for x in np.linspace(-14, 0.19, tiers.part(60))]
+    steep = [RIGHT - 10.0**x for x in np.linspace(-14, 0, tiers.part(30))]
     angles = [10.0**x for x in np.linspace(-300, 300, 61)]
     angles += [10.0**x for x in np.linspace(-12, 12, 97)]
     return [*small, *steep], [angle * sign for angle in angles for sign in (1, -1)]
@@ -167,6 +168,7 @@ class Grid:
 
     bends: list[float]
     angles: list[float]
+    _known: dict[str, Exact] = field(default_factory=dict)
 
     @cached_property
     def torque(self) -> Doubles:
@@ -176,7 +178,9 @@ class Grid:
         return torque
 
     def exact(self, name: str) -> Exact:
-        return Exact.of(self._exact(name))
+        if name not in self._known:
+            self._known[name] = Exact.of(self._exact(name))
+        return self._known[name]
 
     def _exact(self, name: str) -> Iterator[MpNumber]:
         turns = [ExactTurn.by(angle) for angle in self.angles]
@@ -262,6 +266,11 @@ def test_every_limit_is_judged() -> None:
 
 BEST = _core.levels()[0]
 generators = pytest.mark.parametrize("generator", GENERATORS)
+# One worker finds the exact results of an output for all of its tests.
+motion = pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.xdist_group(f"exact {name}")) for name in MOTION],
+)
 
 
 def together(name: str) -> tuple[str, ...]:
@@ -271,7 +280,7 @@ def together(name: str) -> tuple[str, ...]:
 
 
 @generators
-@pytest.mark.parametrize("name", MOTION)
+@motion
 def test_motion(generator: str, name: str) -> None:
     samples = grid(generator)
     want = samples.exact(name)
@@ -286,7 +295,7 @@ def test_motion(generator: str, name: str) -> None:
 
 
 @generators
-@pytest.mark.parametrize("name", MOTION)
+@motion
 def test_faithful_motion(generator: str, name: str) -> None:
     samples = grid(generator)
     want = samples.exact(name)
@@ -301,7 +310,7 @@ def test_faithful_motion(generator: str, name: str) -> None:
 
 
 @generators
-@pytest.mark.parametrize("name", MOTION)
+@motion
 def test_single_precision_keeps_its_tolerance(generator: str, name: str) -> None:
     samples = grid(generator)
     bends = np.array(samples.bends)
@@ -438,9 +447,10 @@ class Chains:
 
 def chains(kind: str, n: int) -> Chains:
     rng = np.random.default_rng([n, *kind.encode()])
-    shape = (150, n)
-    twists = rng.uniform(-math.pi, math.pi, (150, n - 1))
-    phases = rng.uniform(-math.pi, math.pi, (150, n - 1))
+    count = tiers.part(150)
+    shape = (count, n)
+    twists = rng.uniform(-math.pi, math.pi, (count, n - 1))
+    phases = rng.uniform(-math.pi, math.pi, (count, n - 1))
     match kind:
         case "any":
             bends = rng.uniform(0, 1.2, shape)
@@ -450,7 +460,7 @@ def chains(kind: str, n: int) -> Chains:
             bends = 10 ** rng.uniform(-9, -2, shape)
         case "compensated":
             # The exact equivalent joint has a k of 1e-16 or less for an even number of joints.
-            bends = np.repeat(rng.uniform(0, 1.2, (150, 1)), n, axis=1)
+            bends = np.repeat(rng.uniform(0, 1.2, (count, 1)), n, axis=1)
             phases = np.where(rng.random(twists.shape) < 0.5, twists, twists - math.pi)
             phases = np.where(np.abs(phases) > math.pi, phases + 2 * math.pi, phases)
         case _:

@@ -15,9 +15,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
+import tiers
 from cardan import BallJoint, Driveline, Load, Sweep, TorsionalSystem, optimise
 
-few = settings(max_examples=20)
+few = settings(max_examples=tiers.part(20))
 powers = st.integers(-8, 8).map(lambda n: 2.0**n)
 angles = np.linspace(-2.0, 7.0, 41)
 same = np.testing.assert_array_equal
@@ -141,7 +142,7 @@ def test_tolerances_bound_each_other(line: Driveline, size: float, seed: int) ->
         assert one.quantile(1.0)[name] == np.max(one.sampled[name])
 
 
-@settings(max_examples=8)
+@settings(max_examples=tiers.part(8))
 @given(st.floats(0.1, 0.6), st.floats(0.1, 0.6), st.floats(-3.0, 3.0), st.floats(-2.0, 2.0))
 def test_a_search_is_never_worse_than_its_start(
     first: float, second: float, twist: float, start: float

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import tiers
 from cardan import Driveline, Load, Result, Sweep
 from limits import OUTPUTS, TABLE
 from oracle import Doubles, Exact, ExactJoint, ExactTurn, mp
@@ -106,7 +107,7 @@ WAYS: dict[str, Callable[[np.random.Generator, Driveline], Driveline]] = {
 @pytest.mark.parametrize("way", WAYS)
 def test_ordinary_bends(way: str, n: int) -> None:
     rng = np.random.default_rng([n, *way.encode()])
-    for _ in range(40):
+    for _ in range(tiers.part(40)):
         line = WAYS[way](rng, spatial(rng, rng.uniform(0, math.radians(60), n)))
         judge(line, rng.uniform(-4, 4, 5).tolist(), loads(rng, n))
 
@@ -115,7 +116,7 @@ def test_ordinary_bends(way: str, n: int) -> None:
 @pytest.mark.parametrize("steepest", [85.0, 89.0, 89.9])
 def test_steep_bends(steepest: float, n: int) -> None:
     rng = np.random.default_rng([n, int(10 * steepest)])
-    for _ in range(20):
+    for _ in range(tiers.part(20)):
         bends = rng.uniform(0, math.radians(60), n)
         bends[rng.integers(n)] = math.radians(steepest)
         judge(spatial(rng, bends), rng.uniform(-4, 4, 4).tolist(), loads(rng, n))

@@ -67,6 +67,26 @@ def test_yokes_that_are_set_as_well_as_can_be_stay() -> None:
     np.testing.assert_allclose(first.optimal_phases(states=0), first.phases[0], atol=1e-7)
 
 
+def test_of_two_settings_that_are_as_good_the_yokes_turn_to_the_nearer_one() -> None:
+    """Shafts that all turn the other way from phase - twist = 90° run as uniformly."""
+    rng = np.random.default_rng(6)
+    twists = np.array([0.4, -0.9])
+    best = rng.uniform(0.2, 0.25, 3)
+    chosen = []
+    for present in rng.uniform(-3.0, 3.0, (12, 2)):
+        line = Driveline.from_bends([best], [twists], present)
+        found = line.optimal_phases(states=0)
+        mirrored = 2.0 * twists - np.pi - found
+        both = [mean_square(line, phases) for phases in (found, mirrored)]
+        assert max(both) < 1e-16
+        turned = np.array([found, mirrored]) - present
+        turned -= np.pi * np.round(turned / np.pi)
+        own, other = np.linalg.norm(turned, axis=-1)
+        assert own < other
+        chosen.append(found)
+    assert np.ptp(np.exp(2j * np.array(chosen)).imag, axis=0).min() > 0.1
+
+
 def test_a_state_of_weight_zero_does_not_count() -> None:
     line = states_of(np.random.default_rng(3), 3, 4)
     found = line.optimal_phases(states=0, weights=[1.0, 0.0, 2.0, 1.0])

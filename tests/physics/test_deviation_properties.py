@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from numpy.typing import NDArray
 
+import tiers
 from cardan import Driveline, Load, Sweep
 
-few = settings(max_examples=25)
+few = settings(max_examples=tiers.part(25))
 turn = 2.0 * np.pi * np.arange(48) / 48
 powers = st.integers(-6, 6).map(lambda n: 2.0**n)
 same = np.testing.assert_array_equal
@@ -116,7 +117,7 @@ def test_wind_up_is_torque_over_stiffness(
     assert np.all(one > 0.0)
 
 
-@settings(max_examples=10)
+@settings(max_examples=tiers.part(10))
 @given(lines(), st.lists(st.floats(0.0, 0.02), min_size=3, max_size=3), st.integers(0, 99))
 def test_no_random_driveline_is_worse_than_the_worst(
     line: Driveline, halves: list[float], seed: int

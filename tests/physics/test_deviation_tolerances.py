@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from cardan import ArgumentValueError, Driveline, Load, Sweep
 from cardan.order_quantities import farthest_signs, order_amplitude
 from cardan.tolerances import JOINT_GROUPS
+from cardan.tolerances.permitted import _root
 from deviation_oracle import LeaningChain, LeaningJoint
 
 BENDS, TWISTS, PHASES = [0.2, 0.35], [0.4], [1.0]
@@ -223,6 +224,17 @@ def test_permitted_tolerances_reach_the_limit() -> None:
     assert again.worst == pytest.approx(300.0, rel=1e-9)
 
 
+def test_a_figure_that_is_infinite_from_somewhere_on_has_its_last_number() -> None:
+    for blocked in (0.3, 1.0, 139.0):
+
+        def excess(factor: float, end: float = blocked) -> float:
+            return -1.0 if factor < end else np.inf
+
+        found = _root(excess)
+        assert blocked * 0.999 <= found < blocked
+
+
+@pytest.mark.long
 def test_where_joints_block_before_a_limit_the_permitted_tolerances_end() -> None:
     bend, half = np.radians(10.0), 0.01
     line = Driveline.from_bends([bend])

@@ -486,6 +486,28 @@ def test_the_lash_of_a_chain_is_that_of_its_vectors() -> None:
     np.testing.assert_allclose(batched[:, 3], batch()[3].lash(angles, play, arm), rtol=1e-13)
 
 
+def test_inertias_wind_up_the_joints_before_them_alone() -> None:
+    """Joint by joint: its moment over its stiffness, passed on by the ratio of what follows."""
+    angle, stiffness = np.linspace(0.0, 3.0, 13), np.array([1e5, 3e5, 2e5])
+    bends = np.cos(IDEAL.bends)
+    for shaft in range(4):
+        inertias = 0.2 * np.eye(4)[shaft]
+        load = Load(output_torque=0.0, speed=100.0, inertias=inertias)
+        ratio, acceleration = (
+            IDEAL.evaluate(angle, name, shafts=slice(None))[name]
+            for name in ("speed_ratio", "acceleration_ratio")
+        )
+        torque = 0.2 * acceleration[shaft] * 100.0**2
+        # By the power that every joint passes on to the shaft.
+        each = [
+            torque * ratio[shaft] / ratio[joint] / (stiffness[joint] * bends[joint])
+            for joint in range(shaft)
+        ]
+        lag = sum(own * ratio[3] / ratio[joint + 1] for joint, own in enumerate(each))
+        found = IDEAL.wind_up(angle, load, stiffness)
+        np.testing.assert_allclose(found, lag, rtol=1e-9, atol=1e-17)
+
+
 def test_wind_up_is_the_deviation_that_the_moment_makes() -> None:
     """The cross error of every joint is its moment over the stiffness, to first order."""
     load, stiffness = Load(drive_torque=3.0), np.array([1e5, 3e5, 2e5])

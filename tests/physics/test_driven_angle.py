@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep
@@ -97,6 +97,8 @@ def test_outputs_are_those_at_the_drive_angles() -> None:
     st.lists(st.floats(-4.0, 4.0), min_size=6, max_size=6),
     st.floats(-100.0, 100.0),
 )
+@example(bends=[0.0, 1.4e-45], between=[1.0, 0.0, 0.0, 0.0, 0.0, 0.0], angle=1.0)
+@example(bends=[1.4e-45, 0.0], between=[0.5 * math.pi, 0.0, 0.0, 0.5, 0.0, 0.0], angle=0.0)
 def test_there_and_back(bends: list[float], between: list[float], angle: float) -> None:
     n = len(bends)
     line = Driveline.from_bends(bends, between[: n - 1], between[3 : n + 2])

@@ -15,7 +15,7 @@ import pytest
 
 from cardan import Driveline, Load, Sweep
 from deviation_oracle import LeaningFrames
-from equilibrium import BearingPlace, assignments, forces, system
+from equilibrium import BearingPlace, assignments, forces, solved, system
 from limits import TABLE
 from oracle import Doubles, Exact, ExactTurn, mp, read
 from vectors import ExactLoads, Frames
@@ -171,8 +171,8 @@ def exact(
     lengths = [mp.mpf(x) for x in line._geometry.lengths.tolist()]
     places = [(shaft, mp.mpf(at)) for shaft, at in bearings]
     rows, right = system(frames.directions, lengths, loads.moment, places, way)
-    solved = list(mp.lu_solve(mp.matrix(rows), mp.matrix(right)))
-    both = [solved[i : i + 3] for i in range(0, len(solved), 3)]
+    found = solved(rows, right)
+    both = [found[i : i + 3] for i in range(0, len(found), 3)]
     return {"bearing_force": both[: len(bearings)], "joint_force": both[len(bearings) :]}
 
 

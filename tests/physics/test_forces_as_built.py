@@ -42,11 +42,6 @@ def leaning(rng: np.random.Generator, line: Driveline, most: float = 0.05) -> Dr
     return line.with_deviations(*(rng.uniform(-1.0, 1.0, (3, line.n_joints)) * room))
 
 
-def loads_of(line: Driveline, angle: float, load: dict[str, Any]) -> ExactLoads:
-    """What the pins transmit at an angle, with 60 digits."""
-    return ExactLoads.of(LeaningFrames.of(line), ExactTurn.by(angle), **load)
-
-
 DETERMINATE: list[tuple[int, ...]] = [
     counts
     for n in (1, 2, 3)
@@ -64,7 +59,8 @@ def test_every_arrangement_is_in_equilibrium(counts: tuple[int, ...]) -> None:
     (way,) = assignments(n, counts)
     angle = float(rng.uniform(-4.0, 4.0))
     got = built.evaluate([angle], FORCES, load=Load(**load), tolerance=rng.choice([0.0, 1e-15]))
-    moments = np.array(loads_of(built, angle, load).moment, float)
+    exact_loads = ExactLoads.of(LeaningFrames.of(built), ExactTurn.by(angle), **load)
+    moments = np.array(exact_loads.moment, float)
     of_bearings, of_joints = forces(line.directions, line._geometry.lengths, moments, bearings, way)
     size = max(np.abs(of_joints).max(), np.abs(of_bearings).max())
     np.testing.assert_allclose(got.bearing_force[:, 0], of_bearings, rtol=0, atol=1e-12 * size)
@@ -93,15 +89,17 @@ def errors(
     of_forces = max(float(np.max(peaks[name])) for name in names)
     largest = max(float(np.max(peaks[name])) for name in bending)
     terms = largest / shortest_span(line, bearings, way)
+    frames, wanted = LeaningFrames.of(line), []
+    for angle in angles.tolist():
+        loads = ExactLoads.of(frames, ExactTurn.by(angle), **load)
+        wanted.append(exact(line, frames, loads, bearings, way))
     found: dict[str, list[float]] = {name: [] for name in names}
     for tolerance, size in ((0.0, of_forces), (None, max(of_forces, terms))):
         got = line.evaluate(angles, names, load=Load(**load), tolerance=tolerance)
         unit, worst = np.spacing(size), dict.fromkeys(names, 0.0)
-        for sample, angle in enumerate(angles.tolist()):
-            frames, loads = LeaningFrames.of(line), loads_of(line, angle, load)
-            wanted = exact(line, frames, loads, bearings, way)
+        for sample, at in enumerate(wanted):
             for name in names:
-                for vector, own in zip(got[name][:, sample], wanted[name], strict=True):
+                for vector, own in zip(got[name][:, sample], at[name], strict=True):
                     off = Exact.of(own).distance(vector).max() / unit
                     worst[name] = max(worst[name], float(off))
         for name in names:

@@ -79,6 +79,25 @@ def test_chains_with_inertias_are_as_sums_of_vectors() -> None:
     assert found.decisive == int(np.argmin(found.hours))
 
 
+def test_the_inertia_of_a_driving_shaft_does_not_load_the_joint_behind_it() -> None:
+    line = cardan.Driveline.from_bends([25.0, 25.0], phases=[30.0], degrees=True)
+    of: dict[str, Any] = {"output_torque": 100.0, "speed_rpm": 1500.0}
+    light = line.life(cardan.Load(**of), rating=1000.0)
+    heavy = line.life(cardan.Load(**of, inertias=[0.0, 0.2, 0.0]), rating=1000.0)
+    assert heavy.catalogue[1] == pytest.approx(light.catalogue[1], rel=1e-9)
+    assert heavy.hours[1] == pytest.approx(light.hours[1], rel=1e-9)
+    # The joint before it accelerates it.
+    assert heavy.catalogue[0] < 0.1 * light.catalogue[0]
+    angle = np.linspace(0.0, 2.0 * math.pi, 20_001)
+    run = line.life(cardan.Load(**of, inertias=[0.0, 0.2, 0.0]), rating=1000.0, angle=angle)
+    assert run.catalogue == pytest.approx(heavy.catalogue, rel=1e-5)
+    # The mean of one joint's speed ratio is 1.
+    alone = cardan.Driveline.from_bends([25.0], degrees=True)
+    for inertias in (None, [0.3, 0.0]):
+        found = alone.life(cardan.Load(**of, inertias=inertias), rating=1000.0)
+        assert found.catalogue[0] == pytest.approx(law(25.0, 1500.0, 100.0, 1000.0), rel=1e-9)
+
+
 def test_inertias_of_their_own_have_lives_of_their_own() -> None:
     line = cardan.Driveline.from_bends([12.0, 8.0], degrees=True)
     of: dict[str, Any] = {"output_torque": 60.0, "speed_rpm": 900.0}
@@ -148,6 +167,19 @@ def test_a_run_at_a_constant_load_is_as_its_turn() -> None:
     assert run.catalogue == pytest.approx(whole.catalogue, rel=1e-6)
     back = line.life(load, rating=[1e3, 2e3], angle=angles[::-1])
     assert back.hours == pytest.approx(run.hours, rel=1e-12)
+
+
+def test_part_of_a_turn_swings_the_pins_of_both_yokes_by_their_tilts() -> None:
+    beta, turned = math.radians(40.0), 0.6
+    driving = math.atan(math.tan(beta) * math.sin(turned))
+    driven = beta - math.asin(math.sin(beta) * math.cos(turned))
+    assert driving > 3.0 * driven
+    line = cardan.Driveline.from_bends([beta])
+    load = cardan.Load(drive_torque=300.0, speed_rpm=900.0)
+    found = line.life(load, rating=2000.0, angle=np.linspace(0.0, turned, 20_001))
+    # Pins that go on at this rate swing four times by this bend in a turn.
+    bend = math.degrees(0.5 * math.pi * 0.5 * (driving + driven) / turned)
+    assert found.catalogue[0] == pytest.approx(law(bend, 900.0, 300.0, 2000.0), rel=1e-7)
 
 
 def test_a_torque_that_varies_within_the_turn() -> None:

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import cardan
+import tiers
 from cardan import ArgumentTypeError, ArgumentValueError, Driveline, Load
 from cardan.optimisation.local import _Program
 from cardan.optimisation.measures import QuantityLike, measure_of
@@ -272,7 +273,7 @@ def test_a_kept_quantity_is_at_its_limit() -> None:
     (active,) = (found for found in best.active if found.kind == "keep")
     assert (active.quantity, active.variable) == ("inertia_excitation", None)
     assert active.limit == pytest.approx(limit)
-    points = grid(33, 36, 36)
+    points = grid(tiers.part(33), 36, 36)
     lines = truck(points)
     kept = np.max(excitation_of(lines), axis=-1) <= limit
     assert best.value <= np.min(largest(points)[kept])

@@ -173,6 +173,20 @@ def test_nothing_to_phase(bends: list[float]) -> None:
     assert line.optimal_phases().tolist() == line.phases.tolist()
 
 
+@pytest.mark.parametrize("twist", [1e17, 1e300, 1.79e308, -1.79e308])
+def test_whole_turns_of_a_twist_change_no_phase(twist: float) -> None:
+    bends, angle = [0.3, 0.4, 0.35], math.atan2(math.sin(twist), math.cos(twist))
+    best, plain = (Driveline.from_bends(bends, t).optimal_phases() for t in (twist, angle))
+    np.testing.assert_allclose(best, plain, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("twist", [0.0, 0.5, math.pi / 2])
+def test_what_compensates_exactly_has_no_negative_equivalent(twist: float) -> None:
+    bends = np.radians([45.0, 35.264389682754654, 54.735610317245346])
+    line = Driveline.from_bends(bends, twist)
+    assert 0.0 <= line.with_phases(line.optimal_phases()).equivalent().k < 1e-15
+
+
 def test_batches_give_what_single_drivelines_give() -> None:
     random = np.random.default_rng(1)
     bends = random.uniform(0, 0.6, (50, 50, 4)) * (random.random((50, 50, 4)) > 0.2)

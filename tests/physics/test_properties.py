@@ -15,13 +15,14 @@ import hypothesis.strategies as st
 import numpy as np
 from hypothesis import given, settings
 
+import tiers
 from cardan import Driveline, Load, Sweep
 from oracle import EPS, Doubles
 
 ANGLE = np.concatenate([np.linspace(-3.0, 9.0, 61), np.pi / 2 + 10.0 ** np.arange(-9.0, 0)])
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 
-few = settings(max_examples=40)
+few = settings(max_examples=tiers.part(40))
 
 
 @st.composite
@@ -287,7 +288,7 @@ def test_every_path_gives_the_same_bits(line: Driveline, tolerance: float | None
         assert np.all(np.abs(samples[name] - want[name][1]) <= size + ulp), name
 
 
-@settings(max_examples=10)
+@settings(max_examples=tiers.part(10))
 @given(lines(), st.integers(2, 4))
 def test_threads_share_the_samples(line: Driveline, workers: int) -> None:
     names = ("angle", "acceleration_ratio", "moment")
@@ -344,7 +345,7 @@ REDUCED: dict[Any, Callable[[Doubles], Any]] = {
 }
 
 
-@settings(max_examples=100)
+@settings(max_examples=tiers.part(100))
 @given(
     lines(),
     sweeps(1e11),

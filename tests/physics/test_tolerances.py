@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import cardan
+import tiers
 from cardan import Driveline, Load, Sweep, installed
 from cardan.tolerances import deviating
 from cardan.tolerances.box import boxes
@@ -152,7 +153,7 @@ def test_many_parameters_are_linear_and_say_so() -> None:
 
 
 @given(st.integers(1, 9), st.integers(0, 1 << 30))
-@settings(max_examples=60)
+@settings(max_examples=tiers.part(60))
 def test_the_farthest_vertex_of_a_zonotope(count: int, seed: int) -> None:
     random = np.random.default_rng(seed)
     parts = random.normal(size=count) + 1j * random.normal(size=count) * random.integers(0, 2)
@@ -408,7 +409,7 @@ def toleranced(draw: st.DrawFn) -> tuple[Driveline, dict[str, Any]]:
 
 
 @given(toleranced())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=tiers.part(60))
 def test_bounds_are_in_order(case: tuple[Driveline, dict[str, Any]]) -> None:
     line, tolerances = case
     of = BEND_FIGURES + (INERTIA_FIGURES if line.n_joints > 1 else ())

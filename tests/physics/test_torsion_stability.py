@@ -9,6 +9,7 @@ import pytest
 from numpy.typing import NDArray
 
 import cardan
+from cardan.figures.torsion_stability import unstable_regions
 from runge_kutta import half_turn
 
 INF = float("inf")
@@ -61,6 +62,23 @@ def test_a_compensated_shaft_obeys_hills_equation(bend: float) -> None:
         around = np.array([low - gap, low + 0.1 * gap, high - 0.1 * gap, high + gap])
         stable = system.stability(NATURAL / np.sqrt(around)).stable
         assert stable.tolist() == [True, False, False, True]
+
+
+def test_a_region_at_half_the_natural_frequency_is_found_between_the_speeds_given() -> None:
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([10.0, 40.0], phases=[45.0], degrees=True),
+        inertias=[[0.0, 0.0], [0.0, 0.0], [0.0, INERTIA]],
+        stiffnesses=[INF, STIFFNESS, INF],
+    )
+    (natural,) = system.natural_frequencies()
+    given = float(natural) * np.array([0.45, 0.55])
+    (region,) = unstable_regions(system, given, [natural])
+    every = np.linspace(given[0], given[1], 401)
+    unstable = every[~system.stability(every).stable]
+    step = every[1] - every[0]
+    assert region.start == pytest.approx(unstable[0], abs=step)
+    assert region.stop == pytest.approx(unstable[-1], abs=step)
+    assert np.ptp(unstable) > 2.0 * step
 
 
 def test_the_equation_about_rigid_rotation_is_whittakers_and_hills() -> None:

@@ -245,6 +245,17 @@ def test_a_motion_goes_on_where_another_ends(inertia: float) -> None:
     assert second.drive_angle == pytest.approx(whole.drive_angle[1:], rel=1e-9)
 
 
+@pytest.mark.parametrize(("before", "after"), [(INF, 0.4), (0.4, INF)])
+def test_a_motion_goes_on_with_another_drive(before: float, after: float) -> None:
+    system = system_of()
+    first = system.transient([0.0, 0.02], speed=80.0, drive_inertia=before)
+    speed = float(first.drive_speed[-1])
+    second = system.transient([0.02, 0.04], speed=speed, drive_inertia=after, start=first)
+    for name in ("drive_angle", "drive_speed", "angle_error", "speed", "torque"):
+        end, start = getattr(first, name)[..., -1], getattr(second, name)[..., 0]
+        assert start == pytest.approx(end, rel=1e-9, abs=1e-12), name
+
+
 def test_the_motion_between_the_samples() -> None:
     found = system_of().transient(np.linspace(0.0, 0.05, 6), speed=90.0, breaks=[0.013, 0.04])
     again = found.at(found.time)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import click
 import numpy as np
 
-from cardan.command import ball_joint, in_service
+from cardan.command.options import json_option, scene_argument
 from cardan.command.terminal import (
     as_json_text,
     progress_bar,
@@ -17,13 +18,21 @@ from cardan.figures.advice import scene_advice
 from cardan.figures.as_built import as_built_orders
 from cardan.figures.backlash import scene_backlash
 from cardan.figures.drive_speed import drive_speed
-from cardan.figures.limits import check_data, check_scene, parts_beyond, passes
+from cardan.figures.life import life_figures
+from cardan.figures.limits import (
+    ball_joint_check_data,
+    check_data,
+    check_scene,
+    parts_beyond,
+    passes,
+)
 from cardan.figures.slides import scene_slides
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of, verdicts
 from cardan.figures.steering import steering_figures
 from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion_modes import torsion_basics
+from cardan.figures.tubes import tube_figures
 from cardan.scene import load_scene
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene
@@ -33,6 +42,7 @@ from cardan.words.backlash import backlash_text
 from cardan.words.ball_joint import ball_joint_text
 from cardan.words.drive_speed import drive_speed_text
 from cardan.words.forces import forces_text
+from cardan.words.life import life_remedies, life_verdict_text, tubes_text
 from cardan.words.limits import check_text
 from cardan.words.slides import slides_text
 from cardan.words.slip import slip_text
@@ -42,20 +52,40 @@ from cardan.words.tolerances import tolerance_verdicts_text
 from cardan.words.torsion import torsion_check_text
 
 
-def run(path: Path, *, as_json: bool) -> int:
-    """Check a scene against its limits, print the findings and return the exit status.
+@click.command()
+@scene_argument
+@json_option
+def command(scene: Path, as_json: bool) -> int:
+    """Compare a scene with the limits of driveshaft catalogues and of practice.
 
-    Args:
-        path: the scene.
-        as_json: whether to print JSON.
+    By default the only limit is that of the catalogues: an equivalent bend of 3 deg. The section
+    [limits] of the scene adds the limits of a kind of machine (preset = "truck" or "industrial") or
+    your own figures, and each limit is printed with its source. With a speed given, the excitation
+    by the last shaft and by the shafts between two joints is printed as well.
+
+    A figure is within its limit, tolerable (above the limit but not above the maximum) or beyond.
+    The exit status is 0 for within and tolerable, and 1 for beyond. Splines, steering, joints,
+    tubes and ball joints that exceed what the scene permits count as beyond; they are listed below
+    the verdict. In a study every driveline counts, and each figure is the worst of them, with its
+    place.
+
+    \b
+    Examples:
+      cardan check shaft.toml
+      cardan check shaft.toml --json
     """
-    loaded = load_scene(path)
+    loaded = load_scene(scene)
     if isinstance(loaded, BallJointScene):
-        return ball_joint.check(loaded, as_json=as_json)
+        say(
+            as_json_text(ball_joint_check_data(loaded))
+            if as_json
+            else ball_joint_text(loaded.ball_joint)
+        )
+        return 0 if passes(loaded) else 1
     with progress_bar() as progress:
         found = check_scene(loaded, progress)
     advised = scene_advice(loaded)
-    sentences = [*(remedies(advised) if advised else []), *in_service.remedies(loaded)]
+    sentences = [*(remedies(advised) if advised else []), *_life_remedies(loaded)]
     say(
         as_json_text(check_data(loaded, found, sentences))
         if as_json
@@ -66,6 +96,11 @@ def run(path: Path, *, as_json: bool) -> int:
     for words in () if as_json else _further(loaded):
         say(f"\n{words}")
     return 0 if np.all(found.passes) and passes(loaded) else 1
+
+
+def _life_remedies(scene: Scene) -> list[str]:
+    life = life_figures(scene)
+    return life_remedies(life) if life and not life.passes else []
 
 
 def _further(scene: Scene) -> Iterator[str]:
@@ -86,7 +121,10 @@ def _further(scene: Scene) -> Iterator[str]:
         yield steering_text(steered)
     if toleranced := tolerance_figures(scene):
         yield f"Tolerances\n{tolerance_verdicts_text(toleranced)}"
-    yield from in_service.verdicts(scene)
+    if life := life_figures(scene):
+        yield life_verdict_text(life)
+    if tubes := tube_figures(scene):
+        yield tubes_text(tubes)
     if (compliant := torsion_basics(scene)) and (advised := torsion_check_text(compliant)):
         yield advised
     if scene.ball_joint:

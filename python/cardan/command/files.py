@@ -1,4 +1,4 @@
-"""The files that the command writes for a scene."""
+"""The files that the command writes for a scene; the pictures are imported to be drawn."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from cardan import report
 from cardan.arrays import import_optional
 from cardan.command.terminal import progress_bar
 from cardan.files import pictures
 from cardan.files.whole_file import check_writable
-from cardan.plots import write_picture
-from cardan.plots.ball_joint import write_ball_joint_picture
-from cardan.plots.style import matplotlib
 from cardan.scene import cluster
+from cardan.scene.ball_joint import BallJointCase
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.curves import write_curves, write_study
 from cardan.scene.errors import SceneError
@@ -36,11 +33,21 @@ def write_files(result: SceneResult, into: Path, radians: bool) -> Iterator[dict
         yield {"file": str(path), "rows": rows}
     if scene.picture_file:
         path = into / scene.picture_file
+        from cardan.plots import write_picture
+
         write_picture(result, path)
         yield {"file": str(path)}
-    if scene.ball_joint and scene.ball_joint.picture_file:
-        path = into / scene.ball_joint.picture_file
-        write_ball_joint_picture(scene.ball_joint, path, scene.title)
+    if scene.ball_joint:
+        yield from write_ball_joint(scene.ball_joint, into, scene.title)
+
+
+def write_ball_joint(case: BallJointCase, into: Path, title: str) -> Iterator[dict[str, Any]]:
+    """Write the picture of a ball joint if the scene names one; yield its path."""
+    if case.picture_file:
+        from cardan.plots.ball_joint import write_ball_joint_picture
+
+        path = into / case.picture_file
+        write_ball_joint_picture(case, path, title)
         yield {"file": str(path)}
 
 
@@ -119,12 +126,12 @@ def check_output(scene: Scene | BallJointScene, path: Path) -> None:
     check_picture(path)
     if path.suffix == ".parquet":
         import_optional("pyarrow", "table")
-    if path.suffix in report.SUFFIXES:
-        import_optional("jinja2", "app")
 
 
 def check_picture(path: Path) -> None:
     """Refuse a file that cannot be written, and a picture without what draws it."""
     check_writable(path)
     if path.suffix in pictures.SUFFIXES:
+        from cardan.plots.style import matplotlib
+
         matplotlib()

@@ -5,7 +5,10 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
+import click
+
 from cardan.command.files import check_output
+from cardan.command.options import file_option, json_option, scene_argument
 from cardan.command.terminal import as_json_text, say
 from cardan.figures.optimise import optimise_data, optimised
 from cardan.files.whole_file import check_writable, whole_file
@@ -17,30 +20,44 @@ from cardan.scene.scene import Scene
 from cardan.words.optimise import optimise_text
 
 
-def run(path: Path, to: Path | None, picture: Path | None, *, as_json: bool) -> None:
-    """Optimise a scene, print the answer and write the scene with the values found.
+@click.command()
+@scene_argument
+@file_option("--to", "Scene to write; default: NAME.optimised.toml in the folder of the scene.")
+@file_option(
+    "--picture",
+    "Also draw the quantity over each variable and each state, before and after.",
+)
+@json_option
+def command(scene: Path, to: Path | None, picture: Path | None, as_json: bool) -> None:
+    """Find the best values of what a scene lets change, over all its states.
 
-    Args:
-        path: the scene.
-        to: the scene to write; ``None`` for the name of the scene with
-            ``.optimised.toml``, in its folder.
-        picture: a picture to write, if any.
-        as_json: whether to print JSON.
+    The section [optimise] names the keys that may change, how far, what to minimise and which
+    limits other quantities must keep. The answer says what to change, the figures of each state
+    before and after, and what limits the result. The values found go into a new scene in the same
+    folder, NAME.optimised.toml. The scene itself is never overwritten.
+
+    \b
+    Examples:
+      cardan optimise shaft.toml
+      cardan optimise shaft.toml --to better.toml
+      cardan optimise shaft.toml --json
+
+    It needs SciPy: pip install 'cardan[optimise]'.
     """
-    text = read_text(path)
-    scene = Scene.parse(text, str(path), path.parent)
-    if scene.optimisation is None:
-        raise ValueError(f"{path}: section [optimise] is missing; it says what may change")
-    target = path.with_suffix(".optimised.toml") if to is None else to
-    _check_target(text, path, target)
+    text = read_text(scene)
+    loaded = Scene.parse(text, str(scene), scene.parent)
+    if loaded.optimisation is None:
+        raise ValueError(f"{scene}: section [optimise] is missing; it says what may change")
+    target = scene.with_suffix(".optimised.toml") if to is None else to
+    _check_target(text, scene, target)
     if picture:
-        check_output(scene, picture)
-    found = optimised(scene)
+        check_output(loaded, picture)
+    found = optimised(loaded)
     assert found
     try:
-        written = with_values(text, scene.optimisation.values_after(found.best.x))
+        written = with_values(text, loaded.optimisation.values_after(found.best.x))
     except ValueError as error:
-        raise SceneError.of(error, str(path), "driveline") from None
+        raise SceneError.of(error, str(scene), "driveline") from None
     files = [str(target)]
     with whole_file(target) as file:
         file.write(written.encode())

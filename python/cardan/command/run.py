@@ -6,16 +6,20 @@ from dataclasses import replace
 from itertools import chain
 from pathlib import Path
 
-from cardan.command import ball_joint
+import click
+
 from cardan.command.files import (
     check_folder,
     check_for_cluster,
     check_output,
+    check_picture,
     missing_of,
+    write_ball_joint,
     write_files,
     write_on_cluster,
     wrote,
 )
+from cardan.command.options import into_option, json_option, scene_argument, units_option
 from cardan.command.terminal import (
     as_json_text,
     progress_bar,
@@ -25,7 +29,7 @@ from cardan.command.terminal import (
 from cardan.figures.as_built import as_built_orders
 from cardan.figures.backlash import scene_backlash
 from cardan.figures.extremes import StudyTable
-from cardan.figures.run import run_data
+from cardan.figures.run import ball_joint_run_data, run_data
 from cardan.figures.slides import scene_slides
 from cardan.figures.slip import slip_figures
 from cardan.figures.states import forces_of
@@ -34,6 +38,7 @@ from cardan.figures.summary import drive_angles, summary
 from cardan.scene import load_scene
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.cluster import StudyFolder
+from cardan.scene.help_text import describe
 from cardan.scene.states import StatesResult
 from cardan.words.as_built import as_built_text
 from cardan.words.backlash import backlash_text
@@ -47,32 +52,58 @@ from cardan.words.steering import steering_text
 from cardan.words.study import study_text
 from cardan.words.summary import few_samples_text, summary_text
 
+# The mark keeps click from filling a paragraph.
+_KEYS = describe().replace("\n\n", "\n\n\b\n")
 
-def run(
-    path: Path,
+_EPILOG = f"""\
+SCENE is a TOML file with these sections and keys:
+
+\b
+{_KEYS}
+"""
+
+
+@click.command(epilog=_EPILOG)
+@scene_argument
+@into_option
+@click.option(
+    "--local", type=click.IntRange(1), metavar="N", help="Evaluate the study in N processes."
+)
+@click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Evaluate the study on this dask cluster.",
+)
+@units_option
+@json_option
+def command(
+    scene: Path,
     into: Path,
     local: int | None,
     scheduler: str | None,
-    *,
     radians: bool,
     as_json: bool,
 ) -> None:
-    """Evaluate a scene, print its figures and write its files.
+    """Evaluate a scene: print the main results, write curves, study and picture.
 
-    Args:
-        path: the scene.
-        into: folder of the files.
-        local: in how many processes to evaluate the study, if in any.
-        scheduler: the dask cluster on which to evaluate it, if on any.
-        radians: whether angles are in radians.
-        as_json: whether to print JSON.
+    \b
+    Examples:
+      cardan run shaft.toml
+      cardan run shaft.toml --radians --into .
+      cardan run shaft.toml --json
+
+    With "--local 8" or "--scheduler tcp://host:8786" a dask cluster does the study. The table must
+    then end in .parquet and becomes a folder of files. If the run stops, the same command resumes
+    it and computes no file twice.
+
+    A file appears complete or not at all.
     """
-    given = load_scene(path)
+    given = load_scene(scene)
     on_cluster = local is not None or scheduler is not None
     if isinstance(given, BallJointScene):
         if on_cluster:
             raise ValueError("a ball joint alone has no study to evaluate in processes")
-        ball_joint.run(given, into, radians=radians, as_json=as_json)
+        _run_ball_joint(given, into, radians=radians, as_json=as_json)
         return
     whole = loaded = given
     if on_cluster:
@@ -135,3 +166,17 @@ def run(
         say_before_files(wrote(**entry))
     if study and not result.study:
         say_before_files(f"\n{study_text(study, angles, radians=radians)}")
+
+
+def _run_ball_joint(scene: BallJointScene, into: Path, *, radians: bool, as_json: bool) -> None:
+    if scene.picture_file:
+        check_picture(into / scene.picture_file)
+    files = write_ball_joint(scene.ball_joint, into, scene.title)
+    if as_json:
+        say(as_json_text(ball_joint_run_data(scene, list(files), radians=radians)))
+        return
+    if scene.title:
+        say_before_files(f"{scene.title}\n")
+    say_before_files(ball_joint_text(scene.ball_joint, radians=radians))
+    for entry in files:
+        say_before_files(f"\n{wrote(**entry)}")

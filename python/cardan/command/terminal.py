@@ -9,9 +9,10 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from cardan.files.progress import Progress
+if TYPE_CHECKING:
+    from cardan.files.progress import Progress
 
 
 def as_json_text(data: Any) -> str:  # noqa: ANN401 - any plain data

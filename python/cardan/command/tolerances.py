@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import click
+
 from cardan.command.files import check_output
+from cardan.command.options import json_option, picture_as_well, scene_argument
 from cardan.command.terminal import say_answer
 from cardan.figures.tolerance_answers import tolerances_data
 from cardan.figures.tolerances import needed_tolerances, permitted_tolerances
@@ -13,15 +16,27 @@ from cardan.scene.scene import Scene
 from cardan.words.tolerances import tolerances_text
 
 
-def run(path: Path, output: Path | None, *, as_json: bool) -> None:
-    """Print what the tolerances of a scene do, and draw it if asked to.
+@click.command()
+@scene_argument
+@picture_as_well
+@json_option
+def command(scene: Path, output: Path | None, as_json: bool) -> None:
+    """Say what errors of manufacture and assembly make of a driveline.
 
-    Args:
-        path: the scene.
-        output: a picture to write, if any.
-        as_json: whether to print JSON.
+    The section [tolerances] of the scene says how exact bends, twists, yokes or points are.
+
+    The answer has the worst driveline, a guaranteed bound, quantiles of random drivelines, the
+    share within the limit, and the share of each joint, shaft or point in the scatter. It also says
+    how exact each group must be for every driveline to be within the limit, if there is one. The
+    exit status does not depend on the verdict.
+
+    \b
+    Examples:
+      cardan tolerances shaft.toml
+      cardan tolerances shaft.toml --output tolerances.svg
+      cardan tolerances shaft.toml --json
     """
-    loaded = Scene.load(path)
+    loaded = Scene.load(scene)
     found = needed_tolerances(loaded)
     tolerances = loaded.tolerances
     assert tolerances

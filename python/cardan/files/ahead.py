@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable
-from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import closing
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    from concurrent.futures import Future
 
 _Item = TypeVar("_Item")
 
@@ -15,6 +17,8 @@ def read_ahead(items: Generator[_Item]) -> Generator[_Item]:
 
     One item at most is ready ahead. The generator is closed with this one.
     """
+    from concurrent.futures import ThreadPoolExecutor
+
     # After the thread has ended, because a generator that runs cannot be closed.
     with closing(items), ThreadPoolExecutor(1, "cardan-read") as thread:
         coming = thread.submit(_next, items)
@@ -34,6 +38,8 @@ def write_behind(write: Callable[[_Item], None], items: Iterable[_Item]) -> Gene
 
     One item at most is being written. Close the generator to wait for it.
     """
+    from concurrent.futures import ThreadPoolExecutor
+
     with ThreadPoolExecutor(1, "cardan-write") as thread:
         writing: tuple[Future[None], _Item] | None = None
         for item in items:

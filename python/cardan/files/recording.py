@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 import os
-import zipfile
-import zlib
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from cardan.arrays import FloatArray, import_optional
 from cardan.files.delimited import line_of, read_csv
 from cardan.files.headings import place_of_column, short
-from cardan.files.mdf import read_mdf
 
 _Columns = list[FloatArray]
 # Columns of some rows, and the number of all rows.
@@ -207,54 +204,18 @@ def _of_arrow(table: Any, names: Sequence[str]) -> _Columns:  # noqa: ANN401 - o
     return columns
 
 
-# A RuntimeError is a flag of the archive that asks for what it does not have, as a password.
-_DAMAGED = (zipfile.BadZipFile, zlib.error, EOFError, OSError, RuntimeError)
-
-
 def _npz(path: str | PathLike[str], names: Sequence[str], rows: int | None, _: None) -> _Pieces:
-    with open(path, "rb") as source:
-        try:
-            _check_archive(source)
-            with np.load(source, allow_pickle=False) as file:
-                for name in names:
-                    place_of_column(name, file.files)
-                read = [_array(file, name) for name in names]
-        except _DAMAGED as error:
-            raise ValueError(f"not a readable NPZ file: {error}") from None
-    for name, column in zip(names, read, strict=True):
-        if column.ndim != 1 or column.dtype.kind not in "fiu":
-            raise ValueError(
-                f"column {name!r} has shape {column.shape} and dtype {column.dtype}; "
-                "it must hold numbers in one dimension"
-            )
-    total = max(map(len, read))
-    step = rows or max(1, total)
-    for first in range(0, max(1, total), step):
-        part = slice(first, first + step)
-        yield [column[part].astype(np.float64) for column in read], total
+    from cardan.files.npz import read_npz
+
+    return read_npz(path, names, rows)
 
 
-def _check_archive(source: IO[bytes]) -> None:
-    """Refuse what is no archive of arrays before NumPy takes it for a pickle."""
-    if source.read(6) == b"\x93NUMPY":
-        raise ValueError("one array without a name; a column needs one, as np.savez gives it")
-    if not zipfile.is_zipfile(source):
-        raise ValueError("not a readable NPZ file; np.savez writes one")
-    with zipfile.ZipFile(source) as archive:
-        # Whatever else an archive holds is none of a message's business.
-        if not all(name.endswith(".npy") for name in archive.namelist()):
-            raise ValueError("a ZIP file, but not one of arrays; np.savez writes one")
-    source.seek(0)
+def _mdf(
+    path: str | PathLike[str], names: Sequence[str], rows: int | None, raster_s: float | None
+) -> _Pieces:
+    from cardan.files.mdf import read_mdf
 
-
-def _array(file: Any, name: str) -> Any:  # noqa: ANN401 - an open NPZ file and an array of it
-    try:
-        return file[name]
-    except _DAMAGED:
-        raise
-    except ValueError:
-        # NumPy would advise to read pickles, which may run anything.
-        raise ValueError(f"column {name!r} holds objects; it must hold numbers") from None
+    return read_mdf(path, names, rows, raster_s)
 
 
 _Read = Callable[[str | PathLike[str], Sequence[str], int | None, Any], _Pieces]
@@ -263,8 +224,8 @@ SUFFIXES: Mapping[str, _Read] = {
     ".csv": read_csv,
     ".npz": _npz,
     ".parquet": _parquet,
-    ".mf4": read_mdf,
-    ".mdf": read_mdf,
+    ".mf4": _mdf,
+    ".mdf": _mdf,
 }
 """Formats of a file of recorded columns, by suffix, and what reads its columns in pieces."""
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import hashlib
 import os
-import secrets
 import sys
 import time
 from collections.abc import Iterator
@@ -48,7 +46,7 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
         # Renaming would put a file in the place of a device.
         raise OSError(errno.EINVAL, "Not a plain file", os.fspath(path))
     _remove_abandoned(target)
-    temporary = target.with_name(f"{_stem(target)}{secrets.token_hex(8)}.part")
+    temporary = target.with_name(f"{_stem(target)}{os.urandom(8).hex()}.part")
     try:
         with contextlib.ExitStack() as held:
             with open(temporary, "xb") as file:
@@ -69,6 +67,8 @@ def whole_file(path: str | PathLike[str]) -> Iterator[IO[bytes]]:
 
 def _stem(target: Path) -> str:
     """How the temporary names of a file begin: its own could be too long with more to it."""
+    import hashlib
+
     digest = hashlib.sha256(os.fsencode(target.name)).hexdigest()
     return f".cardan-{digest[:12]}-"
 

@@ -255,16 +255,16 @@ def _place(axis: Axis) -> tuple[Any, ...]:
 
 
 def optimisation_of(
-    given: Mapping[str, Any] | None,
+    given: Mapping[str, Any],
     layout: SceneLayout | None,
     states: States | None,
     load: Load | None,
     teeth: Sequence[int],
-) -> Optimisation | None:
-    """Return what the section [optimise] asks for; ``None`` without it.
+) -> Optimisation:
+    """Return what the section [optimise] asks for.
 
     Args:
-        given: its values by key, if the scene has it.
+        given: its values by key.
         layout: what the other sections say of the driveline; ``None`` if its bends were recorded.
         states: the states, if the scene has any.
         load: the load of the scene, if any.
@@ -275,8 +275,6 @@ def optimisation_of(
             of what a state changes, a range that leaves what its key may be, a quantity that the
             scene cannot have.
     """
-    if given is None:
-        return None
     if layout is None:
         raise ValueError("it does not go with recorded bends, which nothing can change")
     ranges: Mapping[str, tuple[float, float] | None] = given["vary"]

@@ -30,7 +30,6 @@ from cardan.scene.joint_deviations import (
     deviations_of,
 )
 from cardan.scene.layout import SceneLayout
-from cardan.scene.optimise import optimisation_of
 from cardan.scene.parts import (
     check_load,
     check_not_recorded,
@@ -167,10 +166,14 @@ def attributes_of(document: Document, folder: Path, angle: Angles | None) -> dic
     with document.within("torsion"):
         if "torsion" in given:
             torsion = torsion_of(given["torsion"], line, loaded.load, service.tubes)
+    optimisation = None
     with document.within("optimise"):
-        optimisation = optimisation_of(
-            given.get("optimise"), layout, states, loaded.load, described.teeth
-        )
+        if "optimise" in given:
+            from cardan.scene.optimise import optimisation_of
+
+            optimisation = optimisation_of(
+                given["optimise"], layout, states, loaded.load, described.teeth
+            )
     output, recorded = given.get("output", {}), given.get("angles", {})
     described_in = given.get("driveline", {})
     return {

@@ -8,7 +8,7 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from os import PathLike, fspath
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,7 +29,6 @@ from cardan.scene.document import Document, read_text
 from cardan.scene.errors import SceneError
 from cardan.scene.help_text import describe
 from cardan.scene.layout import SceneLayout
-from cardan.scene.optimise import Optimisation
 from cardan.scene.parts import (
     at_samples,
     largest_speed,
@@ -47,6 +46,9 @@ from cardan.scene.torsion import TorsionCase
 from cardan.scene.units import LengthUnit
 from cardan.sweep import Sweep
 from cardan.tolerances import Tolerances
+
+if TYPE_CHECKING:
+    from cardan.scene.optimise import Optimisation
 
 
 @dataclass(frozen=True, eq=False)

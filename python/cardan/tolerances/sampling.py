@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -55,6 +54,8 @@ def sample(
         for number in range(len(firsts)):
             fill(number)
         return
+    from concurrent.futures import ThreadPoolExecutor
+
     with ThreadPoolExecutor(many) as pool:
         for _ in pool.map(fill, range(len(firsts))):
             pass

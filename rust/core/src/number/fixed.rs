@@ -47,7 +47,7 @@ impl Fixed {
         self.0[self.words()] >> 63 == 1
     }
 
-    pub(crate) fn is_zero(&self) -> bool {
+    fn is_zero(&self) -> bool {
         self.0.iter().all(|&word| word == 0)
     }
 
@@ -187,10 +187,6 @@ impl FixedComplex {
     /// The digits of the larger part.
     pub(crate) fn digits(&self) -> i64 {
         self.re.digits().max(self.im.digits())
-    }
-
-    pub(crate) fn is_zero(&self) -> bool {
-        self.re.is_zero() && self.im.is_zero()
     }
 
     /// `eⁱˣ` of a sum of finite doubles, to within 2⁻⁶⁴ʷᵒʳᵈˢ or a little more.

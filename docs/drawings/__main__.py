@@ -1,0 +1,15 @@
+"""Draw conventions, mechanisms and machines: give ``python docs/drawings`` a folder to write to."""
+
+import sys
+from pathlib import Path
+
+import draw
+import machines
+import mechanisms
+
+folder = Path(sys.argv[1])
+folder.mkdir(parents=True, exist_ok=True)
+for drawing in (*draw.DRAWINGS, *mechanisms.DRAWINGS, *machines.DRAWINGS):
+    path = folder / f"{drawing.__name__.replace('_', '-')}.svg"
+    path.write_text(drawing().svg(), encoding="utf-8")
+    print(f"wrote {path.name}")

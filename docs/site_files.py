@@ -1,0 +1,68 @@
+"""Build hook of the documentation: the files beside its pages, which are made when it is built."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import cardan
+from cardan.command.terminal import as_json_text
+from cardan.figures.schema import answers_schema
+
+if TYPE_CHECKING:
+    from mkdocs.config.defaults import MkDocsConfig
+    from mkdocs.structure.files import Files
+
+ROOT = Path(__file__).parent.parent
+# The folders of pictures, each with the script that draws it.
+SCRIPTS = {"drawings": ROOT / "docs" / "drawings", "pictures": ROOT / "examples" / "pictures.py"}
+CACHE = ROOT / "build" / "drawn"
+
+
+def on_files(files: Files, *, config: MkDocsConfig) -> Files:
+    """Add what is drawn, the JSON Schemas and the pictures of the benches to the site."""
+    from mkdocs.structure.files import File
+
+    benches = {f"benches/{path.name}": path for path in (ROOT / "benches").glob("*.svg")}
+    for uri, path in (pictures() | benches).items():
+        files.append(File.generated(config, uri, abs_src_path=str(path)))
+    for uri, text in schemas().items():
+        files.append(File.generated(config, uri, content=text))
+    return files
+
+
+def schemas() -> dict[str, str]:
+    """Return what ``cardan schema`` prints, by address on the site."""
+    made = {"scene": cardan.Scene.schema(), "answers": answers_schema()}
+    return {f"{name}.schema.json": f"{as_json_text(schema)}\n" for name, schema in made.items()}
+
+
+def pictures() -> dict[str, Path]:
+    """Return the pictures by address on the site; draw those whose sources have changed."""
+    for name, script in SCRIPTS.items():
+        folder = CACHE / name
+        # Written last, so that a drawing that was interrupted begins again.
+        drawn_from, current = folder / "sources.sha256", sources(script)
+        if not drawn_from.exists() or drawn_from.read_text("utf-8") != current:
+            shutil.rmtree(folder, ignore_errors=True)
+            # A process of its own draws with the modules as they are now.
+            subprocess.run([sys.executable, str(script), str(folder)], check=True)
+            drawn_from.write_text(current, "utf-8")
+    return {path.relative_to(CACHE).as_posix(): path for path in CACHE.rglob("*.svg")}
+
+
+def sources(script: Path) -> str:
+    """Return a digest of what a script draws from: its folder, the package, matplotlib."""
+    digest = hashlib.sha256(version("matplotlib").encode())
+    beside = script if script.is_dir() else script.parent
+    for folder in (beside, Path(cardan.__file__).parent):
+        for path in sorted(folder.rglob("*")):
+            if path.is_file() and path.suffix != ".pyc":
+                digest.update(path.relative_to(folder).as_posix().encode())
+                digest.update(path.read_bytes())
+    return digest.hexdigest()
