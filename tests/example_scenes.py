@@ -73,7 +73,7 @@ class Answered:
     def data(self, command: str, *options: str) -> Any:  # noqa: ANN401 - JSON
         """The answer with ``--json``; `run` draws no picture for it."""
         into = ("--into", self._kept) if command == "run" else ()
-        with mock.patch("cardan.command.files.write_picture"):
+        with mock.patch("cardan.plots.write_picture"):
             return json.loads(self._printed(command, "--json", *options, *into).text)
 
     @property

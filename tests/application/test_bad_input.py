@@ -213,7 +213,14 @@ def writing_a_table(folder: Path) -> Iterator[subprocess.Popen[str]]:
 @posix
 @signals
 @pytest.mark.parametrize("old", [True, pytest.param(False, marks=pytest.mark.long)])
-@pytest.mark.parametrize(("number", "status"), [("SIGINT", 130), ("SIGTERM", -15), ("SIGHUP", -1)])
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [
+        ("SIGINT", 130),
+        ("SIGTERM", -15),
+        pytest.param("SIGHUP", -1, marks=pytest.mark.long),
+    ],
+)
 def test_interrupt_while_a_table_is_written(
     folder: Path, old: bool, number: str, status: int
 ) -> None:

@@ -25,6 +25,10 @@ from cardan.scene.starters import STARTERS
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(DOCS.rglob("*.md"))
+LONG_PAGES = {"cluster.md", "rumble.md", "torsion.md"} | {
+    page.name for page in (DOCS / "machines").glob("*.md")
+}
+"""Pages whose snippets compute for more than two seconds."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,17 @@ def _command(line: str) -> str:
     return result.output
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(
+            page,
+            id=str(page.relative_to(DOCS)),
+            marks=pytest.mark.long if page.name in LONG_PAGES else (),
+        )
+        for page in PAGES
+    ],
+)
 def test_snippets(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "examples").symlink_to(ROOT / "examples")

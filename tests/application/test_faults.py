@@ -181,6 +181,7 @@ def recording(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 @needs_proc
 @signals
 @pytest.mark.parametrize(
@@ -192,6 +193,7 @@ def test_a_signal_while_it_identifies(recording: Path, number: str, status: int)
     assert interrupted(arguments, number) == (status, "", "")
 
 
+@pytest.mark.long
 @memory
 def test_a_recording_that_does_not_fit_into_memory(recording: Path) -> None:
     import resource

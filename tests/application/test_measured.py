@@ -300,7 +300,7 @@ curves = "out.parquet"
         "angle_column_deg = 'a'",
     ],
 )
-@pytest.mark.parametrize("rows", [1, 11, 97, 699, 700, 5000])
+@pytest.mark.parametrize("rows", [pytest.param(1, marks=pytest.mark.long), 11, 97, 699, 700, 5000])
 def test_pieces_give_the_bits_of_the_whole(tmp_path: Path, columns: str, rows: int) -> None:
     pyarrow = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")
@@ -336,7 +336,7 @@ def test_pieces_give_the_bits_of_the_whole(tmp_path: Path, columns: str, rows: i
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".npz", ".parquet"])
-@pytest.mark.parametrize("rows", [1, 10, 1000, None])
+@pytest.mark.parametrize("rows", [pytest.param(1, marks=pytest.mark.long), 10, 1000, None])
 def test_every_format_in_pieces(tmp_path: Path, suffix: str, rows: int | None) -> None:
     path = written(tmp_path, t=TIME, n=100.0 + TIME)
     if suffix == ".npz":

@@ -369,8 +369,8 @@ def test_rounding_does_not_fill_a_panel() -> None:
     ("suffix", "start", "date"),
     [
         (".svg", b"<?xml", b"dc:date"),
-        (".png", b"\x89PNG", b"tIME"),
-        (".pdf", b"%PDF", b"CreationDate"),
+        pytest.param(".png", b"\x89PNG", b"tIME", marks=pytest.mark.long),
+        pytest.param(".pdf", b"%PDF", b"CreationDate", marks=pytest.mark.long),
     ],
 )
 def test_files_are_the_same_every_time(

@@ -38,6 +38,7 @@ def linked(pattern: str) -> set[str]:
     return found
 
 
+@pytest.mark.long
 def test_pages_show_every_picture_that_is_drawn(
     site_files: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -161,6 +161,7 @@ def test_the_unstable_speeds_are_those_of_the_theory() -> None:
     assert part.start == 3800 * RPM
 
 
+@pytest.mark.long
 def test_largest_torques_and_reversals_are_those_of_dense_speeds() -> None:
     text = TRUCK.read_text(encoding="utf-8")
     coarse = figures(text.replace("steps = 251", "steps = 6"))
@@ -298,6 +299,7 @@ def test_a_resonance_without_damping_is_said() -> None:
     assert np.isfinite(damped.largest[0].size)
 
 
+@pytest.mark.long
 def test_several_motions_at_a_critical_speed_are_said() -> None:
     # Two joints of 30 degrees and little damping: the peak leans, beside it three orbits exist.
     found = figures(

@@ -82,7 +82,13 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, marks=pytest.mark.long if case in ("twice", "two threads") else ())
+        for case in CASES
+    ],
+)
 def test_interrupted(case: str) -> None:
     done = subprocess.run(
         [sys.executable, "-W", "ignore", "-c", PREAMBLE + CASES[case]],

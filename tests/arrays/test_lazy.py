@@ -232,6 +232,7 @@ def test_a_task_keeps_to_one_thread(monkeypatch: pytest.MonkeyPatch) -> None:
     assert set(asked) == {1, 3}
 
 
+@pytest.mark.long
 def test_on_a_cluster_of_processes() -> None:
     pytest.importorskip("distributed")
     with cluster.connect(processes=2) as client, dask.config.set(scheduler=None):

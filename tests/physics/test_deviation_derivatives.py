@@ -168,6 +168,7 @@ def test_batches_and_sweeps_are_their_parts() -> None:
         np.testing.assert_allclose(total.deviations[i, 0], wanted, rtol=0, atol=1e-12)
 
 
+@pytest.mark.long
 def test_bits_do_not_depend_on_the_number_of_threads() -> None:
     angles = np.linspace(0.0, 60.0, 70_001)
     weights = {"speed_ratio": np.cos(angles)}

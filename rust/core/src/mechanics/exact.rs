@@ -319,18 +319,18 @@ mod tests {
     #[test]
     fn small_numbers_are_not_taken_for_zero() {
         for exponent in [-30, -45, -100, -160] {
-            let bend = 10_f64.powi(exponent);
-            let mut samples = ExactSamples::new(chains(&[0.0, bend], &[0.4], &[0.4]), To::Shaft(2));
+            let bends = [0.0, 10_f64.powi(exponent)];
+            let mut samples = ExactSamples::new(chains(&bends, &[0.4], &[0.4]), To::Shaft(2));
             let angle = ExactAngle { parts: [1e-12, 0.0], quarters: 0 };
             let [x, y] = samples.double_angle(0, angle).map(DoubleDouble::value);
-            assert!(x.abs() == 1.0 && (y.abs() - 2e-12).abs() < 1e-26, "{bend:e}: {x} {y:e}");
+            assert!(x.abs() == 1.0 && (y.abs() - 2e-12).abs() < 1e-26, "{bends:?}: {x} {y:e}");
         }
     }
 
     #[test]
     fn a_bend_without_any_effect_has_a_direction() {
-        let last = f64::from_bits(1);
-        let mut samples = ExactSamples::new(chains(&[0.0, last], &[0.4], &[0.4]), To::Shaft(2));
+        let bends = [0.0, f64::from_bits(1)];
+        let mut samples = ExactSamples::new(chains(&bends, &[0.4], &[0.4]), To::Shaft(2));
         let angle = ExactAngle { parts: [1e-12, 0.0], quarters: 0 };
         assert_eq!(samples.double_angle(0, angle), [DoubleDouble::ONE, DoubleDouble::default()]);
     }
