@@ -1,5 +1,6 @@
 //! `cargo bench`: time per angle by outputs, instruction set, joints and size, and a closing table
 //! of ratios measured in one run.
+#![allow(clippy::disallowed_methods, reason = "inputs need no particular bits")]
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};

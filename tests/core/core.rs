@@ -1,4 +1,5 @@
 //! The core against independent pictures: a vector model, naive broadcasting, other trigonometry.
+#![allow(clippy::disallowed_methods, reason = "oracles are the platform's functions")]
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 

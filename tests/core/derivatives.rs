@@ -1,5 +1,6 @@
 //! Derivatives of drivelines from points: against differences of the plan's own results, which
 //! other code computes, and the same bits whatever runs them.
+#![allow(clippy::disallowed_methods, reason = "oracles are the platform's functions")]
 
 use cardan::{
     Angles, Counts, Differentiated, Drivelines, End, Execution, Geometry, Load, Output, Per, Plan,

@@ -1,5 +1,6 @@
 //! Properties of random drivelines to 64 joints: every path to the same bits, and what folding must
 //! keep.
+#![allow(clippy::disallowed_methods, reason = "oracles are the platform's functions")]
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -11,7 +11,6 @@ use crate::mechanics::chain::Equivalent;
 use crate::mechanics::general::General;
 use crate::mechanics::joint::Joint;
 use crate::mechanics::motion::{Motion, MotionGradient, joint_motion};
-use crate::number::elementary;
 use crate::number::trig;
 
 /// How one shaft follows the drive.
@@ -124,7 +123,7 @@ mod tests {
         let g = one / (one + z);
         let i = Complex::new(0.0, 1.0);
         [
-            elementary::arg(one + z),
+            (one + z).arg(),
             ((one - z) * g).re,
             (i * z * g * g * 4.0).re,
             (z * (one - z) * g.powu(3) * 8.0).re,

@@ -17,7 +17,7 @@ pub(crate) use libm::{acos, asin, hypot, log as ln, log1p as ln_1p, sinh, tan};
 /// The angle of the point `(x, y)` in `[−π, π]`, within 0.51 ulp, with the signs and the limits of
 /// [`f64::atan2`].
 #[inline]
-pub fn atan2(y: f64, x: f64) -> f64 {
+pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     let (height, width) = (y.abs(), x.abs());
     if height == 0.0 || height.is_infinite() || width == 0.0 || width.is_infinite() {
         return at_the_limits(y, x);
@@ -58,12 +58,6 @@ pub(crate) fn atan(x: f64) -> f64 {
 #[inline]
 pub(crate) fn norm(z: Complex<f64>) -> f64 {
     hypot(z.re, z.im)
-}
-
-/// The argument of a complex number.
-#[inline]
-pub(crate) fn arg(z: Complex<f64>) -> f64 {
-    atan2(z.im, z.re)
 }
 
 /// `eⁱˣ`.
@@ -113,7 +107,7 @@ mod tests {
         assert_eq!(atan2(1.0, 1.0), FRAC_PI_4);
         assert_eq!(atan2(3e-200, -3e-200), 3.0 * FRAC_PI_4);
         assert_eq!(atan2(-2.0, 0.0), -FRAC_PI_2);
-        assert_eq!(arg(Complex::new(-1.0, 0.0)), PI);
+        assert_eq!(atan2(0.0, -1.0), PI);
         assert_eq!(norm(Complex::new(3.0, -4.0)), 5.0);
         assert_eq!(turn(0.0), Complex::new(1.0, 0.0));
     }
