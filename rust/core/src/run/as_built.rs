@@ -216,7 +216,7 @@ pub(crate) fn store_motion<T: Number, W: Float>(
         let mut none = Column::new(0);
         let kept = step.planes.get(Output::Angle).and_then(|_| kept.next()).unwrap_or(&mut none);
         if step.shaft == 0 {
-            run_drive_shaft::<T, W>(step, drive, kept_rates[0].each_mut(), outputs, size);
+            run_drive_shaft::<T, W>(step, drive, &mut kept_rates[0], outputs, size);
             continue;
         }
         if has_angle(step) {

@@ -4,6 +4,8 @@
 //! call, which keeps the loop from being vectorised.
 #![allow(clippy::needless_range_loop, reason = "as in the kernels")]
 
+use cardan_memory::Stores;
+
 use crate::mechanics::chain::{Equivalent, Offset};
 use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::extremes::ExtremaLocator;
@@ -16,6 +18,7 @@ use crate::number::storage::{Column, View, columns, parts, views, views_mut};
 use crate::number::strips::{At, Strips};
 use crate::number::trig::Angle;
 use crate::run::lanes::Lane;
+use crate::run::level::{Compiled, Level, is_compact};
 
 /// Runs the body with `at`, the constants of the samples. The body is compiled twice: for constants
 /// that all samples share, which stay in registers, and for constants per sample. If `compact`, it is
@@ -41,6 +44,42 @@ macro_rules! with_constants {
 }
 
 pub(crate) use with_constants;
+
+/// Runs the kernel, compiled for the level. Copies for shared constants, for constants per sample and
+/// for compact loops are separate functions, in which the geometry is a constant: what the compiler
+/// takes to allocate registers grows faster than a function does.
+#[inline(always)]
+pub(crate) fn run_for_geometry<T: Compiled, R: Default>(
+    level: Level,
+    geometry: GeometryIndex,
+    mut kernel: impl FnMut(GeometryIndex, bool, Stores) -> R,
+) -> R {
+    match geometry {
+        _ if is_compact(level) => T::run(
+            level,
+            #[inline(always)]
+            |compact, stores| {
+                if compact { kernel(geometry, compact, stores) } else { R::default() }
+            },
+        ),
+        GeometryIndex::Shared(index) => T::run(
+            level,
+            #[inline(always)]
+            |compact, stores| {
+                let geometry = GeometryIndex::Shared(index);
+                if compact { R::default() } else { kernel(geometry, compact, stores) }
+            },
+        ),
+        GeometryIndex::PerSample => T::run(
+            level,
+            #[inline(always)]
+            |compact, stores| {
+                let geometry = GeometryIndex::PerSample;
+                if compact { R::default() } else { kernel(geometry, compact, stores) }
+            },
+        ),
+    }
+}
 
 /// Which of the folded drivelines a chunk uses.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use cardan_memory::Plane;
+use cardan_memory::{Plane, Stores};
 
 use crate::input::table::Table;
 use crate::mechanics::exact::Chains;
@@ -89,16 +89,21 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
     row_offset: usize,
     fresh: bool,
 ) -> bool {
-    T::run(
+    let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
+    motion::run_motion(
         level,
-        #[inline(always)]
-        |compact, stores| {
-            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores, drive));
-            motion::run_motion(
-                plan, routes, drive, rotations, folded, chains, geometry, scratch, outputs, size,
-                row_offset, compact, fresh,
-            )
-        },
+        plan,
+        routes,
+        drive,
+        rotations,
+        folded,
+        chains,
+        geometry,
+        scratch,
+        outputs,
+        window.len(),
+        row_offset,
+        fresh,
     )
 }
 
@@ -186,16 +191,9 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     window: Range<usize>,
     fresh: bool,
 ) -> bool {
-    T::run(
-        level,
-        #[inline(always)]
-        |compact, stores| {
-            let (size, outputs) = (window.len(), &mut Outputs::new(planes, &window, stores, drive));
-            load::run_load(
-                plan, load, table, drive, folded, geometry, scratch, outputs, size, compact, fresh,
-            )
-        },
-    )
+    let outputs = &mut Outputs::new(planes, &window, Stores::ordinary(), drive);
+    let size = window.len();
+    load::run_load(level, plan, load, table, drive, folded, geometry, scratch, outputs, size, fresh)
 }
 
 /// [`Reduction::take`].

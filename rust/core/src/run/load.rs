@@ -15,9 +15,10 @@ use crate::plan::output::Output;
 use crate::plan::request::End;
 use crate::plan::steps::{JointStep, Plan};
 use crate::run::as_built;
-use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::constants::{GeometryIndex, run_for_geometry, with_constants};
 use crate::run::fold::Folded;
 use crate::run::forces::{ForceBuffers, run_forces};
+use crate::run::level::{Compiled, Level, has_wide_registers};
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
@@ -30,9 +31,9 @@ use crate::sincos::fresh::FreshPins;
 /// Torques and moments for one chunk, in order from the end where the torque is given. With `fresh`
 /// pins, the only loop that needs pins finds them itself. Returns whether all results are valid, as
 /// the motion does.
-#[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_load<T: Number, W: Float>(
+pub(crate) fn run_load<T: Number + Compiled, W: Float>(
+    level: Level,
     plan: &Plan,
     load: &LoadStep,
     table: &Table<'_>,
@@ -42,10 +43,9 @@ pub(crate) fn run_load<T: Number, W: Float>(
     scratch: &mut Scratch<T>,
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
-    compact: bool,
     fresh: bool,
 ) -> bool {
-    let too_large = Cell::new(LargeAngleFlag::for_quadrants());
+    let mut valid = true;
     let shares_power = scratch.cursors[TORQUE].1 == 0 && !load.absorbs();
     let Scratch {
         gathered,
@@ -64,7 +64,12 @@ pub(crate) fn run_load<T: Number, W: Float>(
     let is_wide = T::LOW && plan.has_wide_loads();
     let pins = pins_of(if is_wide { wide_pins } else { pins }, size);
     if T::LOW {
-        run_all_rates(folded, geometry, pins, rates, size, compact);
+        run_for_geometry::<T, _>(
+            level,
+            geometry,
+            #[inline(always)]
+            |geometry, compact, _| run_all_rates(folded, geometry, pins, rates, size, compact),
+        );
     }
     let ratio = |shaft: usize| rates[shaft][0].view(size);
     let bent = plan.first_bent();
@@ -73,24 +78,38 @@ pub(crate) fn run_load<T: Number, W: Float>(
         End::Output => Some(load.stations[0].shaft).filter(|&shaft| shaft > bent).map(ratio),
     };
     if *kept_power < size {
-        map::from_doubles(&gathered[TORQUE][..size], first, power.view_mut(size));
+        T::run(
+            level,
+            #[inline(always)]
+            |_, _| map::from_doubles(&gathered[TORQUE][..size], first, power.view_mut(size)),
+        );
         *kept_power = if shares_power && first.is_none() { size } else { 0 };
     }
     let weighs_power = plan.needs_inverse_squares();
     if weighs_power {
-        torsion_parts::inverse_squares(pins, forces.inverse_squares.view_mut(size));
+        T::run(
+            level,
+            #[inline(always)]
+            |_, _| torsion_parts::inverse_squares(pins, forces.inverse_squares.view_mut(size)),
+        );
     }
     for station in &load.stations {
         if load.end == End::Output {
-            run_inertia(1.0, station, table, gathered, rates, power.view_mut(size));
+            run_inertia(level, 1.0, station, table, gathered, rates, power.view_mut(size));
         }
         if let Some(plane) = station.torque {
-            let torque = outputs.plane(plane);
-            if station.shaft > bent {
-                map::divide::<T>(power.view(size), ratio(station.shaft), torque);
-            } else {
-                map::copy::<T>(power.view(size), torque);
-            }
+            let ratio = (station.shaft > bent).then(|| ratio(station.shaft));
+            T::run(
+                level,
+                #[inline(always)]
+                |_, stores| {
+                    let (power, mut outputs) = (power.view(size), outputs.by(stores));
+                    match ratio {
+                        Some(ratio) => map::divide::<T>(power, ratio, outputs.plane(plane)),
+                        None => map::copy::<T>(power, outputs.plane(plane)),
+                    }
+                },
+            );
         }
         if station.torsion || station.force_power {
             let joint = station.shaft - 1;
@@ -98,13 +117,26 @@ pub(crate) fn run_load<T: Number, W: Float>(
             let power = power.view(size);
             if station.force_power && weighs_power {
                 let inputs = (power, forces.inverse_squares.view(size));
-                let parts = views_mut(&mut forces.parts[joint], 0, size);
-                with_constants!(compact, geometry, OneByOne(poses), at => {
-                    torsion_parts::of_power(at, pins, inputs, parts);
-                });
+                let parts = &mut forces.parts[joint];
+                run_for_geometry::<T, _>(
+                    level,
+                    geometry,
+                    #[inline(always)]
+                    |geometry, compact, _| {
+                        let parts = views_mut(parts, 0, size);
+                        with_constants!(compact, geometry, OneByOne(poses), at => {
+                            torsion_parts::of_power(at, pins, inputs, parts);
+                        });
+                    },
+                );
             }
             let torsion = if station.torsion && joint > bent {
-                map::divide(power, ratio(joint), torsion.view_mut(size));
+                let ratio = ratio(joint);
+                T::run(
+                    level,
+                    #[inline(always)]
+                    |_, _| map::divide(power, ratio, torsion.view_mut(size)),
+                );
                 torsion.view(size)
             } else {
                 power
@@ -116,50 +148,100 @@ pub(crate) fn run_load<T: Number, W: Float>(
                 unit: is_as_built.then(|| &built.moments[joint]),
             };
             let step = &plan.joints[joint];
-            let buffers = (&mut *parts, &mut *support, &mut *forces);
+            let mut buffers = (&mut *parts, &mut *support, &mut *forces);
             if T::PRECISION.costs().fresh_pins
-                && outputs.has_wide_registers()
+                && has_wide_registers(level)
                 && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
                     (fresh, drive, geometry)
             {
-                let turn = [T::from_f64(0.0); 2];
-                let pins = FreshPins::<T, false> { angles, turn, too_large: &too_large };
-                let geometry = GeometryIndex::Shared(index);
-                let loads = JointLoads { unit: None, ..loads };
-                run_joint(
-                    joint, step, poses, geometry, pins, loads, buffers, outputs, size, compact,
+                valid &= T::run(
+                    level,
+                    #[inline(always)]
+                    |compact, stores| {
+                        if !stores.has_wide_registers() {
+                            return true;
+                        }
+                        let too_large = Cell::new(LargeAngleFlag::for_quadrants());
+                        let turn = [T::from_f64(0.0); 2];
+                        let pins = FreshPins::<T, false> { angles, turn, too_large: &too_large };
+                        let geometry = GeometryIndex::Shared(index);
+                        let loads = JointLoads { unit: None, ..loads };
+                        let outputs = &mut outputs.by(stores);
+                        run_joint(
+                            joint,
+                            step,
+                            poses,
+                            geometry,
+                            pins,
+                            loads,
+                            &mut buffers,
+                            outputs,
+                            size,
+                            compact,
+                        );
+                        !too_large.get().any()
+                    },
                 );
             } else {
-                run_joint(
-                    joint, step, poses, geometry, pins, loads, buffers, outputs, size, compact,
+                run_for_geometry::<T, _>(
+                    level,
+                    geometry,
+                    #[inline(always)]
+                    |geometry, compact, stores| {
+                        let outputs = &mut outputs.by(stores);
+                        run_joint(
+                            joint,
+                            step,
+                            poses,
+                            geometry,
+                            pins,
+                            loads,
+                            &mut buffers,
+                            outputs,
+                            size,
+                            compact,
+                        );
+                    },
                 );
             }
         }
         if load.end == End::Drive {
-            run_inertia(-1.0, station, table, gathered, rates, power.view_mut(size));
+            run_inertia(level, -1.0, station, table, gathered, rates, power.view_mut(size));
         }
     }
     if let Some(step) = &plan.forces {
-        run_forces(step, &folded.forces, geometry, forces, outputs, size);
+        T::run(
+            level,
+            #[inline(always)]
+            |_, stores| {
+                let outputs = &mut outputs.by(stores);
+                run_forces(step, &folded.forces, geometry, forces, outputs, size);
+            },
+        );
     }
-    !too_large.get().any()
+    valid
 }
 
 /// Adds what the inertia of a station's shaft absorbs, multiplied by `sign`, to the power.
-#[inline(always)]
-fn run_inertia<T: Number>(
+fn run_inertia<T: Number + Compiled>(
+    level: Level,
     sign: f64,
     station: &Station,
     table: &Table<'_>,
     gathered: &[Vec<f64>],
     rates: &[[Column<T>; 2]],
-    power: ViewMut<'_, T>,
+    mut power: ViewMut<'_, T>,
 ) {
     if let (true, Some(inertia)) = (station.absorbs, table.inertia[station.shaft]) {
         let size = power.len();
         let drive = [inertia, SPEED, ACCELERATION].map(|index| &gathered[index][..size]);
         let [ratio, acceleration] = &rates[station.shaft];
-        map::absorb(sign, drive, ratio.view(size), acceleration.view(size), power);
+        let (ratio, acceleration) = (ratio.view(size), acceleration.view(size));
+        T::run(
+            level,
+            #[inline(always)]
+            |_, _| map::absorb(sign, drive, ratio, acceleration, power.reborrow()),
+        );
     }
 }
 
@@ -184,7 +266,7 @@ fn run_joint<T: Number, W: Float>(
     geometry: GeometryIndex,
     pins: impl SinCosBlocks<T>,
     JointLoads { torsion, power, unit }: JointLoads<'_, T>,
-    (parts, support, forces): (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
+    (parts, support, forces): &mut (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     compact: bool,
@@ -195,7 +277,7 @@ fn run_joint<T: Number, W: Float>(
     let Some(torsion) = torsion else { return };
     if let Some(unit) = unit {
         let of_forces = &mut forces.parts[joint];
-        let parts = (&mut *parts, of_forces);
+        let parts = (&mut **parts, of_forces);
         as_built::run_moments(step, poses, geometry, unit, torsion, parts, outputs, compact);
     } else {
         with_constants!(compact, geometry, OneByOne(poses), at => {

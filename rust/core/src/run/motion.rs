@@ -17,9 +17,10 @@ use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan, ShaftStep};
 use crate::run::angle_sink::{AngleSink, ArrayAngle, SteppedAngle, SweepAngle};
 use crate::run::by_strips;
-use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::constants::{GeometryIndex, run_for_geometry, with_constants};
 use crate::run::fold::Folded;
 use crate::run::formula::MotionFormula;
+use crate::run::level::{Compiled, Level, has_wide_registers};
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
@@ -32,9 +33,9 @@ use crate::sincos::rotation::{RotatedSinCos, Rotations};
 /// Motion of every shaft of the plan and tilts of every joint, for one chunk. With `fresh` pins, the
 /// loop of the only shaft that needs pins finds them itself. Returns whether all results are valid:
 /// fresh pins are not if an angle is too large for the fast reduction.
-#[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn run_motion<T: Number, W: Float>(
+pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
+    level: Level,
     plan: &Plan,
     routes: &Routes,
     drive: DriveAngles<'_>,
@@ -46,7 +47,6 @@ pub(crate) fn run_motion<T: Number, W: Float>(
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
     row_offset: usize,
-    compact: bool,
     fresh: bool,
 ) -> bool {
     let mut valid = true;
@@ -60,45 +60,62 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         let mut none = Column::new(0);
         let errors =
             step.planes.get(Output::Angle).and_then(|_| errors.next()).unwrap_or(&mut none);
-        let errors = errors.window_mut(row_offset, size);
-        let rates = rates[step.shaft].each_mut();
+        let mut errors = errors.window_mut(row_offset, size);
+        let rates = &mut rates[step.shaft];
         let (route, range) = folded.route(routes, step.shaft, geometry);
         #[cfg(test)]
         crate::run::taken::note(step.shaft, route, range);
         let Some(shaft) = folded.shafts[step.shaft].as_ref().filter(|_| route != Route::Drive)
         else {
-            run_drive_shaft::<T, W>(step, drive, rates, outputs, size);
+            T::run(
+                level,
+                #[inline(always)]
+                |_, stores| {
+                    let outputs = &mut outputs.by(stores);
+                    run_drive_shaft::<T, W>(step, drive, rates, outputs, size);
+                },
+            );
             continue;
         };
         let costs = T::PRECISION.costs();
         if (costs.fresh_pins || costs.pins_by_strips)
-            && outputs.has_wide_registers()
+            && has_wide_registers(level)
             && let (true, DriveAngles::Array(angles), GeometryIndex::Shared(index)) =
                 (fresh, drive, geometry)
         {
-            let constants = shaft.equivalents(geometry, size).at(index);
-            valid = run_fresh(step, range, constants, angles, rates, errors, outputs, compact);
+            valid = T::run(
+                level,
+                #[inline(always)]
+                |compact, stores| {
+                    if !stores.has_wide_registers() {
+                        return true;
+                    }
+                    let (errors, outputs) = (errors.reborrow(), &mut outputs.by(stores));
+                    let constants = shaft.equivalents(geometry, size).at(index);
+                    run_fresh(step, range, constants, angles, rates, errors, outputs, compact)
+                },
+            );
             continue;
         }
         let has_own = T::LOW && shaft.has_offsets();
         let sin_cos = if has_own {
-            turned::find_own_pins(
-                shaft,
-                step.shaft,
-                route,
-                lines,
-                drive,
-                rotated_pins,
-                size,
-                compact,
-            );
+            let number = step.shaft;
+            turned::find_own_pins(level, shaft, number, route, lines, drive, rotated_pins, size);
             pins_of(rotated_pins, size)
         } else if route == Route::Tangent && step.shaft > 1 {
             let equivalents = shaft.equivalents(geometry, size);
-            let [sine, cosine] = views_mut(rotated_pins, 0, size);
-            with_constants!(compact, geometry, mapped(equivalents, |(_, turn)| turn), at => {
-                array::rotate(at, pins, sine, cosine);
-            });
+            let turns = mapped(equivalents, |(_, turn)| turn);
+            run_for_geometry::<T, _>(
+                level,
+                geometry,
+                #[inline(always)]
+                |geometry, compact, _| {
+                    let [sine, cosine] = views_mut(rotated_pins, 0, size);
+                    with_constants!(compact, geometry, turns, at => {
+                        array::rotate(at, pins, sine, cosine);
+                    });
+                },
+            );
             pins_of(rotated_pins, size)
         } else if route == Route::Tangent {
             pins
@@ -108,24 +125,54 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         // Each number type uses one of the two routes in twice the drive angle, so only that one is
         // compiled for it.
         if route == Route::Tangent {
-            let equivalents = shaft.equivalents(geometry, size);
-            with_constants!(compact, geometry, mapped(equivalents, |(joint, _)| joint), at => {
-                run_shaft(step, range, at, drive, sin_cos, rates, errors, outputs, size, compact);
-            });
+            let joints = mapped(shaft.equivalents(geometry, size), |(joint, _)| joint);
+            run_for_geometry::<T, _>(
+                level,
+                geometry,
+                #[inline(always)]
+                |geometry, compact, stores| {
+                    let (errors, outputs) = (errors.reborrow(), &mut outputs.by(stores));
+                    with_constants!(compact, geometry, joints, at => run_shaft(
+                        step, range, at, drive, sin_cos, rates, errors, outputs, size, compact,
+                    ));
+                },
+            );
         } else if T::PRECISION.costs().double_angle {
             let double_angles = shaft.double_angles(geometry, size);
-            with_constants!(compact, geometry, mapped(double_angles, DoubleAngle::with_parts::<1>), at => {
-                run_shaft(step, range, at, drive, sin_cos, rates, errors, outputs, size, compact);
-            });
+            let double_angles = mapped(double_angles, DoubleAngle::with_parts::<1>);
+            run_for_geometry::<T, _>(
+                level,
+                geometry,
+                #[inline(always)]
+                |geometry, compact, stores| {
+                    let (errors, outputs) = (errors.reborrow(), &mut outputs.by(stores));
+                    with_constants!(compact, geometry, double_angles, at => run_shaft(
+                        step, range, at, drive, sin_cos, rates, errors, outputs, size, compact,
+                    ));
+                },
+            );
         } else if let (Some(rotations), GeometryIndex::Shared(index)) = (rotations, geometry) {
-            let double_angle = shaft.double_angles(geometry, size).at(index);
-            let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
-            let at = Same(double_angle.with_parts::<0>());
-            run_shaft(step, range, at, drive, swept, rates, errors, outputs, size, compact);
+            T::run(
+                level,
+                #[inline(always)]
+                |compact, stores| {
+                    let (errors, outputs) = (errors.reborrow(), &mut outputs.by(stores));
+                    let double_angle = shaft.double_angles(geometry, size).at(index);
+                    let swept = RotatedSinCos::new(rotations, groups, double_angle.q);
+                    let at = Same(double_angle.with_parts::<0>());
+                    run_shaft(step, range, at, drive, swept, rates, errors, outputs, size, compact);
+                },
+            );
         }
         if has_own && let Some(plane) = step.planes.get(Output::Angle) {
-            let words = outputs.words(plane);
-            turned::mend_angles(shaft, step.shaft, route, lines, drive, words);
+            T::run(
+                level,
+                #[inline(always)]
+                |_, _| {
+                    let words = outputs.words(plane);
+                    turned::mend_angles(shaft, step.shaft, route, lines, drive, words);
+                },
+            );
         }
     }
     let tilted = if plan.needs_sense() { plan.joint_count } else { 0 };
@@ -133,19 +180,35 @@ pub(crate) fn run_motion<T: Number, W: Float>(
         if !step.needs_tilt {
             continue;
         }
-        let poses = &poses[..geometry.count(size)];
+        let poses = OneByOne(&poses[..geometry.count(size)]);
         if T::LOW && joint > 0 {
             let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
-            turned::find_turned(waves, joint, lines, drive, buffers, size, compact);
-            let pins = pins_of(turned_pins, size);
-            with_constants!(compact, geometry, mapped(OneByOne(poses), Pose::by_own_pins), at => {
-                run_tilts(step, at, pins, outputs);
-            });
+            turned::find_turned(level, waves, joint, lines, drive, buffers, size);
+            let (pins, poses) = (pins_of(turned_pins, size), mapped(poses, Pose::by_own_pins));
+            run_for_geometry::<T, _>(
+                level,
+                geometry,
+                #[inline(always)]
+                |geometry, compact, stores| {
+                    let outputs = &mut outputs.by(stores);
+                    with_constants!(compact, geometry, poses, at => {
+                        run_tilts(step, at, pins, outputs);
+                    });
+                },
+            );
             continue;
         }
-        with_constants!(compact, geometry, OneByOne(poses), at => {
-            run_tilts(step, at, pins, outputs);
-        });
+        run_for_geometry::<T, _>(
+            level,
+            geometry,
+            #[inline(always)]
+            |geometry, compact, stores| {
+                let outputs = &mut outputs.by(stores);
+                with_constants!(compact, geometry, poses, at => {
+                    run_tilts(step, at, pins, outputs);
+                });
+            },
+        );
     }
     valid
 }
@@ -159,7 +222,7 @@ fn run_fresh<T: Number, W: Float>(
     range: AtanRange,
     (joint, turn): (JointConstants<T>, [T; 2]),
     angles: &[f64],
-    rates: [&mut Column<T>; 2],
+    rates: &mut [Column<T>; 2],
     errors: ViewMut<'_, T>,
     outputs: &mut Outputs<'_, '_, W>,
     compact: bool,
@@ -212,7 +275,7 @@ pub(crate) fn repeat_angle<T: Number, W: Float>(
 pub(super) fn run_drive_shaft<T: Number, W: Float>(
     step: &ShaftStep,
     drive: DriveAngles<'_>,
-    [ratio, acceleration]: [&mut Column<T>; 2],
+    [ratio, acceleration]: &mut [Column<T>; 2],
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
 ) {
@@ -242,7 +305,7 @@ fn run_shaft<T: Number, W: Float, S: MotionFormula<T>, P: SinCosBlocks<T>, C: St
     at: C,
     drive: DriveAngles<'_>,
     pins: P,
-    [ratio, acceleration]: [&mut Column<T>; 2],
+    [ratio, acceleration]: &mut [Column<T>; 2],
     mut errors: ViewMut<'_, T>,
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,

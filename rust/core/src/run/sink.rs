@@ -148,10 +148,11 @@ impl<'a, 'b, W: Float> Outputs<'a, 'b, W> {
         Self { planes, first: window.start, size: window.len(), stores, angles }
     }
 
-    /// Whether the registers of the function hold a cache line.
+    /// The same planes in a function that stores strips in another way.
     #[inline(always)]
-    pub(crate) fn has_wide_registers(&self) -> bool {
-        self.stores.has_wide_registers()
+    pub(crate) fn by(&mut self, stores: Stores) -> Outputs<'_, 'b, W> {
+        let Self { planes, first, size, angles, .. } = self;
+        Outputs { planes, first: *first, size: *size, stores, angles }
     }
 
     /// Whether results bypass the caches.

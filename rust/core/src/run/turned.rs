@@ -15,7 +15,8 @@ use crate::number::series;
 use crate::number::storage::{Column, ViewMut, views_mut};
 use crate::number::strips::{At, Same, mapped};
 use crate::plan::route::Route;
-use crate::run::constants::{FoldedShaft, GeometryIndex, with_constants};
+use crate::run::constants::{FoldedShaft, GeometryIndex, run_for_geometry, with_constants};
+use crate::run::level::{Compiled, Level};
 use crate::sincos::array::{self, DoubleAngleSinCos, DriveAngles, PinLine, PlainSinCos};
 
 /// The drivelines of a chunk, in the batch.
@@ -41,9 +42,9 @@ impl<'a> ChunkLines<'a> {
 }
 
 /// Sine and cosine of a shaft's equivalent input angle, or of twice that angle.
-#[inline(always)]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
-pub(crate) fn find_own_pins<T: Number>(
+pub(crate) fn find_own_pins<T: Number + Compiled>(
+    level: Level,
     shaft: &FoldedShaft<T>,
     number: usize,
     route: Route,
@@ -51,18 +52,24 @@ pub(crate) fn find_own_pins<T: Number>(
     drive: DriveAngles<'_>,
     pins: &mut [Column<T>; 2],
     size: usize,
-    compact: bool,
 ) {
-    let [sine, cosine] = views_mut(pins, 0, size);
     let (geometry, steep) = (lines.geometry, route == Route::Tangent);
     let offsets = shaft.offsets(geometry, size);
-    let near = with_constants!(compact, geometry, offsets, at => {
-        if steep {
-            array::fill_turned::<PinLine, T>(at, drive, sine, cosine)
-        } else {
-            array::fill_turned::<DoubleAngleSinCos, T>(at, drive, sine, cosine)
-        }
-    });
+    let near = run_for_geometry::<T, _>(
+        level,
+        geometry,
+        #[inline(always)]
+        |geometry, compact, _| {
+            with_constants!(compact, geometry, offsets, at => {
+                let [sine, cosine] = views_mut(pins, 0, size);
+                if steep {
+                    array::fill_turned::<PinLine, T>(at, drive, sine, cosine)
+                } else {
+                    array::fill_turned::<DoubleAngleSinCos, T>(at, drive, sine, cosine)
+                }
+            })
+        },
+    );
     if near {
         let at = |i: usize| match geometry {
             GeometryIndex::Shared(index) => offsets.at(index),
@@ -164,27 +171,35 @@ fn mend_small_angles<T: Number, W: Float>(
 }
 
 /// Cosine and sine of a joint's input angle, multiplied by a positive length.
-#[inline(always)]
-pub(crate) fn find_turned<T: Number>(
+pub(crate) fn find_turned<T: Number + Compiled>(
+    level: Level,
     waves: &[[Wave; 2]],
     joint: usize,
     lines: ChunkLines<'_>,
     drive: DriveAngles<'_>,
     [turned, spare]: [&mut [Column<T>; 2]; 2],
     size: usize,
-    compact: bool,
 ) {
     let mut near = false;
     for (which, column) in [1, 0].into_iter().zip(&mut *turned) {
-        let [sine, cosine] = views_mut(spare, 0, size);
-        with_constants!(compact, lines.geometry, mapped(waves, |waves| waves[which]), at => {
-            let offset = mapped(at, |wave: Wave| wave.offset);
-            near |= array::fill_turned::<PlainSinCos, T>(offset, drive, sine, cosine);
-            let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
-            for i in 0..size {
-                out.set(i, T::from_double_double(at.at(i).height) * sine.get(i));
-            }
-        });
+        let waves = mapped(waves, |waves| waves[which]);
+        near |= run_for_geometry::<T, _>(
+            level,
+            lines.geometry,
+            #[inline(always)]
+            |geometry, compact, _| {
+                with_constants!(compact, geometry, waves, at => {
+                    let [sine, cosine] = views_mut(spare, 0, size);
+                    let offset = mapped(at, |wave: Wave| wave.offset);
+                    let near = array::fill_turned::<PlainSinCos, T>(offset, drive, sine, cosine);
+                    let (sine, mut out) = (spare[0].view(size), column.view_mut(size));
+                    for i in 0..size {
+                        out.set(i, T::from_double_double(at.at(i).height) * sine.get(i));
+                    }
+                    near
+                })
+            },
+        );
     }
     if near {
         let [sine, cosine] = views_mut(turned, 0, size);
