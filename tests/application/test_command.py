@@ -12,6 +12,7 @@ import subprocess
 import sys
 import textwrap
 import time
+from importlib import import_module
 from pathlib import Path
 
 import jsonschema
@@ -756,7 +757,7 @@ def test_memory_of_a_stream(scene: Path, monkeypatch: pytest.MonkeyPatch) -> Non
     def exhausted(*_: object, **__: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr(sys.modules["cardan.command.stream"], "stream", exhausted)
+    monkeypatch.setattr(import_module("cardan.command.stream"), "stream", exhausted)
     hint = "not enough memory; fewer quantities, shafts or joints in [output] need less"
     failed(run("stream", scene), hint)
 
