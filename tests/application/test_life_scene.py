@@ -90,6 +90,15 @@ def test_a_duty_cycle_adds_damage_and_heat() -> None:
     assert figures(single).efficiency == pytest.approx(efficiency, rel=1e-12)
 
 
+def test_a_step_that_brakes_loses_as_much_as_one_that_drives() -> None:
+    def of(torques: str) -> LifeFigures:
+        return figures(f"{SCENE}[life]\nhours = [1, 3]\noutput_torque_Nm = {torques}\n")
+
+    driving, braking = of("[400, 200]"), of("[400, -200]")
+    assert braking.heat == pytest.approx(driving.heat)
+    assert braking.efficiency == pytest.approx(driving.efficiency)
+
+
 def test_idling_takes_time_and_heat_of_the_seals() -> None:
     cycle = "hours = [1, 3]\noutput_torque_Nm = [400, 0]\n"
     found = figures(f"{SCENE}seal_torque_Nm = 0.5\n[life]\n{cycle}")

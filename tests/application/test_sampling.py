@@ -72,6 +72,15 @@ def test_missing_rows_are_no_gap_and_no_time() -> None:
     assert found.gaps == 0
 
 
+def test_rows_missing_beside_a_gap_do_not_change_the_rate() -> None:
+    time = TIME.copy()
+    time[300:] += 2.0
+    time[280:300] = np.nan
+    found = sampling(time)
+    assert (found.gaps, found.longest) == (1, pytest.approx(2.021))
+    assert found.rate == pytest.approx(1000.0)
+
+
 def test_clocks_of_low_resolution_and_changing_rates_have_no_gaps() -> None:
     assert sampling(np.floor(TIME * 700.0) / 1000.0 + np.arange(1000)).gaps == 0
     # Pulses of an encoder while the drive runs up.

@@ -102,6 +102,23 @@ def test_three_encoders_tell_both_joints_and_the_phase() -> None:
     assert found.phase_less_twist_deg == pytest.approx(70.0, abs=1e-10)
 
 
+def test_the_second_bend_has_the_uncertainty_of_the_last_encoder() -> None:
+    line = Driveline.from_bends([60, 50], phases=0, degrees=True)
+    motion = line.evaluate(ANGLES, "angle", shafts=[1, 2]).angle
+    motion[1] += np.random.default_rng(3).normal(0.0, 1e-6, ANGLES.size)
+    found = identify_two_joints(ANGLES, motion[0], motion[1])
+    one, both = found.first.q, found.whole.q
+
+    def k(change: complex) -> float:
+        """``tan(bend/2)**2`` of the second joint with another motion of the last shaft."""
+        return abs((both + change - one) / (1.0 - (both + change) * one.conjugate()))
+
+    step = 1e-7
+    slopes = [(k(step * way) - k(-step * way)) / (2.0 * step) for way in (1.0, 1j)]
+    wanted = math.hypot(*slopes) * found.whole.std_q / (np.sqrt(k(0.0)) * (1.0 + k(0.0)))
+    assert found.std[1] == pytest.approx(wanted, rel=0.02)
+
+
 @pytest.mark.parametrize("of", ["angle", "speed_ratio"])
 def test_the_standard_deviation_is_that_of_many_recordings(of: str) -> None:
     noise, clean, count = 1e-3, MOTION[of][1], tiers.part(100)
