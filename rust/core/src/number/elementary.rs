@@ -14,8 +14,10 @@ use crate::number::trig;
 
 pub(crate) use libm::{acos, asin, hypot, log as ln, log1p as ln_1p, sinh, tan};
 
-/// The angle of the point `(x, y)` in `[−π, π]`, within 0.51 ulp, with the signs and the limits of
-/// [`f64::atan2`].
+/// The angle of the point `(x, y)` in `[−π, π]`, with the signs and the limits of [`f64::atan2`].
+///
+/// Within 0.55 ulp: the error terms leave out the rounding of the polynomial, which is at most a
+/// twentieth of the tangent.
 #[inline]
 pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     let (height, width) = (y.abs(), x.abs());
@@ -84,7 +86,7 @@ mod tests {
             let off =
                 (s * DoubleDouble::exact(x) - c * DoubleDouble::exact(y)).value() / x.hypot(y);
             let ulp = angle.abs().next_up() - angle.abs();
-            assert!(off.abs() <= 0.505 * ulp, "atan2({y:e}, {x:e}): {:.3} ulp", off.abs() / ulp);
+            assert!(off.abs() <= 0.55 * ulp, "atan2({y:e}, {x:e}): {:.3} ulp", off.abs() / ulp);
             assert!((angle - y.atan2(x)).abs() <= ulp, "{y:e} {x:e}");
         }
     }
