@@ -31,6 +31,7 @@ use crate::sincos::fresh::FreshPins;
 /// Torques and moments for one chunk, in order from the end where the torque is given. With `fresh`
 /// pins, the only loop that needs pins finds them itself. Returns whether all results are valid, as
 /// the motion does.
+#[allow(clippy::too_many_lines, reason = "the loops of a chunk, each a function of its own")]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_load<T: Number + Compiled, W: Float>(
     level: Level,

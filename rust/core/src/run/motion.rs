@@ -33,6 +33,7 @@ use crate::sincos::rotation::{RotatedSinCos, Rotations};
 /// Motion of every shaft of the plan and tilts of every joint, for one chunk. With `fresh` pins, the
 /// loop of the only shaft that needs pins finds them itself. Returns whether all results are valid:
 /// fresh pins are not if an angle is too large for the fast reduction.
+#[allow(clippy::too_many_lines, reason = "the loops of a chunk, each a function of its own")]
 #[allow(clippy::too_many_arguments, reason = "inputs and outputs of one chunk")]
 pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
     level: Level,
