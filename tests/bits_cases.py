@@ -287,6 +287,21 @@ def of_forces() -> Iterator[BitsCase]:
             yield case(f"{name}, {how}", lines[:, None], FULL_TURNS, forces, **options)
 
 
+def of_crosses() -> Iterator[BitsCase]:
+    """The moment of the pins, their rates and their directions."""
+    names = ("pin_moment", "swing_driving", "swing_driven", "driving_pin", "driven_pin")
+    for line, own in LINES.items():
+        for tier, options in TIERS.items():
+            yield case(f"{line}, {tier}", own, MANY[:500], names, **options)
+        for sweep, values in SWEEPS.items() if line in SOME else ():
+            yield case(f"{line}, {sweep}", own, values, names)
+        for how in REDUCTIONS:
+            yield case(f"{line}, {how}", own, FULL_TURNS, names, reduce=how)
+    for tier, options in TIERS.items():
+        yield case(f"rows, {tier}", batch(2, (4, 1), 2), MANY[:500], names, **options)
+        yield case(f"each, {tier}", batch(12, (600,), 2), MANY[:600], names, **options)
+
+
 GROUPS = (
     of_lines,
     of_angles,
@@ -297,4 +312,5 @@ GROUPS = (
     of_choices,
     of_closed_forms,
     of_jerk,
+    of_crosses,
 )

@@ -106,6 +106,13 @@ def joint(bend: MpNumber, angle: MpNumber) -> dict[str, MpNumber]:
         # Of the driven pin out of the plane across the driving shaft, and the other way round.
         "tilt_driving": mp.asin(dot(driven, u)),
         "tilt_driven": mp.asin(dot(driving, v)),
+        "pin_moment": mp.sqrt(dot(moment, moment)),
+        # The rotation of one shaft relative to the other has only parts along the pins.
+        "swing_driving": ratio * dot(v, driving),
+        "swing_driven": -dot(u, driven),
+        "driven_pin x": driven[0],
+        "driven_pin y": driven[1],
+        "driven_pin z": driven[2],
     }
 
 

@@ -136,9 +136,13 @@ def outputs(
         sine, cosine = dot(pin, m), dot(pin, cross(m, u))
         tilts.append((mp.atan(mp.tan(bend) * sine), mp.asin(mp.sin(bend) * cosine)))
     found["tilt_driving"], found["tilt_driven"] = ([t[i] for t in tilts] for i in (0, 1))
+    loads = ExactLoads.of(frames, at, **(load or {}))
+    for name in ("swing_driving", "swing_driven"):
+        found[name] = getattr(loads, name)
+    for name in ("driving_pin", "driven_pin"):
+        found[name] = [x for vector in getattr(loads, name) for x in vector]
     if load is not None:
-        loads = ExactLoads.of(frames, at, **load)
-        for name in ("torque", "bending_driving", "bending_driven"):
+        for name in ("torque", "bending_driving", "bending_driven", "pin_moment"):
             found[name] = getattr(loads, name)
         for name in ("moment", "support_moment"):
             found[name] = [x for vector in getattr(loads, name) for x in vector]

@@ -95,13 +95,18 @@ class Frames:
 
 @dataclass(frozen=True)
 class ExactLoads:
-    """The loads of a driveline at one drive angle, by the names of the outputs."""
+    """Loads and crosses of a driveline at one drive angle, by the names of the outputs."""
 
     torque: list[MpNumber]
     moment: list[MpVector]
     support_moment: list[MpVector]
     bending_driving: list[MpNumber]
     bending_driven: list[MpNumber]
+    pin_moment: list[MpNumber]
+    swing_driving: list[MpNumber]
+    swing_driven: list[MpNumber]
+    driving_pin: list[MpVector]
+    driven_pin: list[MpVector]
 
     @classmethod
     def of(
@@ -133,8 +138,8 @@ class ExactLoads:
             power = [mp.mpf(output_torque) * ratios[-1]]
             for taken in reversed(absorbed):
                 power.insert(0, power[0] + taken)
-        moments = []
-        for j, (a, b) in enumerate(frames.pins(at)):
+        moments, pins, axes = [], frames.pins(at), frames.directions
+        for j, (a, b) in enumerate(pins):
             along = cross(a, b)
             torsion = power[j + 1] / ratios[j]
             moments.append(scaled(torsion / dot(along, frames.directions[j]), along))
@@ -150,4 +155,10 @@ class ExactLoads:
             ],
             [length(across(m, u)) for m, u in zip(moments, frames.directions, strict=False)],
             [length(across(m, u)) for m, u in zip(moments, frames.directions[1:], strict=True)],
+            [length(m) for m in moments],
+            # The rotation of one shaft relative to the other has only parts along the pins.
+            [r * dot(u, a) for r, u, (a, _) in zip(ratios[1:], axes[1:], pins, strict=True)],
+            [-r * dot(u, b) for r, u, (_, b) in zip(ratios, axes, pins, strict=False)],
+            [a for a, _ in pins],
+            [b for _, b in pins],
         )

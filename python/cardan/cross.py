@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.rows import chain_before
+from cardan.arrays import FloatArray
 
 
 class CrossAxes(NamedTuple):
@@ -34,9 +33,6 @@ class CrossAxes(NamedTuple):
 def cross_axes(line: Any, joint: int, angle: ArrayLike) -> CrossAxes:  # noqa: ANN401 - a driveline
     """Return the axes of a joint.
 
-    The driving pin is ``cos a e + sin a m`` with the joint's input angle ``a``, the normal ``m`` of
-    the bend plane and ``e = m x u``. The driven pin is perpendicular to it and to the driven shaft.
-
     Args:
         line: the driveline.
         joint: which joint.
@@ -46,25 +42,17 @@ def cross_axes(line: Any, joint: int, angle: ArrayLike) -> CrossAxes:  # noqa: A
         TypeError: angles that are not real numbers.
         ValueError: shapes that do not broadcast.
     """
-    angles = as_float64("angle", angle)
-    shape = common_shape(driveline=line.shape, angle=angles.shape)
-    a, b = chain_before(line, joint)
-    pin = np.exp(1j * angles)
-    turned = a * pin + b * np.conj(pin)
-    turned = np.broadcast_to(turned / np.abs(turned), shape)[..., np.newaxis]
+    pins = line.evaluate(angle, ("driving_pin", "driven_pin"), joints=joint)
+    p, q = pins.driving_pin, pins.driven_pin
     driving, driven, normal = (
-        np.broadcast_to(axis, (*shape, 3))
+        np.broadcast_to(axis, p.shape)
         for axis in (
             line.directions[..., joint, :],
             line.directions[..., joint + 1, :],
             line.normals[..., joint, :],
         )
     )
-    driving_pin = turned.real * np.cross(normal, driving) + turned.imag * normal
-    driven_pin = np.cross(driven, driving_pin)
-    driven_pin /= np.linalg.norm(driven_pin, axis=-1, keepdims=True)
-    across = np.cross(driving_pin, driven_pin)
-    return CrossAxes(driving, driven, driving_pin, driven_pin, across, normal)
+    return CrossAxes(driving, driven, p, q, np.cross(p, q), normal)
 
 
 def dot(one: FloatArray, other: FloatArray) -> FloatArray:

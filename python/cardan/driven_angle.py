@@ -118,6 +118,9 @@ def planned(
     checked_choice("angle_of", angle_of, ("drive", "driven"))
     # Lengths are the same in all axes.
     turned = axes == "shaft" and reduce != "peak" and any(OUTPUTS[name].vector for name in names)
+    at_rest = [name for name in names if OUTPUTS[name].vector and OUTPUTS[name].of_cross]
+    if turned and at_rest:
+        raise ArgumentValueError("axes", f"is 'shaft'; {at_rest[0]} is known in 'space' only")
     plan = ShaftAxesPlan(*arguments) if turned else Plan(*arguments)
     return DrivenPlan(plan) if angle_of == "driven" else plan
 

@@ -1,11 +1,9 @@
 """Friction in the joints: the power that the pins take, at an angle and over a turn.
 
-With the tilts ``t1`` and ``t2`` of the cross against the driving and the driven yoke, the pins turn
-in their bearings at the rates ``r cos t1 tan t2`` and ``-r sin t1`` per radian of the drive. The
-speed ratio of the driving shaft is ``r`` (from Grossmann 2 to 5). The moment ``M`` of the joint
-presses each of two pins on its bearing with ``M/(2 R)`` at the arm ``R``. The friction ``mu`` on
-pins of the radius ``p`` therefore takes ``mu (p/R) |M|`` times the rate. A seal or a preload adds a
-moment that does not depend on the load.
+The pins turn in their bearings at the rates ``swing_driving`` and ``swing_driven`` per radian of
+the drive. The moment ``M`` of the joint presses each of two pins on its bearing with ``M/(2 R)`` at
+the arm ``R``. The friction ``mu`` on pins of the radius ``p`` therefore takes ``mu (p/R) |M|``
+times the rate. A seal or a preload adds a moment that does not depend on the load.
 
 For one joint and a constant torque at either end, the mean loss is ``mu (p/R) (2/pi) (artanh sin b
 + tan b)`` of the power (derived here). Everything is exact to first order in the friction: the loss

@@ -229,10 +229,11 @@ def _is_as_built(request: Request) -> bool:
 
 def _changes_sign(name: str, axes: str) -> bool | Sequence[bool]:
     """Whether half a turn changes the sign of an output, or of each component of a vector."""
-    if OUTPUTS[name].vector:
+    output = OUTPUTS[name]
+    if output.vector:
         # The axes y and z follow the pin.
-        return (False, True, True) if axes == "shaft" else (False, False, False)
-    return name in ("tilt_driving", "tilt_driven")
+        return (False, True, True) if axes == "shaft" else (output.of_cross,) * 3
+    return output.of_cross
 
 
 def _zero_driving(request: Request) -> FloatArray:

@@ -45,6 +45,11 @@ class Output:
         return len(self.axes) or 1
 
     @property
+    def of_cross(self) -> bool:
+        """Whether it says where the cross of a joint stands, which half a turn turns over."""
+        return self.per == "joint" and not self.needs_load
+
+    @property
     def label(self) -> str:
         """What to call it in tables and pictures: ``bending, driving side``."""
         sides = self.name.replace("_driving", ", driving side").replace("_driven", ", driven side")
@@ -123,6 +128,10 @@ _PROSE = {
         "magnitude of the bending moment in the driven shaft",
         "D sin b |cos a| √(1 + tan² b sin² a) (Grossmann 8)",
     ),
+    "pin_moment": (
+        "magnitude of the moment vector, which the pins of both yokes bear",
+        "D √(1 + tan² b sin² a), the length of the moment (Thoma 5)",
+    ),
     "joint_force": (
         "force vector that the joint exerts on its driven shaft, across the shaft that it supports",
         "balance of that shaft; for a floating shaft of length L: (u x support moment) / L",
@@ -138,6 +147,24 @@ _PROSE = {
     "tilt_driven": (
         "signed tilt of the cross, driven shaft",
         "sin tilt = sin b cos a (Grossmann 5)",
+    ),
+    "swing_driving": (
+        "rate of the cross in the driving yoke per radian of the drive; the derivative of "
+        "tilt_driving by the drive angle",
+        "speed ratio of the driven shaft times sin tilt_driven (derived here from Grossmann 3)",
+    ),
+    "swing_driven": (
+        "rate of the cross in the driven yoke per radian of the drive; the derivative of "
+        "tilt_driven by the drive angle",
+        "-(speed ratio of the driving shaft) sin tilt_driving (derived here from Grossmann 5)",
+    ),
+    "driving_pin": (
+        "unit vector along the pin of the driving yoke",
+        "cos a e_in + sin a m (Thoma, before 1)",
+    ),
+    "driven_pin": (
+        "unit vector along the pin of the driven yoke",
+        "unit(u_out x driving_pin)",
     ),
 }
 

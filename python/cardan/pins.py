@@ -52,25 +52,20 @@ class Pins:
 
 
 def pins_at(line: Any, load: Load, joint: int, angle: ArrayLike) -> Pins:  # noqa: ANN401
-    """Return the pins of a joint at drive angles in rad.
-
-    With the tilts ``t1`` and ``t2`` of the cross the rates are ``r cos t1 tan t2`` and
-    ``-r sin t1`` (derivatives of Grossmann's 2 and 3).
-    """
-    names = ("torque", "speed_ratio", "bending_driven", "tilt_driving", "tilt_driven")
+    """Return the pins of a joint at drive angles in rad."""
+    names = ("torque", "speed_ratio", "pin_moment", "swing_driving", "swing_driven")
     shafts = sorted({0, joint, joint + 1})
     at = line.evaluate(angle, names, shafts=shafts, joints=joint, load=load)
     torque = dict(zip(shafts, at.torque, strict=True))
     ratios = dict(zip(shafts, at.speed_ratio, strict=True))
-    ratio = ratios[joint]
     return Pins(
-        moment=np.hypot(torque[joint + 1], at.bending_driven),
-        rate_driving=ratio * np.cos(at.tilt_driving) * np.tan(at.tilt_driven),
-        rate_driven=-ratio * np.sin(at.tilt_driving),
+        moment=at.pin_moment,
+        rate_driving=at.swing_driving,
+        rate_driven=at.swing_driven,
         # From the power behind the joint.
-        entering_torque=torque[joint + 1] * ratios[joint + 1] / ratio,
+        entering_torque=torque[joint + 1] * ratios[joint + 1] / ratios[joint],
         drive_torque=torque[0],
-        speed_ratio=ratio,
+        speed_ratio=ratios[joint],
     )
 
 

@@ -195,12 +195,12 @@ class Plan:
         series in closed form (Fourier series of Thoma's 4). Everything else is summed over as many
         samples as its steepest joint and the highest order need. Half as many samples give a second
         sum, and the difference is part of the ``error``. It is far below rounding, except where an
-        inertia reverses the torque, at which the magnitudes of bending moments have kinks.
+        inertia reverses the torque, at which the magnitudes of moments have kinks.
 
         Half a turn only reverses the pins of ideal joints, so that an order is exactly 0 where it
-        must be: the even ones of tilts and of what is along the axes y and z of ``axes="shaft"``,
-        and the odd ones of everything else. Joints with deviations have all orders, each summed.
-        Orders are those of the angle that the plan takes.
+        must be: the even ones of tilts, swings and pins and of what is along the axes y and z of
+        ``axes="shaft"``, and the odd ones of everything else. Joints with deviations have all
+        orders, each summed. Orders are those of the angle that the plan takes.
 
         Args:
             orders: positive integers, ``(m,)`` or one, as ``range(1, 13)``.

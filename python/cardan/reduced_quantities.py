@@ -20,9 +20,6 @@ _Kind = TypeVar("_Kind", bound=str)
 
 _SAMPLES_PER_TURN = 360
 
-# Of these a turn of the drive is the period; all else repeats after half a turn.
-_PER_TURN = frozenset({"angle", "tilt_driving", "tilt_driven"})
-
 
 @dataclass(frozen=True, eq=False)
 class ReducedQuantity:
@@ -150,7 +147,8 @@ class ReducedQuantity:
 
     def _angles(self, line: Any) -> Sweep:  # noqa: ANN401
         # Joints as built repeat after a whole turn only.
-        whole = self.output.name in _PER_TURN or line.has_deviations
+        # All else repeats after half a turn.
+        whole = self.output.name == "angle" or self.output.of_cross or line.has_deviations
         return Sweep.revolutions(1.0 if whole else 0.5, _SAMPLES_PER_TURN)
 
     def _plan(self, line: Any, load: Load | None, **options: Any) -> Any:  # noqa: ANN401

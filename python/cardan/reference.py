@@ -128,6 +128,7 @@ class Loads:
         support_moment: per shaft, the vector that its bearings must give it.
         bending_driving: per joint, the size of the bending moment in its driving shaft.
         bending_driven: per joint, the size of the bending moment in its driven shaft.
+        pin_moment: per joint, the size of its moment.
     """
 
     torque: tuple[float, ...]
@@ -135,6 +136,24 @@ class Loads:
     support_moment: tuple[Vector, ...]
     bending_driving: tuple[float, ...]
     bending_driven: tuple[float, ...]
+    pin_moment: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Cross:
+    """Where the cross of one joint stands at one drive angle, and how it turns in its yokes.
+
+    Attributes:
+        driving_pin: unit vector along the pin of the driving yoke.
+        driven_pin: unit vector along the pin of the driven yoke.
+        swing_driving: rate of the cross in the driving yoke, per radian of the drive.
+        swing_driven: rate of the cross in the driven yoke, likewise.
+    """
+
+    driving_pin: Vector
+    driven_pin: Vector
+    swing_driving: float
+    swing_driven: float
 
 
 def from_bends(
@@ -398,6 +417,26 @@ def tilts(shafts: Shafts, angle: float) -> tuple[tuple[float, float], ...]:
     )
 
 
+def crosses(shafts: Shafts, angle: float) -> tuple[Cross, ...]:
+    """Return where the cross of each joint stands, and the rates at which its tilts change.
+
+    The driven shaft turns relative to the driving one by ``z v - w u`` with the speed ratios ``w``
+    and ``z``. The cross allows only turns about its pins, of which this is the sum; so the part
+    along the driving pin is the rate in the driving yoke, and the part along the driven pin that in
+    the driven yoke. Error as for the speed ratio of :func:`motion`.
+
+    Args:
+        shafts: the driveline.
+        angle: drive angle, as for ``motion``.
+    """
+    joints = _joints(shafts, angle)
+    ratios = pairwise(ratio for ratio, *_ in _rates(joints))
+    return tuple(
+        Cross(at.a, at.b, z * _dot(at.v, at.a), -w * _dot(at.u, at.b))
+        for at, (w, z) in zip(joints, ratios, strict=True)
+    )
+
+
 def loads(
     shafts: Shafts,
     angle: float,
@@ -476,4 +515,5 @@ def loads(
         bending_driven=tuple(
             _length(_cross(at.v, m)) for at, m in zip(joints, moment, strict=True)
         ),
+        pin_moment=tuple(map(_length, moment)),
     )

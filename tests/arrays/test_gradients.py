@@ -19,9 +19,13 @@ LOADS = (
     "support_moment",
     "bending_driving",
     "bending_driven",
+    "pin_moment",
     "tilt_driving",
     "tilt_driven",
+    "swing_driving",
+    "swing_driven",
 )
+PINS = ("driving_pin", "driven_pin")
 POINTS = np.array([[0, 0, 0], [1, 0.1, 0], [2, 0.3, 0.4], [3.2, 0.3, 0.3], [4, 0.2, 0.2]])
 RNG = np.random.default_rng(20261122)
 BATCH = Driveline.from_points(POINTS + RNG.normal(0, 0.05, (3, 1, 5, 3)), [0.3, 0.4])
@@ -33,15 +37,23 @@ def close(got: Any, want: Any) -> bool:  # noqa: ANN401
     return bool(np.max(np.abs(got - want)) <= 1e-12 * np.max(np.abs(want)))
 
 
-@pytest.mark.parametrize("load", [None, LOAD], ids=["motion", "load"])
+@pytest.mark.parametrize(
+    ("names", "load"),
+    [(MOTION, None), (MOTION + LOADS, LOAD), (MOTION + PINS, None)],
+    ids=["motion", "load", "pins"],
+)
 @pytest.mark.parametrize("line", [BATCH[0, 0], BATCH], ids=["one", "batch"])
 @pytest.mark.parametrize(
     "angle",
     [0.3, np.linspace(-3, 9, 1001), Sweep.revolutions(1, 700), RNG.normal(size=(4, 3, 7))],
     ids=["scalar", "array", "sweep", "axes"],
 )
-def test_gradients_are_sums_of_derivatives(line: Driveline, angle: Any, load: Load | None) -> None:  # noqa: ANN401
-    names = MOTION + (LOADS if load else ())
+def test_gradients_are_sums_of_derivatives(
+    names: tuple[str, ...],
+    line: Driveline,
+    angle: Any,  # noqa: ANN401
+    load: Load | None,
+) -> None:
     plan = line.plan(names, shafts=slice(None), load=load)
     result = plan(angle)
     weights = {name: RNG.normal(size=result[name].shape) for name in names}

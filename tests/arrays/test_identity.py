@@ -11,9 +11,11 @@ from cardan import OUTPUTS, Driveline, Load, Result, Sweep, _core
 from cardan.plan import Plan
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven")
+LOADS = ("torque", "support_moment", "moment", "bending_driving", "bending_driven", "pin_moment")
 TILTS = ("tilt_driving", "tilt_driven")
-ALL = (*MOTION, *LOADS, *TILTS)
+SWINGS = ("swing_driving", "swing_driven")
+PINS = ("driving_pin", "driven_pin")
+ALL = (*MOTION, *LOADS, *TILTS, *SWINGS, *PINS)
 FORCES = ("joint_force", "bearing_force")  # of drivelines with lengths
 TIERS: dict[str, dict[str, Any]] = {
     "default": {},
@@ -220,7 +222,7 @@ def test_shafts_and_joints_alone_or_together(line: Driveline, tier: str) -> None
             alone = evaluate(line, ANGLES, name, shafts=shaft, **options)[name]
             assert np.array_equal(alone, together[name][shaft]), name
     for joint in range(line.n_joints):
-        for name in ("moment", "bending_driving", "bending_driven", *TILTS):
+        for name in (*LOADS[2:], *TILTS, *SWINGS, *PINS):
             alone = evaluate(line, ANGLES, name, joints=joint, **options)[name]
             assert np.array_equal(alone, together[name][joint]), name
 

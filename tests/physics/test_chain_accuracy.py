@@ -25,7 +25,7 @@ from oracle import Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, mp, re
 
 DIGITS = 260
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-TILTS = ("tilt_driving", "tilt_driven")
+CROSS = ("tilt_driving", "tilt_driven", "swing_driving", "swing_driven")
 FAITHFUL = limits("tolerance_0")
 COARSE = limits("single_chain")
 LAST = math.nextafter(math.pi / 2, 0.0)
@@ -240,7 +240,7 @@ def test_long_sweeps_are_faithful(kind: str) -> None:
 
 
 @kinds
-def test_tilts_are_faithful(kind: str) -> None:
+def test_tilts_and_swings_are_faithful(kind: str) -> None:
     of = samples(kind)
     rng = np.random.default_rng(5)
     for chain in of.chains:
@@ -257,10 +257,14 @@ def test_tilts_are_faithful(kind: str) -> None:
             angles += [
                 float(zero + 10.0**-d * rng.uniform(0.3, 1)) for d in (1, 3, 5, 7, 9, 12, 40)
             ]
-        got = chain.line.evaluate(angles, TILTS, joints=last, tolerance=0)
+        got = chain.line.evaluate(angles, CROSS, joints=last, tolerance=0)
+        exact = []
         with mp.workdps(DIGITS):
-            exact = [before.tilts(chain.bends[last], ExactTurn.by(x)) for x in angles]
-        for name, column in zip(TILTS, zip(*exact, strict=True), strict=True):
+            for at in map(ExactTurn.by, angles):
+                t1, t2 = before.tilts(chain.bends[last], at)
+                ratio = before.speed_ratio(at)
+                exact.append((t1, t2, ratio * mp.cos(t1) * mp.tan(t2), -ratio * mp.sin(t1)))
+        for name, column in zip(CROSS, zip(*exact, strict=True), strict=True):
             want = Exact.of(column)
             ulps = np.where(np.abs(want.high) > 1e-280, want.ulps(got[name]), 0.0)
             worst = int(ulps.argmax())

@@ -14,8 +14,9 @@ from derivative_oracle import differences, from_angles, from_points, numbers, ou
 from oracle import Fold, mp
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
-TILTS = ("tilt_driving", "tilt_driven")
-LOADS = ("torque", "moment", "support_moment", "bending_driving", "bending_driven")
+SWINGS = ("tilt_driving", "tilt_driven", "swing_driving", "swing_driven")
+CROSS = (*SWINGS, "driving_pin", "driven_pin")
+LOADS = ("torque", "moment", "support_moment", "bending_driving", "bending_driven", "pin_moment")
 ANGLES = [0.4, -2.1, 5.0]
 
 CHAINS: dict[str, tuple[list[float], list[float], list[float]]] = {
@@ -78,7 +79,7 @@ def test_by_angles_and_loads(name: str, loaded: str) -> None:
     line = Driveline.from_bends(bends, twists, phases)
     torque = next(key for key in load if key.endswith("_torque"))
     by = ("bends", "twists", "phases", "angle", torque, "inertias")
-    names = MOTION + TILTS + LOADS
+    names = MOTION + CROSS + LOADS
     plan = line.plan(names, shafts=slice(None), load=Load(**load))
     found = plan.derivatives(ANGLES, by)
     for i, angle in enumerate(ANGLES):
@@ -117,7 +118,7 @@ def test_by_points(name: str, loaded: str) -> None:
     n = len(points) - 2
     load = loading(loaded, n)
     line = Driveline.from_points(points, phases)
-    names = MOTION + TILTS + LOADS
+    names = MOTION + CROSS + LOADS
     plan = line.plan(names, shafts=slice(None), load=Load(**load))
     found = plan.derivatives(ANGLES, by="points")
     straight = [j for j in range(n) if line.bends[j] < 1e-6]
@@ -133,7 +134,7 @@ def test_by_points(name: str, loaded: str) -> None:
             vector = cardan.OUTPUTS[output].vector
             got = item_first(found[output]["points"], vector, 2)[..., i, :, :]
             value = float(np.max(np.abs(plan([angle])[output])))
-            if output.startswith("tilt"):
+            if output in SWINGS:
                 # The tilt of a straight joint has a direction, of which only a limit exists.
                 keep = [j for j in range(n) if j not in straight]
                 assert_close(got.reshape(n, -1)[keep], want[output][keep], 1e-3, (output, angle))

@@ -311,6 +311,8 @@ def test_chain_loads(case: dict[str, Any], way: str) -> None:
             assert off_all(got.torque, [want["T_in"], *want["torsion_in"]]) <= limit
             assert off_all(got.bending_driving, want["bend_on_driver"]) <= limit
             assert off_all(got.bending_driven, want["bend_on_driven"]) <= limit
+            sizes = [math.hypot(*map(float, moment)) for moment in want["M"]]
+            assert got.pin_moment == pytest.approx(sizes, rel=0.0, abs=limit)
 
 
 @chains
@@ -324,6 +326,26 @@ def test_chain_tilts(case: dict[str, Any]) -> None:
             size = math.hypot(*map(float, want["M"][j]))
             assert off(size * math.sin(abs(psi_1)), want["bend_on_driver"][j]) <= tolerance * size
             assert off(size * math.sin(abs(psi_2)), want["bend_on_driven"][j]) <= tolerance * size
+
+
+@chains
+def test_chain_crosses(case: dict[str, Any]) -> None:
+    # The swings are the slopes of the tilts, and the moment is normal to both pins.
+    shafts, step = lay_out(case), 1e-4
+    scale = cosines(shafts)
+    for angle, at in zip(angles(case, shafts), case["steps"], strict=True):
+        moments = at["static_T0_1"]["M"]
+        crosses = reference.crosses(shafts, angle)
+        ends = [reference.tilts(shafts, angle + by) for by in (-step, step)]
+        for cross, moment, *tilts in zip(crosses, moments, *ends, strict=True):
+            slopes = [(after - before) / (2.0 * step) for before, after in zip(*tilts, strict=True)]
+            swings = [cross.swing_driving, cross.swing_driven]
+            assert swings == pytest.approx(slopes, rel=0.0, abs=step**2 / scale**4)
+            normal = [float(x) for x in moment]
+            for pin in (cross.driving_pin, cross.driven_pin):
+                assert math.hypot(*pin) == pytest.approx(1.0, abs=4 * EPS)
+                along = math.fsum(x * y for x, y in zip(normal, pin, strict=True))
+                assert abs(along) <= 16 * EPS * math.hypot(*normal) / scale
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.7, 2.0, 4.0, -1.0])

@@ -28,6 +28,8 @@ def exact(name: str, joint: ExactJoint, at: ExactTurn, torque: MpNumber) -> list
     _, y, z = joint.moment(at)
     in_plane = joint.sine * at.cosine**2
     driven = [-in_plane * joint.sine, in_plane * joint.cosine, -z]
+    tilts = mp.atan2(joint.sine * at.sine, joint.cosine), mp.asin(joint.sine * at.cosine)
+    along = mp.cos(tilts[1])
     match name:
         case "angle":
             return [at.angle + joint.angle_error(at)]
@@ -49,10 +51,21 @@ def exact(name: str, joint: ExactJoint, at: ExactTurn, torque: MpNumber) -> list
             return [abs(torque) * mp.hypot(y, z)]
         case "bending_driven":
             return [abs(torque) * mp.sqrt(sum(x * x for x in driven))]
+        case "pin_moment":
+            return [abs(torque) / mp.cos(tilts[0])]
         case "tilt_driving":
-            return [mp.atan2(joint.sine * at.sine, joint.cosine)]
+            return [tilts[0]]
         case "tilt_driven":
-            return [mp.asin(joint.sine * at.cosine)]
+            return [tilts[1]]
+        case "swing_driving":
+            return [mp.cos(tilts[0]) * mp.tan(tilts[1])]
+        case "swing_driven":
+            return [-mp.sin(tilts[0])]
+        case "driving_pin":
+            return [mp.mpf(0), at.cosine, at.sine]
+        case "driven_pin":
+            inside = -at.sine / along
+            return [-joint.sine * inside, joint.cosine * inside, joint.cosine * at.cosine / along]
     raise AssertionError(name)
 
 

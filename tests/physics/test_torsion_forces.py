@@ -120,7 +120,7 @@ def test_forces_are_those_of_the_equilibrium() -> None:
 
 def test_stiff_shafts_carry_the_loads_of_a_rigid_driveline() -> None:
     names = [name for name, output in cardan.OUTPUTS.items() if output.needs_load]
-    names += ["tilt_driving", "tilt_driven"]
+    names += ["tilt_driving", "tilt_driven", "driving_pin", "driven_pin"]
     speed, torque = 100.0, 200.0
     system = cardan.TorsionalSystem(
         LINE,
@@ -133,7 +133,7 @@ def test_stiff_shafts_carry_the_loads_of_a_rigid_driveline() -> None:
     load = cardan.Load(output_torque=torque, speed=speed, inertias=INERTIAS.sum(axis=1))
     angle = np.arange(SAMPLES) * np.pi / SAMPLES
     rigid = LINE.evaluate(angle, names, shafts=ALL, load=load)
-    assert len(names) == 9
+    assert len(names) == 12
     for name in names:
         assert np.abs(found[name] - rigid[name]).max() < 1e-5 * np.abs(rigid[name]).max()
 

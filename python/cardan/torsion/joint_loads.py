@@ -24,7 +24,8 @@ from cardan.result import Result
 from cardan.torsion.parameters import TorsionParameters
 from cardan.torsion.results import Orbit
 
-_TILTS = ("tilt_driving", "tilt_driven")
+# The position of the crosses is that of rigid shafts with these twists; their rates are not.
+_POSITIONS = ("tilt_driving", "tilt_driven", "driving_pin", "driven_pin")
 
 
 def evaluated(
@@ -45,7 +46,7 @@ def evaluated(
     """
     names = checked(outputs)
     for i, name in enumerate(names):
-        if not (OUTPUTS[name].needs_load or name in _TILTS):
+        if not (OUTPUTS[name].needs_load or name in _POSITIONS):
             problem = f"is {name!r}, a motion of rigid shafts; orbit() has that of compliant shafts"
             raise ArgumentValueError("outputs", problem, (i,))
     n = line.n_joints

@@ -66,7 +66,7 @@ class SteadyState(Searched):
 
         Args:
             samples: number of equally spaced drive angles over half a turn, at least 1.
-            outputs: names from ``cardan.OUTPUTS`` that need a load, or tilts.
+            outputs: names from ``cardan.OUTPUTS`` that need a load, tilts or pins.
             shafts: shafts for the outputs per shaft: an index, a slice or a list; default: the last
                 shaft.
             joints: joints for the outputs per joint; default: all.

@@ -123,6 +123,11 @@ pub(crate) fn differentiate<'py>(
     }
     if wanted.deviations || lines.is_as_built() {
         check_as_built(modes)?;
+        if let Some((output, _)) = outputs.iter().find(|(output, _)| output.is_ideal()) {
+            let name = output.row().name;
+            let problem = format!("have {name:?}, which has no derivatives by deviations");
+            return Err(argument_error("outputs", &[], problem));
+        }
     }
     lines.with(py, |lines| {
         let task = Differentiated {

@@ -4,6 +4,7 @@
 //! library computes; a chain is the map `w → A w + B w̄` with the lengths left in.
 
 use crate::angle::{HALF_PI, atan2, sin_cos, sin_cos_in};
+use crate::space::{cross, dot, scaled};
 use crate::wide::{Wide, WideComplex};
 
 /// Sine and cosine of a drive angle, and the angle itself.
@@ -140,6 +141,26 @@ impl ExactJoint {
         let sine = self.sin * at.c;
         let cosine = (at.s.square() + (self.cos * at.c).square()).sqrt();
         [atan2(self.sin * at.s, self.cos), atan2(sine, cosine)]
+    }
+
+    /// The moment's magnitude per unit of torque: the length of the vector.
+    pub(crate) fn pin_moment(&self, at: &Turn) -> Wide {
+        let moment = self.moment(at);
+        dot(moment, moment).sqrt()
+    }
+
+    /// Rates of the cross in both yokes: the parts along the pins of the rotation of the driven shaft
+    /// relative to the driving one.
+    pub(crate) fn swings(&self, at: &Turn) -> [Wide; 2] {
+        let ([driving, driven], ratio) = (self.pins(at), self.motion(at).ratio);
+        [ratio * self.sin * driving[1], -driven[0]]
+    }
+
+    /// The unit vectors along the pins of both yokes, shaft 0 along x, the normal along z.
+    pub(crate) fn pins(&self, at: &Turn) -> [[Wide; 3]; 2] {
+        let driving = [Wide::ZERO, at.c, at.s];
+        let driven = cross([self.cos, self.sin, Wide::ZERO], driving);
+        [driving, scaled(driven, Wide::ONE / dot(driven, driven).sqrt())]
     }
 }
 

@@ -72,7 +72,10 @@ impl SampleBlock {
         let times = |v: [Wide; 3]| v.map(|x| x * torque);
         let [support_driving, support_driven] = joint.supports(at).map(times);
         let [bending_driving, bending_driven] = joint.bending(at).map(|x| x * torque.abs());
+        let pin_moment = joint.pin_moment(at) * torque.abs();
         let [tilt_driving, tilt_driven] = joint.tilts(at);
+        let [swing_driving, swing_driven] = joint.swings(at);
+        let [driving_pin, driven_pin] = joint.pins(at);
         let size = torque.abs();
         let [sin, cos, tan] = [joint.sin, joint.cos, joint.tan].map(|x| x.high);
         let steepest = joint.steepest();
@@ -94,8 +97,13 @@ impl SampleBlock {
             (Q::SupportDriven, &support_driven, bending_largest),
             (Q::BendingDriving, &[bending_driving], size * tan),
             (Q::BendingDriven, &[bending_driven], bending_largest),
+            (Q::PinMoment, &[pin_moment], size / cos),
             (Q::TiltDriving, &[tilt_driving], sample.bend),
             (Q::TiltDriven, &[tilt_driven], sample.bend),
+            (Q::SwingDriving, &[swing_driving], tan),
+            (Q::SwingDriven, &[swing_driven], sin),
+            (Q::DrivingPin, &driving_pin, 1.0),
+            (Q::DrivenPin, &driven_pin, 1.0),
         ] {
             let terms = if quantity == Q::JerkRatio { &[joint.jerk_term(at)] } else { numbers };
             self.exact[quantity as usize].put(numbers, terms, largest);
@@ -204,7 +212,8 @@ const JOBS: &[Job] = {
         Job {
             outputs: &[
                 Output::Torque, Output::SupportMoment, Output::Moment, Output::BendingDriving,
-                Output::BendingDriven, Output::TiltDriving, Output::TiltDriven,
+                Output::BendingDriven, Output::PinMoment, Output::TiltDriving, Output::TiltDriven,
+                Output::SwingDriving, Output::SwingDriven, Output::DrivingPin, Output::DrivenPin,
             ],
             shafts: &[0, 1],
             end: Some(End::Drive),
@@ -217,7 +226,10 @@ const JOBS: &[Job] = {
                 Some((Q::SupportDriven, 2)),
                 Some((Q::Moment, 0)), Some((Q::Moment, 1)), Some((Q::Moment, 2)),
                 plane(Q::BendingDriving), plane(Q::BendingDriven),
-                plane(Q::TiltDriving), plane(Q::TiltDriven),
+                plane(Q::PinMoment), plane(Q::TiltDriving), plane(Q::TiltDriven),
+                plane(Q::SwingDriving), plane(Q::SwingDriven),
+                Some((Q::DrivingPin, 0)), Some((Q::DrivingPin, 1)), Some((Q::DrivingPin, 2)),
+                Some((Q::DrivenPin, 0)), Some((Q::DrivenPin, 1)), Some((Q::DrivenPin, 2)),
             ],
         },
         Job {

@@ -21,12 +21,17 @@ pub(crate) enum Quantity {
     SupportDriven,
     BendingDriving,
     BendingDriven,
+    PinMoment,
     TiltDriving,
     TiltDriven,
+    SwingDriving,
+    SwingDriven,
+    DrivingPin,
+    DrivenPin,
 }
 
 impl Quantity {
-    pub(crate) const ALL: [Self; 15] = [
+    pub(crate) const ALL: [Self; 20] = [
         Self::Angle,
         Self::AngleError,
         Self::SpeedRatio,
@@ -40,8 +45,13 @@ impl Quantity {
         Self::SupportDriven,
         Self::BendingDriving,
         Self::BendingDriven,
+        Self::PinMoment,
         Self::TiltDriving,
         Self::TiltDriven,
+        Self::SwingDriving,
+        Self::SwingDriven,
+        Self::DrivingPin,
+        Self::DrivenPin,
     ];
 
     pub(crate) fn name(self) -> &'static str {
@@ -59,8 +69,13 @@ impl Quantity {
             Self::SupportDriven => "support of the driven shaft",
             Self::BendingDriving => "bending_driving",
             Self::BendingDriven => "bending_driven",
+            Self::PinMoment => "pin_moment",
             Self::TiltDriving => "tilt_driving",
             Self::TiltDriven => "tilt_driven",
+            Self::SwingDriving => "swing_driving",
+            Self::SwingDriven => "swing_driven",
+            Self::DrivingPin => "driving_pin",
+            Self::DrivenPin => "driven_pin",
         }
     }
 }

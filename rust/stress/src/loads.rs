@@ -1,4 +1,4 @@
-//! The loads of chains with `tolerance=0`, in plain ulp, of a vector in ulp of its largest
+//! The loads and crosses of chains with `tolerance=0`, in plain ulp, of a vector in ulp of its largest
 //! component.
 //!
 //! The oracle is the vector picture. A yoke is a unit vector along its pin, turned about its shaft.
@@ -15,27 +15,32 @@ use crate::judge::{self, Tier};
 use crate::loading::{LoadedDriveline, Loading};
 use crate::samples::Random;
 use crate::shape_errors::ShapeErrors;
-use crate::space::{ExactAxes, Transmitted, cross, dot, scaled, turned};
+use crate::space::{ExactAxes, Span, Transmitted, cross, dot, scaled, turned};
 use crate::wide::Wide;
 
 /// Angles for each chain.
 pub(crate) const ANGLES: usize = 20;
 
-pub(crate) const OUTPUTS: [Output; 5] = [
+const OUTPUTS: [Output; 10] = [
     Output::Torque,
     Output::Moment,
     Output::SupportMoment,
     Output::BendingDriving,
     Output::BendingDriven,
+    Output::PinMoment,
+    Output::SwingDriving,
+    Output::SwingDriven,
+    Output::DrivingPin,
+    Output::DrivenPin,
 ];
 
 /// The names of the outputs.
-fn names() -> [&'static str; 5] {
+fn names() -> [&'static str; 10] {
     OUTPUTS.map(|output| output.row().name)
 }
 
 /// The largest errors of the outputs, in ulp.
-fn limits() -> [f64; 5] {
+fn limits() -> [f64; 10] {
     names().map(|name| judge::limit("chain", name, "tolerance_0").expect("the table has it"))
 }
 
@@ -75,7 +80,7 @@ impl LoadShape {
 }
 
 /// The worst errors of a kind of chain, by output.
-type LoadErrors = ShapeErrors<LoadShape, 1, 5>;
+type LoadErrors = ShapeErrors<LoadShape, 1, 10>;
 
 /// Judges at least so many samples of each kind.
 pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
@@ -123,33 +128,56 @@ impl Frames {
 
     /// What the shafts and joints transmit at an angle.
     pub(crate) fn transmitted(&self, loading: &Loading, angle: f64) -> Transmitted {
-        let ExactAxes { directions, normals } = &self.axes;
-        let (n, at) = (normals.len(), Turn::by(&[angle]));
+        let (directions, at) = (&self.axes.directions, Turn::by(&[angle]));
+        let n = directions.len() - 1;
         let motion = self.chains.iter().map(|chain| chain.motion(&at).0);
         let rates: Vec<_> = motion.map(|motion| [motion.ratio, motion.acceleration]).collect();
         let (power, terms) = loading.powers(&rates);
         let mut largest = 0.0_f64;
-        let mut driving = {
-            let (u, m) = (directions[0], normals[0]);
-            turned(cross(m, u), u, (at.s, at.c))
-        };
         let mut moments = vec![];
-        for j in 0..n {
-            let after = directions[j + 1];
-            let driven = cross(after, driving);
-            let driven = scaled(driven, Wide::ONE / dot(driven, driven).sqrt());
+        for (j, [driving, driven]) in self.pins(&at).into_iter().enumerate() {
             let along = cross(driving, driven);
             // The moment of a unit of power over the drive's speed.
             let unit = Wide::ONE / (rates[j][0] * dot(along, directions[j]));
             moments.push(scaled(along, power[j + 1] * unit));
             let components = scaled(along, terms * unit).map(|x| x.high.abs());
             largest = components.into_iter().fold(largest, f64::max);
+        }
+        let torques = (0..=n).map(|i| power[i] / rates[i][0]).collect();
+        Transmitted { torques, moments, largest }
+    }
+
+    /// The pins of each joint.
+    fn pins(&self, at: &Turn) -> Vec<[Span; 2]> {
+        let ExactAxes { directions, normals } = &self.axes;
+        let (u, m) = (directions[0], normals[0]);
+        let mut driving = turned(cross(m, u), u, (at.s, at.c));
+        let mut pins = vec![];
+        for (j, &after) in directions[1..].iter().enumerate() {
+            let driven = cross(after, driving);
+            let driven = scaled(driven, Wide::ONE / dot(driven, driven).sqrt());
+            pins.push([driving, driven]);
             if let Some(&phase) = self.phases.get(j) {
                 driving = turned(driven, after, phase);
             }
         }
-        let torques = (0..=n).map(|i| power[i] / rates[i][0]).collect();
-        Transmitted { torques, moments, largest }
+        pins
+    }
+
+    /// The components of every plane of magnitudes of moments, rates of crosses and pins, in the
+    /// order of the outputs.
+    fn crosses(&self, moments: &[Span], angle: f64) -> Vec<Vec<Wide>> {
+        let (u, at) = (&self.axes.directions, Turn::by(&[angle]));
+        let pins = self.pins(&at);
+        let ratio = |shaft: usize| self.chains[shaft].motion(&at).0.ratio;
+        let joints = || pins.iter().enumerate();
+        let sizes = moments.iter().map(|&m| vec![dot(m, m).sqrt()]);
+        sizes
+            .chain(joints().map(|(j, pins)| vec![ratio(j + 1) * dot(u[j + 1], pins[0])]))
+            .chain(joints().map(|(j, pins)| vec![-ratio(j) * dot(u[j], pins[1])]))
+            .chain(pins.iter().map(|pins| pins[0].to_vec()))
+            .chain(pins.iter().map(|pins| pins[1].to_vec()))
+            .collect()
     }
 }
 
@@ -171,7 +199,9 @@ fn judge(line: &Geometry, random: &mut Random, found: &mut LoadErrors) {
     let frames = Frames::of(line);
     for (i, &angle) in angles.iter().enumerate() {
         let mut plane = 0;
-        let mut exact = frames.axes.loads(frames.transmitted(&loading, angle)).into_iter();
+        let transmitted = frames.transmitted(&loading, angle);
+        let crosses = frames.crosses(&transmitted.moments, angle);
+        let mut exact = frames.axes.loads(transmitted).into_iter().chain(crosses);
         for (q, output) in OUTPUTS.into_iter().enumerate() {
             let items =
                 if matches!(output, Output::Torque | Output::SupportMoment) { n + 1 } else { n };

@@ -40,6 +40,12 @@ pub(crate) fn print(count: u64) {
             ("bending_driven", joint.bending(&at)[1]),
             ("tilt_driving", joint.tilts(&at)[0]),
             ("tilt_driven", joint.tilts(&at)[1]),
+            ("pin_moment", joint.pin_moment(&at)),
+            ("swing_driving", joint.swings(&at)[0]),
+            ("swing_driven", joint.swings(&at)[1]),
+            ("driven_pin x", joint.pins(&at)[1][0]),
+            ("driven_pin y", joint.pins(&at)[1][1]),
+            ("driven_pin z", joint.pins(&at)[1][2]),
         ] {
             println!("{name}: {}", x.hex());
         }

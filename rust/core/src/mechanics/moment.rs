@@ -16,7 +16,6 @@ use crate::mechanics::chain::Transfer;
 use crate::mechanics::frame::Frame;
 use crate::mechanics::joint::Joint;
 use crate::mechanics::turning::turned;
-use crate::number::atan::Atan;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::Real;
 
@@ -192,13 +191,6 @@ impl<T: Real> Pose<T> {
         [part(0), part(1), part(2)]
     }
 
-    /// The pose for sine and cosine of the joint's input angle.
-    #[inline(always)]
-    pub(crate) fn by_own_pins(self) -> Self {
-        let [zero, one] = [0.0, 1.0].map(T::from_f64);
-        Self { matrix: [one, zero, zero, one], ..self }
-    }
-
     /// Sine and cosine of the joint's input angle, multiplied by a common length, from sine
     /// and cosine of the drive angle.
     #[inline(always)]
@@ -230,35 +222,26 @@ impl<T: Real> Pose<T> {
         torsion.abs() * self.tangent * (sine.abs() / length)
     }
 
+    /// Magnitude of the whole moment, `|D| sec ψ₁ = |D| √(1 + tan² β sin² α)`.
+    #[inline(always)]
+    pub(crate) fn pin_moment(&self, torsion: T, s: T, c: T) -> T {
+        torsion.abs() * self.stretch(s, c).1.sqrt()
+    }
+
     /// Magnitude of the bending moment in the driven shaft, `D sin β |cos α| √(1 + tan² β sin² α)`
     /// (Grossmann (8)).
     #[inline(always)]
     pub(crate) fn bending_driven(&self, torsion: T, s: T, c: T) -> T {
-        let one = T::from_f64(1.0);
-        let part = self.parts(one, s, c);
-        let stretch = self.tangent.square().mul_add(part.sine2, one);
+        let (part, stretch) = self.stretch(s, c);
         torsion.abs() * self.sine * (part.cosine2 * stretch).sqrt()
     }
-}
 
-impl<T: Atan> Pose<T> {
-    /// Tilt `ψ₁` of the cross relative to the driving shaft in rad, `tan ψ₁ = tan β sin α`
-    /// (Grossmann (3)).
+    /// The parts of a torsion of 1, and `sec² ψ₁ = 1 + tan² β sin² α`.
     #[inline(always)]
-    pub(crate) fn tilt_driving(&self, s: T, c: T) -> T {
-        let (sine, cosine) = self.turn(s, c);
-        let length = (sine.square() + cosine.square()).sqrt();
-        T::atan_any(self.sine * sine, self.cosine * length)
-    }
-
-    /// Tilt `ψ₂` of the cross relative to the driven shaft in rad, `sin ψ₂ = sin β cos α`
-    /// (Grossmann (5)); its cosine is `√(sin² α + cos² β cos² α)`.
-    #[inline(always)]
-    pub(crate) fn tilt_driven(&self, s: T, c: T) -> T {
-        let (sine, cosine) = self.turn(s, c);
-        let across = self.cosine * cosine;
-        let along = across.mul_add(across, sine.square()).sqrt();
-        T::atan_any(self.sine * cosine, along)
+    fn stretch(&self, s: T, c: T) -> (TorsionParts<T>, T) {
+        let one = T::from_f64(1.0);
+        let part = self.parts(one, s, c);
+        (part, self.tangent.square().mul_add(part.sine2, one))
     }
 }
 

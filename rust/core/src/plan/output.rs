@@ -28,8 +28,9 @@ pub(crate) enum Needs {
     /// The motion of a shaft, with the value for a shaft that turns with the drive; the angle has
     /// none.
     Motion(Option<f64>),
-    /// The tilts of the cross, which depend on the sense of the pins.
-    Tilt,
+    /// Where the cross stands, which depends on the sense of the pins; its rates also need the speed
+    /// ratio of the driving shaft.
+    Cross(Cross),
     /// The power entering a shaft.
     Power,
     /// The moments of the joints at both ends of a shaft.
@@ -38,6 +39,14 @@ pub(crate) enum Needs {
     Torsion,
     /// The balance of forces of a shaft.
     Force,
+}
+
+/// What an output says of the cross of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cross {
+    Tilt,
+    Swing,
+    Pin,
 }
 
 /// The properties of an output.
@@ -110,20 +119,36 @@ outputs! {
     BendingDriving: "bending_driving", Joint, "N m", SCALAR, Needs::Torsion;
     /// Magnitude of the bending moment in a joint's driven shaft.
     BendingDriven: "bending_driven", Joint, "N m", SCALAR, Needs::Torsion;
+    /// Magnitude of the moment vector, which the pins bear in both yokes.
+    PinMoment: "pin_moment", Joint, "N m", SCALAR, Needs::Torsion;
     /// Force that a joint exerts on its driven shaft.
     JointForce: "joint_force", Joint, "N", VECTOR, Needs::Force;
     /// Force that a bearing exerts on its shaft.
     BearingForce: "bearing_force", Bearing, "N", VECTOR, Needs::Force;
     /// Signed tilt `ψ₁` of the cross against the driving shaft.
-    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Tilt;
+    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Cross(Cross::Tilt);
     /// Signed tilt `ψ₂` of the cross against the driven shaft.
-    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Tilt;
+    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Cross(Cross::Tilt);
+    /// Rate of the cross in the driving yoke per radian of the drive.
+    SwingDriving: "swing_driving", Joint, "1", SCALAR, Needs::Cross(Cross::Swing);
+    /// Rate of the cross in the driven yoke per radian of the drive.
+    SwingDriven: "swing_driven", Joint, "1", SCALAR, Needs::Cross(Cross::Swing);
+    /// Unit vector along the pin of the driving yoke.
+    DrivingPin: "driving_pin", Joint, "1", VECTOR, Needs::Cross(Cross::Pin);
+    /// Unit vector along the pin of the driven yoke.
+    DrivenPin: "driven_pin", Joint, "1", VECTOR, Needs::Cross(Cross::Pin);
 }
 
 impl Output {
     /// Whether the output needs a load.
     pub fn needs_load(self) -> bool {
-        !matches!(self.row().needs, Needs::Motion(_) | Needs::Tilt)
+        !matches!(self.row().needs, Needs::Motion(_) | Needs::Cross(_))
+    }
+
+    /// Whether only ideal joints have it.
+    pub fn is_ideal(self) -> bool {
+        self == Self::PinMoment
+            || matches!(self.row().needs, Needs::Cross(Cross::Swing | Cross::Pin))
     }
 
     /// The number of planes per shaft, joint or bearing: one for a scalar, three for a vector.

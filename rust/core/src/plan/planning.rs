@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::mechanics::joint::Joint;
 use crate::plan::forces::ForceStep;
 use crate::plan::load::{LoadStep, Station};
-use crate::plan::output::{Needs, Output, Per};
+use crate::plan::output::{Cross, Needs, Output, Per};
 use crate::plan::request::{End, Request};
 use crate::plan::steps::{JointNeeds, JointStep, Plan, ShaftStep, Support, range};
 
@@ -48,6 +48,10 @@ impl Plan {
                 let problem = format!("is {:?}, which needs a load", output.row().name);
                 return Err(Error::new("outputs", &[i], problem));
             }
+            if output.is_ideal() && request.as_built {
+                let why = "; drivelines with deviations do not have it, only ideal joints do";
+                return Err(refused(output, i, why));
+            }
             let row = output.row();
             let items = match row.per {
                 Per::Shaft => request.shafts,
@@ -73,9 +77,12 @@ impl Plan {
                         plan.joints[item].planes.set(output, plane);
                         plan.joints[item].needs_moment = true;
                     }
-                    Needs::Tilt => {
+                    Needs::Cross(of) => {
                         plan.joints[item].planes.set(output, plane);
-                        plan.joints[item].needs_tilt = true;
+                        plan.joints[item].needs_cross = true;
+                        if of == Cross::Swing {
+                            plan.step(item).keep_ratio = true;
+                        }
                     }
                     Needs::Force => plan.plan_force(request, output, item, plane, i)?,
                 }
@@ -91,7 +98,7 @@ impl Plan {
         let steps = plan.joints.iter().enumerate();
         let pin_loops: usize = steps.map(|(joint, step)| step.pin_loops(joint)).sum();
         plan.any_joint = JointNeeds {
-            tilt: plan.joints.iter().any(|step| step.needs_tilt),
+            cross: plan.joints.iter().any(|step| step.needs_cross),
             torsion: plan.joints.iter().any(JointStep::needs_load),
             pin_loops: pin_loops + usize::from(plan.needs_inverse_squares()),
         };

@@ -48,7 +48,8 @@ pub struct Plan {
 pub(crate) struct ShaftStep {
     pub(crate) shaft: usize,
     pub(crate) planes: OutputPlanes,
-    /// Whether the load needs the speed ratio and the acceleration ratio.
+    /// Whether the load, or the cross of the joint behind the shaft, needs the speed ratio, and
+    /// whether the load needs the acceleration ratio.
     pub(crate) keep_ratio: bool,
     pub(crate) keep_acceleration: bool,
 }
@@ -95,8 +96,8 @@ impl ShaftStep {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct JointStep {
     pub(crate) planes: OutputPlanes,
-    /// Whether any output is a tilt, and whether any needs the torsion.
-    pub(crate) needs_tilt: bool,
+    /// Whether any output needs the cross, and whether any needs the torsion.
+    pub(crate) needs_cross: bool,
     pub(super) needs_moment: bool,
     /// Whether any force depends on the joint's torsion.
     pub(crate) needs_force: bool,
@@ -112,7 +113,7 @@ pub(crate) struct JointStep {
 /// tenth of the time of a chunk.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JointNeeds {
-    pub(crate) tilt: bool,
+    pub(crate) cross: bool,
     pub(crate) torsion: bool,
     /// The number of loops over pins, for all joints.
     pub(crate) pin_loops: usize,
@@ -137,17 +138,10 @@ impl JointStep {
         self.support.iter().any(Option::is_some)
     }
 
-    /// The number of loops over pins for the joint with the number `joint`. Those of the tilts need
+    /// The number of loops over pins for the joint with the number `joint`. Those of the cross need
     /// the sense of the pins as well.
     pub(super) fn pin_loops(&self, joint: usize) -> usize {
-        let outputs = [
-            Output::TiltDriving,
-            Output::TiltDriven,
-            Output::BendingDriving,
-            Output::BendingDriven,
-            Output::Moment,
-        ];
-        let planes = outputs.iter().filter(|&&output| self.planes.get(output).is_some());
+        let planes = Output::ALL.iter().filter(|&&output| self.planes.get(output).is_some());
         let others = [self.is_source(joint), self.needs_support()];
         planes.count() + others.into_iter().filter(|&needed| needed).count()
     }
@@ -234,7 +228,7 @@ impl Plan {
 
     /// Whether any output needs the pose of the joint.
     pub(crate) fn needs_pose(&self, joint: usize) -> bool {
-        self.joints[joint].needs_tilt || self.joints[joint].needs_load()
+        self.joints[joint].needs_cross || self.joints[joint].needs_load()
     }
 
     /// Whether the angle of any shaft is requested.
@@ -255,7 +249,7 @@ impl Plan {
 
     /// Whether any output needs the pose of a joint.
     pub(crate) fn needs_poses(&self) -> bool {
-        self.any_joint.tilt || self.any_joint.torsion
+        self.any_joint.cross || self.any_joint.torsion
     }
 
     /// Whether torques or moments may be sums of several terms, which may cancel, or belong to joints
@@ -275,9 +269,9 @@ impl Plan {
         self.any_joint.torsion || self.shafts.iter().any(|step| step.keep_ratio)
     }
 
-    /// Whether a tilt of the first joint is needed. Only its pins are those of the drive.
-    pub(crate) fn needs_first_tilt(&self) -> bool {
-        self.joints.first().is_some_and(|step| step.needs_tilt)
+    /// Whether the cross of the first joint is needed. Only its pins are those of the drive.
+    pub(crate) fn needs_first_cross(&self) -> bool {
+        self.joints.first().is_some_and(|step| step.needs_cross)
     }
 
     /// Whether the load needs the speed of the shaft.
@@ -287,8 +281,11 @@ impl Plan {
 
     /// Whether any output is a vector, which needs the frames of the joints.
     pub(crate) fn needs_frames(&self) -> bool {
-        let moment = |step: &JointStep| step.planes.get(Output::Moment).is_some();
-        self.joints.iter().any(|step| moment(step) || step.needs_support() || step.needs_force)
+        let vector = |step: &JointStep| {
+            let vectors = [Output::Moment, Output::DrivingPin, Output::DrivenPin];
+            vectors.iter().any(|&output| step.planes.get(output).is_some())
+        };
+        self.joints.iter().any(|step| vector(step) || step.needs_support() || step.needs_force)
     }
 
     /// Whether every output has its extremes at known angles.
@@ -299,7 +296,7 @@ impl Plan {
     /// Whether the sense of a pin matters, not only its line. Half a turn reverses the pins, and a
     /// joint as built distinguishes the two positions.
     pub(crate) fn needs_sense(&self) -> bool {
-        self.as_built || self.any_joint.tilt
+        self.as_built || self.any_joint.cross
     }
 
     /// The first joint that is bent in any driveline; the shafts before it turn with the drive.

@@ -88,7 +88,7 @@ fn run_joint<T: Number>(
             },
         );
     }
-    if step.needs_tilt {
+    if step.needs_cross {
         let [driving, driven] = views_mut(&mut tilts[joint], first, length);
         map::formula(JointAsBuilt::tilt_driving, at, pins, driving);
         map::formula(JointAsBuilt::tilt_driven, at, pins, driven);

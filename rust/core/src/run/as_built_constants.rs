@@ -132,7 +132,7 @@ impl<T: Real> BuffersAsBuilt<T> {
             pins: (0..joints.max(1)).map(|_| columns(longest)).collect(),
             errors: (0..=joints).map(|_| Column::new(size(needs.angle))).collect(),
             rates: (0..=joints).map(|_| rates()).collect(),
-            tilts: steps.iter().map(|step| columns(size(step.needs_tilt))).collect(),
+            tilts: steps.iter().map(|step| columns(size(step.needs_cross))).collect(),
             moments: steps.iter().map(|step| columns(size(step.needs_load()))).collect(),
             centred: Column::new(size(needs.angle)),
         };

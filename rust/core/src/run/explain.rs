@@ -8,7 +8,7 @@ use crate::mechanics::moment::Pose;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::{Number, Precision};
-use crate::plan::output::Output;
+use crate::plan::output::{Cross, Needs, Output};
 use crate::plan::reduction::Reduction;
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{Plan, ShaftStep};
@@ -176,12 +176,22 @@ impl Plan {
         steps
     }
 
-    /// The steps of tilts, torques and moments, and the reduction.
+    /// The steps of crosses, torques and moments, and the reduction.
     fn step_texts_of_loads(&self, call: Call) -> Vec<String> {
         let mut steps = vec![];
         for (j, step) in self.joints.iter().enumerate() {
-            if step.needs_tilt {
-                steps.push(format!("joint {j}: tilts of the cross"));
+            let is_of = |output: &Output, of| {
+                step.planes.get(*output).is_some() && output.row().needs == Needs::Cross(of)
+            };
+            let parts = [
+                (Cross::Tilt, "tilts of the cross"),
+                (Cross::Swing, "rates of the cross from the speed ratio"),
+                (Cross::Pin, "pins in space"),
+            ];
+            for (of, name) in parts {
+                if Output::ALL.iter().any(|output| is_of(output, of)) {
+                    steps.push(format!("joint {j}: {name}"));
+                }
             }
         }
         for station in self.load.iter().flat_map(|load| &load.stations) {
@@ -204,6 +214,7 @@ impl Plan {
                     (step.needs_force && self.as_built, "forces"),
                     (step.planes.get(Output::BendingDriving).is_some(), "bending, driving side"),
                     (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
+                    (step.planes.get(Output::PinMoment).is_some(), "moment of the pins"),
                 ];
                 let names: Vec<&str> =
                     parts.iter().filter(|(computed, _)| *computed).map(|(_, name)| *name).collect();

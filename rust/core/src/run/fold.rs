@@ -6,6 +6,7 @@
 use crate::error::Result;
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::chain::{Transfer, Wave};
+use crate::mechanics::cross::Cross;
 use crate::mechanics::exact::{ExactMap, ExactMaps, To};
 use crate::mechanics::frame::Frame;
 use crate::mechanics::geometry::Vector;
@@ -18,7 +19,7 @@ use crate::number::storage::columns;
 use crate::number::trig::Angle;
 use crate::number::{Number, Precision};
 use crate::plan::route::{Route, Routes};
-use crate::plan::steps::Plan;
+use crate::plan::steps::{JointStep, Plan};
 use crate::run::as_built_constants::FoldedAsBuilt;
 use crate::run::constants::{FoldedShaft, GeometryIndex};
 use crate::run::forces::FoldedForces;
@@ -30,9 +31,10 @@ use crate::run::level::{Level, compiled_for, compiled_up_to_avx2};
 pub(crate) struct Folded<T: Angle> {
     /// Per shaft, if the plan needs it; shaft 0 needs none.
     pub(crate) shafts: Vec<Option<FoldedShaft<T>>>,
-    /// Per joint; empty if the plan does not need it.
+    /// Per joint, for its moments and for its cross; empty if the plan does not need them.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
-    /// Per joint behind the first, if tilts need them and numbers have error terms: cosine and sine
+    pub(crate) crosses: Vec<Vec<Cross<T>>>,
+    /// Per joint behind the first, if crosses need them and numbers have error terms: cosine and sine
     /// of the joint's input angle, up to a common factor, as functions of the drive angle.
     pub(crate) waves: Vec<Vec<[Wave; 2]>>,
     /// The number of each driveline in the batch, if numbers have error terms.
@@ -99,12 +101,14 @@ impl<T: Angle> Folded<T> {
                 T::LOW && step.shaft > 1,
             ));
         }
-        let (poses, waves) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
+        let (poses, crosses) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
+        let waves = vec![vec![]; plan.joint_count];
         let turnings = vec![vec![]; plan.joint_count + 1];
         let forces = FoldedForces::new(plan);
         Self {
             shafts,
             poses,
+            crosses,
             waves,
             turnings,
             lines: vec![],
@@ -183,6 +187,7 @@ impl<T: Angle> Folded<T> {
     #[inline(always)]
     fn fold_all(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
         self.poses.iter_mut().for_each(Vec::clear);
+        self.crosses.iter_mut().for_each(Vec::clear);
         self.turnings.iter_mut().for_each(Vec::clear);
         self.waves.iter_mut().for_each(Vec::clear);
         self.lines.clear();
@@ -196,9 +201,8 @@ impl<T: Angle> Folded<T> {
     #[inline(always)]
     fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
         let (n, length) = (plan.joint_count, numbers.len());
-        let Self {
-            shafts, poses, waves, turnings, lines: own, forces, frames, maps, turns, ..
-        } = self;
+        let Self { shafts, poses, crosses, waves, turnings, forces, .. } = self;
+        let Self { lines: own, frames, maps, turns, .. } = self;
         let mut kept = vec![ExactMaps::default(); if T::LOW { length } else { 0 }];
         let mut bends = [0.0; LANES];
         let (mut sums, mut products) = ([0.0; LANES], [1.0; LANES]);
@@ -232,16 +236,18 @@ impl<T: Angle> Folded<T> {
             }
             if plan.needs_pose(j) {
                 let maps = maps.read(length);
-                poses[j].extend((0..length).map(|i| {
+                let place = |i: usize| {
                     let frame = frames.get(i).copied().unwrap_or_else(|| stored(i, j));
-                    Pose::new(&maps.at(i), &joint::<T>(bends[i]), frame)
-                }));
+                    (maps.at(i), joint::<T>(bends[i]), frame)
+                };
+                let places = (0..length).map(place);
+                push_places(&plan.joints[j], places, &mut poses[j], &mut crosses[j]);
             }
             if plan.joints[j].needs_force {
                 let maps = maps.read(length);
                 forces.push_determinants(j, (0..length).map(|i| maps.complement(i)));
             }
-            if T::LOW && j > 0 && plan.joints[j].needs_tilt {
+            if T::LOW && j > 0 && plan.joints[j].needs_cross {
                 let maps = maps.read(length);
                 let mut exact = |i: usize| kept[i].map(lines.chains(n), numbers[i], To::Joint(j));
                 let lane = |i: usize| waves_of(&maps.at(i), products[i], || exact(i));
@@ -295,6 +301,24 @@ impl<T: Angle> Folded<T> {
                 None => {}
             }
         }
+    }
+}
+
+/// Appends what a joint needs for its moments and for its cross.
+#[inline(always)]
+fn push_places<T: Angle>(
+    step: &JointStep,
+    places: impl Iterator<Item = (Transfer, Joint<DoubleDouble>, Frame)> + Clone,
+    poses: &mut Vec<Pose<T>>,
+    crosses: &mut Vec<Cross<T>>,
+) {
+    if step.needs_load() {
+        let new = |(map, joint, frame): (Transfer, _, _)| Pose::new(&map, &joint, frame);
+        poses.extend(places.clone().map(new));
+    }
+    if step.needs_cross {
+        let new = |(map, joint, frame): (Transfer, _, _)| Cross::new(&map, &joint, frame);
+        crosses.extend(places.map(new));
     }
 }
 

@@ -282,7 +282,7 @@ fn run_joint<T: Number, W: Float>(
         as_built::run_moments(step, poses, geometry, unit, torsion, parts, outputs, compact);
     } else {
         with_constants!(compact, geometry, OneByOne(poses), at => {
-            run_bending(step, at, pins, torsion, outputs);
+            run_magnitudes(step, at, pins, torsion, outputs);
             if step.needs_support() {
                 torsion_parts::of_torsion(at, pins, torsion, views_mut(parts, 0, size));
             }
@@ -341,9 +341,9 @@ fn run_rates<T: Number>(
     }
 }
 
-/// Magnitudes of a joint's bending moments.
+/// Magnitudes of a joint's moment and bending moments.
 #[inline(always)]
-fn run_bending<T: Number, W: Float>(
+fn run_magnitudes<T: Number, W: Float>(
     step: &JointStep,
     at: impl Strips<Value = Pose<T>>,
     pins: impl SinCosBlocks<T>,
@@ -351,12 +351,13 @@ fn run_bending<T: Number, W: Float>(
     outputs: &mut Outputs<'_, '_, W>,
 ) {
     if let Some(plane) = step.planes.get(Output::BendingDriving) {
-        let out = outputs.plane(plane);
-        map::magnitude::<T>(at, Pose::bending_driving, pins, torsion, out);
+        map::formula_of(Pose::bending_driving, at, torsion, pins, outputs.plane(plane));
     }
     if let Some(plane) = step.planes.get(Output::BendingDriven) {
-        let out = outputs.plane(plane);
-        map::magnitude::<T>(at, Pose::bending_driven, pins, torsion, out);
+        map::formula_of(Pose::bending_driven, at, torsion, pins, outputs.plane(plane));
+    }
+    if let Some(plane) = step.planes.get(Output::PinMoment) {
+        map::formula_of(Pose::pin_moment, at, torsion, pins, outputs.plane(plane));
     }
 }
 

@@ -85,6 +85,24 @@ pub(crate) fn formula<T: Real, C: Strips, V>(
     );
 }
 
+/// The same of a formula that needs a number of the sample as well.
+#[inline(always)]
+pub(crate) fn formula_of<T: Real, C: Strips, V>(
+    formula: impl Fn(&C::Value, T, T, T) -> V,
+    at: C,
+    numbers: View<'_, T>,
+    sin_cos: impl SinCosBlocks<T>,
+    out: impl Sink<V>,
+) {
+    over_sin_cos(
+        sin_cos,
+        (at, numbers),
+        out,
+        #[inline(always)]
+        |(constants, number), s, c| formula(&constants, number, s, c),
+    );
+}
+
 /// A value for each sample, from its inputs.
 #[inline(always)]
 pub(crate) fn over_samples<I: Strips, V>(
@@ -325,24 +343,6 @@ pub(crate) fn support<const PLANAR: bool, const COMPONENT: usize, T: Real>(
         |(pose, (square, product), previous)| {
             pose.support::<PLANAR, COMPONENT>(driving, [square, product], previous)
         },
-    );
-}
-
-/// A scalar per sample, from the pose and the torsion.
-#[inline(always)]
-pub(crate) fn magnitude<T: Real>(
-    at: impl Strips<Value = Pose<T>>,
-    formula: impl Fn(&Pose<T>, T, T, T) -> T,
-    pins: impl SinCosBlocks<T>,
-    torsion: View<'_, T>,
-    out: impl Sink<T>,
-) {
-    over_sin_cos(
-        pins,
-        (at, torsion),
-        out,
-        #[inline(always)]
-        |(pose, torsion), s, c| formula(&pose, torsion, s, c),
     );
 }
 

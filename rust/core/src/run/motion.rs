@@ -2,10 +2,10 @@
 
 use std::cell::Cell;
 
+use crate::mechanics::cross::Cross;
 use crate::mechanics::double_angle::DoubleAngle;
 use crate::mechanics::exact::Chains;
 use crate::mechanics::joint::JointConstants;
-use crate::mechanics::moment::Pose;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
 use crate::number::float::Float;
@@ -30,7 +30,7 @@ use crate::sincos::array::{self, DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
 use crate::sincos::rotation::{RotatedSinCos, Rotations};
 
-/// Motion of every shaft of the plan and tilts of every joint, for one chunk. With `fresh` pins, the
+/// Motion of every shaft of the plan and the cross of every joint, for one chunk. With `fresh` pins, the
 /// loop of the only shaft that needs pins finds them itself. Returns whether all results are valid:
 /// fresh pins are not if an angle is too large for the fast reduction.
 #[allow(clippy::too_many_lines, reason = "the loops of a chunk, each a function of its own")]
@@ -176,24 +176,25 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
             );
         }
     }
-    let tilted = if plan.needs_sense() { plan.joint_count } else { 0 };
-    for (joint, (step, poses)) in plan.joints[..tilted].iter().zip(&folded.poses).enumerate() {
-        if !step.needs_tilt {
+    let crossed = if plan.needs_sense() { plan.joint_count } else { 0 };
+    for (joint, (step, crosses)) in plan.joints[..crossed].iter().zip(&folded.crosses).enumerate() {
+        if !step.needs_cross {
             continue;
         }
-        let poses = OneByOne(&poses[..geometry.count(size)]);
+        let crosses = OneByOne(&crosses[..geometry.count(size)]);
+        let ratio = &rates[joint][0];
         if T::LOW && joint > 0 {
             let (waves, buffers) = (&folded.waves[joint], [&mut *turned_pins, &mut *rotated_pins]);
             turned::find_turned(level, waves, joint, lines, drive, buffers, size);
-            let (pins, poses) = (pins_of(turned_pins, size), mapped(poses, Pose::by_own_pins));
+            let (pins, own) = (pins_of(turned_pins, size), mapped(crosses, Cross::by_own_pins));
             run_for_geometry::<T, _>(
                 level,
                 geometry,
                 #[inline(always)]
                 |geometry, compact, stores| {
                     let outputs = &mut outputs.by(stores);
-                    with_constants!(compact, geometry, poses, at => {
-                        run_tilts(step, at, pins, outputs);
+                    with_constants!(compact, geometry, own, at => {
+                        run_cross(step, at, pins, ratio, outputs);
                     });
                 },
             );
@@ -205,8 +206,8 @@ pub(crate) fn run_motion<T: Number + Compiled, W: Float>(
             #[inline(always)]
             |geometry, compact, stores| {
                 let outputs = &mut outputs.by(stores);
-                with_constants!(compact, geometry, poses, at => {
-                    run_tilts(step, at, pins, outputs);
+                with_constants!(compact, geometry, crosses, at => {
+                    run_cross(step, at, pins, ratio, outputs);
                 });
             },
         );
@@ -243,19 +244,36 @@ fn run_fresh<T: Number, W: Float>(
     !too_large.get().any()
 }
 
-/// The tilts of one joint.
+/// The tilts, rates and pins of one joint's cross, from the speed ratio of its driving shaft.
 #[inline(always)]
-fn run_tilts<T: Number, W: Float>(
+fn run_cross<T: Number, W: Float>(
     step: &JointStep,
-    at: impl Strips<Value = Pose<T>>,
+    at: impl Strips<Value = Cross<T>>,
     pins: SinCos<'_, T>,
+    ratio: &Column<T>,
     outputs: &mut Outputs<'_, '_, W>,
 ) {
     if let Some(plane) = step.planes.get(Output::TiltDriving) {
-        map::formula(Pose::tilt_driving, at, pins, outputs.plane(plane));
+        map::formula(Cross::tilt_driving, at, pins, outputs.plane(plane));
     }
     if let Some(plane) = step.planes.get(Output::TiltDriven) {
-        map::formula(Pose::tilt_driven, at, pins, outputs.plane(plane));
+        map::formula(Cross::tilt_driven, at, pins, outputs.plane(plane));
+    }
+    if let Some(plane) = step.planes.get(Output::SwingDriving) {
+        let ratio = ratio.view(pins.len());
+        map::formula_of(Cross::swing_driving, at, ratio, pins, outputs.plane(plane));
+    }
+    if let Some(plane) = step.planes.get(Output::SwingDriven) {
+        let ratio = ratio.view(pins.len());
+        map::formula_of(Cross::swing_driven, at, ratio, pins, outputs.plane(plane));
+    }
+    if let Some(plane) = step.planes.get(Output::DrivingPin) {
+        let out = outputs.several([plane, plane + 1, plane + 2]);
+        map::formula(Cross::driving_pin, at, pins, out);
+    }
+    if let Some(plane) = step.planes.get(Output::DrivenPin) {
+        let out = outputs.several([plane, plane + 1, plane + 2]);
+        map::formula(Cross::driven_pin, at, pins, out);
     }
 }
 

@@ -31,7 +31,7 @@ pub(crate) struct Scratch<T: Number> {
     rotates_pins: bool,
     /// Sine and cosine of a joint's input angle, up to a common factor.
     pub(crate) turned_pins: [Column<T>; 2],
-    /// Speed ratio and acceleration ratio of each shaft that the load needs.
+    /// Speed ratio and acceleration ratio of each shaft that the load or a cross needs.
     pub(crate) rates: Vec<[Column<T>; 2]>,
     pub(crate) power: Column<T>,
     /// How many samples of `power` all chunks of the row share.
@@ -59,7 +59,7 @@ impl<T: Number> Scratch<T> {
         let steep = plan.moving().any(|step| !plan.range(step.shaft).is_moderate());
         let wide = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
         let needs_pins = !routes.splits() || steep || plan.needs_poses();
-        let tilts = T::LOW && plan.needs_sense();
+        let crosses = T::LOW && plan.needs_sense();
         let behind_chain = plan.moving().any(|step| step.shaft > 1);
         let loaded = plan.load.is_some();
         let moments = plan.any_joint.torsion;
@@ -72,9 +72,9 @@ impl<T: Number> Scratch<T> {
             wide_pins: columns(size(wide)),
             double_sin_cos: columns(size(routes.has_double_angle())),
             groups: vec![],
-            rotated_pins: columns(size(tilts || T::LOW && behind_chain)),
+            rotated_pins: columns(size(crosses || T::LOW && behind_chain)),
             rotates_pins: needs_pins && behind_chain,
-            turned_pins: columns(size(tilts)),
+            turned_pins: columns(size(crosses)),
             rates,
             power: Column::new(size(loaded)),
             kept_power: 0,

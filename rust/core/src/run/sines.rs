@@ -130,8 +130,8 @@ pub(crate) struct NeededSines {
     pub(crate) double_angles: bool,
 }
 
-/// The sines and cosines that tilts, load and routes of the chunk need. Motion and tilts read the
-/// same pins with a load as without it, so that their bits do not depend on it.
+/// The sines and cosines that crosses, load and routes of the chunk need. Motion and crosses read
+/// the same pins with a load as without it, so that their bits do not depend on it.
 #[inline(always)]
 pub(crate) fn sines_needed<T: Number>(
     plan: &Plan,
@@ -143,7 +143,7 @@ pub(crate) fn sines_needed<T: Number>(
         return NeededSines { pins: false, wide_pins: false, double_angles: false };
     }
     let wide_pins = T::LOW && plan.has_wide_loads() && plan.loads_read_pins();
-    let poses = if wide_pins { plan.needs_first_tilt() } else { plan.needs_poses() };
+    let poses = if wide_pins { plan.needs_first_cross() } else { plan.needs_poses() };
     let mut needed = NeededSines { pins: poses, wide_pins, double_angles: false };
     for step in &plan.shafts {
         let own = folded.shafts[step.shaft].as_ref().is_some_and(FoldedShaft::has_offsets);

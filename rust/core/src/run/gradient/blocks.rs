@@ -58,7 +58,11 @@ impl Differentiated<'_> {
     /// whether they pay.
     pub(super) fn has_loops(&self, wanted: Wanted) -> bool {
         let pays = self.only_motion() || self.samples >= MIN_LOOPED;
-        pays && !wanted.angle && !self.shaft_axes && !self.driven
+        let has_pins = self
+            .outputs
+            .iter()
+            .any(|(output, _)| matches!(output, Output::DrivingPin | Output::DrivenPin));
+        pays && !has_pins && !wanted.angle && !self.shaft_axes && !self.driven
     }
 
     /// Adds what the weighted outputs of a block contribute.

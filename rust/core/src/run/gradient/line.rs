@@ -70,11 +70,15 @@ pub(super) struct Sums {
     pub(super) q: Vec<Complex<f64>>,
     /// By the input angle of each joint, divided by `tan β`.
     pub(super) turn: Vec<f64>,
+    /// By the input angle of each joint, of its pins. A turn of the joint's plane about its driving
+    /// shaft turns them as much.
+    pub(super) pins: Vec<f64>,
     /// By the bend of each joint, all else fixed.
     pub(super) bends: Vec<f64>,
     /// By a rotation of each shaft and the joint behind it in space.
     pub(super) frames: Vec<Vector>,
-    /// By a turn of each joint's plane about its driving shaft, divided by `tan β`.
+    /// By a turn of each joint's plane about its driving shaft, divided by `tan β`, without
+    /// `pins`.
     pub(super) plane: Vec<f64>,
     /// By the phase of each intermediate shaft, all motion fixed.
     pub(super) phases: Vec<f64>,
@@ -91,6 +95,7 @@ impl Sums {
         Self {
             q: vec![Complex::default(); joints + 1],
             turn: vec![0.0; joints],
+            pins: vec![0.0; joints],
             bends: vec![0.0; joints],
             frames: vec![Vector::zeros(); joints + 1],
             plane: vec![0.0; joints],
@@ -124,6 +129,7 @@ impl Sums {
         self.torque += other.torque;
         each(&mut self.q, &other.q);
         each(&mut self.turn, &other.turn);
+        each(&mut self.pins, &other.pins);
         each(&mut self.bends, &other.bends);
         each(&mut self.frames, &other.frames);
         each(&mut self.plane, &other.plane);
@@ -304,7 +310,7 @@ impl<'a> LineConstants<'a> {
 
     /// The derivative by the input angle of a joint.
     fn input_angle(&self, sums: &Sums, j: usize) -> f64 {
-        self.poses.get(j).map_or(0.0, |pose| sums.turn[j] * pose.tangent)
+        self.poses.get(j).map_or(0.0, |pose| sums.turn[j] * pose.tangent + sums.pins[j])
     }
 
     /// The adjoints of the maps to all shafts. The input angle of a joint is the argument of `A` of
@@ -330,7 +336,8 @@ impl<'a> LineConstants<'a> {
         for (j, pose) in self.poses.iter().enumerate() {
             let PoseConstants { cosine, sine, axis: u, inward, normal, .. } = *pose;
             // The drive angle counts from the plane of joint 0 and turns with it.
-            let counted = if j == 0 && sine > 0.0 { 0.0 } else { sums.turn[j] };
+            let counted =
+                if j == 0 && sine > 0.0 { -sums.pins[j] * cosine / sine } else { sums.turn[j] };
             // tan β dμ_u, in which a straight joint's division by sin β cancels.
             let plane = (sums.plane[j] - counted) / cosine;
             let outward = inward * cosine - u * sine;

@@ -51,7 +51,10 @@ impl LoadChunk<'_> {
             Output::TiltDriving | Output::TiltDriven => {
                 self.pull_tilt(output, item, weights, buffers, sums);
             }
-            _ => self.pull_bending(output, item, weights, buffers, sums),
+            Output::SwingDriving | Output::SwingDriven => {
+                self.pull_swing(output, item, weights, buffers, sums);
+            }
+            _ => self.pull_magnitude(output, item, weights, buffers, sums),
         }
     }
 
@@ -96,8 +99,46 @@ impl LoadChunk<'_> {
         sums.bends[item] += bend;
     }
 
-    /// The magnitudes of bending moments: a function of pins and bend times that of the torsion.
-    fn pull_bending(
+    /// Rates of the cross: a function of pins and bend times the speed ratio.
+    fn pull_swing(
+        &self,
+        output: Output,
+        item: usize,
+        weights: &Vectors,
+        buffers: &mut LoadBuffers,
+        sums: &mut Sums,
+    ) {
+        let PoseConstants { cosine: e, sine: sigma, .. } = self.line.poses[item];
+        let LoadBuffers { pins, rates, by_rates, by_turn, .. } = buffers;
+        let ([sine, cosine], weights, ratio) = (&pins[item], &weights[0], &rates[item][0]);
+        let pulled = [&mut by_rates[item][0], &mut by_turn[item]];
+        macro_rules! by {
+            ($formula:expr) => {
+                each(
+                    self.level,
+                    pulled,
+                    #[inline(always)]
+                    |i, [by_ratio, turn]| {
+                        let (value, by_bend, by_turn) = $formula([e, sigma], sine[i], cosine[i]);
+                        let scale = weights[i] * ratio[i];
+                        let changes =
+                            [weights[i].mul_add(value, by_ratio), scale.mul_add(by_turn, turn)];
+                        (changes, [scale * value, scale * by_bend])
+                    },
+                )
+            };
+        }
+        let [value, bend] = if output == Output::SwingDriving {
+            by!(sample::swing_driving)
+        } else {
+            by!(sample::swing_driven)
+        };
+        sums.value += value;
+        sums.bends[item] += bend;
+    }
+
+    /// The magnitudes of moments: a function of pins and bend times that of the torsion.
+    fn pull_magnitude(
         &self,
         output: Output,
         item: usize,
@@ -110,7 +151,18 @@ impl LoadChunk<'_> {
         let ([sine, cosine], weights) = (&pins[item], &weights[0]);
         let (torsion, ratio) = (&torsion[item], &rates[item][0]);
         let pulled = [&mut by_power[item + 1], &mut by_rates[item][0], &mut by_turn[item]];
-        let [value, bend] = if output == Output::BendingDriving {
+        let [value, bend] = if output == Output::PinMoment {
+            each(
+                self.level,
+                pulled,
+                #[inline(always)]
+                |i, old| {
+                    let (value, by_bend, by_turn) =
+                        sample::pin_moment([e, tangent], sine[i], cosine[i]);
+                    loaded([weights[i], torsion[i], ratio[i]], old, [value, by_bend, by_turn])
+                },
+            )
+        } else if output == Output::BendingDriving {
             each(
                 self.level,
                 pulled,

@@ -239,8 +239,14 @@ impl<'a> LineAt<'a> {
             }
             Output::BendingDriving
             | Output::BendingDriven
+            | Output::PinMoment
             | Output::TiltDriving
-            | Output::TiltDriven => self.pull_scalar(output, item, weight.x, pull, sums),
+            | Output::TiltDriven
+            | Output::SwingDriving
+            | Output::SwingDriven => self.pull_scalar(output, item, weight.x, pull, sums),
+            Output::DrivingPin | Output::DrivenPin => {
+                self.pull_pin(output, item, weight, pull, sums);
+            }
             Output::JointForce | Output::BearingForce => {
                 let of = (output.row().per, item);
                 let target = self.common.forces.and_then(|step| step.target(of));
@@ -252,7 +258,8 @@ impl<'a> LineAt<'a> {
         }
     }
 
-    /// Tilts and the magnitudes of bending moments, as functions of torsion, bend and input angle.
+    /// Tilts and rates of the cross and the magnitudes of moments, as functions of torsion or speed
+    /// ratio, bend and input angle.
     fn pull_scalar(
         &self,
         output: Output,
@@ -263,35 +270,81 @@ impl<'a> LineAt<'a> {
     ) {
         let PoseConstants { cosine: e, sine: sigma, tangent, .. } = self.line.poses[item];
         let (s, c) = self.pins[item];
-        let torsion = if self.load.is_some() { self.torsion(item) } else { 0.0 };
-        // The value per torsion, if it has one, its derivative by the bend, and that by the input
-        // angle over tan β.
-        let (value, by_bend, by_turn, loaded) = match output {
+        // The value over what it is proportional to, its derivative by the bend, and that by the
+        // input angle over tan β.
+        let (value, by_bend, by_turn) = match output {
             Output::TiltDriving => {
                 let norm = (sigma * s).mul_add(sigma * s, e * e);
-                (atan(tangent * s), s / norm, c * e * e / norm, false)
+                (atan(tangent * s), s / norm, c * e * e / norm)
             }
             Output::TiltDriven => {
                 let root = hypot(e * c, s);
-                (atan2(sigma * c, root), e * c / root, -e * s / root, false)
+                (atan2(sigma * c, root), e * c / root, -e * s / root)
             }
-            Output::BendingDriving => (tangent * s.abs(), s.abs() / (e * e), c * sign(s), true),
+            Output::SwingDriving => swing_driving([e, sigma], s, c),
+            Output::SwingDriven => swing_driven([e, sigma], s, c),
+            Output::PinMoment => pin_moment([e, tangent], s, c),
+            Output::BendingDriving => (tangent * s.abs(), s.abs() / (e * e), c * sign(s)),
             _ => {
                 let stretch = (tangent * s).mul_add(tangent * s, 1.0).sqrt();
                 let by_bend =
                     c.abs() * e.mul_add(stretch, sigma * s * s * tangent / (e * e * stretch));
                 let by_turn =
                     e * (c.abs() * tangent * tangent * s * c / stretch - s * sign(c) * stretch);
-                (sigma * c.abs() * stretch, by_bend, by_turn, true)
+                (sigma * c.abs() * stretch, by_bend, by_turn)
             }
         };
-        let scale = if loaded { weight * torsion.abs() } else { weight };
-        if loaded {
-            self.pull_torsion(item, weight * sign(torsion) * value, pull);
-        }
+        let scale = match output {
+            Output::TiltDriving | Output::TiltDriven => weight,
+            Output::SwingDriving | Output::SwingDriven => {
+                pull.ratio[item] += weight * value;
+                weight * self.shafts[item].ratio
+            }
+            _ => {
+                let torsion = self.torsion(item);
+                self.pull_torsion(item, weight * sign(torsion) * value, pull);
+                weight * torsion.abs()
+            }
+        };
         sums.value += scale * value;
         sums.bends[item] += scale * by_bend;
         self.pull_turn(item, scale * by_turn, pull, sums);
+    }
+
+    /// `a = c e_in + s m`, or `b = (c cos β m − s e_out)/√D` with `D = s² + c² cos² β`. The second
+    /// turns about the driven shaft by `cos β/D` of the input angle.
+    fn pull_pin(
+        &self,
+        output: Output,
+        item: usize,
+        weight: Vector,
+        pull: &mut Pull,
+        sums: &mut Sums,
+    ) {
+        let PoseConstants { cosine: e, sine: sigma, axis, inward, normal, .. } =
+            self.line.poses[item];
+        let (s, c) = self.pins[item];
+        let (pin, by_angle) = if output == Output::DrivingPin {
+            (inward * c + normal * s, normal * c - inward * s)
+        } else {
+            let (driven, outward) = (axis * e + inward * sigma, inward * e - axis * sigma);
+            let square = (e * c).mul_add(e * c, s * s);
+            let root = square.sqrt();
+            let (along, turned) =
+                (weight.dot(&driven) / root, (outward * (e * c) + normal * s) / -root);
+            let slope = sigma * c * weight.dot(&turned) / square;
+            sums.bends[item] += s * (along + slope);
+            // What a turn of the plane changes beyond a turn of the input angle.
+            sums.plane[item] -= e * e * c * (along + slope);
+            ((normal * (e * c) - outward * s) / root, turned * (e / square))
+        };
+        let change = weight.dot(&by_angle);
+        sums.value += weight.dot(&pin);
+        sums.frames[item] += pin.cross(&weight);
+        sums.pins[item] += change;
+        let ShaftAt { ratio, by_q, .. } = &self.shafts[item];
+        sums.q[item] += by_q[0] * change;
+        pull.angle += change * ratio;
     }
 
     /// The moment over the torsion, and its part across the driving shaft over `tan β`.
@@ -490,6 +543,35 @@ impl<'a> LineAt<'a> {
         }
         sums.angle += by_angle;
     }
+}
+
+/// `cos β sin β c/(s² + c² cos² β)`, its derivative by the bend, and that by the input angle over
+/// `tan β`.
+#[inline(always)]
+pub(super) fn swing_driving([e, sigma]: [f64; 2], s: f64, c: f64) -> (f64, f64, f64) {
+    let (s2, ec) = (s * s, e * c);
+    let inverse = ec.mul_add(ec, s2).recip();
+    let by_bend = ec.mul_add(ec, (e - sigma) * (e + sigma) * s2) * c;
+    let by_turn = -(e * e) * s * (sigma * c).mul_add(sigma * c, 1.0);
+    (sigma * ec * inverse, by_bend * (inverse * inverse), by_turn * (inverse * inverse))
+}
+
+/// The same of `−sin β s/√(s² + c² cos² β)`.
+#[inline(always)]
+pub(super) fn swing_driven([e, sigma]: [f64; 2], s: f64, c: f64) -> (f64, f64, f64) {
+    let (s2, ec) = (s * s, e * c);
+    let inverse = ec.mul_add(ec, s2).recip();
+    let root = inverse.sqrt();
+    (-sigma * s * root, -e * s * (inverse * root), -(e * e) * ec * (inverse * root))
+}
+
+/// The same of `√(1 + s² tan² β)`.
+#[inline(always)]
+pub(super) fn pin_moment([e, tangent]: [f64; 2], s: f64, c: f64) -> (f64, f64, f64) {
+    let bent = tangent * s;
+    let value = bent.mul_add(bent, 1.0).sqrt();
+    let by_turn = bent / value;
+    (value, by_turn * s / (e * e), by_turn * c)
 }
 
 /// The sign, 0 for 0: where a magnitude vanishes it has no derivative.
