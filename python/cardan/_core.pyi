@@ -24,10 +24,12 @@ __all__ = [
     "from_bends",
     "from_directions",
     "from_points",
+    "hours",
     "levels",
     "mean_leads",
     "optimal_phases",
     "outputs",
+    "pin_means",
 ]
 
 __version__: str
@@ -69,6 +71,14 @@ def optimal_phases(
 def derivatives_at(
     time: _Flat, values: _Flat, reach: int, begin: int, end: int
 ) -> tuple[_Flat, _Flat]: ...
+def hours(means: _Flat, bends: _Flat, rpm: _Flat, rating: _Flat) -> list[_Flat]: ...
+def pin_means(
+    lines: Lines,
+    shape: Sequence[int],
+    load: tuple[str, _Spread, _Spread, _Spread, list[tuple[int, _Spread]]],
+    wear: Literal["friction", "fatigue"],
+    workers: int | None,
+) -> _Flat: ...
 
 @final
 class Integral:

@@ -15,13 +15,13 @@ slope 9/8 of roller bearings under line contact (derived here).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, per_joint, positive
 from cardan.errors import ArgumentValueError
 from cardan.load import Load, require_load
@@ -31,9 +31,6 @@ SMALLEST_BEND = math.radians(3.0)
 """Bends below this one count as this one; its pins swing too little for their rollers to turn."""
 
 _EXPONENT = 10.0 / 3.0
-_SLOPE = 9.0 / 8.0
-# Hours, degrees and rpm of the law: 5000 h at 3 degrees and 100 rpm.
-_HOURS = 1.5e6
 _RPM = 30.0 / math.pi
 
 
@@ -86,19 +83,14 @@ def life(
         if shares is not None:
             raise ArgumentValueError("shares", "and angle are both given; give one of them")
         return _of_run(line, load, rated, turning, as_float64("angle", angle))
-    shapes: Mapping[str, tuple[int, ...]] = {
-        "torque": load.torque.shape,
-        "speed": np.broadcast_shapes(load.speed.shape, turning.shape),
-        "acceleration": load.acceleration.shape,
-        "inertias": () if load.inertias is None else load.inertias.shape[:-1],
-        "rating": rated.shape[:-1],
-    }
-    rows = common_shape(driveline=line.shape, **shapes)
-    means = means_over_turn(line, load, rows, _integrands)
+    shapes = load.shapes()
+    shapes["speed"] = np.broadcast_shapes(load.speed.shape, turning.shape)
+    rows = common_shape(driveline=line.shape, rating=rated.shape[:-1], **shapes)
+    means = means_over_turn(line, load, rows, "fatigue")
+    means = means.reshape(n, 5, *means.shape[1:])
     bends = np.moveaxis(np.broadcast_to(_with_joints(line, rows), (*rows, n)), -1, 0)
-    swings = np.degrees(np.maximum(bends, SMALLEST_BEND)) * (turning * _RPM)
     rated = np.moveaxis(np.broadcast_to(rated, (*rows, n)), -1, 0)
-    exact, of_law = _lives(means, swings, rated)
+    exact, of_law = _hours(means, bends, turning * _RPM, rated)
     small = bends < SMALLEST_BEND
     if shares is None:
         return Life(exact, of_law, small, exact)
@@ -106,23 +98,22 @@ def life(
     return Life(_miner(exact, part), _miner(of_law, part), np.any(small, axis=-1), exact)
 
 
-def _lives(
-    means: FloatArray, swings: FloatArray, rated: FloatArray
+def _hours(
+    means: FloatArray, bends: FloatArray, rpm: FloatArray, rated: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Lives in hours by the load of the pins and by the law, each ``(n, ...)``.
 
     Args:
-        means: of each joint what ``_integrands`` has, ``(n, 5, ...)``.
-        swings: bend in degrees times speed in rpm.
+        means: of each joint as ``means_over_turn`` has them for fatigue, ``(n, 5, ...)``.
+        bends: in rad.
+        rpm: speed.
         rated: rating of each joint.
     """
-    torque, harms, ways = means[:, 0], means[:, 1:3], means[:, 3:]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        of_law = _HOURS / swings * (rated / torque) ** _EXPONENT
-        # Pins of a straight joint stand still and bear the torque alone.
-        harm = np.where(ways > 0.0, harms / ways, torque[:, np.newaxis] ** _EXPONENT)
-        both = np.mean(harm**_SLOPE, axis=1) ** (1.0 / _SLOPE)
-        return _HOURS / swings * rated**_EXPONENT / both, of_law
+    shape = np.broadcast_shapes(means[:, 0].shape, bends.shape, rpm.shape, rated.shape)
+    spread = np.broadcast_to(np.moveaxis(means, 1, -1), (*shape, 5))
+    flat = (np.broadcast_to(array, shape).ravel() for array in (bends, rpm, rated))
+    exact, of_law = _core.hours(spread.ravel(), *flat)
+    return exact.reshape(shape), of_law.reshape(shape)
 
 
 def _of_run(
@@ -154,22 +145,17 @@ def _of_run(
         return np.asarray((0.5 * (each[..., 1:] + each[..., :-1])) @ ways / turned)
 
     means = np.stack(
-        [
-            mean(_integrands(pins_at(line, load, joint, angle), joint, slice(None)))
-            for joint in range(line.n_joints)
-        ]
+        [mean(_integrands(pins_at(line, load, joint, angle))) for joint in range(line.n_joints)]
     )
     bends = 0.5 * np.pi * np.mean(means[:, 3:], axis=1)
     # The turns of an hour follow from the mean of the time for an angle.
     rpm = _RPM / mean(1.0 / np.atleast_1d(speed))
-    swings = np.degrees(np.maximum(bends, SMALLEST_BEND)) * rpm
-    exact, of_law = _lives(means, swings, rated)
+    exact, of_law = _hours(means, bends, rpm, rated)
     return Life(exact, of_law, bends < SMALLEST_BEND, exact)
 
 
-def _integrands(pins: Pins, joint: int, block: slice) -> FloatArray:
+def _integrands(pins: Pins) -> FloatArray:
     """The torque, and of either yoke what wears the pins and the way that they turn."""
-    del joint, block
     weight = pins.moment**_EXPONENT
     ways = np.abs(pins.rate_driving), np.abs(pins.rate_driven)
     torque = np.broadcast_to(np.abs(pins.entering_torque), weight.shape)

@@ -85,6 +85,29 @@ class Load:
             kept = value.copy() if isinstance(value, np.ndarray) else value
             object.__setattr__(self, name, kept)
 
+    def inertias_by_shaft(self, joints: int) -> dict[int, FloatArray]:
+        """Return the inertia of each shaft that has one, as a contiguous array.
+
+        Raises:
+            ValueError: inertias of another number of shafts.
+        """
+        if self.inertias is None:
+            return {}
+        if self.inertias.shape[-1] != joints + 1:
+            raise ArgumentValueError(
+                "inertias",
+                f"has shape {self.inertias.shape}; {joints + 1} shafts need (..., {joints + 1})",
+            )
+        columns = (np.array(self.inertias[..., shaft], order="C") for shaft in range(joints + 1))
+        return {shaft: column for shaft, column in enumerate(columns) if np.any(column != 0.0)}
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Return the shape of each value, of the inertias without their last axis."""
+        shapes = {name: getattr(self, name).shape for name in ("torque", "speed", "acceleration")}
+        if self.inertias is not None:
+            shapes["inertias"] = self.inertias.shape[:-1]
+        return shapes
+
     def at_any_angle(self) -> Load:
         """Return the load of a batch of drivelines with an axis for the drive angles behind it.
 

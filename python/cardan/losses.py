@@ -164,13 +164,11 @@ class _Friction:
     share: FloatArray
     constant: FloatArray
 
-    def over(self, rows: tuple[int, ...]) -> _Friction:
-        """The same for every one of some rows, ``(count, n)``."""
+    def over(self, rows: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
+        """Both of every row, ``(n, *rows)``."""
         shape = (*rows, self.share.shape[-1])
-        return _Friction(
-            np.broadcast_to(self.share, shape).reshape(-1, shape[-1]),
-            np.broadcast_to(self.constant, shape).reshape(-1, shape[-1]),
-        )
+        share, constant = (np.broadcast_to(x, shape) for x in (self.share, self.constant))
+        return np.moveaxis(share, -1, 0), np.moveaxis(constant, -1, 0)
 
     def of(self, joint: int) -> tuple[FloatArray, FloatArray]:
         return self.share[..., joint], self.constant[..., joint]
@@ -193,24 +191,14 @@ def losses(
         of_joints["friction"] * of_joints["pin_radius"] / of_joints["arm"],
         of_joints["seal_torque"],
     )
-    shapes = {name: getattr(load, name).shape for name in ("torque", "speed", "acceleration")}
-    if load.inertias is not None:
-        shapes["inertias"] = load.inertias.shape[:-1]
     rows = common_shape(
         driveline=line.shape,
-        **shapes,
+        **load.shapes(),
         **{name: array.shape[:-1] for name, array in of_joints.items()},
     )
-
-    def integrands(pins: Pins, joint: int, block: slice) -> FloatArray:
-        share, constant = (array[block, np.newaxis] for array in spread.of(joint))
-        return np.stack(
-            [_lost(pins, share, constant), np.broadcast_to(pins.drive_torque, pins.moment.shape)]
-        )
-
-    spread = own.over(rows)
-    means = means_over_turn(line, load, rows, integrands)
-    return Losses(means[:, 0], means[0, 1], line, load, own)
+    drive, *of_pins = means_over_turn(line, load, rows, "friction")
+    share, constant = own.over(rows)
+    return Losses(share * of_pins[::2] + constant * of_pins[1::2], drive, line, load, own)
 
 
 def _of_joints(name: str, value: ArrayLike, n: int) -> FloatArray:

@@ -84,7 +84,7 @@ class Plan:
         self._reduce = reduce
         # What rows are reduced to is found in double.
         self._word = DOUBLE if reduce else self.dtype
-        inertias = {} if load is None else _inertias(n, load)
+        inertias = {} if load is None else load.inertias_by_shaft(n)
         # Read at every call.
         self._load = () if load is None else (load.torque, load.speed, load.acceleration)
         # Nothing but the angles changes from sample to sample.
@@ -453,19 +453,6 @@ class Plan:
 
 def _changes(*arrays: FloatArray) -> bool:
     return any(array.ndim for array in arrays)
-
-
-def _inertias(n: int, load: Load) -> dict[int, FloatArray]:
-    """The inertia of each shaft that has one, as a contiguous array."""
-    if load.inertias is None:
-        return {}
-    if load.inertias.shape[-1] != n + 1:
-        shape = load.inertias.shape
-        raise ArgumentValueError(
-            "inertias", f"has shape {shape}; {n + 1} shafts need (..., {n + 1})"
-        )
-    columns = (np.array(load.inertias[..., shaft], order="C") for shaft in range(n + 1))
-    return {shaft: column for shaft, column in enumerate(columns) if np.any(column != 0.0)}
 
 
 def _broadcast(*shapes: tuple[int, ...]) -> tuple[int, ...] | None:

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import cardan
-from cardan import pins
 
 BEARINGS: dict[str, Any] = {"friction": 0.02, "pin_radius": 0.008, "arm": 0.03}
 SHARE = 0.02 * 0.008 / 0.03
@@ -96,15 +95,6 @@ def test_batches_are_their_drivelines() -> None:
             alone = line[i].losses(cardan.Load(output_torque=torque, speed=speed), **BEARINGS)
             assert found.fraction[:, row, i] == pytest.approx(alone.fraction, rel=1e-12)
             assert found.power[:, row, i] == pytest.approx(alone.power, rel=1e-12)
-
-
-def test_rows_at_a_time_make_no_difference(monkeypatch: pytest.MonkeyPatch) -> None:
-    line = cardan.Driveline.from_bends([[10, 20], [25, 5], [3, 8]], phases=30, degrees=True)
-    load = cardan.Load(drive_torque=[100.0, 200.0, 50.0])
-    at_once = line.losses(load, **BEARINGS, seal_torque=0.3)
-    monkeypatch.setattr(pins, "_BLOCK", 1)
-    each = line.losses(load, **BEARINGS, seal_torque=0.3)
-    assert each.fraction == pytest.approx(at_once.fraction, rel=1e-12)
 
 
 def test_losses_grow_with_the_friction_of_each_row() -> None:

@@ -24,8 +24,7 @@ CARRIERS = (
 
 SHAPE = "it selects, arranges or labels and computes nothing"
 UNIT = "another unit of what has a twin"
-WEAR = "losses and life come with the wear of the core"
-TURNS = "means, orders and peaks come with the turns of the core"
+ORDERS = "Driveline.harmonics has one; those of other outputs are sums of the same kind"
 DESIGN = "closed forms and further constructors come with the design of the core"
 AS_BUILT = "yokes as built come after the ideal ones; tests judge them by hinges with 40 digits"
 SEARCH = "it searches or samples in Python above outputs that have twins"
@@ -36,8 +35,9 @@ SOURCES = "formulas of the sources, themselves compared with the core"
 TWINS = {
     "OUTPUTS": {
         "angle angle_error speed_ratio acceleration_ratio jerk_ratio": "reference.motion",
-        "torque support_moment moment bending_driving bending_driven": "reference.loads",
+        "torque support_moment moment bending_driving bending_driven pin_moment": "reference.loads",
         "tilt_driving tilt_driven": "reference.tilts",
+        "swing_driving swing_driven driving_pin driven_pin": "reference.crosses",
         "joint_force bearing_force": "reference_forces.forces",
     },
     "cardan": {
@@ -60,10 +60,12 @@ TWINS = {
         "equivalent": "reference_phasing.equivalent",
         "transmission": "reference_phasing.transmission",
         "optimal_phases": "reference_phasing.optimal_phases",
-        "harmonics": TURNS,
-        "losses life": WEAR,
+        "harmonics": "reference_wear.harmonics",
+        "losses": "reference_wear.losses",
+        "life": "reference_wear.life",
+        "free_running": "reference_wear.free_running",
         "from_slopes from_projected_bends from_double_joint slides lengths spline_force steering "
-        "free_running catalogue_bend": DESIGN,
+        "catalogue_bend": DESIGN,
         "check": "it compares values with limits",
         "order_tolerances tolerances": SEARCH,
         "deviations has_deviations with_deviations with_play lash wind_up": AS_BUILT,
@@ -79,7 +81,7 @@ TWINS = {
     },
     "Plan": {
         "derivatives gradient": "tests judge derivatives by differences in 60 digits",
-        "harmonics": TURNS,
+        "harmonics": ORDERS,
         "dtype explain labels places planes request": SHAPE,
     },
     "TorsionalSystem": {

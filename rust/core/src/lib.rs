@@ -10,6 +10,8 @@
 //! | [`plan`] | the requested outputs, the steps that compute them, and their routes |
 //! | `sincos` | sines and cosines of arrays of angles and of sweeps |
 //! | [`run`] | threads, blocks, chunks, loops over slices, and reductions |
+//! | [`turns`] | what outputs do over a turn of the drive |
+//! | [`wear`] | friction and fatigue of the pins, from means over a turn |
 //! | [`dynamics`] | torsional vibration of drivelines with compliant shafts |
 //! | [`measured`] | the motion of a measured drive: integral and derivatives of its speed |
 //! | [`error`] | errors in the input, with argument, position and rule |
@@ -28,6 +30,8 @@ pub mod number;
 pub mod plan;
 pub mod run;
 mod sincos;
+pub mod turns;
+pub mod wear;
 
 pub use dynamics::{ShaftEnds, TorsionalSystem};
 pub use error::{Error, Result};
@@ -50,3 +54,6 @@ pub use run::level::{self, Level};
 pub use run::phases::optimal_phases_of_batch;
 pub use run::q_derivatives::{Parameters, q_derivatives};
 pub use run::threads::uses_threads;
+pub use turns::Rows;
+pub use wear::life::{SMALLEST_BEND, hours};
+pub use wear::pins::{Wear, pin_means};

@@ -15,6 +15,7 @@ mod measured;
 mod plan;
 mod torsion;
 mod transmission;
+mod turns;
 mod watch;
 
 use pyo3::prelude::*;
@@ -41,6 +42,8 @@ mod _core {
     use super::torsion::NativeTorsion;
     #[pymodule_export]
     use super::transmission::NativeTransmission;
+    #[pymodule_export]
+    use super::turns::{hours, pin_means};
 
     use super::PyResult;
     use pyo3::prelude::*;

@@ -473,14 +473,14 @@ fn filled<'py, W: Element>(
 }
 
 /// The elements of an array, if it is aligned and in C order.
-fn elements<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> Option<&'a [f64]> {
+pub(crate) fn elements<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> Option<&'a [f64]> {
     let c_order = array.is_c_contiguous();
     array.as_slice().ok().filter(|_| c_order)
 }
 
 /// Strides, in elements, of an array in C order over the samples; `None` if it does not broadcast
 /// to their shape.
-fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
+pub(crate) fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
     match (own, shape) {
         // Small calls need no allocation.
         ([], [_]) => return Some(Cow::Borrowed(&[0])),
@@ -502,7 +502,7 @@ fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
     Some(Cow::Owned(strides))
 }
 
-fn misfit(py: Python<'_>, name: &str, own: &[usize], shape: &[usize]) -> PyErr {
+pub(crate) fn misfit(py: Python<'_>, name: &str, own: &[usize], shape: &[usize]) -> PyErr {
     match (PyTuple::new(py, own), PyTuple::new(py, shape)) {
         (Ok(own), Ok(shape)) => argument_error(
             name,

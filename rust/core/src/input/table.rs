@@ -175,7 +175,7 @@ impl<'a> Table<'a> {
 }
 
 /// Checks that the array has every element that the strides reach.
-fn check_reach(
+pub(crate) fn check_reach(
     argument: &'static str,
     len: usize,
     shape: &[usize],

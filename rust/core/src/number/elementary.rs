@@ -12,7 +12,7 @@ use crate::number::float::inverse_power_of_two;
 use crate::number::reduction::HALF_PI;
 use crate::number::trig;
 
-pub(crate) use libm::{acos, asin, hypot, log as ln, log1p as ln_1p, sinh, tan};
+pub(crate) use libm::{acos, asin, cbrt, hypot, log as ln, log1p as ln_1p, log10, pow, sinh, tan};
 
 /// The angle of the point `(x, y)` in `[−π, π]`, with the signs and the limits of [`f64::atan2`].
 ///

@@ -1,0 +1,148 @@
+//! What drivelines do over a turn of the drive.
+
+use std::borrow::Cow;
+use std::sync::atomic::AtomicBool;
+
+use cardan::{Execution, Load, Rows, Source, Wear, pin_means as means};
+use numpy::PyUntypedArrayMethods;
+use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn};
+use pyo3::prelude::*;
+use pyo3::pybacked::PyBackedStr;
+
+use crate::convert::{
+    Input, argument_error, check_length, count, not_contiguous, slice, value_error,
+};
+use crate::lines::Lines;
+use crate::plan::{elements, end, misfit, strides};
+use crate::watch::{reserve, run_interruptible, threads};
+
+/// An array that is broadcast to the rows.
+type Spread<'py> = Bound<'py, PyArrayDyn<f64>>;
+
+/// The end at which the torque is given, torque, speed, acceleration, and pairs of a shaft and its
+/// inertia.
+type LoadArrays<'py> =
+    (PyBackedStr, Spread<'py>, Spread<'py>, Spread<'py>, Vec<(usize, Spread<'py>)>);
+
+/// The fewest rows for which a run is interruptible: some milliseconds of work.
+const MIN_INTERRUPTIBLE: usize = 256;
+
+/// Means over a turn of what wears the pins, those of each row one after another. `wear` is
+/// `"friction"` or `"fatigue"`. Drivelines and load broadcast to `shape`.
+#[pyfunction]
+pub(crate) fn pin_means<'py>(
+    py: Python<'py>,
+    lines: &Lines,
+    shape: Vec<usize>,
+    load: LoadArrays<'py>,
+    wear: &str,
+    workers: Option<usize>,
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    lines.check_ideal("means over a turn exist")?;
+    let known = Wear::NAMES.into_iter().find(|(name, _)| *name == wear);
+    let Some((_, wear)) = known else {
+        return Err(argument_error("wear", &[], format!("is {wear:?}, which is unknown")));
+    };
+    let (given, torque, speed, acceleration, inertias) = load;
+    let (end, torque_name) = end(&given)?;
+    let [torque, speed, acceleration] = [
+        Broadcast::new(py, torque_name, &torque, &shape)?,
+        Broadcast::new(py, "speed", &speed, &shape)?,
+        Broadcast::new(py, "acceleration", &acceleration, &shape)?,
+    ];
+    let of_shaft = |(shaft, array): &(usize, Spread<'py>)| {
+        Ok((*shaft, Broadcast::new(py, "inertias", array, &shape)?))
+    };
+    let inertias = inertias.iter().map(of_shaft).collect::<PyResult<Vec<_>>>()?;
+    let Some(line_strides) = strides(lines.shape(), &shape) else {
+        return Err(misfit(py, "the driveline's batch", lines.shape(), &shape));
+    };
+    let rows = count(&shape)?;
+    let total = rows.saturating_mul(wear.count(lines.joints()));
+    let mut out = vec![];
+    reserve(&mut out, total)?;
+    out.resize(total, 0.0);
+    if rows == 0 {
+        return Ok(out.into_pyarray(py));
+    }
+    lines.with(py, |arrays| {
+        let load = Load {
+            torque: torque.source()?,
+            speed: speed.source()?,
+            acceleration: acceleration.source()?,
+            inertias: inertias
+                .iter()
+                .map(|(shaft, array)| Ok((*shaft, array.source()?)))
+                .collect::<PyResult<_>>()?,
+        };
+        let turned =
+            Rows { shape: &shape, lines: arrays, line_strides: &line_strides, load: Some(load) };
+        let bends = lines.largest_bends();
+        let mut run = |workers: Option<usize>, stop: Option<&AtomicBool>| {
+            let execution = Execution { workers, stop, ..Execution::default() };
+            means(&turned, bends, end, wear, &mut out, execution)
+        };
+        if rows < MIN_INTERRUPTIBLE {
+            return py.detach(|| run(Some(1), None)).map_err(|error| value_error(&error));
+        }
+        let workers = threads(workers);
+        run_interruptible(py, workers, &mut |stop| run(workers, Some(stop)))
+    })?;
+    Ok(out.into_pyarray(py))
+}
+
+/// An array with its strides over the rows.
+struct Broadcast<'py> {
+    name: &'static str,
+    array: PyReadonlyArrayDyn<'py, f64>,
+    strides: Cow<'static, [usize]>,
+}
+
+impl<'py> Broadcast<'py> {
+    fn new(
+        py: Python<'py>,
+        name: &'static str,
+        array: &Spread<'py>,
+        shape: &[usize],
+    ) -> PyResult<Self> {
+        let array = array.try_readonly()?;
+        let strides =
+            strides(array.shape(), shape).ok_or_else(|| misfit(py, name, array.shape(), shape))?;
+        Ok(Self { name, array, strides })
+    }
+
+    fn source(&self) -> PyResult<Source<'_>> {
+        let data = elements(&self.array).ok_or_else(|| not_contiguous(self.name))?;
+        Ok(Source { data, strides: &self.strides })
+    }
+}
+
+/// The life of each joint in hours, by the load of its pins and by the catalogue's law. `means` has
+/// five numbers for each joint, the other arrays one.
+#[pyfunction]
+pub(crate) fn hours<'py>(
+    py: Python<'py>,
+    means: Input<'py>,
+    bends: Input<'py>,
+    rpm: Input<'py>,
+    rating: Input<'py>,
+) -> PyResult<[Bound<'py, PyArray1<f64>>; 2]> {
+    let means = slice("means", &means)?;
+    let bends = slice("bends", &bends)?;
+    let joints = bends.len();
+    let [rpm, rating] = [slice("rpm", &rpm)?, slice("rating", &rating)?];
+    check_length("means", means.len(), joints, 5)?;
+    check_length("rpm", rpm.len(), joints, 1)?;
+    check_length("rating", rating.len(), joints, 1)?;
+    let mut columns = [const { Vec::<f64>::new() }; 2];
+    for column in &mut columns {
+        reserve(column, joints)?;
+    }
+    let (means, _) = means.as_chunks::<5>();
+    for (joint, &means) in means.iter().enumerate() {
+        let [exact, law] = cardan::hours(means, bends[joint], rpm[joint], rating[joint]);
+        columns[0].push(exact);
+        columns[1].push(law);
+    }
+    Ok(columns.map(|column| column.into_pyarray(py)))
+}
