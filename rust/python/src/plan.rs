@@ -7,12 +7,13 @@ use std::sync::atomic::AtomicBool;
 
 use cardan::{
     Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan, Planes,
-    Precision, Reduction, Request, Samples, Source, Sweep, level, uses_threads,
+    Precision, Reduction, Request, Rows, Samples, Sought, Source, Sweep, Turns, level,
+    uses_threads,
 };
 use numpy::npyffi::npy_intp;
 use numpy::{
-    Element, PY_ARRAY_API, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn,
-    PyReadwriteArray1, PyUntypedArray, PyUntypedArrayMethods,
+    Element, IntoPyArray, PY_ARRAY_API, PyArray1, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
+    PyReadonlyArrayDyn, PyReadwriteArray1, PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
@@ -20,6 +21,7 @@ use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 
 use crate::convert::{argument_error, count, not_contiguous, slice_mut, value_error};
 use crate::lines::Lines;
+use crate::turns::run_rows;
 use crate::watch::{check_memory, no_memory, run_interruptible, threads};
 
 /// The fewest samples for which releasing the interpreter saves time.
@@ -111,6 +113,10 @@ pub(crate) struct NativePlan {
 
 #[pymethods]
 impl NativePlan {
+    /// The highest order of an output over a turn.
+    #[classattr]
+    const HIGHEST_ORDER: usize = Turns::HIGHEST_ORDER;
+
     /// `shapes` give for each output its number of items, if it has an axis for them, and whether it
     /// is a vector. The end of the load is `"drive"` or `"output"`; its arrays are read
     /// when the plan runs. Without a tolerance the arithmetic is that of the results, single or
@@ -182,6 +188,40 @@ impl NativePlan {
             inertias,
             constants,
         })
+    }
+
+    /// The largest magnitudes of the outputs over a turn, or with `least` the least ones, of each
+    /// shaft, joint or bearing in each row of this shape, and the drive angles at which each occurs.
+    fn peaks(
+        &self,
+        py: Python<'_>,
+        shape: Vec<usize>,
+        least: bool,
+        workers: Option<usize>,
+    ) -> PyResult<Vec<(f64, Vec<f64>)>> {
+        let sought = if least { Sought::Least } else { Sought::Largest };
+        let peaks =
+            self.turned(py, &shape, workers, |turns, execution| turns.peaks(sought, execution))?;
+        Ok(peaks.into_iter().map(|peak| (peak.value, peak.places)).collect())
+    }
+
+    /// Mean, bound on the error and complex amplitudes of every plane over a turn, in each row of
+    /// this shape: over the drive angle, or if `driven` over the angle of the last shaft.
+    #[allow(clippy::too_many_arguments, reason = "flat arguments of one call")]
+    fn orders<'py>(
+        &self,
+        py: Python<'py>,
+        shape: Vec<usize>,
+        orders: Vec<usize>,
+        driven: bool,
+        tolerance: f64,
+        workers: Option<usize>,
+    ) -> PyResult<[Bound<'py, PyArray1<f64>>; 3]> {
+        let found = self.turned(py, &shape, workers, |turns, execution| {
+            turns.orders(&orders, driven, tolerance, execution)
+        })?;
+        let amplitudes = found.amplitudes.into_flattened();
+        Ok([found.mean, found.error, amplitudes].map(|array| array.into_pyarray(py)))
     }
 
     /// A description of the steps taken and skipped, for samples of a shape to which the drivelines
@@ -294,6 +334,27 @@ impl NativePlan {
 }
 
 impl NativePlan {
+    /// Runs `body` with the drivelines and the load broadcast to rows of this shape, which are turned
+    /// once each, and with how to use the machine.
+    pub(crate) fn turned<R: Send>(
+        &self,
+        py: Python<'_>,
+        shape: &[usize],
+        workers: Option<usize>,
+        body: impl Fn(&Turns<'_>, Execution<'_>) -> cardan::Result<R> + Sync,
+    ) -> PyResult<R> {
+        let lines = self.lines.get();
+        let line_strides = strides(lines.shape(), shape)
+            .ok_or_else(|| misfit(py, "the driveline's batch", lines.shape(), shape))?;
+        let load = self.read_load(py, shape)?;
+        let load = self.load_of(&load)?;
+        lines.with(py, |lines| {
+            let rows = Rows { shape, lines, line_strides: &line_strides, load };
+            let turns = Turns { plan: &self.steps, rows: &rows, precision: self.precision };
+            run_rows(py, rows.count(), workers, |execution| body(&turns, execution))
+        })
+    }
+
     /// The arrays of the load with their strides over samples of this shape.
     fn read_load<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Vec<Strided<'py>>> {
         let read = |(name, array): &(&str, Spread)| {

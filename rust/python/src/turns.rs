@@ -1,7 +1,6 @@
 //! What drivelines do over a turn of the drive.
 
 use std::borrow::Cow;
-use std::sync::atomic::AtomicBool;
 
 use cardan::{Execution, Load, Rows, Source, Wear, pin_means as means};
 use numpy::PyUntypedArrayMethods;
@@ -14,7 +13,7 @@ use crate::convert::{
 };
 use crate::lines::Lines;
 use crate::plan::{elements, end, misfit, strides};
-use crate::watch::{reserve, run_interruptible, threads};
+use crate::watch::{check_memory, reserve, run_interruptible, threads};
 
 /// An array that is broadcast to the rows.
 type Spread<'py> = Bound<'py, PyArrayDyn<f64>>;
@@ -26,6 +25,25 @@ type LoadArrays<'py> =
 
 /// The fewest rows for which a run is interruptible: some milliseconds of work.
 const MIN_INTERRUPTIBLE: usize = 256;
+
+/// Calls `body` with the interpreter released, interruptibly if there are many rows.
+pub(crate) fn run_rows<R: Send>(
+    py: Python<'_>,
+    rows: usize,
+    workers: Option<usize>,
+    body: impl Fn(Execution<'_>) -> cardan::Result<R> + Sync,
+) -> PyResult<R> {
+    if rows < MIN_INTERRUPTIBLE {
+        let alone = Execution { workers: Some(1), ..Execution::default() };
+        return py.detach(|| body(alone)).map_err(|error| value_error(&error));
+    }
+    let (workers, mut found) = (threads(workers), None);
+    run_interruptible(py, workers, &mut |stop| {
+        found = Some(body(Execution { workers, stop: Some(stop), ..Execution::default() })?);
+        Ok(())
+    })?;
+    Ok(found.expect("work that has no error has a result"))
+}
 
 /// Means over a turn of what wears the pins, those of each row one after another. `wear` is
 /// `"friction"` or `"fatigue"`. Drivelines and load broadcast to `shape`.
@@ -59,13 +77,11 @@ pub(crate) fn pin_means<'py>(
     };
     let rows = count(&shape)?;
     let total = rows.saturating_mul(wear.count(lines.joints()));
-    let mut out = vec![];
-    reserve(&mut out, total)?;
-    out.resize(total, 0.0);
+    check_memory(total.saturating_mul(size_of::<f64>()))?;
     if rows == 0 {
-        return Ok(out.into_pyarray(py));
+        return Ok(vec![].into_pyarray(py));
     }
-    lines.with(py, |arrays| {
+    let out = lines.with(py, |arrays| {
         let load = Load {
             torque: torque.source()?,
             speed: speed.source()?,
@@ -77,16 +93,11 @@ pub(crate) fn pin_means<'py>(
         };
         let turned =
             Rows { shape: &shape, lines: arrays, line_strides: &line_strides, load: Some(load) };
-        let bends = lines.largest_bends();
-        let mut run = |workers: Option<usize>, stop: Option<&AtomicBool>| {
-            let execution = Execution { workers, stop, ..Execution::default() };
-            means(&turned, bends, end, wear, &mut out, execution)
-        };
-        if rows < MIN_INTERRUPTIBLE {
-            return py.detach(|| run(Some(1), None)).map_err(|error| value_error(&error));
-        }
-        let workers = threads(workers);
-        run_interruptible(py, workers, &mut |stop| run(workers, Some(stop)))
+        run_rows(py, rows, workers, |execution| {
+            let mut out = vec![0.0; total];
+            means(&turned, lines.largest_bends(), end, wear, &mut out, execution)?;
+            Ok(out)
+        })
     })?;
     Ok(out.into_pyarray(py))
 }

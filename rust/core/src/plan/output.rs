@@ -151,6 +151,18 @@ impl Output {
             || matches!(self.row().needs, Needs::Cross(Cross::Swing | Cross::Pin))
     }
 
+    /// Whether half a turn, after which ideal joints look the same but for the sense of their pins,
+    /// reverses it.
+    pub(crate) fn reverses(self) -> bool {
+        matches!(self.row().needs, Needs::Cross(_))
+    }
+
+    /// Whether it is a magnitude, which has kinks where a torque reverses or a pin is in the bend
+    /// plane or normal to it.
+    pub(crate) fn has_kinks(self) -> bool {
+        matches!(self, Self::BendingDriving | Self::BendingDriven | Self::PinMoment)
+    }
+
     /// The number of planes per shaft, joint or bearing: one for a scalar, three for a vector.
     pub fn components(self) -> usize {
         self.row().components.len()

@@ -28,7 +28,7 @@ impl Plan {
             refers_forces: false,
             least_cosines,
             planes: 0,
-            components: vec![],
+            outputs: vec![],
             shafts: vec![],
             joints,
             any_joint: JointNeeds::default(),
@@ -64,7 +64,7 @@ impl Plan {
             for &item in items {
                 let plane = plan.planes;
                 plan.planes += row.components.len();
-                plan.components.push(row.components.len());
+                plan.outputs.push(output);
                 match row.needs {
                     Needs::Motion(_) => plan.step(item).planes.set(output, plane),
                     Needs::Power => torque[item] = Some(plane),

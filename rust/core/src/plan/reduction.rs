@@ -41,8 +41,8 @@ impl Reduction {
     /// vector.
     pub(crate) fn groups(self, plan: &Plan) -> Vec<usize> {
         let whole = self == Self::Peak;
-        let of = |&size: &usize| if whole { vec![size] } else { vec![1; size] };
-        plan.components.iter().flat_map(of).collect()
+        let of = |size: usize| if whole { vec![size] } else { vec![1; size] };
+        plan.outputs.iter().map(|output| output.components()).flat_map(of).collect()
     }
 
     /// The number of results for a plan, and so of the planes that [`Plan::reduce`] fills.

@@ -28,8 +28,8 @@ pub struct Plan {
     /// one power passes all joints.
     pub(crate) refers_forces: bool,
     pub(crate) planes: usize,
-    /// The number of planes of each shaft or joint of each output, in order.
-    pub(crate) components: Vec<usize>,
+    /// The output of each shaft, joint or bearing that has planes, in their order.
+    pub(crate) outputs: Vec<Output>,
     /// In ascending order.
     pub(crate) shafts: Vec<ShaftStep>,
     /// One step per joint, needed or not.

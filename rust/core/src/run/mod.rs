@@ -36,3 +36,4 @@ mod taken;
 pub mod threads;
 mod torsion_parts;
 mod turned;
+mod unwritten;

@@ -2,12 +2,14 @@
 //! parts on any number of threads.
 
 use std::ops::Range;
+use std::sync::atomic::Ordering;
 
 use cardan_memory::write_strips;
 
 use crate::error::{Error, Result};
 use crate::input::table::{GeometryVariation, Table};
 use crate::number::float::Float;
+use crate::plan::output::Output;
 use crate::plan::reduction::Reduction;
 use crate::plan::route::Routes;
 use crate::plan::steps::Plan;
@@ -19,6 +21,7 @@ use crate::run::level::{Level, has_wide_registers};
 use crate::run::queue::work_off;
 use crate::run::stores_as::StoresAs;
 use crate::run::sweep_tables::SweepTables;
+use crate::run::unwritten;
 
 /// The most samples in a part of a row that is reduced: about 20 µs of work. It is a multiple of
 /// the chunk.
@@ -68,6 +71,23 @@ impl<'a, 's> Run<'a, 's> {
         if total == 0 || planes.is_empty() {
             return Ok(());
         }
+        if cfg!(debug_assertions) {
+            unwritten::mark(planes);
+        }
+        self.fill_pieces::<T, W>(planes);
+        if cfg!(debug_assertions)
+            && self.execution.stop.is_none_or(|stop| !stop.load(Ordering::Relaxed))
+            && let Some(plane) = unwritten::first(planes)
+        {
+            let of = |output: &Output| vec![output.row().name; output.components()];
+            let names: Vec<&str> = self.plan.outputs.iter().flat_map(of).collect();
+            panic!("nothing writes {}", names[plane]);
+        }
+        Ok(())
+    }
+
+    fn fill_pieces<T: StoresAs<W>, W: Float>(&self, planes: &mut [&mut [W]]) {
+        let total = self.table.samples();
         let threads = threads(total, self.execution.workers);
         let shared = self.shared::<T, _>();
         let staging = T::direct(&mut []).is_none();
@@ -78,8 +98,7 @@ impl<'a, 's> Run<'a, 's> {
             });
         };
         if threads == 1 {
-            fill(&mut new_block(total), 0..total, planes);
-            return Ok(());
+            return fill(&mut new_block(total), 0..total, planes);
         }
         let pieces = Pieces {
             planes: planes.iter_mut().map(|plane| &mut **plane).collect(),
@@ -92,7 +111,6 @@ impl<'a, 's> Run<'a, 's> {
             || new_block(LONGEST),
             |block, (samples, mut planes)| fill(block, samples, &mut planes),
         );
-        Ok(())
     }
 
     /// Reduces every row to one number per result. Rows are cut into the same parts for any number

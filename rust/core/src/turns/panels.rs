@@ -1,4 +1,4 @@
-//! Means over a turn of functions that have kinks, by Gauss's rules between these.
+//! Means over a turn of functions that have kinks, by Lobatto's rules between these.
 //!
 //! Ideal joints look the same after half a turn, except that their pins have the opposite sense. A
 //! pin changes the sense in which it turns in its bearings where it is in the bend plane or normal
@@ -8,128 +8,113 @@
 //! the panels shrink.
 
 use std::f64::consts::PI;
-use std::sync::OnceLock;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::input::Drivelines;
 use crate::mechanics::chain::{Transfer, shaft_turn};
 use crate::mechanics::joint::Joint;
 use crate::number::DoubleDouble;
 use crate::number::elementary::{atan2, ln};
-use crate::plan::steps::Plan;
 use crate::run::execution::Execution;
-use crate::run::queue::work_off;
-use crate::turns::rows::Rows;
+use crate::turns::Turns;
+use crate::turns::driven::Driven;
+use crate::turns::each_row::each_piece;
 use crate::turns::rule::{self, Found, RULES, Rule};
-
-/// The rows of a piece of work for one thread, and the fewest pieces that use threads.
-const PIECE: usize = 32;
-const MIN_PARALLEL_PIECES: usize = 4;
 
 /// Kinks that are nearer to each other count as one: what is between them adds the square of it.
 const APART: f64 = 1e-8;
 
-/// The square of a panel's last coefficients over that of the mean, times the panel's part of the
-/// turn, at which it has settled.
-const SETTLED: f64 = 1e-15;
+/// The part of a mean that a panel adds to its error at most, once it has settled.
+const SETTLED: f64 = 2e-15;
 
 /// How often a panel is halved at most, and how many panels are open at a time at most.
 const MOST_HALVINGS: usize = 48;
 const MOST_PANELS: usize = 1 << 12;
 
-/// Fills the values of functions at some samples, one function after another, from a plan's planes
-/// there.
-type Fill<'a> = &'a (dyn Fn(&[&[f64]], &mut [f64]) + Sync);
+/// Fills the values of functions at some samples, one function after another, from their angles and
+/// a plan's planes there.
+type Fill<'a> = &'a (dyn Fn(&[f64], &[&[f64]], &mut [f64]) + Sync);
 
 /// Functions of a plan's outputs.
 pub(crate) struct Integrands<'a> {
     /// How many there are.
     pub(crate) count: usize,
+    /// How many of them follow each other whose errors count beside the first one's mean.
+    pub(crate) together: usize,
+    /// Their values.
     pub(crate) of: Fill<'a>,
 }
 
-/// The means over a turn of functions of a plan's outputs, `integrands.count` for each row.
-///
-/// # Errors
-/// Arrays whose lengths do not fit together.
-pub(crate) fn means(
-    plan: &Plan,
-    rows: &Rows<'_>,
-    integrands: &Integrands<'_>,
-    out: &mut [f64],
-    execution: Execution<'_>,
-) -> Result<()> {
-    rows.check(plan)?;
-    let failed = OnceLock::new();
-    let pieces = out.chunks_mut(PIECE * integrands.count).enumerate();
-    let work = |(): &mut (), (piece, out): (usize, &mut [f64])| {
-        if execution.stop.is_none_or(|stop| !stop.load(std::sync::atomic::Ordering::Relaxed))
-            && let Err(error) = of_piece(plan, rows, integrands, piece * PIECE, out)
-        {
-            failed.get_or_init(|| error);
-        }
-    };
-    // The pool, which may not exist, is not queried for one thread.
-    let alone = execution.workers == Some(1) || pieces.len() < MIN_PARALLEL_PIECES;
-    let pool = if alone { 1 } else { rayon::current_num_threads() };
-    let threads = execution.workers.map_or(pool, |workers| pool.min(workers));
-    work_off(pieces, threads, || (), work);
-    failed.into_inner().map_or(Ok(()), Err::<(), Error>)
+/// A mean over a turn, with an estimate of its error.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Mean {
+    pub(crate) value: f64,
+    pub(crate) error: f64,
 }
 
-/// The same for the rows from `first` on. Those with equally many panels of the same rule are
-/// evaluated together.
-fn of_piece(
-    plan: &Plan,
-    rows: &Rows<'_>,
-    integrands: &Integrands<'_>,
-    first: usize,
-    out: &mut [f64],
-) -> Result<()> {
-    let joints = plan.joint_count;
-    let turn = |i| (i, Turn::new(&rows.lines, rows.line(first + i), joints));
-    let mut turns: Vec<(usize, Turn)> = (0..out.len() / integrands.count).map(turn).collect();
-    turns.sort_by_key(|(i, turn)| (turn.panels.len(), turn.rule, *i));
-    for group in
-        turns.chunk_by(|(_, a), (_, b)| a.panels.len() == b.panels.len() && a.rule == b.rule)
-    {
-        let rule = &RULES[group[0].1.rule];
-        let own: Vec<usize> = group.iter().map(|(i, _)| first + i).collect();
-        let angles: Vec<f64> =
-            group.iter().flat_map(|(_, turn)| angles(rule, &turn.panels)).collect();
-        let values = rows.gathered(&own, joints).run(plan, &angles)?;
-        let each = angles.len() / group.len();
-        for (place, (i, turn)) in group.iter().enumerate() {
-            let planes: Vec<&[f64]> =
-                values.chunks(angles.len()).map(|plane| &plane[place * each..][..each]).collect();
-            let means = &mut out[i * integrands.count..][..integrands.count];
-            Row { plan, rows, index: first + i, integrands, rule }.settle(
-                turn.panels.clone(),
-                &planes,
-                means,
-            )?;
-        }
+impl Turns<'_> {
+    /// The means over a turn of the drive of functions of the outputs, `integrands.count` for each
+    /// row.
+    ///
+    /// # Errors
+    /// Arrays whose lengths do not fit together.
+    pub(crate) fn means(
+        &self,
+        integrands: &Integrands<'_>,
+        out: &mut [f64],
+        execution: Execution<'_>,
+    ) -> Result<()> {
+        self.rows.check(self.plan)?;
+        each_piece(out, integrands.count, execution, |first, out| {
+            self.means_of_piece(integrands, first, out)
+        })
     }
-    Ok(())
+
+    /// The same for the rows from `first` on. Those with equally many panels of the same rule are
+    /// evaluated together.
+    fn means_of_piece(
+        &self,
+        integrands: &Integrands<'_>,
+        first: usize,
+        out: &mut [f64],
+    ) -> Result<()> {
+        let (rows, joints) = (self.rows, self.plan.joint_count);
+        let cut = |i| (i, Cut::of(&rows.lines, rows.line(first + i), joints));
+        let mut cuts: Vec<(usize, Cut)> = (0..out.len() / integrands.count).map(cut).collect();
+        let key = |cut: &Cut| (cut.panels.len(), cut.rule);
+        cuts.sort_by_key(|(i, cut)| (key(cut), *i));
+        for group in cuts.chunk_by(|(_, a), (_, b)| key(a) == key(b)) {
+            let own: Vec<usize> = group.iter().map(|(i, _)| first + i).collect();
+            let angles: Vec<f64> = group.iter().flat_map(|(_, cut)| cut.angles()).collect();
+            let values = self.values(&own, &angles)?;
+            let each = angles.len() / group.len();
+            for (place, (i, cut)) in group.iter().enumerate() {
+                let start = place * each;
+                let planes = values.chunks(angles.len()).map(|plane| &plane[start..][..each]);
+                let planes: Vec<&[f64]> = planes.collect();
+                let row = Row { turns: self, index: first + i, integrands, driven: None };
+                let means = row.settled(cut, &angles[start..][..each], &planes)?;
+                for (out, mean) in out[i * integrands.count..].iter_mut().zip(means) {
+                    *out = mean.value;
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
-/// An interval of the drive angle: its start and its width.
+/// An interval of the angle: its start and its width.
 type Panel = (f64, f64);
 
-/// The drive angles at the nodes of some panels.
-fn angles(rule: &Rule, panels: &[Panel]) -> Vec<f64> {
-    let of = |&(start, width): &Panel| rule.nodes.iter().map(move |x| start + width * x);
-    panels.iter().flat_map(of).collect()
-}
-
-/// The panels of half a turn of one driveline, and the index of their rule.
-struct Turn {
+/// Half a turn of one driveline, cut into panels, and the index of their rule.
+pub(crate) struct Cut {
     panels: Vec<Panel>,
     rule: usize,
 }
 
-impl Turn {
-    fn new(lines: &Drivelines<'_>, line: usize, joints: usize) -> Self {
+impl Cut {
+    /// The panels between the kinks of a driveline over the drive angle.
+    fn of(lines: &Drivelines<'_>, line: usize, joints: usize) -> Self {
         let of = |array: &[f64], each: usize, item: usize| array[line * each + item];
         let (mut transfer, mut steepest, mut kinks) = (Transfer::default(), 0.0_f64, vec![]);
         for joint in 0..joints {
@@ -142,87 +127,121 @@ impl Turn {
             if own.k.high > 0.0 {
                 // Cosine and sine of the joint's input angle over cosine and sine of the drive's.
                 let [cc, cs, sc, ss] = transfer.matrix().map(DoubleDouble::value);
-                kinks.extend([atan2(-sc, ss), atan2(-cc, cs)].map(|kink| kink.rem_euclid(PI)));
+                kinks.extend([atan2(-sc, ss), atan2(-cc, cs)]);
             }
             transfer.pass_joint(&own);
             steepest = steepest.max(own.k.high).max(transfer.equivalent().joint.k.high);
         }
+        Self::between(kinks, steepest)
+    }
+
+    /// The panels between some kinks, of functions whose series falls like the powers of `k`.
+    fn between(kinks: Vec<f64>, k: f64) -> Self {
+        let mut kinks: Vec<f64> = kinks.into_iter().map(|kink| kink.rem_euclid(PI)).collect();
         kinks.sort_by(f64::total_cmp);
         kinks.dedup_by(|next, kink| *next - *kink < APART);
-        let first = kinks.first().copied().unwrap_or(0.0);
-        let ends = kinks.iter().skip(1).copied().chain([first + PI]);
-        let starts = if kinks.is_empty() { &[0.0][..] } else { &kinks };
+        if kinks.is_empty() {
+            kinks.push(0.0);
+        }
+        let ends = kinks.iter().skip(1).copied().chain([kinks[0] + PI]);
         let panels: Vec<Panel> =
-            starts.iter().zip(ends).map(|(&start, end)| (start, end - start)).collect();
+            kinks.iter().zip(ends).map(|(&start, end)| (start, end - start)).collect();
         let widest = panels.iter().fold(0.0_f64, |widest, panel| widest.max(panel.1));
         // Functions of a shaft's motion have poles at this distance from the real axis.
-        let distance = -0.5 * ln(steepest.max(f64::MIN_POSITIVE));
+        let distance = -0.5 * ln(k.max(f64::MIN_POSITIVE));
         Self { panels, rule: rule::choose(widest, distance) }
+    }
+
+    fn angles(&self) -> Vec<f64> {
+        angles(&RULES[self.rule], &self.panels)
     }
 }
 
-/// One row and the rule of its panels.
-struct Row<'a> {
-    plan: &'a Plan,
-    rows: &'a Rows<'a>,
-    index: usize,
-    integrands: &'a Integrands<'a>,
-    rule: &'a Rule,
+/// The angles at the nodes of some panels.
+fn angles(rule: &Rule, panels: &[Panel]) -> Vec<f64> {
+    let of = |&(start, width): &Panel| rule.nodes.iter().map(move |x| start + width * x);
+    panels.iter().flat_map(of).collect()
+}
+
+/// One row of a turn, over the angle of the last shaft if that is given.
+pub(crate) struct Row<'a> {
+    pub(crate) turns: &'a Turns<'a>,
+    pub(crate) index: usize,
+    pub(crate) integrands: &'a Integrands<'a>,
+    pub(crate) driven: Option<&'a Driven>,
 }
 
 impl Row<'_> {
-    /// The means, from the planes of the first panels.
-    fn settle(&self, first: Vec<Panel>, planes: &[&[f64]], means: &mut [f64]) -> Result<()> {
-        let mut open = first;
-        let mut found = self.found(planes, open.len());
-        let mut settled = vec![0.0; means.len()];
-        means.fill(0.0);
+    /// The means over the turn.
+    pub(crate) fn means(&self) -> Result<Vec<Mean>> {
+        let (rows, joints) = (self.turns.rows, self.turns.plan.joint_count);
+        let mut cut = Cut::of(&rows.lines, rows.line(self.index), joints);
+        if let Some(driven) = self.driven {
+            let starts: Vec<f64> = cut.panels.iter().map(|panel| panel.0).collect();
+            // Over the angle of the last shaft functions are steeper; panels find out how much.
+            cut = Cut::between(driven.of_drive(rows, self.index, &starts)?, 0.5);
+        }
+        let angles = cut.angles();
+        let values = self.turns.values_at(self.driven, self.index, &angles)?;
+        let planes: Vec<&[f64]> = values.chunks(angles.len()).collect();
+        self.settled(&cut, &angles, &planes)
+    }
+
+    /// The means, from the planes at the nodes of the first panels.
+    fn settled(&self, cut: &Cut, first: &[f64], planes: &[&[f64]]) -> Result<Vec<Mean>> {
+        let (count, together) = (self.integrands.count, self.integrands.together);
+        let rule = &RULES[cut.rule];
+        let mut open = cut.panels.clone();
+        let mut found = self.found(rule, first, planes);
+        let mut means = vec![Mean::default(); count];
+        let mut settled = vec![0.0; count];
         for halvings in 0.. {
-            let each = || open.iter().zip(found.chunks(means.len()));
+            let each = || open.iter().zip(found.chunks(count));
             let mut sizes = settled.clone();
             for (&(_, width), found) in each() {
                 for (size, found) in sizes.iter_mut().zip(found) {
-                    *size += found.mean.abs() * width;
+                    *size += found.mean.abs() * width / PI;
                 }
             }
+            let size = |function: usize| sizes[function - function % together];
             let last = halvings == MOST_HALVINGS || open.len() > MOST_PANELS;
             let mut halves = vec![];
             for (&(start, width), found) in each() {
+                let part = width / PI;
                 // NaN settles.
-                let unsettled = |(found, size): (&Found, &f64)| {
-                    found.tail * found.tail * width * PI > SETTLED * size * size
+                let unsettled = |(function, found): (usize, &Found)| {
+                    found.error * part > SETTLED * size(function)
                 };
-                if !last && found.iter().zip(&sizes).any(unsettled) {
+                if !last && found.iter().enumerate().any(unsettled) {
                     halves.extend([(start, 0.5 * width), (start + 0.5 * width, 0.5 * width)]);
                     continue;
                 }
-                for ((mean, size), found) in means.iter_mut().zip(&mut settled).zip(found) {
-                    *mean += found.mean * width / PI;
-                    *size += found.mean.abs() * width;
+                for (function, found) in found.iter().enumerate() {
+                    means[function].value += found.mean * part;
+                    means[function].error += found.error * part;
+                    settled[function] += found.mean.abs() * part;
                 }
             }
             if halves.is_empty() {
                 break;
             }
             open = halves;
-            let angles = angles(self.rule, &open);
-            let values =
-                self.rows.gathered(&[self.index], self.plan.joint_count).run(self.plan, &angles)?;
-            let planes: Vec<&[f64]> = values.chunks(angles.len()).collect();
-            found = self.found(&planes, open.len());
+            let angles = angles(rule, &open);
+            let values = self.turns.values_at(self.driven, self.index, &angles)?;
+            found = self.found(rule, &angles, &values.chunks(angles.len()).collect::<Vec<_>>());
         }
-        Ok(())
+        Ok(means)
     }
 
-    /// What the rule finds of each function in each of some panels, panel by panel.
-    fn found(&self, planes: &[&[f64]], panels: usize) -> Vec<Found> {
-        let (count, order) = (self.integrands.count, self.rule.nodes.len());
-        let mut values = vec![0.0; count * panels * order];
-        (self.integrands.of)(planes, &mut values);
-        let mut found = vec![Found::default(); count * panels];
-        for (function, values) in values.chunks(panels * order).enumerate() {
+    /// What the rule finds of each function in each panel, panel by panel.
+    fn found(&self, rule: &Rule, angles: &[f64], planes: &[&[f64]]) -> Vec<Found> {
+        let (count, order) = (self.integrands.count, rule.nodes.len());
+        let mut values = vec![0.0; count * angles.len()];
+        (self.integrands.of)(angles, planes, &mut values);
+        let mut found = vec![Found::default(); count * angles.len() / order];
+        for (function, values) in values.chunks(angles.len()).enumerate() {
             for (panel, values) in values.chunks(order).enumerate() {
-                found[panel * count + function] = self.rule.of(values);
+                found[panel * count + function] = rule.of(values);
             }
         }
         found

@@ -28,6 +28,9 @@ impl Rows<'_> {
 
     /// Checks that the arrays fit together and that the strides stay within them.
     pub(crate) fn check(&self, plan: &Plan) -> Result<()> {
+        if self.count() == 0 {
+            return Ok(());
+        }
         let count = plan.check_lines(&self.lines)?;
         check_reach("drivelines", count, self.shape, self.line_strides)?;
         for (name, source) in self.sources() {
@@ -63,6 +66,18 @@ impl Rows<'_> {
         self.place(self.line_strides, row)
     }
 
+    /// Bends, twists and phases of the chain to a shaft, from 1 on, of a row's driveline.
+    pub(crate) fn chain(&self, row: usize, joints: usize, shaft: usize) -> [&[f64]; 3] {
+        let line = self.line(row);
+        let of = |array, each: usize, count| part(array, line * each, count);
+        let between = joints - 1;
+        [
+            of(self.lines.bends, joints, shaft),
+            of(self.lines.twists, between, shaft - 1),
+            of(self.lines.phases, between, shaft - 1),
+        ]
+    }
+
     /// Copies of what belongs to some rows.
     pub(crate) fn gathered(&self, rows: &[usize], joints: usize) -> Gathered {
         let count = self.lines.bends.len() / joints;
@@ -94,9 +109,27 @@ pub(crate) struct Gathered {
 }
 
 impl Gathered {
+    /// The chains of one row behind a straight joint, without what only loads and vectors need.
+    pub(crate) fn behind_straight_joint(self) -> Self {
+        let [bends, twists, phases, directions, normals, ..] = self.lines;
+        let behind = |angles: Vec<f64>| [vec![0.0], angles].concat();
+        let longer = |vectors: Vec<f64>| vec![0.0; vectors.len() + 3];
+        let lines =
+            [behind(bends), behind(twists), behind(phases), longer(directions), longer(normals)];
+        let [bends, twists, phases, directions, normals] = lines;
+        let none = Vec::new;
+        let lines = [bends, twists, phases, directions, normals, none(), none(), none()];
+        Self { lines, load: vec![], shafts: vec![], ..self }
+    }
+
     /// Evaluates the plan at drive angles, the same number in each row, on the calling thread. The
     /// planes follow each other, of each all rows.
-    pub(crate) fn run(&self, plan: &Plan, angles: &[f64]) -> Result<Vec<f64>> {
+    pub(crate) fn run(
+        &self,
+        plan: &Plan,
+        precision: Precision,
+        angles: &[f64],
+    ) -> Result<Vec<f64>> {
         let each = angles.len() / self.count;
         let load = match self.load.as_slice() {
             [torque, speed, acceleration, inertias @ ..] => Some(Load {
@@ -117,7 +150,6 @@ impl Gathered {
         let mut values = vec![0.0; plan.planes() * angles.len()];
         let mut planes: Vec<&mut [f64]> = values.chunks_mut(angles.len()).collect();
         let alone = Execution { workers: Some(1), ..Execution::default() };
-        let precision: Precision = plan.precision(None, false);
         plan.run(&samples, None, precision, Planes::Double(&mut planes), alone)?;
         Ok(values)
     }
@@ -127,4 +159,8 @@ impl Gathered {
 #[allow(clippy::ptr_arg, reason = "mapped over arrays of the same type")]
 fn by_row(values: &Vec<f64>) -> Source<'_> {
     Source { data: values, strides: &[1, 0] }
+}
+
+fn part(array: &[f64], start: usize, count: usize) -> &[f64] {
+    &array[start..start + count]
 }

@@ -5,8 +5,8 @@ use crate::plan::output::Output;
 use crate::plan::request::{End, Request};
 use crate::plan::steps::Plan;
 use crate::run::execution::Execution;
-use crate::turns::panels::{Integrands, means};
 use crate::turns::rows::Rows;
+use crate::turns::{Integrands, Turns};
 use crate::wear::life::harm;
 
 /// What is averaged over the turn, per radian of the drive. The moment `M` of a joint loads the pins
@@ -69,11 +69,12 @@ pub fn pin_means(
         bearings: None,
         as_built: false,
     })?;
-    let of = |planes: &[&[f64]], values: &mut [f64]| match wear {
+    let of = |_: &[f64], planes: &[&[f64]], values: &mut [f64]| match wear {
         Wear::Friction => friction(planes, joints, values),
         Wear::Fatigue => fatigue(planes, joints, values),
     };
-    means(&plan, rows, &Integrands { count: wear.count(joints), of: &of }, out, execution)
+    let integrands = Integrands { count: wear.count(joints), together: 1, of: &of };
+    Turns::new(&plan, rows).means(&integrands, out, execution)
 }
 
 /// Moments of the pins and their ways in the driving and in the driven yokes, each joint by joint.

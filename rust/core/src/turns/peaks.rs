@@ -1,0 +1,224 @@
+//! The largest magnitudes of outputs over a turn, and where they are.
+//!
+//! At a constant load every magnitude repeats after half a turn, because each joint and each shaft
+//! has then made half a turn too; with deviations of the joints, after a whole turn. This period is
+//! sampled at equal steps of the drive and, where a shaft turns steeply, also at equal steps of that
+//! shaft: as functions of the angles of the two shafts of a joint, torques, moments and tilts are
+//! smooth, however narrow they are over the drive angle. Every peak of the samples is then searched
+//! between its neighbours.
+
+use std::f64::consts::PI;
+
+use crate::error::Result;
+use crate::mechanics::chain::Equivalent;
+use crate::number::elementary::{atan2, hypot};
+use crate::number::trig;
+use crate::plan::reduction::Reduction;
+use crate::run::execution::Execution;
+use crate::turns::Turns;
+use crate::turns::each_row::each_row;
+
+/// Steps of half a turn. The quantities have at most some four periods in it, so a peak and the
+/// sample next to it differ by less than a hundredth, and no peak below [`NEAR`] is the largest.
+const STEPS: usize = 180;
+const NEAR: f64 = 0.9;
+
+/// Shafts that never turn faster than this share of the drive's speed need no smaller steps.
+const STEEP: f64 = 2.0;
+
+/// Each round of a search leaves an eighth of the interval: from 2 degrees to 2e-9 rad. Off the peak
+/// by that much, a magnitude is less by a part of 1e-17.
+const ROUNDS: usize = 8;
+const POINTS: usize = 17;
+
+/// A place of the first samples stays if the search finds only roundings more.
+const ROUNDING: f64 = 1e-15;
+
+/// Magnitudes that differ by a smaller part are equal.
+const ALIKE: f64 = 1e-9;
+
+/// What is looked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sought {
+    /// The largest magnitude; of a vector, the largest length.
+    Largest,
+    /// The least magnitude, of what does not vanish.
+    Least,
+}
+
+/// The largest or the least magnitude of an output over a turn.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// The magnitude. Its relative error is that of [`crate::Plan::run`], and below 1e-12 in any case where
+    /// the drive angle as a double resolves the peak.
+    pub value: f64,
+    /// Drive angles in rad within the period at which it occurs, each again a period later; none
+    /// where it is the same at every angle.
+    pub places: Vec<f64>,
+}
+
+impl Turns<'_> {
+    /// The largest or the least magnitudes of the outputs over a turn, for each row and of each row
+    /// one for each shaft, joint or bearing: of a vector, its length.
+    ///
+    /// # Errors
+    /// Arrays whose lengths do not fit together, a plan with a load without one in the rows.
+    pub fn peaks(&self, sought: Sought, execution: Execution<'_>) -> Result<Vec<Peak>> {
+        let groups = Reduction::Peak.groups(self.plan);
+        let mut found = vec![Peak::default(); self.rows.count() * groups.len()];
+        self.rows.check(self.plan)?;
+        each_row(&mut found, groups.len(), execution, |row, found| {
+            Search { turns: self, row, groups: &groups, sought }.run(found)
+        })?;
+        Ok(found)
+    }
+}
+
+/// The search in one row.
+struct Search<'a> {
+    turns: &'a Turns<'a>,
+    row: usize,
+    /// The planes of each output of a shaft, joint or bearing.
+    groups: &'a [usize],
+    sought: Sought,
+}
+
+/// A peak of the samples and the interval in which it lies.
+struct Candidate {
+    group: usize,
+    ends: [f64; 2],
+    place: f64,
+    size: f64,
+}
+
+impl Search<'_> {
+    fn run(&self, found: &mut [Peak]) -> Result<()> {
+        let angles = self.angles();
+        let period = if self.turns.plan.as_built { 2.0 * PI } else { PI };
+        let sizes = self.sizes(&angles)?;
+        let mut candidates = vec![];
+        for (group, sizes) in sizes.chunks(angles.len()).enumerate() {
+            // NaN is passed on.
+            let larger = |a: f64, b: f64| if b.is_nan() || b > a { b } else { a };
+            let top = sizes.iter().copied().fold(f64::NEG_INFINITY, larger);
+            let low = sizes.iter().copied().fold(f64::INFINITY, f64::min);
+            if top - low > ALIKE * top && top.is_finite() {
+                candidates.extend(peaks_of(group, &angles, sizes, top, period));
+            } else {
+                found[group].value = top;
+            }
+        }
+        for _ in 0..ROUNDS {
+            self.narrow(&mut candidates)?;
+        }
+        for candidates in candidates.chunk_by(|a, b| a.group == b.group) {
+            let top = candidates.iter().fold(0.0_f64, |top, one| top.max(one.size));
+            let alike = candidates.iter().filter(|one| one.size >= (1.0 - ALIKE) * top);
+            let mut places: Vec<f64> = alike.map(|one| one.place.rem_euclid(period)).collect();
+            places.sort_by(f64::total_cmp);
+            places.dedup();
+            found[candidates[0].group] = Peak { value: top, places };
+        }
+        if self.sought == Sought::Least {
+            for peak in found {
+                peak.value = peak.value.recip();
+            }
+        }
+        Ok(())
+    }
+
+    /// Drive angles of the period in order, from 0 on, between which nothing is narrow.
+    fn angles(&self) -> Vec<f64> {
+        let joints = self.turns.plan.joint_count;
+        let steps = (0..STEPS).map(|i| i as f64 * PI / STEPS as f64);
+        let mut angles: Vec<f64> = steps.clone().collect();
+        for shaft in 1..=joints {
+            let [bends, twists, phases] = self.turns.rows.chain(self.row, joints, shaft);
+            let equivalent = Equivalent::of_chain(bends, twists, phases);
+            if equivalent.joint.max_speed_ratio() > STEEP {
+                // From equal steps of this shaft to its equivalent joint's driving angle.
+                angles.extend(steps.clone().map(|step| {
+                    let (sine, cosine) = trig::sin_cos(step);
+                    let driving = atan2(equivalent.joint.cos * sine, cosine);
+                    (driving - equivalent.angle_offset()).rem_euclid(PI)
+                }));
+            }
+        }
+        angles.sort_by(f64::total_cmp);
+        angles.dedup();
+        if self.turns.plan.as_built {
+            angles.extend(angles.clone().iter().map(|angle| angle + PI));
+        }
+        angles
+    }
+
+    /// The sizes of every group at drive angles, one group after another.
+    fn sizes(&self, angles: &[f64]) -> Result<Vec<f64>> {
+        let mut values = self.turns.values(&[self.row], angles)?;
+        let count = angles.len();
+        let mut first = 0;
+        for (group, &planes) in self.groups.iter().enumerate() {
+            for i in 0..count {
+                let component = |plane: usize| values[(first + plane) * count + i];
+                let size = if planes == 1 {
+                    component(0).abs()
+                } else {
+                    // Unlike the root of a sum of squares this is infinite only where the length is.
+                    hypot(hypot(component(0), component(1)), component(2))
+                };
+                // No later group reads what is written here.
+                values[group * count + i] =
+                    if self.sought == Sought::Least { size.recip() } else { size };
+            }
+            first += planes;
+        }
+        values.truncate(self.groups.len() * count);
+        Ok(values)
+    }
+
+    /// Searches every candidate between its ends, which come closer.
+    fn narrow(&self, candidates: &mut [Candidate]) -> Result<()> {
+        if candidates.is_empty() {
+            return Ok(());
+        }
+        let last = (POINTS - 1) as f64;
+        let between = |one: &Candidate| {
+            let [left, right] = one.ends;
+            let step = (right - left) / last;
+            (0..POINTS).map(move |i| if i + 1 == POINTS { right } else { left + i as f64 * step })
+        };
+        let angles: Vec<f64> = candidates.iter().flat_map(between).collect();
+        let sizes = self.sizes(&angles)?;
+        for (i, one) in candidates.iter_mut().enumerate() {
+            let own = &sizes[one.group * angles.len()..][i * POINTS..][..POINTS];
+            let tried = &angles[i * POINTS..][..POINTS];
+            let best = (0..POINTS).fold(0, |best, j| if own[j] > own[best] { j } else { best });
+            if own[best] > (1.0 + ROUNDING) * one.size {
+                (one.place, one.size) = (tried[best], own[best]);
+            }
+            one.ends = [tried[best.saturating_sub(1)], tried[(best + 1).min(POINTS - 1)]];
+        }
+        Ok(())
+    }
+}
+
+/// The peaks of the samples that may be the largest.
+fn peaks_of(
+    group: usize,
+    angles: &[f64],
+    sizes: &[f64],
+    top: f64,
+    period: f64,
+) -> impl Iterator<Item = Candidate> {
+    let count = angles.len();
+    (0..count).filter_map(move |i| {
+        let (before, after) = ((i + count - 1) % count, (i + 1) % count);
+        let size = sizes[i];
+        let is_peak = size >= sizes[before] && size >= sizes[after] && size >= NEAR * top;
+        is_peak.then(|| {
+            let left = if i == 0 { angles[before] - period } else { angles[before] };
+            let right = if after == 0 { angles[after] + period } else { angles[after] };
+            Candidate { group, ends: [left, right], place: angles[i], size }
+        })
+    })
+}
