@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Protocol, TypeAlias
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from cardan import _core, threads
 from cardan.arrays import FloatArray
+from cardan.arrays.planes import PlanePlace
 from cardan.errors import wrong_element
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
@@ -32,6 +34,7 @@ class Repeatable(Protocol):
     """What sums need of a plan."""
 
     _core: _core.Plan
+    places: Mapping[str, PlanePlace]
 
     @property
     def request(self) -> Request:

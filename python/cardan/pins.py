@@ -73,6 +73,9 @@ def means_over_turn(
     Returns:
         the means, ``(m, ...)``, which broadcast to ``(m, *rows)``.
     """
+    line._geometry.check_ideal(
+        "losses and lives are computed", "evaluate gives moments and tilts as built"
+    )
     own = np.broadcast_shapes(line.shape, *load.shapes().values())
     inertias = [*load.inertias_by_shaft(line.n_joints).items()]
     arrays = (load.end, load.torque, load.speed, load.acceleration, inertias)

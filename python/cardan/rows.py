@@ -1,4 +1,4 @@
-"""The rows of a batch with its loads, some at a time, and what lies before one of the joints."""
+"""The rows of a batch with its loads, some at a time."""
 
 from __future__ import annotations
 
@@ -44,23 +44,3 @@ def of_rows(request: Request, rows: tuple[int, ...], block: slice) -> Request:
         values[f"{load.end}_torque"] = values.pop("torque")
         load = Load(**values)
     return replace(request, line=line.reshape(-1)[index][:, np.newaxis], load=load)
-
-
-def chain_before(line: Any, joint: int) -> tuple[ComplexArray, ComplexArray]:  # noqa: ANN401
-    """Return ``A`` and ``B`` of the chain before a joint, in the shape of the batch.
-
-    The chain takes ``w = exp(i a)`` to ``A w + B conj(w)``, whose argument is the input angle of
-    the joint.
-    """
-    line._geometry.check_ideal(
-        "losses, lives and angles of the cross in closed form are computed",
-        "evaluate gives moments and tilts as built",
-    )
-    a = np.ones(line.shape, np.complex128)
-    b = np.zeros(line.shape, np.complex128)
-    for before in range(joint):
-        k = np.tan(line.bends[..., before] / 2.0) ** 2
-        a, b = a - k * b.conj(), b - k * a.conj()
-        turn = 1j * np.exp(1j * (line.phases[..., before] - line.twists[..., before]))
-        a, b = turn * a, turn * b
-    return a, b

@@ -56,7 +56,6 @@ pub(crate) fn pin_means<'py>(
     wear: &str,
     workers: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    lines.check_ideal("means over a turn exist")?;
     let known = Wear::NAMES.into_iter().find(|(name, _)| *name == wear);
     let Some((_, wear)) = known else {
         return Err(argument_error("wear", &[], format!("is {wear:?}, which is unknown")));
