@@ -151,6 +151,11 @@ impl Output {
             || matches!(self.row().needs, Needs::Cross(Cross::Swing | Cross::Pin))
     }
 
+    /// Whether the output is a vector.
+    pub(crate) fn is_vector(self) -> bool {
+        self.components() > 1
+    }
+
     /// The number of planes per shaft, joint or bearing: one for a scalar, three for a vector.
     pub fn components(self) -> usize {
         self.row().components.len()
