@@ -230,8 +230,8 @@ pub(crate) struct ForceBuffers<T: Real> {
     pub(crate) inverse_squares: Column<T>,
     /// Sums of some of the terms of a force.
     sums: [Column<T>; 2],
-    /// A force along axes at rest, and the same with one source more.
-    at_rest: [[Column<T>; 3]; 2],
+    /// A force along axes at rest, and the same with one source more; empty unless axes turn.
+    at_rest: Vec<[Column<T>; 3]>,
     /// The terms of a component that do not vanish.
     terms: Vec<usize>,
 }
@@ -250,7 +250,7 @@ impl<T: Real> ForceBuffers<T> {
             parts: sources.map(|is_source| columns(size(is_source))).collect(),
             inverse_squares: Column::new(size(plan.needs_inverse_squares())),
             sums: columns(size(long)),
-            at_rest: [(); 2].map(|()| columns(size(turns))),
+            at_rest: (0..if turns { 2 } else { 0 }).map(|_| columns(longest)).collect(),
             terms: vec![],
         }
     }
@@ -352,9 +352,10 @@ fn sum_at_rest<T: Number + Compiled>(
     target: &ForceTarget,
     coefficients: &[Vec<Coefficients<T>>],
     geometry: GeometryIndex,
-    ForceBuffers { parts, at_rest: [total, next], .. }: &mut ForceBuffers<T>,
+    ForceBuffers { parts, at_rest, .. }: &mut ForceBuffers<T>,
     size: usize,
 ) {
+    let [total, next] = &mut at_rest[..] else { return };
     T::run(
         level,
         #[inline(always)]
