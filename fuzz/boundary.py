@@ -340,6 +340,7 @@ def native(given: Input, _: list[Any]) -> None:
             given.pick((None, 0.0, 1e-9, 1e-3, float("nan"))),
             single,
             reduction,
+            given.pick(("space", "shaft")),
         )
         sweep = _core.Sweep((0.0, 1.0), given.ConsumeIntInRange(1, 9), 0)
         if given.ConsumeBool():

@@ -302,6 +302,32 @@ def of_crosses() -> Iterator[BitsCase]:
         yield case(f"each, {tier}", batch(12, (600,), 2), MANY[:600], names, **options)
 
 
+def of_shaft_axes() -> Iterator[BitsCase]:
+    """Moments in axes that turn with their shafts, and forces."""
+    names, options = ("torque", "moment", "support_moment"), {"axes": "shaft"}
+    for line, own in LINES.items():
+        for tier, more in TIERS.items():
+            yield case(f"{line}, {tier}", own, MANY[:500], names, **options, **more)
+        for angle, values in {"gaps": GAPS, **SWEEPS}.items() if line in SOME else ():
+            yield case(f"{line}, {angle}", own, values, names, **options)
+        for how in REDUCTIONS:
+            yield case(f"{line}, {how}", own, FULL_TURNS, names, **options, reduce=how)
+    for load, given in loads(3, 500).items():
+        yield case(load, LINES["3 spatial"], MANY[:500], names, **options, load=given)
+    forces = ("joint_force", "bearing_force")
+    bearings = [(0, 0.3), (0, 0.9), (1, 0.7), (2, 0.4), (3, 1.1)]
+    lines = Driveline.from_points(POINTS, [0.3, -0.4]).with_bearings(bearings)
+    for load, given in loads(3, 1).items():
+        options = {"axes": "shaft", "load": given}
+        for tier, more in TIERS.items():
+            yield case(f"forces, {load}, {tier}", lines[0], MANY[:99], forces, **options, **more)
+        yield case(f"forces, {load}, each", lines, MANY[:6], forces, **options)
+    for tier, more in TIERS.items():
+        turning: dict[str, Any] = {"axes": "shaft", **more}
+        yield case(f"rows, {tier}", batch(2, (4, 1), 2), MANY[:500], names, **turning)
+        yield case(f"each, {tier}", batch(12, (600,), 2), MANY[:600], names, **turning)
+
+
 GROUPS = (
     of_lines,
     of_angles,
@@ -313,4 +339,5 @@ GROUPS = (
     of_closed_forms,
     of_jerk,
     of_crosses,
+    of_shaft_axes,
 )

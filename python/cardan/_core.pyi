@@ -44,7 +44,7 @@ def differentiate(
     load: tuple[str, _Stepped, _Stepped, _Stepped, list[tuple[int, _Stepped]]] | None,
     weights: list[_Flat] | None,
     wanted: list[str],
-    modes: tuple[bool, bool],
+    modes: tuple[str, bool],
     workers: int | None,
     level: str | None,
 ) -> _Flat: ...
@@ -111,6 +111,7 @@ class Plan:
         tolerance: float | None,
         single: bool,
         reduction: str | None,
+        axes: str,
     ) -> Plan: ...
     def explain(self, shape: tuple[int, ...], sweep: Sweep | None) -> str: ...
     def peaks(

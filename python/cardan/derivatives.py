@@ -214,7 +214,7 @@ class DerivativeSamples:
             self._load(),
             weights,
             wanted,
-            (request.axes == "shaft", request.angle_of == "driven"),
+            (request.axes, request.angle_of == "driven"),
             threads.at_most(request.workers),
             self._level,
         )

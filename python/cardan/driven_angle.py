@@ -17,10 +17,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cardan.arrays import FloatArray, array_namespace_of
 from cardan.arrays.libraries import LIBRARIES
-from cardan.axes import ShaftAxesPlan
 from cardan.errors import ArgumentValueError
 from cardan.load import Load
-from cardan.outputs import OUTPUTS, checked
 from cardan.plan import Plan
 from cardan.request import AngleOf, Axes, Items, Plannable, Reduction, Request, checked_choice
 from cardan.result import Result
@@ -38,7 +36,7 @@ class DrivenPlan(Plan):
     def __init__(self, at_drive: Plan) -> None:
         """Keep the plan that is called with drive angles."""
         request = at_drive.request
-        super().__init__(*request.arguments()[:9])
+        super().__init__(*request.arguments()[:-1])
         self._arguments = (*request.arguments()[:-1], "driven")
         self._at_drive = at_drive
         self._drive_angle = Plan(inverse(request.line), "angle", tolerance=0, workers=self._workers)
@@ -106,22 +104,16 @@ def planned(
     Raises:
         IndexError, TypeError, ValueError: as there.
     """
-    arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers)
+    arguments = (line, names, shafts, joints, load, reduce, dtype, tolerance, workers, axes)
     if axes == "space" and angle_of == "drive":
         return Plan(*arguments)
-    names = checked(names)
     given: Any = line
     given._geometry.check_ideal(
         'axes="shaft" and angle_of="driven" are', "use the axes of space and the drive angle"
     )
     checked_choice("axes", axes, ("space", "shaft"))
     checked_choice("angle_of", angle_of, ("drive", "driven"))
-    # Lengths are the same in all axes.
-    turned = axes == "shaft" and reduce != "peak" and any(OUTPUTS[name].vector for name in names)
-    at_rest = [name for name in names if OUTPUTS[name].vector and OUTPUTS[name].of_cross]
-    if turned and at_rest:
-        raise ArgumentValueError("axes", f"is 'shaft'; {at_rest[0]} is known in 'space' only")
-    plan = ShaftAxesPlan(*arguments) if turned else Plan(*arguments)
+    plan = Plan(*arguments)
     return DrivenPlan(plan) if angle_of == "driven" else plan
 
 

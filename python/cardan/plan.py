@@ -23,6 +23,7 @@ from cardan.reduced_derivatives import reduced_derivatives, reduced_gradient
 from cardan.request import (
     DOUBLE,
     SINGLE,
+    Axes,
     Items,
     Plannable,
     Reduction,
@@ -70,6 +71,7 @@ class Plan:
         dtype: DTypeLike | None = None,
         tolerance: float | None = None,
         workers: int | None = None,
+        axes: Axes = "space",
         level: str | None = None,
     ) -> None:
         """Prepare as ``Driveline.plan`` does; ``level`` forces an instruction set."""
@@ -78,8 +80,8 @@ class Plan:
         if load is not None:
             require_load(load)
         # In the order of this method, for pickling. A ``Request`` costs a fifth of a small call.
-        arguments = (line, layout.names, shafts, joints, load, reduce, dtype, tolerance, workers)
-        self._arguments: tuple[Any, ...] = arguments
+        items, options = (shafts, joints), (load, reduce, dtype, tolerance, workers, axes)
+        self._arguments: tuple[Any, ...] = (line, layout.names, *items, *options)
         self.dtype = DOUBLE if dtype is None else checked_dtype(dtype)
         self._reduce = reduce
         # What rows are reduced to is found in double.
@@ -105,6 +107,8 @@ class Plan:
             None if tolerance is None else checked_tolerance(tolerance),
             self.dtype is SINGLE,
             reduce,
+            # Lengths are the same in all axes.
+            "space" if reduce == "peak" else axes,
         )
         self.labels = (*layout.shown, shape, reduce, "rad")
         self.places = layout.places
@@ -310,7 +314,7 @@ class Plan:
 
     def _again(self, request: Request) -> Plan:
         """Return a plan of the same kind for another request."""
-        return Plan(*request.arguments()[:9])
+        return Plan(*request.arguments()[:-1])
 
     @property
     def request(self) -> Request:

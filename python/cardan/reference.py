@@ -437,6 +437,22 @@ def crosses(shafts: Shafts, angle: float) -> tuple[Cross, ...]:
     )
 
 
+def turning_axes(shafts: Shafts, angle: float) -> tuple[tuple[Vector, Vector, Vector], ...]:
+    """Return for each shaft three unit vectors that turn with it.
+
+    The first points along the shaft, the second along the pin at its input side (of shaft 0, at its
+    output side), and the third is their cross product. The dot products of a vector with these are
+    its components with ``axes="shaft"``.
+
+    Args:
+        shafts: the driveline.
+        angle: drive angle, as for :func:`motion`.
+    """
+    joints = _joints(shafts, angle)
+    pins = [joints[0].a, *(at.b for at in joints)]
+    return tuple((u, pin, _cross(u, pin)) for u, pin in zip(shafts.directions, pins, strict=True))
+
+
 def loads(
     shafts: Shafts,
     angle: float,

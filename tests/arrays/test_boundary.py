@@ -494,6 +494,7 @@ def planned(draw: Any, lines: _core.Lines) -> None:  # noqa: ANN401
         draw(st.sampled_from([None, 0.0, 1e-9, 1e-3])),
         single,
         reduction,
+        draw(st.sampled_from(["space", "shaft", "?"])),
     )
     shapes = st.lists(st.one_of(st.integers(0, 5), COUNTS), max_size=2).map(tuple)
     sweep = draw(st.sampled_from([None, _core.Sweep(None, 7, 3)]))

@@ -3,9 +3,9 @@
 #![allow(clippy::disallowed_methods, reason = "oracles are the platform's functions")]
 
 use cardan::{
-    Angles, Counts, Differentiated, Drivelines, End, Execution, Geometry, Load, Output, Per, Plan,
-    Planes, Precision, Request, Samples, Source, Spread, SpreadAngles, SpreadLoad, Vector, Wanted,
-    level,
+    Angles, Axes, Counts, Differentiated, Drivelines, End, Execution, Geometry, Load, Output, Per,
+    Plan, Planes, Precision, Request, Samples, Source, Spread, SpreadAngles, SpreadLoad, Vector,
+    Wanted, level,
 };
 
 const SAMPLES: usize = 700;
@@ -108,7 +108,7 @@ fn gradient(given: &Parameters, samples: usize, wanted: Wanted, how: Execution<'
         bearings: &BEARINGS,
         samples,
         outputs: outputs(),
-        shaft_axes: false,
+        axes: Axes::Space,
         angle: SpreadAngles::Array(Spread { data: &angles, per_line: 0, per_sample: 1 }),
         driven: false,
         load: Some(load),
@@ -232,7 +232,7 @@ fn what_does_not_fit_is_incomplete() {
             bearings,
             samples,
             outputs: vec![(output, vec![item])],
-            shaft_axes: false,
+            axes: Axes::Space,
             angle: SpreadAngles::Array(Spread { data: &angles, per_line: 0, per_sample: 1 }),
             driven: false,
             load: Some(SpreadLoad {

@@ -45,7 +45,7 @@ pub use mechanics::motion::{Motion, MotionGradient};
 pub use mechanics::phasing::optimal_phases;
 pub use mechanics::transmission::{Ideal, Transmission};
 pub use number::{DoubleDouble, Precision};
-pub use plan::{End, Output, Per, Plan, Reduction, Request, Route, Row};
+pub use plan::{Axes, End, Output, Per, Plan, Reduction, Request, Route, Row};
 pub use run::execution::{Execution, Planes};
 pub use run::explain::Call;
 pub use run::fold::FoldedDriveline;

@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted, q_derivatives,
+    Axes, Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted,
+    q_derivatives,
 };
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
@@ -12,7 +13,7 @@ use pyo3::pybacked::PyBackedStr;
 
 use crate::convert::{argument_error, slice};
 use crate::lines::Lines;
-use crate::plan::{DriveSweep, end, named_level, quantity};
+use crate::plan::{DriveSweep, axes, end, named_level, quantity};
 use crate::watch::{reserve, run_released, threads};
 
 /// The fewest joints in all whose derivatives are interruptible.
@@ -82,8 +83,7 @@ pub(crate) enum AngleInput<'py> {
 ///
 /// With weights, which are one plane per item and component of an output, the weighted sums over
 /// the samples; without, those of each plane, driveline and sample. The last axis of the flat result
-/// has what is wanted, in the order of the core. `modes` tells whether moments have the axes of
-/// their shafts, and whether the derivatives are those at angles of the last shaft.
+/// has what is wanted, in the order of the core. `modes` are the axes of moments, and whether the derivatives are those at angles of the last shaft.
 #[pyfunction]
 #[allow(clippy::too_many_arguments, reason = "a call has all its arrays")]
 pub(crate) fn differentiate<'py>(
@@ -95,14 +95,14 @@ pub(crate) fn differentiate<'py>(
     load: Option<SteppedLoad<'py>>,
     weights: Option<Vec<PyReadonlyArray1<'py, f64>>>,
     wanted: Vec<PyBackedStr>,
-    modes: (bool, bool),
+    modes: (PyBackedStr, bool),
     workers: Option<usize>,
     level: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
     let joints = lines.joints();
     let wanted = self::wanted(&wanted)?;
     let level = level.map(named_level).transpose()?;
-    let (shaft_axes, driven) = modes;
+    let (axes, driven) = (axes(&modes.0)?, modes.1);
     let bearings = lines.bearings().unwrap_or_default();
     let name = |(name, items): (PyBackedStr, Vec<usize>)| Ok((quantity(&name)?, items));
     let outputs = outputs.into_iter().map(name).collect::<PyResult<Vec<_>>>()?;
@@ -122,7 +122,7 @@ pub(crate) fn differentiate<'py>(
         lines.check_ideal("derivatives by points are")?;
     }
     if wanted.deviations || lines.is_as_built() {
-        check_as_built(modes)?;
+        check_as_built(axes, driven)?;
         if let Some((output, _)) = outputs.iter().find(|(output, _)| output.is_ideal()) {
             let name = output.row().name;
             let problem = format!("have {name:?}, which has no derivatives by deviations");
@@ -130,17 +130,8 @@ pub(crate) fn differentiate<'py>(
         }
     }
     lines.with(py, |lines| {
-        let task = Differentiated {
-            joints,
-            lines,
-            bearings,
-            samples,
-            outputs,
-            shaft_axes,
-            angle,
-            driven,
-            load,
-        };
+        let task =
+            Differentiated { joints, lines, bearings, samples, outputs, axes, angle, driven, load };
         let total = task.line_count().saturating_mul(samples);
         let misfit = |name: &str| argument_error(name, &[], "does not fit the samples");
         if !task.is_complete() {
@@ -187,8 +178,8 @@ pub(crate) fn differentiate<'py>(
 }
 
 /// Refuses axes of shafts and given driven angles, by which joints as built have no derivatives.
-fn check_as_built((shaft_axes, driven): (bool, bool)) -> PyResult<()> {
-    let problem = if shaft_axes {
+fn check_as_built(axes: Axes, driven: bool) -> PyResult<()> {
+    let problem = if axes == Axes::Shaft {
         "have deviations; their moments are differentiated in the axes of space".to_owned()
     } else if driven {
         "have deviations; derivatives are those at drive angles".to_owned()

@@ -6,8 +6,8 @@ use std::iter::once;
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Angles, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan, Planes,
-    Precision, Reduction, Request, Rows, Samples, Sought, Source, Sweep, Turns, level,
+    Angles, Axes, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan,
+    Planes, Precision, Reduction, Request, Rows, Samples, Sought, Source, Sweep, Turns, level,
     uses_threads,
 };
 use numpy::npyffi::npy_intp;
@@ -133,6 +133,7 @@ impl NativePlan {
         tolerance: Option<f64>,
         single: bool,
         reduction: Option<&str>,
+        axes: &str,
     ) -> PyResult<Self> {
         let [shaft_items, joint_items] =
             [numbers(shaft_items.iter())?, numbers(joint_items.iter())?];
@@ -163,6 +164,7 @@ impl NativePlan {
             inertias: &inertias,
             bearings: lines.get().bearings(),
             as_built: lines.get().is_as_built(),
+            axes: self::axes(axes)?,
         };
         let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
         let precision = plan.precision(tolerance, single);
@@ -586,6 +588,14 @@ pub(crate) fn end(name: &str) -> PyResult<(End, &'static str)> {
         "drive" => Ok((End::Drive, "drive_torque")),
         "output" => Ok((End::Output, "output_torque")),
         other => Err(argument_error("load", &[], format!("is {other:?}"))),
+    }
+}
+
+pub(crate) fn axes(name: &str) -> PyResult<Axes> {
+    match name {
+        "space" => Ok(Axes::Space),
+        "shaft" => Ok(Axes::Shaft),
+        other => Err(argument_error("axes", &[], format!("is {other:?}"))),
     }
 }
 

@@ -15,7 +15,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use cardan::{Angles, Drivelines, Output, Plan, Request, Samples, Source};
+use cardan::{Angles, Axes, Drivelines, Output, Plan, Request, Samples, Source};
 
 use crate::error_table::{ErrorTable, RowLimits};
 use crate::evaluated::planes;
@@ -164,6 +164,7 @@ fn evaluate(line: &ChainAngles, angles: &[f64], tier: Tier) -> Vec<Vec<f64>> {
         inertias: &[],
         bearings: None,
         as_built: false,
+        axes: Axes::Space,
     })
     .expect("the request is sound");
     let angle = Angles::Array(Source { data: angles, strides: &[1] });

@@ -4,7 +4,7 @@
 //! The oracle has no derivative: it takes differences of the exact chain at six steps `h`, which are
 //! wrong by `h⁶/140` of the seventh derivative, and by `2/h` of the digits of the oracle.
 
-use cardan::{Differentiated, Execution, Output, Spread, SpreadAngles, Wanted};
+use cardan::{Axes, Differentiated, Execution, Output, Spread, SpreadAngles, Wanted};
 
 use crate::chains::{ChainAngles, ChainShape};
 use crate::error_table::{ErrorTable, RowLimits};
@@ -108,7 +108,7 @@ fn differentiated(
         bearings: &[],
         samples: angles.len(),
         outputs: outputs.iter().map(|&output| (output, vec![n])).collect(),
-        shaft_axes: false,
+        axes: Axes::Space,
         angle: SpreadAngles::Array(Spread { data: angles, per_line: 0, per_sample: 1 }),
         driven: false,
         load: None,

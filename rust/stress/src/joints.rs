@@ -1,8 +1,8 @@
 //! Single joints: every output at every tier, a block of samples at a time.
 
 use cardan::{
-    Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Request,
-    Samples, Source, Sweep, level,
+    Angles, Axes, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision,
+    Request, Samples, Source, Sweep, level,
 };
 
 use crate::exact::{ExactJoint, Turn};
@@ -295,6 +295,7 @@ impl Job {
             inertias: if self.flywheel { &[1] } else { &[] },
             bearings: None,
             as_built: false,
+            axes: Axes::Space,
         })
         .expect("the request is sound");
         let (rows, row) = (block.bends.len(), BLOCK / block.bends.len());

@@ -1,7 +1,7 @@
 //! Drivelines under a load: what loads them, and what the core computes.
 
 use cardan::{
-    Angles, Drivelines, End, Geometry, Load, Output, Plan, Request, Samples, Source, Vector,
+    Angles, Axes, Drivelines, End, Geometry, Load, Output, Plan, Request, Samples, Source, Vector,
 };
 
 use crate::evaluated::planes;
@@ -130,6 +130,7 @@ impl LoadedDriveline<'_> {
             inertias: &heavy,
             bearings: layout.map(|own| &own.bearings[..]),
             as_built: !deviations.is_empty(),
+            axes: Axes::Space,
         })?;
         let given = [loading.torque, loading.speed, loading.acceleration];
         let constant = |i: usize| Source { data: &given[i..=i], strides: &[0] };

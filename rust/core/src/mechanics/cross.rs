@@ -103,6 +103,35 @@ impl<T: Real> Cross<T> {
     }
 }
 
+impl<T: Real> Cross<T> {
+    /// Axes at rest of which the pin of the driving or the driven yoke turns in the plane of the last
+    /// two: the shaft, then `e_in` or `e_out`, then `m`; and how it turns there.
+    #[inline(always)]
+    pub(crate) fn turning_pin(&self, driving: bool) -> ([[T; 3]; 3], TurningPin<T>) {
+        let (e, m) = (if driving { self.inward } else { self.outward }, self.normal);
+        let shaft = [(1, 2), (2, 0), (0, 1)].map(|(j, k)| e[j].mul_add(m[k], -(e[k] * m[j])));
+        let [cc, cs, sc, ss] = self.matrix;
+        let driven = || [-sc, -ss, self.cosine * cc, self.cosine * cs];
+        ([shaft, e, m], TurningPin(if driving { self.matrix } else { driven() }))
+    }
+}
+
+/// The map from `(cos α, sin α)` of the drive to the components of a pin in the plane in which it
+/// turns, multiplied by a positive length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TurningPin<T>([T; 4]);
+
+impl<T: Real> TurningPin<T> {
+    /// A vector with components along the shaft and the axes of that plane, along the shaft, the pin
+    /// and across both.
+    #[inline(always)]
+    pub(crate) fn components(&self, [x, y, z]: [T; 3], s: T, c: T) -> [T; 3] {
+        let (b, a) = turned(self.0, s, c);
+        let inverse = (a.square() + b.square()).sqrt().recip();
+        [x, a.mul_add(y, b * z) * inverse, a.mul_add(z, -(b * y)) * inverse]
+    }
+}
+
 impl<T: Atan> Cross<T> {
     /// Tilt `ψ₁` of the cross relative to the driving shaft in rad, `tan ψ₁ = tan β sin α`
     /// (Grossmann (3)).

@@ -236,6 +236,35 @@ impl<T: Real> Pose<T> {
         torsion.abs() * self.sine * (part.cosine2 * stretch).sqrt()
     }
 
+    /// The moment vector on the driven shaft, in axes that turn with that shaft: `(T, 0, T tan ψ₂)`,
+    /// because it is normal to the driven pin (Thoma 5, Grossmann 5). The torque that enters the
+    /// shaft is `T = D (cos β + sin β tan β sin² α)`, and the last component is the bending moment
+    /// with the sign of `cos α`.
+    #[inline(always)]
+    pub(crate) fn turning_moment(&self, torsion: T, s: T, c: T) -> [T; 3] {
+        let ((_, cosine), (part, stretch)) = (self.turn(s, c), self.stretch(s, c));
+        let torque = torsion * (self.sine * self.tangent).mul_add(part.sine2, self.cosine);
+        let root = (part.cosine2 * stretch).sqrt().copysign(cosine);
+        let (bending, zero) = (torsion * self.sine * root, T::from_f64(0.0));
+        // Where the angle is NaN, so is what is zero elsewhere.
+        [torque, zero.mul_add(bending, zero), bending]
+    }
+
+    /// What the joint adds to the moments that the bearings exert on its shafts, in axes that turn
+    /// with these: to the driving shaft along y and z, and to the driven shaft along z.
+    ///
+    /// The driven shaft needs `−T tan ψ₂`. The driving shaft needs `−D tan ψ₁` across the joint's own
+    /// pin, with `tan ψ₁ = tan β sin α` (Grossmann 3). The shaft's phase, given by its cosine and
+    /// sine, is the angle from its input-side pin to that pin.
+    #[inline(always)]
+    pub(crate) fn turning_supports(&self, phase: [T; 2], torsion: T, s: T, c: T) -> [T; 3] {
+        let (sine, cosine) = self.turn(s, c);
+        let length = (sine.square() + cosine.square()).sqrt();
+        let driving = torsion * self.tangent * (sine / length);
+        let [.., driven] = self.turning_moment(torsion, s, c);
+        [phase[1] * driving, -(phase[0] * driving), -driven]
+    }
+
     /// The parts of a torsion of 1, and `sec² ψ₁ = 1 + tan² β sin² α`.
     #[inline(always)]
     fn stretch(&self, s: T, c: T) -> (TorsionParts<T>, T) {

@@ -61,6 +61,8 @@ pub(crate) struct ForceOf {
 pub(crate) struct ForceTarget {
     /// What it acts on or comes from: a joint or a bearing.
     pub(crate) of: (Per, usize),
+    /// The shaft on which it acts.
+    pub(crate) shaft: usize,
     /// First plane of the result.
     pub(crate) plane: usize,
     /// The force; none where a joint transmits no force.
@@ -95,7 +97,7 @@ impl ForceStep {
     /// The reason why it is not determinate.
     pub(crate) fn add_joint(&mut self, joint: usize, plane: usize) -> Determinate<()> {
         let force = self.of_joint(joint)?;
-        self.add((Per::Joint, joint), plane, force, joint)
+        self.add((Per::Joint, joint), joint + 1, plane, force)
     }
 
     /// Adds the force that a bearing exerts on its shaft.
@@ -109,7 +111,7 @@ impl ForceStep {
         plane: usize,
     ) -> Determinate<()> {
         let force = self.of_carrier(shaft, Carrier::Bearing(bearing))?;
-        self.add((Per::Bearing, bearing), plane, Some(force), shaft)
+        self.add((Per::Bearing, bearing), shaft, plane, Some(force))
     }
 
     /// What was added for a joint or a bearing.
@@ -125,18 +127,18 @@ impl ForceStep {
     fn add(
         &mut self,
         of: (Per, usize),
+        shaft: usize,
         plane: usize,
         force: Option<ForceOf>,
-        joint: usize,
     ) -> Determinate<()> {
         let joints = match force {
             Some(ForceOf { balance, .. }) => self.balances[balance].joints.clone(),
-            // A sum whose coefficients are zero, which is NaN where the torsion is.
-            None => joint..joint + 1,
+            // Of a joint: a sum whose coefficients are zero, which is NaN where the torsion is.
+            None => shaft - 1..shaft,
         };
         self.count_terms(PARTS * joints.len())?;
         let twin = force.and_then(|force| self.twin(force));
-        self.targets.push(ForceTarget { of, plane, force, joints, sources: vec![], twin });
+        self.targets.push(ForceTarget { of, shaft, plane, force, joints, sources: vec![], twin });
         Ok(())
     }
 
@@ -251,6 +253,13 @@ impl ForceStep {
         let balance = self.balances.len() - 1;
         self.balance_of[shaft] = Some(balance);
         Ok(balance)
+    }
+}
+
+impl ForceTarget {
+    /// The joint whose cross turns with the shaft's axes, and whether the shaft drives that joint.
+    pub(crate) fn turns_with(&self) -> (usize, bool) {
+        (self.shaft.saturating_sub(1), self.shaft == 0)
     }
 }
 

@@ -11,6 +11,6 @@ pub(crate) mod steps;
 
 pub use output::{Output, Per, Row};
 pub use reduction::Reduction;
-pub use request::{End, Request};
+pub use request::{Axes, End, Request};
 pub use route::Route;
 pub use steps::Plan;

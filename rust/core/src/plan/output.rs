@@ -1,5 +1,7 @@
 //! The table of outputs: one row for each quantity that can be requested.
 
+use crate::plan::request::Axes;
+
 /// The part of a driveline that an output describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Per {
@@ -152,15 +154,22 @@ impl Output {
     }
 
     /// Whether half a turn, after which ideal joints look the same but for the sense of their pins,
-    /// reverses it.
-    pub(crate) fn reverses(self) -> bool {
-        matches!(self.row().needs, Needs::Cross(_))
+    /// reverses a component.
+    pub(crate) fn reverses(self, component: usize, axes: Axes) -> bool {
+        // The axes y and z of a shaft follow its pin.
+        let follows_pin = axes == Axes::Shaft && self.is_vector() && component > 0;
+        follows_pin || matches!(self.row().needs, Needs::Cross(_))
     }
 
     /// Whether it is a magnitude, which has kinks where a torque reverses or a pin is in the bend
     /// plane or normal to it.
     pub(crate) fn has_kinks(self) -> bool {
         matches!(self, Self::BendingDriving | Self::BendingDriven | Self::PinMoment)
+    }
+
+    /// Whether the output is a vector.
+    pub(crate) fn is_vector(self) -> bool {
+        self.components() > 1
     }
 
     /// The number of planes per shaft, joint or bearing: one for a scalar, three for a vector.

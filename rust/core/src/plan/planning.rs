@@ -5,15 +5,15 @@ use crate::mechanics::joint::Joint;
 use crate::plan::forces::ForceStep;
 use crate::plan::load::{LoadStep, Station};
 use crate::plan::output::{Cross, Needs, Output, Per};
-use crate::plan::request::{End, Request};
+use crate::plan::request::{Axes, End, Request};
 use crate::plan::steps::{JointNeeds, JointStep, Plan, ShaftStep, Support, range};
 
 impl Plan {
     /// Plans a request.
     ///
     /// # Errors
-    /// A shaft or joint that does not exist or is repeated, a repeated output, or an output that
-    /// needs a load where the request has none.
+    /// A shaft or joint that does not exist or is repeated, a repeated output, an output that needs a
+    /// load where the request has none, or one that is not known in the axes of shafts.
     pub fn new(request: &Request<'_>) -> Result<Self> {
         let n = request.largest_bends.len();
         check_items("shafts", request.shafts, n + 1)?;
@@ -21,6 +21,7 @@ impl Plan {
         check_items("inertias", request.inertias, n + 1)?;
         let joints = vec![JointStep::default(); n];
         let least_cosines = least_cosines(request.largest_bends);
+        let has_vectors = request.outputs.iter().any(|output| output.is_vector());
         let mut plan = Self {
             joint_count: n,
             largest_bends: request.largest_bends.to_vec(),
@@ -36,6 +37,7 @@ impl Plan {
             load: None,
             forces: None,
             as_built: request.as_built,
+            axes: if has_vectors { request.axes } else { Axes::Space },
         };
         let bearings: Vec<usize> = (0..request.bearings.map_or(0, <[usize]>::len)).collect();
         let mut torque = vec![None; n + 1];
@@ -53,6 +55,11 @@ impl Plan {
                 return Err(refused(output, i, why));
             }
             let row = output.row();
+            let of_cross = matches!(row.needs, Needs::Cross(_));
+            if plan.axes == Axes::Shaft && output.is_vector() && (of_cross || request.as_built) {
+                let problem = format!("is 'shaft'; {} is known in 'space' only", row.name);
+                return Err(Error::new("axes", &[], problem));
+            }
             let items = match row.per {
                 Per::Shaft => request.shafts,
                 Per::Joint => request.joints,
@@ -90,6 +97,11 @@ impl Plan {
         }
         for joint in plan.forces.iter().flat_map(ForceStep::joints) {
             plan.joints[joint].needs_force = true;
+        }
+        if plan.axes == Axes::Shaft {
+            for target in plan.forces.iter().flat_map(|forces| &forces.targets) {
+                plan.joints[target.turns_with().0].turns_force = true;
+            }
         }
         if let Some(end) = request.load {
             plan.plan_load(end, request.inertias, &torque);

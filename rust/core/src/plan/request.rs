@@ -11,6 +11,16 @@ pub enum End {
     Output,
 }
 
+/// The axes along which vectors have their components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axes {
+    /// The axes at rest in which the driveline was given.
+    Space,
+    /// Axes that turn with the shaft on which a vector acts: x along the shaft, y along its
+    /// input-side pin (of shaft 0, its output-side pin), z across both.
+    Shaft,
+}
+
 /// What to compute for a driveline.
 #[derive(Clone, Copy, Debug)]
 pub struct Request<'a> {
@@ -31,4 +41,6 @@ pub struct Request<'a> {
     pub bearings: Option<&'a [usize]>,
     /// Whether the drivelines have deviations, so that they are evaluated joint by joint.
     pub as_built: bool,
+    /// The axes of vectors.
+    pub axes: Axes,
 }

@@ -11,6 +11,7 @@ use crate::number::atan::AtanRange;
 use crate::plan::forces::ForceStep;
 use crate::plan::load::LoadStep;
 use crate::plan::output::{Output, OutputPlanes};
+use crate::plan::request::Axes;
 
 /// The steps for one request. The planes of the result are numbered by output, then by shaft or
 /// joint, then by component.
@@ -41,6 +42,8 @@ pub struct Plan {
     pub(crate) forces: Option<ForceStep>,
     /// Whether the drivelines are evaluated joint by joint.
     pub(crate) as_built: bool,
+    /// The axes of vectors; those of space if none is requested.
+    pub(crate) axes: Axes,
 }
 
 /// What to compute for one shaft: the plane of each output, and the rates that the load needs.
@@ -101,6 +104,8 @@ pub(crate) struct JointStep {
     pub(super) needs_moment: bool,
     /// Whether any force depends on the joint's torsion.
     pub(crate) needs_force: bool,
+    /// Whether the cross turns with the axes of any force.
+    pub(crate) turns_force: bool,
     /// The joint from which those forces are computed: itself, or the first one on the path of the
     /// load if forces are referred to the drive shaft.
     pub(crate) force_source: usize,
@@ -228,7 +233,8 @@ impl Plan {
 
     /// Whether any output needs the pose of the joint.
     pub(crate) fn needs_pose(&self, joint: usize) -> bool {
-        self.joints[joint].needs_cross || self.joints[joint].needs_load()
+        let step = &self.joints[joint];
+        step.needs_cross || step.turns_force || step.needs_load()
     }
 
     /// Whether the angle of any shaft is requested.
@@ -293,10 +299,10 @@ impl Plan {
         !self.as_built && self.load.is_none() && !self.needs_poses() && !self.needs_angle()
     }
 
-    /// Whether the sense of a pin matters, not only its line. Half a turn reverses the pins, and a
-    /// joint as built distinguishes the two positions.
+    /// Whether the sense of a pin matters, not only its line. Half a turn reverses the pins, and with
+    /// them the axes of shafts, and a joint as built distinguishes the two positions.
     pub(crate) fn needs_sense(&self) -> bool {
-        self.as_built || self.any_joint.cross
+        self.as_built || self.any_joint.cross || self.axes == Axes::Shaft
     }
 
     /// The first joint that is bent in any driveline; the shafts before it turn with the drive.

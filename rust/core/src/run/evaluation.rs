@@ -6,6 +6,7 @@ use crate::input::{Angles, Drivelines, Samples, Source};
 use crate::mechanics::geometry::{Geometry, Vector};
 use crate::number::Precision;
 use crate::number::double_double::DoubleDouble;
+use crate::plan::forces::ForceStep;
 use crate::plan::reduction::Reduction;
 use crate::plan::steps::Plan;
 use crate::run::block::GROUP;
@@ -86,10 +87,11 @@ impl Plan {
             Some(0) => GROUP,
             _ => CHUNK,
         };
-        let of_joint = 896 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
+        let of_joint = 928 * lanes + if samples.load.is_some() { 64 * CHUNK } else { 0 };
         let of_joint = of_joint + if self.as_built { 192 * CHUNK } else { 0 };
         let of_planes = (16 * CHUNK).saturating_mul(self.planes);
-        let of_forces = self.forces.as_ref().map_or(0, |forces| 48 * lanes * forces.terms());
+        let of_forces = |forces: &ForceStep| 48 * lanes * forces.terms() + 96 * CHUNK;
+        let of_forces = self.forces.as_ref().map_or(0, of_forces);
         let of_thread = (self.joint_count + 1).saturating_mul(of_joint).saturating_add(of_planes);
         let of_thread = of_thread.saturating_add(of_forces);
         let parts = match (reduction, samples.shape.split_last()) {
@@ -110,7 +112,7 @@ impl Plan {
     /// As for [`Plan::run`].
     ///
     /// ```
-    /// use cardan::{Geometry, Output, Plan, Request};
+    /// use cardan::{Axes, Geometry, Output, Plan, Request};
     ///
     /// let joint = Geometry::from_bends(&[0.5], &[], &[])?;
     /// let plan = Plan::new(&Request {
@@ -122,6 +124,7 @@ impl Plan {
     ///     inertias: &[],
     ///     bearings: None,
     ///     as_built: false,
+    ///     axes: Axes::Space,
     /// })?;
     /// let ratio = &plan.evaluate(&joint, &[0.0])?[0];
     /// assert!((ratio[0] - 1.0 / 0.5_f64.cos()).abs() < 1e-15);

@@ -10,6 +10,7 @@ use crate::number::double_double::DoubleDouble;
 use crate::number::{Number, Precision};
 use crate::plan::output::{Cross, Needs, Output};
 use crate::plan::reduction::Reduction;
+use crate::plan::request::Axes;
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{Plan, ShaftStep};
 use crate::run::constants::GeometryIndex;
@@ -179,6 +180,13 @@ impl Plan {
     /// The steps of crosses, torques and moments, and the reduction.
     fn step_texts_of_loads(&self, call: Call) -> Vec<String> {
         let mut steps = vec![];
+        let [of_moment, of_support] = match self.axes {
+            Axes::Space => ["moment", "support moments"],
+            Axes::Shaft => [
+                "moment in axes that turn with its shaft",
+                "support moments in axes that turn with their shafts",
+            ],
+        };
         for (j, step) in self.joints.iter().enumerate() {
             let is_of = |output: &Output, of| {
                 step.planes.get(*output).is_some() && output.row().needs == Needs::Cross(of)
@@ -209,8 +217,8 @@ impl Plan {
             if station.torsion {
                 let step = &self.joints[shaft - 1];
                 let parts = [
-                    (step.planes.get(Output::Moment).is_some(), "moment"),
-                    (step.needs_support(), "support moments"),
+                    (step.planes.get(Output::Moment).is_some(), of_moment),
+                    (step.needs_support(), of_support),
                     (step.needs_force && self.as_built, "forces"),
                     (step.planes.get(Output::BendingDriving).is_some(), "bending, driving side"),
                     (step.planes.get(Output::BendingDriven).is_some(), "bending, driven side"),
@@ -227,7 +235,11 @@ impl Plan {
                 Some(_) => format!("a sum of {} terms", PARTS * target.sources.len()),
                 None => "zero because both its shafts have other supports".into(),
             };
-            steps.push(format!("{} {item}: force, {what}", per.name()));
+            let turned = match self.axes {
+                Axes::Space => String::new(),
+                Axes::Shaft => format!(", turned with the pin of shaft {}", target.shaft),
+            };
+            steps.push(format!("{} {item}: force, {what}{turned}", per.name()));
         }
         if let Some(reduction) = call.reduction {
             steps.push(format!("each row to its {}; no sample is stored", reduction.name()));
@@ -283,6 +295,9 @@ impl Plan {
 
     /// Terms of vectors that are zero because of the first driveline's position in space.
     fn vanishing(&self, table: &Table<'_>) -> Vec<String> {
+        if self.axes == Axes::Shaft {
+            return vec![];
+        }
         let folded = fold_first::<f64>(self, &table.lines);
         let mut vanishing = vec![];
         for (j, step) in self.joints.iter().enumerate() {

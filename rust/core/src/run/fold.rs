@@ -15,9 +15,11 @@ use crate::mechanics::moment::Pose;
 use crate::mechanics::turning::Turning;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
+use crate::number::float::Real;
 use crate::number::storage::columns;
 use crate::number::trig::Angle;
-use crate::number::{Number, Precision};
+use crate::number::{Number, Precision, reduction, series};
+use crate::plan::request::Axes;
 use crate::plan::route::{Route, Routes};
 use crate::plan::steps::{JointStep, Plan};
 use crate::run::as_built_constants::FoldedAsBuilt;
@@ -34,6 +36,8 @@ pub(crate) struct Folded<T: Angle> {
     /// Per joint, for its moments and for its cross; empty if the plan does not need them.
     pub(crate) poses: Vec<Vec<Pose<T>>>,
     pub(crate) crosses: Vec<Vec<Cross<T>>>,
+    /// Per joint: cosine and sine of its driving shaft's phase, if support moments turn with it.
+    pub(crate) phases: Vec<Vec<[T; 2]>>,
     /// Per joint behind the first, if crosses need them and numbers have error terms: cosine and sine
     /// of the joint's input angle, up to a common factor, as functions of the drive angle.
     pub(crate) waves: Vec<Vec<[Wave; 2]>>,
@@ -102,6 +106,7 @@ impl<T: Angle> Folded<T> {
             ));
         }
         let (poses, crosses) = (vec![vec![]; plan.joint_count], vec![vec![]; plan.joint_count]);
+        let phases = vec![vec![]; plan.joint_count];
         let waves = vec![vec![]; plan.joint_count];
         let turnings = vec![vec![]; plan.joint_count + 1];
         let forces = FoldedForces::new(plan);
@@ -109,6 +114,7 @@ impl<T: Angle> Folded<T> {
             shafts,
             poses,
             crosses,
+            phases,
             waves,
             turnings,
             lines: vec![],
@@ -181,6 +187,9 @@ impl<T: Angle> Folded<T> {
         let Some(step) = &plan.forces else { return };
         for (i, &line) in numbers.iter().enumerate() {
             self.forces.push(plan, step, lines, (line, i), |joint| self.poses[joint][i]);
+            if plan.axes == Axes::Shaft {
+                self.forces.turn(step, i, |joint| self.crosses[joint][i]);
+            }
         }
     }
 
@@ -188,6 +197,7 @@ impl<T: Angle> Folded<T> {
     fn fold_all(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
         self.poses.iter_mut().for_each(Vec::clear);
         self.crosses.iter_mut().for_each(Vec::clear);
+        self.phases.iter_mut().for_each(Vec::clear);
         self.turnings.iter_mut().for_each(Vec::clear);
         self.waves.iter_mut().for_each(Vec::clear);
         self.lines.clear();
@@ -201,7 +211,7 @@ impl<T: Angle> Folded<T> {
     #[inline(always)]
     fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
         let (n, length) = (plan.joint_count, numbers.len());
-        let Self { shafts, poses, crosses, waves, turnings, forces, .. } = self;
+        let Self { shafts, poses, crosses, phases: turns_by, waves, turnings, forces, .. } = self;
         let Self { lines: own, frames, maps, turns, .. } = self;
         let mut kept = vec![ExactMaps::default(); if T::LOW { length } else { 0 }];
         let mut bends = [0.0; LANES];
@@ -242,6 +252,9 @@ impl<T: Angle> Folded<T> {
                 };
                 let places = (0..length).map(place);
                 push_places(&plan.joints[j], places, &mut poses[j], &mut crosses[j]);
+            }
+            if plan.axes == Axes::Shaft && plan.joints[j].needs_support() {
+                turns_by[j].extend(phases[..length].iter().map(cos_sin));
             }
             if plan.joints[j].needs_force {
                 let maps = maps.read(length);
@@ -316,7 +329,7 @@ fn push_places<T: Angle>(
         let new = |(map, joint, frame): (Transfer, _, _)| Pose::new(&map, &joint, frame);
         poses.extend(places.clone().map(new));
     }
-    if step.needs_cross {
+    if step.needs_cross || step.turns_force {
         let new = |(map, joint, frame): (Transfer, _, _)| Cross::new(&map, &joint, frame);
         crosses.extend(places.map(new));
     }
@@ -355,6 +368,13 @@ fn waves_of(map: &Transfer, product: f64, exact: impl FnOnce() -> ExactMap) -> [
 #[inline(always)]
 fn joint<T: Angle>(bend: f64) -> Joint<DoubleDouble> {
     if T::LOW { Joint::of_chain(bend) } else { Joint::with_error_terms(bend) }
+}
+
+/// Cosine and sine of a phase.
+#[inline(always)]
+fn cos_sin<T: Real>(phase: &f64) -> [T; 2] {
+    let (sine, cosine) = series::sin_cos(reduction::reduce_any(*phase));
+    [cosine, sine].map(T::from_double_double)
 }
 
 /// Takes the frames of a series of drivelines from one joint to the next, or to the first.

@@ -3,17 +3,22 @@
 
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::bearings::Carrier;
+use crate::mechanics::cross::{Cross, TurningPin};
 use crate::mechanics::forces::{self, LinearForce, Neighbour, PARTS};
 use crate::mechanics::moment::Pose;
+use crate::number::Number;
 use crate::number::double_double::DoubleDouble;
 use crate::number::float::{Float, Real};
-use crate::number::storage::{Column, View, columns};
-use crate::number::strips::{OneByOne, Same, Strips, mapped};
-use crate::plan::forces::{Balance, ForceOf, ForceStep, JointLoad};
+use crate::number::storage::{Column, View, ViewMut, columns, views, views_mut};
+use crate::number::strips::{At, OneByOne, Same, Strips, mapped};
+use crate::plan::forces::{Balance, ForceOf, ForceStep, ForceTarget, JointLoad};
+use crate::plan::request::Axes;
 use crate::plan::steps::Plan;
-use crate::run::constants::GeometryIndex;
-use crate::run::map::over_samples;
+use crate::run::constants::{GeometryIndex, with_constants};
+use crate::run::level::{Compiled, Level};
+use crate::run::map::{over_samples, over_sin_cos};
 use crate::run::sink::{Outputs, Sink};
+use crate::sincos::array::SinCos;
 
 /// The number of terms that one loop adds up.
 const GROUP: usize = 4;
@@ -26,6 +31,8 @@ type Coefficients<T> = [[T; 3]; PARTS];
 pub(crate) struct FoldedForces<T> {
     /// For each target and each of its sources: those of each driveline.
     coefficients: Vec<Vec<Vec<Coefficients<T>>>>,
+    /// For each target: the pins of the drivelines with which its axes turn, if they do.
+    turning_pins: Vec<Vec<TurningPin<T>>>,
     /// The forces of each balance, for one driveline.
     balances: Vec<[LinearForce<T>; 2]>,
     /// For each joint: the inverse determinants of the drivelines' maps before it; empty for joints
@@ -44,6 +51,7 @@ impl<T: Real> FoldedForces<T> {
         };
         Self {
             coefficients: targets.iter().map(|target| vec![vec![]; target.sources.len()]).collect(),
+            turning_pins: vec![vec![]; targets.len()],
             balances: balances.iter().map(of).collect(),
             inverse_determinants: vec![vec![]; if step.is_some() { plan.joint_count } else { 0 }],
         }
@@ -51,6 +59,7 @@ impl<T: Real> FoldedForces<T> {
 
     pub(crate) fn clear(&mut self) {
         self.coefficients.iter_mut().flatten().for_each(Vec::clear);
+        self.turning_pins.iter_mut().for_each(Vec::clear);
         self.inverse_determinants.iter_mut().for_each(Vec::clear);
     }
 
@@ -111,6 +120,31 @@ impl<T: Real> FoldedForces<T> {
             }
         }
     }
+
+    /// Gives the coefficients of the driveline that was pushed last, which has the index `index`, the
+    /// axes at rest in which the pins turn.
+    #[inline(always)]
+    pub(crate) fn turn(
+        &mut self,
+        step: &ForceStep,
+        index: usize,
+        cross_of: impl Fn(usize) -> Cross<T>,
+    ) {
+        let targets = step.targets.iter().zip(&mut self.coefficients).zip(&mut self.turning_pins);
+        for ((target, columns), pins) in targets {
+            let (joint, driving) = target.turns_with();
+            let (axes, pin) = cross_of(joint).turning_pin(driving);
+            pins.push(pin);
+            for column in columns {
+                column[index] = column[index].map(|vector| axes.map(|axis| dot(axis, vector)));
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
+    a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
 }
 
 /// The coefficients of a force for a joint's torsion parts.
@@ -196,6 +230,8 @@ pub(crate) struct ForceBuffers<T: Real> {
     pub(crate) inverse_squares: Column<T>,
     /// Sums of some of the terms of a force.
     sums: [Column<T>; 2],
+    /// A force along axes at rest, and the same with one source more; empty unless axes turn.
+    at_rest: Vec<[Column<T>; 3]>,
     /// The terms of a component that do not vanish.
     terms: Vec<usize>,
 }
@@ -206,6 +242,7 @@ impl<T: Real> ForceBuffers<T> {
         let size = |needed: bool| if needed { longest } else { 0 };
         let mut targets = plan.forces.iter().flat_map(|step| &step.targets);
         let long = targets.any(|target| PARTS * target.sources.len() > GROUP);
+        let turns = plan.forces.is_some() && plan.axes == Axes::Shaft;
         let loaded =
             plan.joints.iter().take(if plan.load.is_some() { plan.joint_count } else { 0 });
         let sources = loaded.enumerate().map(|(joint, step)| step.is_source(joint));
@@ -213,6 +250,7 @@ impl<T: Real> ForceBuffers<T> {
             parts: sources.map(|is_source| columns(size(is_source))).collect(),
             inverse_squares: Column::new(size(plan.needs_inverse_squares())),
             sums: columns(size(long)),
+            at_rest: (0..if turns { 2 } else { 0 }).map(|_| columns(longest)).collect(),
             terms: vec![],
         }
     }
@@ -269,6 +307,101 @@ pub(crate) fn run_forces<T: Real, W: Float>(
             }
         }
     }
+}
+
+/// The same in axes that turn with the shafts.
+pub(crate) fn run_turning_forces<T: Number + Compiled, W: Float>(
+    level: Level,
+    step: &ForceStep,
+    folded: &FoldedForces<T>,
+    geometry: GeometryIndex,
+    pins: SinCos<'_, T>,
+    buffers: &mut ForceBuffers<T>,
+    outputs: &mut Outputs<'_, '_, W>,
+) {
+    let size = pins.len();
+    let constants = folded.coefficients.iter().zip(&folded.turning_pins);
+    for (target, (coefficients, turning)) in step.targets.iter().zip(constants) {
+        sum_at_rest(level, target, coefficients, geometry, buffers, size);
+        let turning = OneByOne(&turning[..geometry.count(size)]);
+        let force = views(&buffers.at_rest[0], size);
+        T::run(
+            level,
+            #[inline(always)]
+            |compact, stores| {
+                let planes = [target.plane, target.plane + 1, target.plane + 2];
+                let mut outputs = outputs.by(stores);
+                let out = outputs.several(planes);
+                with_constants!(compact, geometry, turning, at => {
+                    over_sin_cos(
+                        pins,
+                        (at, force),
+                        out,
+                        #[inline(always)]
+                        |(pin, force), s, c| pin.components(force, s, c),
+                    );
+                });
+            },
+        );
+    }
+}
+
+/// The sums of one force along the axes at rest in which its shaft's pin turns.
+fn sum_at_rest<T: Number + Compiled>(
+    level: Level,
+    target: &ForceTarget,
+    coefficients: &[Vec<Coefficients<T>>],
+    geometry: GeometryIndex,
+    ForceBuffers { parts, at_rest, .. }: &mut ForceBuffers<T>,
+    size: usize,
+) {
+    let [total, next] = &mut at_rest[..] else { return };
+    T::run(
+        level,
+        #[inline(always)]
+        |compact, _| {
+            let zero = Same([T::from_f64(0.0); 3]);
+            over_samples(
+                size,
+                zero,
+                views_mut(total, 0, size),
+                #[inline(always)]
+                |zero| zero,
+            );
+            for (&source, coefficients) in target.sources.iter().zip(coefficients) {
+                let coefficients = OneByOne(&coefficients[..geometry.count(size)]);
+                let (parts, previous) = (views(&parts[source], size), views(total, size));
+                with_constants!(compact, geometry, coefficients, at => {
+                    add_parts(at, parts, previous, views_mut(next, 0, size));
+                });
+                std::mem::swap(total, next);
+            }
+        },
+    );
+}
+
+/// The torsion parts of one source with their coefficients, added to `previous`.
+#[inline(always)]
+fn add_parts<T: Real>(
+    at: impl Strips<Value = Coefficients<T>>,
+    parts: [View<'_, T>; PARTS],
+    previous: [View<'_, T>; 3],
+    out: [ViewMut<'_, T>; 3],
+) {
+    over_samples(
+        parts[0].len(),
+        (at, parts, previous),
+        out,
+        #[inline(always)]
+        |(coefficients, parts, mut total)| {
+            for axis in 0..3 {
+                for part in 0..PARTS {
+                    total[axis] = parts[part].mul_add(coefficients[part][axis], total[axis]);
+                }
+            }
+            total
+        },
+    );
 }
 
 /// Some terms of one component of a force.

@@ -12,18 +12,18 @@ use crate::number::strips::{At, OneByOne, Same, Strips};
 use crate::number::{Number, Precision};
 use crate::plan::load::{LoadStep, Station};
 use crate::plan::output::Output;
-use crate::plan::request::End;
+use crate::plan::request::{Axes, End};
 use crate::plan::steps::{JointStep, Plan};
 use crate::run::as_built;
 use crate::run::constants::{GeometryIndex, run_for_geometry, with_constants};
 use crate::run::fold::Folded;
-use crate::run::forces::{ForceBuffers, run_forces};
+use crate::run::forces::{ForceBuffers, run_forces, run_turning_forces};
 use crate::run::level::{Compiled, Level, has_wide_registers};
 use crate::run::map;
 use crate::run::scratch::Scratch;
 use crate::run::sines::pins_of;
 use crate::run::sink::Outputs;
-use crate::run::supports::run_supports;
+use crate::run::supports::{run_supports, run_turning_supports};
 use crate::run::torsion_parts;
 use crate::sincos::array::{DriveAngles, SinCos, SinCosBlocks};
 use crate::sincos::fresh::FreshPins;
@@ -146,6 +146,7 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
             let loads = JointLoads {
                 torsion: station.torsion.then_some(torsion),
                 power: (station.force_power && !weighs_power).then_some(power),
+                turning: plan.axes == Axes::Shaft,
                 unit: is_as_built.then(|| &built.moments[joint]),
             };
             let step = &plan.joints[joint];
@@ -205,20 +206,39 @@ pub(crate) fn run_load<T: Number + Compiled, W: Float>(
                     },
                 );
             }
+            if let (Axes::Shaft, Some(torsion)) = (plan.axes, loads.torsion) {
+                let places = (poses, &folded.phases[joint][..]);
+                run_for_geometry::<T, _>(
+                    level,
+                    geometry,
+                    #[inline(always)]
+                    |geometry, compact, stores| {
+                        let buffers = (&mut *buffers.0, &mut *buffers.1);
+                        let outputs = &mut outputs.by(stores);
+                        run_turning_moments(
+                            step, places, geometry, pins, torsion, buffers, outputs, compact,
+                        );
+                    },
+                );
+            }
         }
         if load.end == End::Drive {
             run_inertia(level, -1.0, station, table, gathered, rates, power.view_mut(size));
         }
     }
-    if let Some(step) = &plan.forces {
-        T::run(
+    match &plan.forces {
+        Some(step) if plan.axes == Axes::Shaft => {
+            run_turning_forces(level, step, &folded.forces, geometry, pins, forces, outputs);
+        }
+        Some(step) => T::run(
             level,
             #[inline(always)]
             |_, stores| {
                 let outputs = &mut outputs.by(stores);
                 run_forces(step, &folded.forces, geometry, forces, outputs, size);
             },
-        );
+        ),
+        None => {}
     }
     valid
 }
@@ -253,6 +273,8 @@ struct JointLoads<'a, T: Real> {
     torsion: Option<View<'a, T>>,
     /// The power, if forces need the parts of the drive shaft.
     power: Option<View<'a, T>>,
+    /// Whether moment vectors have axes that turn and so loops of their own.
+    turning: bool,
     /// The moments of a joint as built for a torsion of 1.
     unit: Option<&'a [Column<T>; 3]>,
 }
@@ -266,7 +288,7 @@ fn run_joint<T: Number, W: Float>(
     poses: &[Pose<T>],
     geometry: GeometryIndex,
     pins: impl SinCosBlocks<T>,
-    JointLoads { torsion, power, unit }: JointLoads<'_, T>,
+    JointLoads { torsion, power, turning, unit }: JointLoads<'_, T>,
     (parts, support, forces): &mut (&mut [Column<T>; 3], &mut [Column<T>; 3], &mut ForceBuffers<T>),
     outputs: &mut Outputs<'_, '_, W>,
     size: usize,
@@ -283,10 +305,13 @@ fn run_joint<T: Number, W: Float>(
     } else {
         with_constants!(compact, geometry, OneByOne(poses), at => {
             run_magnitudes(step, at, pins, torsion, outputs);
-            if step.needs_support() {
+            if !turning && step.needs_support() {
                 torsion_parts::of_torsion(at, pins, torsion, views_mut(parts, 0, size));
             }
         });
+    }
+    if turning {
+        return;
     }
     // Only a driveline that all samples share is treated as planar.
     if let GeometryIndex::Shared(index) = geometry
@@ -304,6 +329,36 @@ fn run_joint<T: Number, W: Float>(
             }
             run_supports::<false, T, W>(step, at, AXES, parts, support, outputs, size);
         });
+    }
+}
+
+/// The moment of a joint and what it adds to support moments, in axes that turn with the shafts, from
+/// its poses and the phases of its driving shaft.
+#[inline(always)]
+#[allow(clippy::too_many_arguments, reason = "inputs and outputs of one joint")]
+fn run_turning_moments<T: Number, W: Float>(
+    step: &JointStep,
+    (poses, phases): (&[Pose<T>], &[[T; 2]]),
+    geometry: GeometryIndex,
+    pins: SinCos<'_, T>,
+    torsion: View<'_, T>,
+    (parts, support): (&mut [Column<T>; 3], &mut [Column<T>; 3]),
+    outputs: &mut Outputs<'_, '_, W>,
+    compact: bool,
+) {
+    let size = torsion.len();
+    if let Some(plane) = step.planes.get(Output::Moment) {
+        let out = outputs.several([plane, plane + 1, plane + 2]);
+        with_constants!(compact, geometry, OneByOne(poses), at => {
+            map::turning_moment(at, pins, torsion, out);
+        });
+    }
+    if step.needs_support() {
+        let places = OneByOne((poses, &phases[..poses.len()]));
+        with_constants!(compact, geometry, places, at => {
+            torsion_parts::turning_supports(at, pins, torsion, views_mut(parts, 0, size));
+        });
+        run_turning_supports(step, parts, support, outputs, size);
     }
 }
 

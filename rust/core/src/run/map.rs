@@ -325,6 +325,23 @@ pub(crate) fn moment<const PLANAR: bool, T: Real>(
     );
 }
 
+/// The same in axes that turn with the driven shaft.
+#[inline(always)]
+pub(crate) fn turning_moment<T: Real>(
+    at: impl Strips<Value = Pose<T>>,
+    pins: impl SinCosBlocks<T>,
+    torsion: View<'_, T>,
+    out: [impl Sink<T>; 3],
+) {
+    over_sin_cos(
+        pins,
+        (at, torsion),
+        out,
+        #[inline(always)]
+        |(pose, torsion), s, c| pose.turning_moment(torsion, s, c),
+    );
+}
+
 /// A joint's contribution to a component of the support moment of one of its shafts, added to
 /// `previous` if there is one.
 #[inline(always)]

@@ -27,6 +27,24 @@ pub(crate) fn of_torsion<T: Real>(
     );
 }
 
+/// What a joint adds to the support moments of its shafts, in axes that turn with these, from
+/// cosine and sine of its driving shaft's phase.
+#[inline(always)]
+pub(crate) fn turning_supports<T: Real>(
+    at: impl Strips<Value = (Pose<T>, [T; 2])>,
+    pins: impl SinCosBlocks<T>,
+    torsion: View<'_, T>,
+    parts: [ViewMut<'_, T>; 3],
+) {
+    over_sin_cos(
+        pins,
+        (at, torsion),
+        parts,
+        #[inline(always)]
+        |((pose, phase), torsion), s, c| pose.turning_supports(phase, torsion, s, c),
+    );
+}
+
 /// The torsion parts of the drive shaft, if its torsion is the power divided by its speed.
 #[inline(always)]
 pub(crate) fn of_drive<T: Real>(

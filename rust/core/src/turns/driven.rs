@@ -9,7 +9,7 @@
 use crate::error::Result;
 use crate::number::Precision;
 use crate::plan::output::Output;
-use crate::plan::request::Request;
+use crate::plan::request::{Axes, Request};
 use crate::plan::steps::Plan;
 use crate::turns::rows::Rows;
 
@@ -32,6 +32,7 @@ impl Driven {
                 inertias: &[],
                 bearings: None,
                 as_built: false,
+                axes: Axes::Space,
             })
         };
         Ok(Self { forth: of(largest_bends)?, back: of(&[&[0.0], largest_bends].concat())? })

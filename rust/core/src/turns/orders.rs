@@ -113,8 +113,10 @@ impl Search<'_> {
             .flat_map(|(item, output)| {
                 // Deviations move the zeros of a magnitude and round its kinks off.
                 let has_kinks = output.has_kinks() && !plan.as_built;
-                let plane = Plane { reverses: output.reverses(), has_kinks, item };
-                vec![plane; output.components()]
+                (0..output.components()).map(move |component| {
+                    let reverses = output.reverses(component, plan.axes);
+                    Plane { reverses, has_kinks, item }
+                })
             })
             .collect();
         if planes.iter().any(|plane| !plane.has_kinks) {

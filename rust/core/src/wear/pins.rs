@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::plan::output::Output;
-use crate::plan::request::{End, Request};
+use crate::plan::request::{Axes, End, Request};
 use crate::plan::steps::Plan;
 use crate::run::execution::Execution;
 use crate::turns::rows::Rows;
@@ -68,6 +68,7 @@ pub fn pin_means(
         inertias: &inertias,
         bearings: None,
         as_built: false,
+        axes: Axes::Space,
     })?;
     let of = |_: &[f64], planes: &[&[f64]], values: &mut [f64]| match wear {
         Wear::Friction => friction(planes, joints, values),

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::input::{Angles, Drivelines, Source, Sweep};
-use crate::plan::request::Request;
+use crate::plan::request::{Axes, Request};
 use crate::run::execution::{Execution, Planes};
 use crate::run::taken;
 
@@ -41,6 +41,7 @@ impl Batch {
             inertias: &[],
             bearings: None,
             as_built: false,
+            axes: Axes::Space,
         };
         Plan::new(&request).unwrap()
     }

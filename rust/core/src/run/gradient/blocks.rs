@@ -4,8 +4,8 @@
 use nalgebra::Complex;
 
 use crate::mechanics::geometry::Vector;
-use crate::plan::Output;
 use crate::plan::forces::ForceStep;
+use crate::plan::{Axes, Output};
 use crate::run::gradient::columns::{self, COLUMN, ChunkColumn};
 use crate::run::gradient::line::{LineConstants, Sums};
 use crate::run::gradient::load::{LoadBuffers, LoadChunk, LoadColumns, Weighted};
@@ -62,7 +62,7 @@ impl Differentiated<'_> {
             .outputs
             .iter()
             .any(|(output, _)| matches!(output, Output::DrivingPin | Output::DrivenPin));
-        pays && !has_pins && !wanted.angle && !self.shaft_axes && !self.driven
+        pays && !has_pins && !wanted.angle && self.axes == Axes::Space && !self.driven
     }
 
     /// Adds what the weighted outputs of a block contribute.

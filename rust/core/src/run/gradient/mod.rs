@@ -21,7 +21,7 @@ use crate::input::{Drivelines, Sweep};
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::phasing::is_set;
 use crate::plan::forces::ForceStep;
-use crate::plan::{End, Output, Per};
+use crate::plan::{Axes, End, Output, Per};
 use crate::run::execution::Execution;
 use crate::run::level::Level;
 use crate::run::queue::work_off;
@@ -115,8 +115,8 @@ pub struct Differentiated<'a> {
     pub samples: usize,
     /// The outputs, each with the shafts, joints or bearings of which it is wanted.
     pub outputs: Vec<(Output, Vec<usize>)>,
-    /// Whether moments have the axes of the shaft on which they act.
-    pub shaft_axes: bool,
+    /// The axes of moments.
+    pub axes: Axes,
     /// The drive angles.
     pub angle: SpreadAngles<'a>,
     /// Whether derivatives are those at a given angle of the last shaft, which the drive angle
@@ -215,7 +215,7 @@ impl Differentiated<'_> {
     }
 
     fn common<'b>(&self, forces: Option<&'b ForceStep>) -> Common<'b> {
-        Common { forces, shaft_axes: self.shaft_axes, driven: self.driven }
+        Common { forces, axes: self.axes, driven: self.driven }
     }
 
     fn load_at(&self, line: usize, sample: usize) -> Option<LoadAt> {

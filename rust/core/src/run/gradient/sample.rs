@@ -15,7 +15,7 @@ use crate::mechanics::geometry::Vector;
 use crate::number::elementary::{atan, atan2, hypot, norm};
 use crate::number::trig;
 use crate::plan::forces::ForceStep;
-use crate::plan::{End, Output};
+use crate::plan::{Axes, End, Output};
 use crate::run::gradient::forces::{self, Supports};
 use crate::run::gradient::line::{LineConstants, PoseConstants, ShaftConstants, Sums};
 
@@ -79,8 +79,8 @@ impl ShaftAt {
 pub(super) struct Common<'a> {
     /// The forces that are wanted.
     pub(super) forces: Option<&'a ForceStep>,
-    /// Whether moments have the axes of the shaft on which they act.
-    pub(super) shaft_axes: bool,
+    /// The axes of moments.
+    pub(super) axes: Axes,
     /// Whether the angle of the last shaft is held, not that of the drive.
     pub(super) driven: bool,
 }
@@ -223,10 +223,10 @@ impl<'a> LineAt<'a> {
                 pull.power[item] += weight.x / ratio;
                 pull.ratio[item] -= weight.x * torque / ratio;
             }
-            Output::Moment if self.common.shaft_axes => {
+            Output::Moment if self.common.axes == Axes::Shaft => {
                 self.pull_turning_moment(item, weight, pull, sums);
             }
-            Output::SupportMoment if self.common.shaft_axes => {
+            Output::SupportMoment if self.common.axes == Axes::Shaft => {
                 self.pull_turning_support(item, weight, pull, sums);
             }
             Output::Moment => {
