@@ -120,6 +120,11 @@ def test_scenes_are_those_of_the_library(tmp_path: Path) -> None:
     SCENES.validate(tomllib.loads(TEXT))
 
 
+def test_a_run_in_radians_tells_the_lash_in_radians(tmp_path: Path) -> None:
+    text = backlash_text(drawn_backlash(Scene.load(PATH)), radians=True)
+    assert text in command("run", PATH, "--into", tmp_path, "--radians")
+
+
 def test_states_have_the_largest_lash() -> None:
     states = Scene.parse(TEXT + '[states]\n"bends_deg.0" = [5, 35]\nnames = ["a", "b"]\n')
     found = drawn_backlash(states)

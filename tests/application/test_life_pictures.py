@@ -31,6 +31,14 @@ def _closed() -> Iterator[None]:
     pyplot.close("all")
 
 
+@pytest.fixture
+def pictures(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The pictures written, as figures."""
+    kept: list[Figure] = []
+    monkeypatch.setattr("cardan.plots.life.save", lambda figure, _: kept.append(figure))
+    return kept
+
+
 def test_pins_bear_the_moment_of_their_joint() -> None:
     axes = plot_pin_load(LINE, LOAD)
     curves = axes.get_lines()
@@ -81,17 +89,13 @@ def test_a_picture_has_what_the_scene_gives(tmp_path: Path) -> None:
     assert len(less.read_bytes()) < len(text)
 
 
-def test_pins_and_heat_are_those_of_the_worst_steps(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_pins_and_heat_are_those_of_the_worst_steps(pictures: list[Figure]) -> None:
     """The joints are hottest in the start and wear most when loaded, which lasts longer."""
-    drawn: list[Figure] = []
-    monkeypatch.setattr("cardan.plots.life.save", lambda figure, _: drawn.append(figure))
     text = CONVEYOR.read_text(encoding="utf-8")
     text = text.replace("hours = [50, 45, 5]", "hours = [70, 29, 1]").replace(", 600]", ", 1500]")
     scene = Scene.parse(text, str(CONVEYOR), folder=CONVEYOR.parent)
-    write_life(needed_life(scene), tmp_path / "life.svg")
-    _, pins, heat = drawn[0].axes
+    write_life(needed_life(scene), "life.svg")
+    _, pins, heat = pictures[0].axes
     angle, moment = np.asarray(pins.get_lines()[1].get_xydata()).T
     loaded = cardan.Load(output_torque=400.0, speed_rpm=1500.0)
     own = LINE.evaluate(np.radians(angle), "moment", joints=1, load=loaded).moment
@@ -101,6 +105,19 @@ def test_pins_and_heat_are_those_of_the_worst_steps(
     for joint, line in enumerate(heat.get_lines()):
         assert np.asarray(line.get_xydata())[-1] == pytest.approx([1500.0, watts[joint]])
     assert heat.get_xlim() == pytest.approx((0.0, 1500.0))
+
+
+def test_heat_is_that_of_the_step_that_heats_one_joint_most(pictures: list[Figure]) -> None:
+    """The other joint is hottest in another step."""
+    scene = Scene.parse(
+        "[driveline]\nbends_deg = [18, 12]\nphases_deg = [90]\n[load]\nspeed_rpm = 1500\n"
+        "[joints]\nfriction = [0.01, 0.02]\npin_radius_mm = 8\narm_mm = 32\n"
+        "[life]\nbends_deg = [[18, 12], [12, 18]]\noutput_torque_Nm = 400\n"
+    )
+    write_life(needed_life(scene), "life.svg")
+    watts = LINE.losses(LOAD, **BEARINGS).power
+    ends = [np.asarray(line.get_ydata())[-1] for line in pictures[0].axes[-1].get_lines()]
+    assert ends == pytest.approx(watts)
 
 
 def test_without_joints_there_is_no_heat() -> None:

@@ -179,6 +179,13 @@ def test_limits_of_a_type_are_judged() -> None:
     assert passes(Scene.parse(SCENE))
 
 
+def test_a_driveline_that_turns_backwards_is_judged_by_the_size_of_its_speed() -> None:
+    backwards = LOAD.replace("1500", "-1500")
+    found = figures(f"{TWO}{backwards}[joints]\nmax_speed_bend_rpm_deg = 20000\n")
+    assert [joint.speed_bend.value for joint in found.joints] == [18000.0, 27000.0]
+    assert [joint.speed_bend.passes for joint in found.joints] == [True, False]
+
+
 def test_small_swings_and_plain_bearings_are_named() -> None:
     text = SCENE.replace("12, 18", "2, 18")
     assert any(

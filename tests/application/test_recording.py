@@ -382,3 +382,13 @@ def test_pieces_know_how_many_rows_there_are(tmp_path: Path, suffix: str) -> Non
     assert totals[-1] == 3000
     assert all(total in (3000, 3001) for total in totals)
     assert [chunk.total for chunk in read_chunks(path, ["angle"], None)] == [3000]
+
+
+def test_an_infinite_value_of_a_later_piece_has_its_row_of_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "a.npz"
+    angle = np.zeros(3000)
+    angle[2500] = np.inf
+    np.savez(path, angle=angle)
+    message = r"a\.npz: row 2501, counted from 1, column 'angle' is inf; it must be finite$"
+    with pytest.raises(ValueError, match=message):
+        list(read_chunks(path, ["angle"], 1000))

@@ -239,6 +239,22 @@ def test_long_sweeps_are_faithful(kind: str) -> None:
             assert (want.distance(got[name][picked]) <= FAITHFUL[name] * unit).all(), chain
 
 
+def test_a_long_sweep_is_faithful_beside_quarter_turns() -> None:
+    """Every 4096th sample is a rounding before or behind one, and its remainder is as small."""
+    start, stop = 9 * math.pi, math.pi
+    sweep = Sweep(start, stop, 2**16 + 1)
+    got = Driveline.from_bends([1.5]).evaluate(sweep, "acceleration_ratio", tolerance=0)
+    with mp.workdps(DIGITS):
+        exact = [start + i * (mp.mpf(stop) - start) / 16 for i in range(17)]
+        turns = [ExactTurn(x, mp.sin(x), mp.cos(x)) for x in exact]
+        want = Exact.of(ExactJoint.bent(1.5).acceleration_ratio(at) for at in turns)
+        rests = [x - mp.nint(2 * x / mp.pi) * mp.pi / 2 for x in exact]
+        ratios = [float(abs(x / rest)) for x, rest in zip(exact, rests, strict=True)]
+    # The remainder has the rounding of an angle with error terms.
+    unit = want.ulp + np.abs(want.high) * ratios * 2.0**-104
+    assert (want.distance(got.acceleration_ratio[::4096]) <= unit).all()
+
+
 @kinds
 def test_tilts_and_swings_are_faithful(kind: str) -> None:
     of = samples(kind)

@@ -126,6 +126,15 @@ def test_reversing_inverts(line: Driveline) -> None:
     assert np.max(np.abs(inverse * got.speed_ratio - 1)) < unit(line) / math.sin(bend) ** 2
 
 
+def test_far_angles_of_either_sign_keep_the_sense_of_the_pins() -> None:
+    """Half a turn, after which the motion repeats, changes the sign of the tilts."""
+    bend, angle = 0.4, np.multiply.outer([1.0, -1.0], 10.0 ** np.arange(12, 309))
+    got = Driveline.from_bends([bend]).evaluate(angle, ("tilt_driving", "tilt_driven"), joints=0)
+    sine = np.tan(got.tilt_driving) / math.tan(bend)
+    cosine = np.sin(got.tilt_driven) / math.sin(bend)
+    assert np.max(np.abs([cosine - np.cos(angle), sine - np.sin(angle)])) < 16 * EPS
+
+
 @given(st.floats(1e-6, 1.5), st.floats(-4, 4))
 def test_two_equal_joints_in_phase_cancel(bend: float, twist: float) -> None:
     line = Driveline.from_bends([bend, bend], twist, twist)

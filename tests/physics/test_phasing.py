@@ -149,6 +149,20 @@ def test_three_joints_turn_to_the_nearer_of_both_triangles() -> None:
     assert np.all(turn(best) <= turn(-best) + 1e-9)
 
 
+def test_shafts_that_share_a_turn_count_for_the_nearer_triangle() -> None:
+    """Both shafts beside a straight joint turn by half of what a single shaft would."""
+    rng = np.random.default_rng(4)
+    bends = np.insert(rng.uniform(0.2, 1.2, (2000, 3)), 1, 0.0, axis=-1)
+    line = Driveline.from_bends(bends, 0, rng.uniform(-3, 3, (2000, 3)))
+    best = line.optimal_phases()
+
+    def turn(phases: np.ndarray) -> np.ndarray:
+        turns = np.add.reduceat(phases - line.phases, [0, 2], axis=-1)
+        return np.asarray((turns - np.pi * np.round(turns / np.pi)) ** 2 @ [0.5, 1.0])
+
+    assert np.all(turn(best) <= turn(-best) + 1e-9)
+
+
 def test_what_is_nearly_smooth_turns_little() -> None:
     bends = np.random.default_rng(3).uniform(0.2, 0.5, (50, 6))
     smooth = phased(Driveline.from_bends(bends))

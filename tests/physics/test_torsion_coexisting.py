@@ -59,6 +59,21 @@ def test_the_first_is_that_of_the_steady_state() -> None:
     assert found.count.tolist() == [[1], [3]]
 
 
+def test_the_others_follow_by_their_largest_torque_of_either_sign() -> None:
+    """Under a load that drives, the orbit with the larger torque has the smaller positive one."""
+    system = cardan.TorsionalSystem(
+        cardan.Driveline.from_bends([30.0, 35.0, 17.0], [12.0, 122.0], [78.0, 73.0], degrees=True),
+        inertias=[[0.0, 0.0], [0.0, 0.004], [0.1, 0.01], [0.05, 0.0]],
+        stiffnesses=[INF, 9000.0, 20_000.0, INF],
+        damping_ratios=0.02,
+        load_torque=-5800.0,
+    )
+    found = system.coexisting(0.505 * float(system.natural_frequencies()[0]))
+    assert found.count == 3
+    negative, positive = -found.torque_min[:, 1:3].min(axis=0), found.torque_max[:, 1:3].max(axis=0)
+    assert positive[1] < positive[0] < negative[0] < negative[1]
+
+
 def test_damping_leaves_one_orbit() -> None:
     found = system_of(0.1).coexisting(np.linspace(0.4, 0.6, 5) * NATURAL)
     assert found.count.tolist() == 5 * [1]
