@@ -71,9 +71,10 @@ class Losses:
         Raises:
             ValueError: the load has no speed.
         """
-        if not np.all(self._load.speed > 0.0):
+        speed = np.abs(self._load.speed)
+        if not np.all(speed > 0.0):
             raise ArgumentValueError("load", "has no speed; the power lost needs one")
-        return self._mean * self._load.speed
+        return self._mean * speed
 
     def torque(self, angle: ArrayLike) -> FloatArray:
         """Return the torque that friction adds at the drive, of each joint, in N m.

@@ -119,6 +119,11 @@ def test_power_needs_a_speed() -> None:
     found = line.losses(cardan.Load(drive_torque=10.0), **BEARINGS)
     with pytest.raises(ValueError, match="load has no speed"):
         found.power  # noqa: B018
+    forwards, backwards = (
+        line.losses(cardan.Load(drive_torque=10.0, speed=speed), **BEARINGS).power
+        for speed in (30.0, -30.0)
+    )
+    assert np.array_equal(forwards, backwards)
 
 
 @pytest.mark.parametrize(
