@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use cardan::{
-    Angles, Drivelines, Execution, Geometry, Level, Output, Plan, Planes, Precision, Request,
+    Angles, Axes, Drivelines, Execution, Geometry, Level, Output, Plan, Planes, Precision, Request,
     Samples, Source, Sweep, level,
 };
 use criterion::{BenchmarkId, Criterion, Throughput};
@@ -44,6 +44,7 @@ impl Case {
             inertias: &[],
             bearings: None,
             as_built: false,
+            axes: Axes::Space,
         };
         let plan = Plan::new(&request).expect("the request is valid");
         let turn = std::f64::consts::TAU / samples as f64;

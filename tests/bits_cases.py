@@ -304,7 +304,8 @@ def of_crosses() -> Iterator[BitsCase]:
 
 def of_shaft_axes() -> Iterator[BitsCase]:
     """Moments in axes that turn with their shafts, and forces."""
-    names, options = ("torque", "moment", "support_moment"), {"axes": "shaft"}
+    names = ("torque", "moment", "support_moment")
+    options: dict[str, Any] = {"axes": "shaft"}
     for line, own in LINES.items():
         for tier, more in TIERS.items():
             yield case(f"{line}, {tier}", own, MANY[:500], names, **options, **more)
@@ -318,12 +319,12 @@ def of_shaft_axes() -> Iterator[BitsCase]:
     bearings = [(0, 0.3), (0, 0.9), (1, 0.7), (2, 0.4), (3, 1.1)]
     lines = Driveline.from_points(POINTS, [0.3, -0.4]).with_bearings(bearings)
     for load, given in loads(3, 1).items():
-        options = {"axes": "shaft", "load": given}
+        options["load"] = given
         for tier, more in TIERS.items():
             yield case(f"forces, {load}, {tier}", lines[0], MANY[:99], forces, **options, **more)
         yield case(f"forces, {load}, each", lines, MANY[:6], forces, **options)
     for tier, more in TIERS.items():
-        turning: dict[str, Any] = {"axes": "shaft", **more}
+        turning = {"axes": "shaft", **more}
         yield case(f"rows, {tier}", batch(2, (4, 1), 2), MANY[:500], names, **turning)
         yield case(f"each, {tier}", batch(12, (600,), 2), MANY[:600], names, **turning)
 

@@ -5,8 +5,8 @@ mod input;
 
 use arbitrary::{Result, Unstructured};
 use cardan::{
-    Angles, Call, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision,
-    Reduction, Request, Samples, Source, Sweep, level,
+    Angles, Axes, Call, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes,
+    Precision, Reduction, Request, Samples, Source, Sweep, level,
 };
 use input::{JOINTS, about, bend, number, several};
 use libfuzzer_sys::fuzz_target;
@@ -63,6 +63,7 @@ fn case(u: &mut Unstructured<'_>) -> Result<()> {
         bearings: if u.arbitrary()? { Some(&bearings) } else { None },
         // A plan that does not fit the drivelines must be refused.
         as_built: as_built ^ u.ratio(1, 64)?,
+        axes: if u.ratio(1, 4)? { Axes::Shaft } else { Axes::Space },
     };
     let Ok(plan) = Plan::new(&request) else { return Ok(()) };
 

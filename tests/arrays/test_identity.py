@@ -110,14 +110,28 @@ def test_geometry_per_sample_on_every_level(level: str, options: dict[str, Any])
 
 
 @pytest.mark.parametrize("level", _core.levels())
-def test_forces_on_every_level(level: str) -> None:
+@pytest.mark.parametrize("options", [{}, {"tolerance": 0.0}, {"dtype": "float32"}], ids=str)
+def test_axes_of_shafts_on_every_level(
+    line: Driveline, level: str, options: dict[str, Any]
+) -> None:
+    names = ("moment", "support_moment")
+    for angle in (ANGLES, *SWEEPS.values()):
+        want = contiguous(evaluate(line, angle, names, axes="shaft", **options))
+        got = evaluate(line, angle, names, axes="shaft", level=level, **options)
+        same(contiguous(got), want)
+
+
+@pytest.mark.parametrize("axes", ["space", "shaft"])
+@pytest.mark.parametrize("level", _core.levels())
+def test_forces_on_every_level(level: str, axes: str) -> None:
     points = np.array([[0, 0, 0], [0.3, 0, 0], [1.5, -0.1, 0.05], [1.9, -0.2, 0.05]])
     bearings = [(0, 0.05), (0, 0.2), (2, 0.1), (2, 0.2)]
     line = Driveline.from_points(points).with_bearings(bearings)
     for angle in (ANGLES, SWEEPS["turns"]):
         for options in ({}, {"tolerance": 0.0}, {"dtype": "float32"}):
-            want = contiguous(evaluate(line, angle, FORCES, **options))
-            same(contiguous(evaluate(line, angle, FORCES, level=level, **options)), want)
+            settings: dict[str, Any] = {"axes": axes, **options}
+            want = contiguous(evaluate(line, angle, FORCES, **settings))
+            same(contiguous(evaluate(line, angle, FORCES, level=level, **settings)), want)
 
 
 @pytest.mark.parametrize("tier", ["default", "tolerance=1e-6", "float32"])

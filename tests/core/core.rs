@@ -4,8 +4,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use cardan::{
-    Angles, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision, Reduction,
-    Request, Samples, Source, Sweep, Vector, level, number::trig,
+    Angles, Axes, Drivelines, End, Execution, Geometry, Load, Output, Plan, Planes, Precision,
+    Reduction, Request, Samples, Source, Sweep, Vector, level, number::trig,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -20,6 +20,7 @@ fn plan(joints: usize, outputs: &[Output], shafts: &[usize]) -> Plan {
         inertias: &[],
         bearings: None,
         as_built: false,
+        axes: Axes::Space,
     })
     .unwrap()
 }
@@ -139,6 +140,7 @@ proptest! {
             inertias: &[1],
             bearings: None,
             as_built: false,
+            axes: Axes::Space,
         }).unwrap();
         let run = |shape: &[usize], line_strides: &[usize], angle: Source<'_>, torque: Source<'_>,
                    line: Option<usize>, level| {
@@ -409,6 +411,7 @@ fn elements_lie_as_far_apart_as_the_strides_say() {
             inertias: &[],
             bearings: None,
             as_built: false,
+            axes: Axes::Space,
         })
         .unwrap();
         let mut plane = vec![0.0; 2 * LENGTH];

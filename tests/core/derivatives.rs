@@ -134,6 +134,7 @@ fn value(given: &Parameters) -> f64 {
         inertias: &[0, 1, 2, 3],
         bearings: Some(&BEARINGS),
         as_built: false,
+        axes: Axes::Space,
     })
     .unwrap();
     let angles = angles(given, SAMPLES);

@@ -5,8 +5,8 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use cardan::{
-    Angles, Drivelines, Equivalent, Execution, Geometry, Load, Output, Plan, Planes, Precision,
-    Reduction, Request, Samples, Source, Sweep, Vector, level,
+    Angles, Axes, Drivelines, Equivalent, Execution, Geometry, Load, Output, Plan, Planes,
+    Precision, Reduction, Request, Samples, Source, Sweep, Vector, level,
 };
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -73,6 +73,7 @@ fn run(
         inertias: &[n - 1],
         bearings: None,
         as_built: false,
+        axes: Axes::Space,
     })
     .unwrap();
     let (directions, normals) = (flat(&line.directions), flat(&line.normals));

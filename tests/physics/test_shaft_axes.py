@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cardan import ArgumentValueError, Driveline, Load, Sweep, reference
+from cardan.plan import Plan
 from cardan.reference_forces import forces
 from oracle import ExactTurn, mp
 from vectors import ExactLoads, Frames, MpVector, cross, dot, length
@@ -308,6 +309,12 @@ def test_forces_with_moments_batches_and_reductions() -> None:
 def test_a_load_is_needed() -> None:
     with pytest.raises(ArgumentValueError, match="which needs a load"):
         LINE.plan("moment", axes="shaft")
+
+
+def test_plans_of_joints_as_built_have_axes_at_rest() -> None:
+    line = LINE.with_deviations(cross=0.01)
+    with pytest.raises(ArgumentValueError, match="axes is 'shaft'; moment is known in 'space'"):
+        Plan(line, "moment", load=LOAD_OF_FOUR, axes="shaft")
 
 
 def test_labels_and_arrays_computed_later() -> None:

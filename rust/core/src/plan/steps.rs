@@ -97,6 +97,7 @@ impl ShaftStep {
 
 /// What to compute for one joint.
 #[derive(Clone, Debug, Default)]
+#[allow(clippy::struct_excessive_bools, reason = "independent facts")]
 pub(crate) struct JointStep {
     pub(crate) planes: OutputPlanes,
     /// Whether any output needs the cross, and whether any needs the torsion.

@@ -205,13 +205,30 @@ impl<T: Angle> Folded<T> {
         for (group, numbers) in numbers.chunks(LANES).enumerate() {
             self.fold_lanes(plan, lines, group * LANES, numbers);
         }
+        if plan.axes == Axes::Shaft {
+            self.push_phases(plan, lines, numbers);
+        }
         self.push_forces(plan, lines, numbers);
+    }
+
+    /// Appends the phases by which support moments turn; shaft 0 has none.
+    #[inline(always)]
+    fn push_phases(&mut self, plan: &Plan, lines: &Drivelines<'_>, numbers: &[usize]) {
+        let between = plan.joint_count - 1;
+        let steps = plan.joints.iter().zip(&mut self.phases).enumerate();
+        for (joint, (_, phases)) in steps.filter(|(_, (step, _))| step.needs_support()) {
+            let of = |line: usize| match joint.checked_sub(1) {
+                Some(before) => lines.phases[line * between + before],
+                None => 0.0,
+            };
+            phases.extend(numbers.iter().map(|&line| cos_sin(of(line))));
+        }
     }
 
     #[inline(always)]
     fn fold_lanes(&mut self, plan: &Plan, lines: &Drivelines<'_>, start: usize, numbers: &[usize]) {
         let (n, length) = (plan.joint_count, numbers.len());
-        let Self { shafts, poses, crosses, phases: turns_by, waves, turnings, forces, .. } = self;
+        let Self { shafts, poses, crosses, waves, turnings, forces, .. } = self;
         let Self { lines: own, frames, maps, turns, .. } = self;
         let mut kept = vec![ExactMaps::default(); if T::LOW { length } else { 0 }];
         let mut bends = [0.0; LANES];
@@ -252,9 +269,6 @@ impl<T: Angle> Folded<T> {
                 };
                 let places = (0..length).map(place);
                 push_places(&plan.joints[j], places, &mut poses[j], &mut crosses[j]);
-            }
-            if plan.axes == Axes::Shaft && plan.joints[j].needs_support() {
-                turns_by[j].extend(phases[..length].iter().map(cos_sin));
             }
             if plan.joints[j].needs_force {
                 let maps = maps.read(length);
@@ -372,8 +386,8 @@ fn joint<T: Angle>(bend: f64) -> Joint<DoubleDouble> {
 
 /// Cosine and sine of a phase.
 #[inline(always)]
-fn cos_sin<T: Real>(phase: &f64) -> [T; 2] {
-    let (sine, cosine) = series::sin_cos(reduction::reduce_any(*phase));
+fn cos_sin<T: Real>(phase: f64) -> [T; 2] {
+    let (sine, cosine) = series::sin_cos(reduction::reduce_any(phase));
     [cosine, sine].map(T::from_double_double)
 }
 

@@ -95,10 +95,8 @@ fn turning_support<T: Real>(
     out: [impl Sink<T>; 3],
 ) {
     let zero = T::from_f64(0.0);
-    let (share, numbers) = match driving {
-        true => (T::from_f64(1.0), [along_y, along_z]),
-        false => (zero, [driven, driven]),
-    };
+    let (share, numbers) =
+        if driving { (T::from_f64(1.0), [along_y, along_z]) } else { (zero, [driven, driven]) };
     // Where the angle is NaN, so is what is zero elsewhere.
     over_samples(
         driven.len(),
