@@ -16,6 +16,7 @@ __all__ = [
     "Torsion",
     "Transmission",
     "__version__",
+    "check_bearings",
     "check_deviations",
     "derivatives_at",
     "differentiate",
@@ -48,7 +49,7 @@ def differentiate(
 ) -> _Flat: ...
 def dq(lines: Lines, shaft: int, by: str, workers: int | None) -> NDArray[np.complex128]: ...
 def from_bends(
-    joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat
+    joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat, degrees: bool = False
 ) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...
 def from_directions(
     joints: int, shape: list[int], directions: _Flat, phases: _Flat
@@ -59,6 +60,9 @@ def from_points(
 def equivalent(
     joints: int, shaft: int, bends: _Flat, twists: _Flat, phases: _Flat
 ) -> list[_Flat]: ...
+def check_bearings(
+    joints: int, shape: Sequence[int], bearings: Sequence[int], lengths: _Flat, positions: _Flat
+) -> None: ...
 def check_deviations(
     joints: int, shape: Sequence[int], bends: _Flat, deviations: _Flat
 ) -> None: ...

@@ -30,8 +30,10 @@ pub mod run;
 mod sincos;
 
 pub use dynamics::{ShaftEnds, TorsionalSystem};
-pub use error::{Error, Result};
-pub use input::{Angles, Drivelines, Load, Samples, Source, Sweep};
+pub use error::{Error, Problem, Result, Rule};
+pub use input::batch::{check_bearings, check_length, check_shaft};
+pub use input::broadcast::unravel;
+pub use input::{Angles, Batch, Drivelines, Load, Samples, Source, Sweep, strides};
 pub use mechanics::as_built::check_deviations;
 pub use mechanics::chain::Equivalent;
 pub use mechanics::general::General;

@@ -18,7 +18,7 @@
 //! The angle error is `arg[(Y + i X)(D − i C)]` with `X = sin α ((1 − cos β) cos α + μ)` and
 //! `Y = cos β cos² α + sin² α − μ cos α`. Derived for this library.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, shown_in_degrees};
 use crate::mechanics::joint::Joint;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
@@ -84,9 +84,8 @@ impl JointAsBuilt<DoubleDouble> {
 pub fn check_deviations(bends: &[f64], deviations: &[f64]) -> Result<()> {
     for (joint, (&bend, own)) in bends.iter().zip(deviations.as_chunks().0).enumerate() {
         if !JointAsBuilt::with_error_terms(bend, *own).turns() {
-            // Without the digits that the conversion adds.
-            let shown = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
-            let ([driving, cross, driven], bend) = (own.map(shown), shown(bend));
+            let [driving, cross, driven] = own.map(shown_in_degrees);
+            let bend = shown_in_degrees(bend);
             let problem = format!(
                 "are {driving} deg (driving yoke), {cross} deg (cross) and {driven} deg (driven \
                  yoke) at a bend of {bend} deg, with which the joint cannot turn; it turns if \

@@ -1,6 +1,7 @@
 //! Planning: which steps a request needs, and in which order.
 
 use crate::error::{Error, Result};
+use crate::input::batch::check_shafts;
 use crate::mechanics::joint::Joint;
 use crate::plan::forces::ForceStep;
 use crate::plan::load::{LoadStep, Station};
@@ -19,6 +20,7 @@ impl Plan {
         check_items("shafts", request.shafts, n + 1)?;
         check_items("joints", request.joints, n)?;
         check_items("inertias", request.inertias, n + 1)?;
+        check_shafts(n, request.bearings.unwrap_or_default())?;
         let joints = vec![JointStep::default(); n];
         let least_cosines = least_cosines(request.largest_bends);
         let mut plan = Self {

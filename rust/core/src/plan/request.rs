@@ -1,5 +1,6 @@
 //! What a plan is made for.
 
+use crate::error::{Error, Result};
 use crate::plan::output::Output;
 
 /// The end of the driveline at which the load's torque is given.
@@ -9,6 +10,28 @@ pub enum End {
     Drive,
     /// The torque leaves the last shaft.
     Output,
+}
+
+impl End {
+    /// The end with this name, `"drive"` or `"output"`.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        match name {
+            "drive" => Ok(Self::Drive),
+            "output" => Ok(Self::Output),
+            _ => Err(Error::new("load", &[], format!("is {name:?}; it is of drive or output"))),
+        }
+    }
+
+    /// The name of its torque in messages.
+    pub fn torque_name(self) -> &'static str {
+        match self {
+            Self::Drive => "drive_torque",
+            Self::Output => "output_torque",
+        }
+    }
 }
 
 /// What to compute for a driveline.
@@ -31,4 +54,17 @@ pub struct Request<'a> {
     pub bearings: Option<&'a [usize]>,
     /// Whether the drivelines have deviations, so that they are evaluated joint by joint.
     pub as_built: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_have_a_name() {
+        assert_eq!(End::named("drive").map(End::torque_name), Ok("drive_torque"));
+        assert_eq!(End::named("output").map(End::torque_name), Ok("output_torque"));
+        let error = End::named("middle").unwrap_err();
+        assert_eq!(error.to_string(), "load is \"middle\"; it is of drive or output");
+    }
 }
