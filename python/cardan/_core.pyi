@@ -22,6 +22,7 @@ __all__ = [
     "differentiate",
     "dq",
     "equivalent",
+    "excitations",
     "from_bends",
     "from_directions",
     "from_points",
@@ -29,6 +30,9 @@ __all__ = [
     "mean_leads",
     "optimal_phases",
     "outputs",
+    "spline_forces",
+    "steering",
+    "tubes",
 ]
 
 __version__: str
@@ -60,6 +64,14 @@ def from_points(
 def equivalent(
     joints: int, shaft: int, bends: _Flat, twists: _Flat, phases: _Flat
 ) -> list[_Flat]: ...
+def excitations(lines: Lines, workers: int | None) -> _Flat: ...
+def steering(
+    lines: Lines, numbers: NDArray[np.int64], centres: _Flat, workers: int | None
+) -> _Flat: ...
+def spline_forces(
+    lines: Lines, shaft: int, numbers: NDArray[np.int64], loads: list[_Flat], workers: int | None
+) -> tuple[_Flat, str | None]: ...
+def tubes(dimensions: list[_Flat]) -> _Flat: ...
 def check_bearings(
     joints: int, shape: Sequence[int], bearings: Sequence[int], lengths: _Flat, positions: _Flat
 ) -> None: ...

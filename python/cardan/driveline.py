@@ -290,7 +290,7 @@ class Driveline(Centred):
             ValueError: shapes that do not broadcast.
         """
         angle = np.radians(centre) if degrees else as_float64("centre", centre)
-        return steering(self.equivalent(), self.transmission().motion(angle), angle)
+        return steering(self, angle)
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.

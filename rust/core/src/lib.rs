@@ -10,6 +10,7 @@
 //! | [`plan`] | the requested outputs, the steps that compute them, and their routes |
 //! | `sincos` | sines and cosines of arrays of angles and of sweeps |
 //! | [`run`] | threads, blocks, chunks, loops over slices, and reductions |
+//! | [`design`] | closed forms of drivelines and shafts: excitations, steering, splines, tubes |
 //! | [`dynamics`] | torsional vibration of drivelines with compliant shafts |
 //! | [`measured`] | the motion of a measured drive: integral and derivatives of its speed |
 //! | [`error`] | errors in the input, with argument, position and rule |
@@ -19,6 +20,7 @@
 // Tests compare with the platform's functions.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+pub mod design;
 pub mod dynamics;
 pub mod error;
 pub mod input;
@@ -29,6 +31,7 @@ pub mod plan;
 pub mod run;
 mod sincos;
 
+pub use design::{Excitations, Spline, SplineForce, Steering, Tube};
 pub use dynamics::{ShaftEnds, TorsionalSystem};
 pub use error::{Error, Problem, Result, Rule};
 pub use input::batch::{check_bearings, check_length, check_shaft};

@@ -8,6 +8,7 @@
 
 mod convert;
 mod derivatives;
+mod design;
 mod driveline;
 mod lines;
 mod measured;
@@ -25,6 +26,8 @@ use pyo3::prelude::*;
 mod _core {
     #[pymodule_export]
     use super::derivatives::{differentiate, dq};
+    #[pymodule_export]
+    use super::design::{excitations, spline_forces, steering, tubes};
     #[pymodule_export]
     use super::driveline::{
         check_bearings, check_deviations, equivalent, from_bends, from_directions, from_points,

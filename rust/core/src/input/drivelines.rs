@@ -83,6 +83,13 @@ impl<'a> Drivelines<'a> {
         Ok(())
     }
 
+    /// Bends, twists and phases of the driveline with this number; all have `joints` joints.
+    pub(crate) fn chain(&self, joints: usize, line: usize) -> (&[f64], &[f64], &[f64]) {
+        let part = |array: &'a [f64], each: usize| &array[line * each..][..each];
+        let between = joints - 1;
+        (part(self.bends, joints), part(self.twists, between), part(self.phases, between))
+    }
+
     /// The joints and intermediate shafts of the drivelines, `joints` each.
     pub(crate) fn chains(&self, joints: usize) -> Chains<'_> {
         Chains { joints, bends: self.bends, twists: self.twists, phases: self.phases }
