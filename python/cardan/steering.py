@@ -49,7 +49,7 @@ def steering(line: Batch, centre: FloatArray) -> Steering:
         line: drivelines.
         centre: angle of the column straight ahead in rad.
     """
-    line._geometry.check_ideal("steering is judged", "evaluate gives the motion")
+    line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")
     shape, numbers, (angles,) = line._spread(centre=centre)
     flat = _core.steering(line._lines, numbers, angles, threads.at_most(None))
     ratio, slope, offset, quick, turn_to_quick, turn_to_slow = flat.reshape(6, *shape)
