@@ -31,7 +31,7 @@ class ArgumentError(Exception):
     ...     cardan.Driveline.from_bends([10, 95], degrees=True)
     ... except cardan.ArgumentError as error:
     ...     print(error.argument, error.place, error.problem, sep=" | ")
-    bends | (1,) | is 95 deg; a bend must lie in [0, 90) deg
+    bends | (1,) | is 95.0 deg; a bend must lie in [0, 90) deg
     """
 
     argument: str
@@ -60,7 +60,7 @@ class ArgumentError(Exception):
         return type(self)(self.argument, self.problem, place, self.value, self.unit, self.rule)
 
     def __str__(self) -> str:
-        """Return the sentence: ``bends[1] is 95 deg; a bend must lie in [0, 90) deg``."""
+        """Return the sentence: ``bends[1] is 95.0 deg; a bend must lie in [0, 90) deg``."""
         return f"{located(self.argument, self.place)} {self.problem}"
 
 

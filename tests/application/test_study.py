@@ -446,7 +446,7 @@ STUDY = TWO + "[load]\nspeed_rpm = 100\n[study]\n"
         ),
         (
             STUDY + "bends_deg.1 = [30, 95]",
-            "line 6: [study] at bends_deg.1 = 95: bends_deg[1] is 95 deg; a bend must lie in",
+            "line 6: [study] at bends_deg.1 = 95: bends_deg[1] is 95.0 deg; a bend must lie in",
         ),
         (
             STUDY + "bends_deg = {from = -5, to = 9, steps = 15}\nphases_deg = [7, 8]",

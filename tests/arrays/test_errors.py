@@ -47,7 +47,7 @@ VALUES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [
     ),
     (lambda: TWO.evaluate(0.1, ["angle", "torque"]), "outputs", (1,), 'is "torque", which needs'),
     (lambda: TWO.evaluate(0.1, shafts=[1, 1]), "shafts", (1,), "is 1 again; name each once"),
-    (lambda: Sweep(0.0, 1e13, 5), "stop", (), "is 10000000000000 rad; a sweep must end"),
+    (lambda: Sweep(0.0, 1e13, 5), "stop", (), "is 10000000000000.0 rad; a sweep must end"),
     (
         lambda: TWO.evaluate([0.1, 0.2], "torque", load=LOADED),
         "drive_torque",
@@ -59,7 +59,7 @@ VALUES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [
         lambda: Driveline.from_bends([10, 95], degrees=True),
         "bends",
         (1,),
-        "is 95 deg; a bend must lie in [0, 90) deg",
+        "is 95.0 deg; a bend must lie in [0, 90) deg",
     ),
     (lambda: Driveline.from_bends([0.1, 0.2], [NAN]), "twists", (0,), "is nan; it must be finite"),
     (lambda: Driveline.from_bends([0.1], [1.0]), "twists", (), "has shape (1,); 1 joints need"),

@@ -339,7 +339,7 @@ def test_drivelines_do_not_change() -> None:
     [
         (lambda: Driveline.from_bends([0.1, 0.2, 1.6]), ValueError, "bends[2] is 1.6 rad; a bend"),
         (lambda: Driveline.from_bends([[0.1], [-0.1]]), ValueError, "bends[1, 0] is -0.1 rad"),
-        (lambda: Driveline.from_bends([math.nan]), ValueError, "bends[0] is NaN rad"),
+        (lambda: Driveline.from_bends([math.nan]), ValueError, "bends[0] is nan rad"),
         (lambda: Driveline.from_bends([90], degrees=True), ValueError, "bends[0] is 90.0 deg"),
         (lambda: Driveline.from_bends([]), ValueError, "it needs at least one"),
         (lambda: Driveline.from_bends([0.1, 0.2], [1, 2]), ValueError, "twists has shape (2,)"),

@@ -81,14 +81,21 @@ pub enum Problem {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Value { value, rule: Rule { unit: "", text, .. } } => {
-                write!(f, "is {value}; {text}")
-            }
             Self::Value { value, rule: Rule { unit, text, .. } } => {
-                write!(f, "is {value} {unit}; {text}")
+                let gap = if unit.is_empty() { "" } else { " " };
+                write!(f, "is {}{gap}{unit}; {text}", Shown(*value))
             }
             Self::Words(words) => f.write_str(words),
         }
+    }
+}
+
+/// A number as Python shows it, so that messages look alike whoever finds the fault.
+pub(crate) struct Shown(pub(crate) f64);
+
+impl fmt::Display for Shown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_nan() { f.write_str("nan") } else { write!(f, "{:?}", self.0) }
     }
 }
 
@@ -134,7 +141,7 @@ impl Error {
     /// ```
     /// let error = cardan::Geometry::from_bends(&[95_f64.to_radians()], &[], &[]).unwrap_err();
     /// let problem = error.in_degrees().problem.to_string();
-    /// assert_eq!(problem, "is 95 deg; a bend must lie in [0, 90) deg");
+    /// assert_eq!(problem, "is 95.0 deg; a bend must lie in [0, 90) deg");
     /// ```
     #[must_use]
     pub fn in_degrees(mut self) -> Self {
@@ -163,10 +170,10 @@ mod tests {
         let error = Error::of_value("bends", &[2], -1e-300_f64.to_radians(), BEND_RULE);
         let shown = error.clone().in_degrees();
         let rule = "; a bend must lie in [0, 90) deg";
-        assert_eq!(shown.to_string(), format!("bends[2] is {} deg{rule}", -1e-300));
+        assert_eq!(shown.to_string(), format!("bends[2] is -1e-300 deg{rule}"));
         assert_eq!(shown, shown.clone().in_degrees());
         let length = Error::of_value("lengths", &[], 0.0, Rule::new("m", "it must be positive"));
-        assert_eq!(length.to_string(), "lengths is 0 m; it must be positive");
+        assert_eq!(length.to_string(), "lengths is 0.0 m; it must be positive");
         assert_eq!(length.clone().in_degrees(), length);
         let words = Error::new("axis", &[], "is missing");
         assert_eq!(words.clone().in_degrees(), words);

@@ -1,6 +1,6 @@
 //! Batches of drivelines with their shape and bearings, and the rules that their arrays obey.
 
-use crate::error::{Error, Result, Rule};
+use crate::error::{Error, Result, Rule, Shown};
 use crate::input::broadcast::unravel;
 use crate::input::drivelines::Drivelines;
 use crate::mechanics::as_built::DEVIATIONS;
@@ -123,8 +123,10 @@ pub fn check_bearings(
                 let inner = 0 < shaft && shaft < joints;
                 let ends = if inner { "the joints" } else { "the end and the joint" };
                 let problem = format!(
-                    "is {position} on shaft {shaft} of length {length}; a bearing must lie between \
-                     {ends} of its shaft"
+                    "is {} on shaft {shaft} of length {}; a bearing must lie between {ends} of its \
+                     shaft",
+                    Shown(position),
+                    Shown(length)
                 );
                 return Err(
                     Error::new("bearings", &[bearing, 1], problem).behind(&unravel(line, shape))
@@ -250,9 +252,9 @@ mod tests {
         );
         assert_eq!(
             check([2, 2], [0.1, 0.0]),
-            rule(&format!("{at} 0 on shaft 2 of length 0.5"), end)
+            rule(&format!("{at} 0.0 on shaft 2 of length 0.5"), end)
         );
-        let inner = |x: f64| rule(&format!("{at} {x} on shaft 1 of length 0.75"), joints);
+        let inner = |x: f64| rule(&format!("{at} {} on shaft 1 of length 0.75", Shown(x)), joints);
         for position in [0.0, 0.75, -0.1, f64::NAN, f64::INFINITY] {
             assert_eq!(check([0, 1], [0.1, position]), inner(position));
         }
@@ -266,7 +268,7 @@ mod tests {
             let lengths = [1.0, 1.0, 1.0, 1.0, length, 1.0];
             let error = check_bearings(2, &[2], &[], &lengths, &[]).unwrap_err();
             let rule = "a length must be positive and finite";
-            assert_eq!(error.to_string(), format!("lengths[1, 1] is {length}; {rule}"));
+            assert_eq!(error.to_string(), format!("lengths[1, 1] is {}; {rule}", Shown(length)));
         }
     }
 }

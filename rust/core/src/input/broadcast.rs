@@ -45,15 +45,13 @@ pub fn strides(
     Ok(Cow::Owned(strides))
 }
 
-/// A shape as NumPy shows it.
+/// A shape as Python shows it.
 fn shown(shape: &[usize]) -> String {
-    match shape {
-        [only] => format!("({only},)"),
-        _ => {
-            let lengths: Vec<String> = shape.iter().map(ToString::to_string).collect();
-            format!("({})", lengths.join(", "))
-        }
+    if let [only] = shape {
+        return format!("({only},)");
     }
+    let lengths: Vec<String> = shape.iter().map(ToString::to_string).collect();
+    format!("({})", lengths.join(", "))
 }
 
 /// The index of one driveline in a batch of the given shape.

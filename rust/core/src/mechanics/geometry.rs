@@ -269,6 +269,6 @@ mod tests {
         let error = Geometry::from_directions(&[Vector::x(); 3], &[0.3; 2]).unwrap_err();
         assert_eq!(error.to_string(), "phases has 2 values; 2 joints need 1");
         let error = Geometry::from_bends(&[0.1; 2], &[f64::NAN], &[0.3]).unwrap_err();
-        assert_eq!(error.to_string(), "twists[0] is NaN; it must be finite");
+        assert_eq!(error.to_string(), "twists[0] is nan; it must be finite");
     }
 }
