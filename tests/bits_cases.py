@@ -305,9 +305,9 @@ def of_crosses() -> Iterator[BitsCase]:
 def of_built() -> Iterator[BitsCase]:
     """Joints as built: each output alone, and all together."""
     names = (*OUTPUTS, "jerk_ratio")
-    own = {"driving_yoke": 0.01, "cross": [-0.004, 0.006, 0.0], "driven_yoke": -0.02}
+    own = (0.01, [-0.004, 0.006, 0.0], -0.02)
     for name, line in {"3 spatial": LINES["3 spatial"], "rows": batch(3, (4, 1), 3)}.items():
-        built = line.with_deviations(**own)
+        built = line.with_deviations(*own)
         for tier in ("float64 None", "float64 0.0"):
             yield case(f"{name}, {tier}", built, MANY[:500], names, **TIERS[tier])
         for output in names:
