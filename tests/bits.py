@@ -7,8 +7,8 @@ missing. A change that is not meant to change a result leaves every digest as it
 A record holds for x86-64 and arm64 with glibc. It depends neither on the instruction set nor on the
 number of threads. The sines of phases and twists, ``from_points``, ``equivalent`` and
 ``optimal_phases`` call libm: another one may differ in the last bit there and in all that follows.
-``harmonics`` and ``check`` call NumPy's powers and exponentials, which may differ between
-processors: only 12 digits of theirs count. The bits of a NaN do not count either.
+``harmonics`` calls NumPy's powers and exponentials, which may differ between processors: only 12
+digits of its results count. The bits of a NaN do not count either.
 """
 
 from __future__ import annotations

@@ -232,7 +232,7 @@ def of_closed_forms() -> Iterator[BitsCase]:
         series = line.harmonics([1, 2, 4, 6, 40])
         yield f"{name}, harmonics", digits({"orders": series.orders, **series.amplitude})
         findings = line.check(90.0).findings
-        yield f"{name}, check", digits({f.figure: f.value for f in findings})
+        yield f"{name}, check", {f.figure: np.asarray(f.value) for f in findings}
         yield name, {"optimal_phases": line.optimal_phases()}
         yield name, {part: getattr(line, part) for part in ("bends", "directions", "normals")}
 
@@ -329,6 +329,18 @@ def of_shaft_axes() -> Iterator[BitsCase]:
         yield case(f"each, {tier}", batch(12, (600,), 2), MANY[:600], names, **turning)
 
 
+def of_built() -> Iterator[BitsCase]:
+    """Joints as built: each output alone, and all together."""
+    names = (*OUTPUTS, "jerk_ratio")
+    own = (0.01, [-0.004, 0.006, 0.0], -0.02)
+    for name, line in {"3 spatial": LINES["3 spatial"], "rows": batch(3, (4, 1), 3)}.items():
+        built = line.with_deviations(*own)
+        for tier in ("float64 None", "float64 0.0"):
+            yield case(f"{name}, {tier}", built, MANY[:500], names, **TIERS[tier])
+        for output in names:
+            yield case(f"{name}, alone", built, MANY[:200], output)
+
+
 GROUPS = (
     of_lines,
     of_angles,
@@ -341,4 +353,5 @@ GROUPS = (
     of_jerk,
     of_crosses,
     of_shaft_axes,
+    of_built,
 )

@@ -16,11 +16,13 @@ __all__ = [
     "Torsion",
     "Transmission",
     "__version__",
+    "check_bearings",
     "check_deviations",
     "derivatives_at",
     "differentiate",
     "dq",
     "equivalent",
+    "excitations",
     "from_bends",
     "from_directions",
     "from_points",
@@ -30,6 +32,9 @@ __all__ = [
     "optimal_phases",
     "outputs",
     "pin_means",
+    "spline_forces",
+    "steering",
+    "tubes",
 ]
 
 __version__: str
@@ -50,7 +55,7 @@ def differentiate(
 ) -> _Flat: ...
 def dq(lines: Lines, shaft: int, by: str, workers: int | None) -> NDArray[np.complex128]: ...
 def from_bends(
-    joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat
+    joints: int, shape: list[int], bends: _Flat, twists: _Flat, phases: _Flat, degrees: bool = False
 ) -> tuple[_Flat, _Flat, _Flat, _Flat]: ...
 def from_directions(
     joints: int, shape: list[int], directions: _Flat, phases: _Flat
@@ -61,6 +66,17 @@ def from_points(
 def equivalent(
     joints: int, shaft: int, bends: _Flat, twists: _Flat, phases: _Flat
 ) -> list[_Flat]: ...
+def excitations(lines: Lines, workers: int | None) -> _Flat: ...
+def steering(
+    lines: Lines, numbers: NDArray[np.int64], centres: _Flat, workers: int | None
+) -> _Flat: ...
+def spline_forces(
+    lines: Lines, shaft: int, numbers: NDArray[np.int64], loads: list[_Flat], workers: int | None
+) -> tuple[_Flat, str | None]: ...
+def tubes(dimensions: list[_Flat]) -> _Flat: ...
+def check_bearings(
+    joints: int, shape: Sequence[int], bearings: Sequence[int], lengths: _Flat, positions: _Flat
+) -> None: ...
 def check_deviations(
     joints: int, shape: Sequence[int], bends: _Flat, deviations: _Flat
 ) -> None: ...

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from collections.abc import Iterable, Iterator
 from typing import Any, Self, SupportsIndex
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cardan import _core, geometry, notebook
-from cardan.arrays import FloatArray
+from cardan.arrays import FloatArray, common_shape
 from cardan.errors import ArgumentTypeError, ArgumentValueError
 from cardan.geometry import Geometry
 
@@ -42,6 +44,23 @@ class Batch:
             setattr(twin, name, getattr(self, name))
         twin._plans = {}
         return twin
+
+    def _spread(
+        self, **arrays: FloatArray
+    ) -> tuple[tuple[int, ...], NDArray[np.int64], list[FloatArray]]:
+        """Broadcast arrays against the batch.
+
+        Returns:
+            the common shape, and flat, the number of the driveline and each array.
+
+        Raises:
+            ValueError: shapes that do not broadcast.
+        """
+        shapes = {name: array.shape for name, array in arrays.items()}
+        shape = common_shape(driveline=self._shape, **shapes)
+        numbers = np.arange(math.prod(self._shape)).reshape(self._shape)
+        first, *flat = (np.broadcast_to(x, shape).ravel() for x in (numbers, *arrays.values()))
+        return shape, first, flat
 
     @classmethod
     def concatenate(cls, lines: Iterable[Self], axis: SupportsIndex = 0) -> Self:

@@ -8,10 +8,11 @@ from typing import Any, Self, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape
 from cardan.batch import Batch
-from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
-from cardan.geometry import Geometry
+from cardan.errors import ArgumentTypeError, ArgumentValueError
+from cardan.geometry import Geometry, place_in
 from cardan.request import item_index
 
 Bearings: TypeAlias = Iterable[tuple[int, ArrayLike]]
@@ -109,16 +110,17 @@ def _mounted(
         **{f"bearings[{i}, 1]": place.shape for i, place in enumerate(places)},
     )
     positions = np.empty((*shape, len(places)))
-    for i, (shaft, place) in enumerate(zip(shafts, places, strict=True)):
+    for i, place in enumerate(places):
         positions[..., i] = place
-        _check(i, shaft, n, positions[..., i], known[..., shaft])
-        for other in range(i):
-            if shafts[other] == shaft and np.any(positions[..., i] == positions[..., other]):
-                raise ArgumentValueError(
-                    "bearings", f"is in the place of bearings[{other}] on shaft {shaft}", (i,)
-                )
-    spread = own._replace(lengths=own.lengths[..., :0], positions=own.positions[..., :0])
     full = np.array(np.broadcast_to(known, (*shape, known.shape[-1])))
+    if known.shape[-1]:
+        try:
+            _core.check_bearings(n, shape, shafts, full.reshape(-1), positions.reshape(-1))
+        except ArgumentValueError as error:
+            if error.argument == "lengths":
+                raise error.at(place_in(known.shape[:-1], shape, error.place)) from None
+            raise
+    spread = own._replace(lengths=own.lengths[..., :0], positions=own.positions[..., :0])
     return spread.batched(shape)._replace(
         lengths=full,
         positions=positions,
@@ -134,24 +136,4 @@ def _lengths(lengths: ArrayLike, n: int) -> FloatArray:
         raise ArgumentValueError(
             "lengths", f"has shape {array.shape}; {n + 1} shafts need (..., {n + 1})"
         )
-    wrong = ~((array > 0.0) & np.isfinite(array))
-    if wrong.any():
-        raise wrong_element("lengths", array, wrong, "; a length must be positive and finite")
     return array
-
-
-def _check(i: int, shaft: int, n: int, place: FloatArray, length: FloatArray) -> None:
-    """Check that a bearing is on its shaft, and not at a joint."""
-    place, length = np.broadcast_arrays(place, length)
-    upstream = place > 0.0 if shaft > 0 else place >= 0.0
-    downstream = place < length if shaft < n else place <= length
-    wrong = ~(upstream & downstream)
-    if wrong.any():
-        at = tuple(np.argwhere(wrong)[0])
-        ends = "the joints" if 0 < shaft < n else "the end and the joint"
-        raise ArgumentValueError(
-            "bearings",
-            f"is {place[at]} on shaft {shaft} of length {length[at]}; a bearing must lie "
-            f"between {ends} of its shaft",
-            (i, 1, *map(int, at)),
-        )

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cardan import notebook
-from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.equivalent import EquivalentJoint
+from cardan import _core, notebook, threads
+from cardan.arrays import as_float64, common_shape
+from cardan.batch import Batch
 from cardan.finding import VERDICTS, Finding, counted
 from cardan.limits import CATALOGUE, PRESETS, Limits, limits_of
 from cardan.quantities import MOTION_QUANTITIES
@@ -138,57 +138,38 @@ class Check:
         return notebook.table(self.heading, heads, rows)
 
 
-class Checkable(Protocol):
-    """What a check needs of a driveline."""
-
-    @property
-    def n_joints(self) -> int:
-        """Number of joints."""
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the batch."""
-
-    @property
-    def bends(self) -> FloatArray:
-        """Bends of the joints in rad."""
-
-    def equivalent(self, shaft: int = -1) -> EquivalentJoint:
-        """Return the joint that moves a shaft as the whole chain does."""
-
-    def reversed(self) -> Checkable:
-        """Return the driveline driven from its other end."""
-
-
-def check(
-    line: Checkable, speed: ArrayLike | None = None, limits: str | Limits | None = None
-) -> Check:
+def check(line: Batch, speed: ArrayLike | None = None, limits: str | Limits | None = None) -> Check:
     """Check as ``Driveline.check`` does."""
     allowed = limits_of(limits)
-    last, bend = line.equivalent(), MOTION_QUANTITIES["equivalent_bend"]
+    line._geometry.check_ideal("excitations are found", "evaluate and harmonics give the motion")
+    found = _core.excitations(line._lines, threads.at_most(None))
+    found = found.reshape(4, *line.shape) if line.shape else found
+    equivalent, torsional, driving, coasting = found
+    bend = MOTION_QUANTITIES["equivalent_bend"]
     findings = [
         Finding(
             bend.name,
             bend.label,
             "catalogue",
-            np.degrees(last.bend),
+            np.degrees(equivalent),
             "deg",
             allowed.figures[bend.limit],
         )
     ]
     difference = allowed.figures.get("bend_difference_deg")
     if difference and line.n_joints == 2:
-        apart = np.degrees(np.abs(line.bends[..., 0] - line.bends[..., 1]))
+        bends = line._geometry.bends
+        apart = np.degrees(np.abs(bends[..., 0] - bends[..., 1]))
         findings.append(
             Finding("bend_difference", "bend difference", "practice", apart, "deg", difference)
         )
     squared = None if speed is None else as_float64("speed", speed) ** 2
-    if squared is not None:
+    if squared is not None and squared.shape:
         common_shape(driveline=line.shape, speed=squared.shape)
-    ratios = {"torsional_excitation": last.max_acceleration_ratio}
+    ratios = {"torsional_excitation": torsional}
     if line.n_joints > 1:
-        ratios["inertia_excitation_driving"] = _inertia_excitation(line)
-        ratios["inertia_excitation_coasting"] = _inertia_excitation(line.reversed())
+        ratios["inertia_excitation_driving"] = driving
+        ratios["inertia_excitation_coasting"] = coasting
     for figure, ratio in ratios.items():
         quantity = MOTION_QUANTITIES[figure]
         name = f"{quantity.label}{', last shaft' if quantity.of_last else ''}"
@@ -203,17 +184,3 @@ def check(
             Finding(figure, name, "practice", value, "rad/s²", limit, ratio, squared is None)
         )
     return Check(tuple(findings), allowed)
-
-
-def _inertia_excitation(line: Checkable) -> FloatArray:
-    """Second-order amplitude of the accelerations of all intermediate shafts together.
-
-    Practice sums ``(n - i) theta_i**2`` with signs over the joints ``i``: every joint shakes each
-    intermediate shaft behind it. In space the parts add as vectors, and ``4 k`` is the exact
-    second-order amplitude of a shaft's acceleration where practice writes ``theta**2``.
-    """
-    total = np.zeros(line.shape, dtype=np.complex128)
-    for shaft in range(1, line.n_joints):
-        joint = line.equivalent(shaft)
-        total = total + 4.0 * joint.k * np.exp(2j * joint.angle_offset)
-    return np.abs(total)

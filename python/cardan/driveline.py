@@ -290,7 +290,7 @@ class Driveline(Centred):
             ValueError: shapes that do not broadcast.
         """
         angle = np.radians(centre) if degrees else as_float64("centre", centre)
-        return steering(self.equivalent(), self.transmission().motion(angle), angle)
+        return steering(self, angle)
 
     def catalogue_bend(self, fork_signs: ArrayLike) -> FloatArray:
         """Return the catalogues' equivalent bend ``sqrt|sum ± bend**2|``, for comparison.
@@ -317,6 +317,12 @@ class Driveline(Centred):
 
         Bends, twists and phases keep their values and change their order; directions and
         bend-plane normals change their sign as well.
+
+        Its shafts point the other way, so that angles count the other way round, and from another
+        yoke. If the last shaft is at ``f`` when the drive is at ``a``, then the last shaft of the
+        reversed driveline is at ``c - a`` when its drive is at ``c - f``. For a single joint ``c``
+        is a quarter turn, in general ``angle(-q*r)/2``, where ``q`` and ``r`` are those of
+        ``transmission()`` of this driveline and of the reversed one.
         """
         return Driveline._of(self._geometry.reversed())
 

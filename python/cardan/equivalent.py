@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple, NoReturn
@@ -11,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cardan import _core, threads
-from cardan.arrays import as_float64, common_shape, scalar_or_array
+from cardan.arrays import as_float64, scalar_or_array
 from cardan.geometry import Geometry
 from cardan.parameters import PARAMETERS, Parameters, checked_kind, parameter_shape
 from cardan.request import Plannable, item_index
@@ -128,7 +127,7 @@ class Transmission:
             "evaluate gives the motion and Plan.derivatives its derivatives",
         )
         index = item_index("shaft", shaft, line.n_joints + 1)
-        self._arguments = (line, index)
+        self._arguments = (own, index)
         self._core = _core.Transmission(line._lines, index)
         self.q = self._core.q().reshape(line.shape)[()]
 
@@ -241,12 +240,9 @@ class Transmission:
         )
 
     def _columns(self, of: Callable[[Any, Any], list[NDArray[Any]]], angle: ArrayLike) -> Motion:
-        angles = as_float64("angle", angle)
-        batch = np.shape(self.q)
-        shape = common_shape(driveline=batch, angle=angles.shape)
-        lines = np.arange(math.prod(batch)).reshape(batch)
-        flat = [np.broadcast_to(array, shape).ravel() for array in (lines, angles)]
-        return Motion(*(column.reshape(shape)[()] for column in of(*flat)))
+        line, _ = self._arguments
+        shape, numbers, (angles,) = line._spread(angle=as_float64("angle", angle))
+        return Motion(*(column.reshape(shape)[()] for column in of(numbers, angles)))
 
 
 def equivalent(geometry: Geometry, shaft: int) -> EquivalentJoint:

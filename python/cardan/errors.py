@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from typing import Any, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ class ArgumentError(Exception):
         place: the position within the argument, outermost index first, or a name; ``()`` for the
             whole argument.
         problem: the offending value and the rule.
+        value: the offending value, if the problem is one value that breaks a rule.
+        unit: its unit, if it has one.
+        rule: the rule.
 
     >>> import cardan
     >>> try:
@@ -34,11 +37,27 @@ class ArgumentError(Exception):
     argument: str
     place: Place
     problem: str
+    value: float | None
+    unit: str
+    rule: str
 
-    def __init__(self, argument: str, problem: str, place: Place = ()) -> None:
+    def __init__(
+        self,
+        argument: str,
+        problem: str,
+        place: Place = (),
+        value: float | None = None,
+        unit: str = "",
+        rule: str = "",
+    ) -> None:
         """Make an error of its fields."""
-        super().__init__(argument, problem, place)
+        super().__init__(argument, problem, place, value, unit, rule)
         self.argument, self.problem, self.place = argument, problem, place
+        self.value, self.unit, self.rule = value, unit, rule
+
+    def at(self, place: Place) -> Self:
+        """Return the same error at another place."""
+        return type(self)(self.argument, self.problem, place, self.value, self.unit, self.rule)
 
     def __str__(self) -> str:
         """Return the sentence: ``bends[1] is 95.0 deg; a bend must lie in [0, 90) deg``."""
@@ -75,4 +94,6 @@ def wrong_element(
         rule: what follows the value: a unit, if any, and ``"; it must be finite"``.
     """
     place = tuple(int(i) for i in np.argwhere(wrong)[0])
-    return ArgumentValueError(argument, f"is {array[place]!s}{rule}", place)
+    unit, _, words = rule.partition("; ")
+    problem, value = f"is {array[place]!s}{rule}", float(array[place])
+    return ArgumentValueError(argument, problem, place, value, unit.strip(), words)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape
-from cardan.errors import ArgumentValueError, wrong_element
+from cardan.errors import ArgumentValueError, Place, wrong_element
 
 
 class Geometry(NamedTuple):
@@ -175,12 +176,12 @@ def concatenated(parts: Sequence[Geometry], axis: int) -> Geometry:
 
 def from_bends(bends: ArrayLike, twists: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:
     """Lay out as ``Driveline.from_bends`` does."""
-    array = _bends(bends, degrees)
+    array = np.atleast_1d(as_float64("bends", bends))
     n = array.shape[-1]
     return _laid_out(
-        _core.from_bends,
+        functools.partial(_core.from_bends, degrees=degrees),
         n,
-        bends=(array, 1),
+        bends=(np.radians(array) if degrees else array, 1),
         twists=(_per_shaft("twists", twists, n, degrees), 1),
         phases=(_per_shaft("phases", phases, n, degrees), 1),
     )
@@ -191,7 +192,7 @@ def from_directions(directions: ArrayLike, phases: ArrayLike, degrees: bool) -> 
     array = _vectors("directions", directions, 2)
     n = array.shape[-2] - 1
     turned = _per_shaft("phases", phases, n, degrees)
-    return _laid_out(_core.from_directions, n, vectors=(array, 2), phases=(turned, 1))
+    return _laid_out(_core.from_directions, n, directions=(array, 2), phases=(turned, 1))
 
 
 def from_points(points: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry:
@@ -199,7 +200,7 @@ def from_points(points: ArrayLike, phases: ArrayLike, degrees: bool) -> Geometry
     array = _vectors("points", points, 3)
     n = array.shape[-2] - 2
     turned = _per_shaft("phases", phases, n, degrees)
-    made = _laid_out(_core.from_points, n, vectors=(array, 2), phases=(turned, 1))
+    made = _laid_out(_core.from_points, n, points=(array, 2), phases=(turned, 1))
     return made._replace(lengths=_spread(_lengths(array), made.shape, 1), has_points=True)
 
 
@@ -231,7 +232,13 @@ def _laid_out(
     shape = common_shape(**{name: a.shape[: a.ndim - own] for name, (a, own) in arrays.items()})
     spread = [_spread(array, shape, own) for array, own in arrays.values()]
     flat = (array.reshape(-1) for array in spread)
-    bends, twists, directions, normals = lay_out(n, list(shape), *flat)
+    try:
+        bends, twists, directions, normals = lay_out(n, list(shape), *flat)
+    except ArgumentValueError as error:
+        if error.argument not in arrays:
+            raise
+        array, own = arrays[error.argument]
+        raise error.at(place_in(array.shape[: array.ndim - own], shape, error.place)) from None
     return Geometry(
         bends.reshape(*shape, n),
         twists.reshape(*shape, n - 1),
@@ -243,6 +250,13 @@ def _laid_out(
         np.empty((*shape, 0)),
         np.empty((*shape, 0, 3)),
     )
+
+
+def place_in(own: tuple[int, ...], shape: tuple[int, ...], place: Place) -> Place:
+    """Return the place in an array with the batch ``own``, which was spread to another batch."""
+    before = len(shape) - len(own)
+    batch = (0 if size == 1 else i for size, i in zip(own, place[before:], strict=False))
+    return (*batch, *place[len(shape) :])
 
 
 def _lengths(points: FloatArray) -> FloatArray:
@@ -267,17 +281,6 @@ def _spread(array: FloatArray, shape: tuple[int, ...], own: int) -> FloatArray:
     """The array for a batch of that shape; its last ``own`` axes belong to one driveline."""
     full = (*shape, *array.shape[array.ndim - own :])
     return array if full == array.shape else np.ascontiguousarray(np.broadcast_to(array, full))
-
-
-def _bends(bends: ArrayLike, degrees: bool) -> FloatArray:
-    array = np.atleast_1d(as_float64("bends", bends))
-    if not degrees:
-        return array
-    # Here and not in radians, so that the message shows what was given.
-    wrong = ~((array >= 0.0) & (array < 90.0))
-    if wrong.any():
-        raise wrong_element("bends", array, wrong, " deg; a bend must lie in [0, 90) deg")
-    return np.radians(array)
 
 
 def _per_shaft(name: str, value: ArrayLike, n: int, degrees: bool) -> FloatArray:

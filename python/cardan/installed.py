@@ -70,7 +70,7 @@ class Installed(AsBuilt):
             ValueError: a negative friction, a radius that is not positive, shapes that do not
                 broadcast.
         """
-        return slip.spline_force(self._geometry, shaft, torque, friction, radius)
+        return slip.spline_force(self, shaft, torque, friction, radius)
 
     def free_running(self, inertias: ArrayLike) -> FreeRunning:
         """Return how the speed of the drive varies where no torque holds it.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -169,14 +170,19 @@ def limits_of(limits: str | Limits | None) -> Limits:
     if isinstance(limits, str):
         if limits not in PRESETS:
             raise ArgumentValueError("limits", unknown_preset(limits))
-        return Limits(limits)
+        return _of_preset(limits)
     if limits is None:
-        return Limits()
+        return _of_preset(None)
     if not isinstance(limits, Limits):
         raise ArgumentTypeError(
             "limits", f"is a {type(limits).__name__}; it must be a cardan.Limits or its preset"
         )
     return limits
+
+
+@functools.cache
+def _of_preset(name: str | None) -> Limits:
+    return Limits(name)
 
 
 def _own(key: str, given: Bound, source: str) -> Limit:

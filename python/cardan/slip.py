@@ -20,6 +20,7 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan import _core, threads
 from cardan.arrays import (
     FloatArray,
     as_float64,
@@ -28,6 +29,7 @@ from cardan.arrays import (
     positive,
     scalar_or_array,
 )
+from cardan.batch import Batch
 from cardan.geometry import Geometry
 from cardan.request import item_index
 
@@ -147,63 +149,38 @@ def lengths(geometry: Geometry) -> Lengths:
 
 
 def spline_force(
-    geometry: Geometry,
+    line: Batch,
     shaft: SupportsIndex,
     torque: ArrayLike,
     friction: ArrayLike,
     radius: ArrayLike,
 ) -> SplineForce:
     """Find the force as ``Driveline.spline_force`` does."""
-    index = item_index("shaft", shaft, geometry.n_joints + 1)
-    load = np.abs(as_float64("torque", torque))
+    index = item_index("shaft", shaft, line._n_joints + 1)
+    load = as_float64("torque", torque)
     mu, arm = not_negative("friction", friction), positive("radius", radius)
-    common_shape(driveline=geometry.shape, torque=load.shape, friction=mu.shape, radius=arm.shape)
-    force = np.asarray(mu * load / arm + np.zeros(geometry.shape))
-    along = geometry.directions[..., index, :]
-    upstream = force[..., np.newaxis] * along
-    straight = np.zeros(geometry.shape)
-    before = geometry.bends[..., index - 1] if index else straight
-    behind = geometry.bends[..., index] if index < geometry.n_joints else straight
-    up_along, up_across, down_along, down_across = (
-        scalar_or_array(np.asarray(force * part(bend)))
-        for bend in (before, behind)
-        for part in (np.cos, np.sin)
+    shape, numbers, loads = line._spread(torque=load, friction=mu, radius=arm)
+    flat, undetermined = _core.spline_forces(
+        line._lines, index, numbers, loads, threads.at_most(None)
     )
-    bearing_force, refused = _bearing_force(geometry, index, upstream)
+    bearings = line._geometry.bearings
+    columns = flat.reshape(8 + 3 * len(bearings), *shape)
+    upstream = _vectors(columns[1:4])
+    up_along, up_across, down_along, down_across = columns[4:8]
     return SplineForce(
-        scalar_or_array(force),
+        columns[0],
         upstream,
         -upstream,
         up_along,
         up_across,
         down_along,
         down_across,
-        geometry.bearings,
-        bearing_force,
-        refused,
+        bearings,
+        _vectors(columns[8:].reshape(len(bearings), 3, *shape), 1),
+        undetermined or "",
     )
 
 
-def _bearing_force(geometry: Geometry, shaft: int, upstream: FloatArray) -> tuple[FloatArray, str]:
-    """What bearings give the shafts beside the sliding one, and why that is not determined."""
-    found = np.zeros((len(geometry.bearings), *upstream.shape))
-    if not geometry.bearings:
-        return found, "the driveline has no bearings"
-    # The force on a shaft at its joint with the sliding one, and the position of that joint.
-    held = []
-    if shaft > 0:
-        held.append((shaft - 1, upstream, geometry.lengths[..., shaft - 1]))
-    if shaft < geometry.n_joints:
-        held.append((shaft + 1, -upstream, np.zeros(geometry.shape)))
-    for beside, force, joint in held:
-        own = [i for i, of in enumerate(geometry.bearings) if of == beside]
-        if len(own) != 2:
-            count = f"{len(own)} bearing{'' if len(own) == 1 else 's'}"
-            return found, f"shaft {beside} has {count}; two bear the part across it"
-        along = geometry.directions[..., beside, :]
-        across = force - np.sum(force * along, axis=-1, keepdims=True) * along
-        for i, j in (own, own[::-1]):
-            at, other = geometry.positions[..., i], geometry.positions[..., j]
-            share = (other - joint) / (other - at)
-            found[i] = -share[..., np.newaxis] * across
-    return found, ""
+def _vectors(columns: FloatArray, axis: int = 0) -> FloatArray:
+    """Put the components of vectors last."""
+    return np.ascontiguousarray(np.moveaxis(columns, axis, -1))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cardan import _core, threads
 from cardan.arrays import FloatArray
-from cardan.equivalent import EquivalentJoint, Motion
+from cardan.batch import Batch
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,25 +42,16 @@ class Steering:
     turn_to_slow: FloatArray
 
 
-def steering(joint: EquivalentJoint, motion: Motion, centre: Any) -> Steering:  # noqa: ANN401
-    """Return the figures of an equivalent joint.
+def steering(line: Batch, centre: FloatArray) -> Steering:
+    """Find the figures as ``Driveline.steering`` does.
 
     Args:
-        joint: the joint.
-        motion: its motion straight ahead.
+        line: drivelines.
         centre: angle of the column straight ahead in rad.
     """
-    at = np.asarray(centre + joint.angle_offset)
-    quarters = np.round(at / (0.5 * np.pi))
-    return Steering(
-        np.asarray(motion.speed_ratio)[()],
-        np.asarray(motion.acceleration_ratio)[()],
-        (at - 0.5 * np.pi * quarters)[()],
-        np.asarray(quarters % 2.0 == 0.0)[()],
-        _within_quarter(-at)[()],
-        _within_quarter(0.5 * np.pi - at)[()],
-    )
-
-
-def _within_quarter(angle: FloatArray) -> FloatArray:
-    return np.asarray(angle - np.pi * np.round(angle / np.pi))
+    line._geometry.check_ideal("steering is judged", "evaluate and harmonics give the motion")
+    shape, numbers, (angles,) = line._spread(centre=centre)
+    flat = _core.steering(line._lines, numbers, angles, threads.at_most(None))
+    ratio, slope, offset, quick, turn_to_quick, turn_to_slow = flat.reshape(6, *shape)
+    quickly = np.asarray(quick != 0.0)[()]
+    return Steering(ratio, slope, offset, quickly, turn_to_quick, turn_to_slow)

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
 import cardan
 from cardan import (
@@ -46,7 +47,7 @@ VALUES: list[tuple[Callable[[], object], str, tuple[int | str, ...], str]] = [
     ),
     (lambda: TWO.evaluate(0.1, ["angle", "torque"]), "outputs", (1,), 'is "torque", which needs'),
     (lambda: TWO.evaluate(0.1, shafts=[1, 1]), "shafts", (1,), "is 1 again; name each once"),
-    (lambda: Sweep(0.0, 1e13, 5), "stop", (), "is 10000000000000 rad; a sweep must end"),
+    (lambda: Sweep(0.0, 1e13, 5), "stop", (), "is 10000000000000.0 rad; a sweep must end"),
     (
         lambda: TWO.evaluate([0.1, 0.2], "torque", load=LOADED),
         "drive_torque",
@@ -116,6 +117,55 @@ def test_fields(
 
 
 @pytest.mark.parametrize(
+    ("call", "value", "unit", "rule"),
+    [
+        (VALUES[0][0], 1.6, "rad", "a bend must lie in [0, pi/2)"),
+        (VALUES[8][0], 95.0, "deg", "a bend must lie in [0, 90) deg"),
+        (lambda: Driveline.from_bends([1e-13, -1e-13], degrees=True), -1e-13, "deg", ""),
+        (lambda: BallJoint([0.05, -1.0]), -1.0, "", "it must be positive and finite"),
+        (lambda: BallJoint(0.05, 2.0), 2.0, "rad", "a half-angle must lie in"),
+        (lambda: TWO.plan("angel"), None, "", ""),
+    ],
+)
+def test_a_value_that_breaks_a_rule(
+    call: Callable[[], object], value: float | None, unit: str, rule: str
+) -> None:
+    with pytest.raises(ArgumentError) as caught:
+        call()
+    error = caught.value
+    assert (error.value, error.unit) == (value, unit)
+    assert error.rule.startswith(rule)
+    assert error.problem.endswith(error.rule)
+    assert (value is None) == (not error.rule)
+
+
+@pytest.mark.parametrize(
+    ("call", "argument", "place"),
+    [
+        (lambda: Driveline.from_bends([0.1, 2.0], np.zeros((5, 3, 1))), "bends", (1,)),
+        (
+            lambda: Driveline.from_bends([[[0, 95]]] * 2, np.zeros((3, 1)), degrees=True),
+            "bends",
+            (0, 0, 1),
+        ),
+        (lambda: Driveline.from_points([*POINTS], np.zeros((4, 0))), "points", (2,)),
+        (lambda: mounted([[1, 1, 1], [1, 0, 1]], np.full((4, 1), 0.5)), "lengths", (1, 1)),
+        (lambda: mounted([[1, 1, 1]], [0.5, 2.0]), "bearings", (0, 1, 1)),
+    ],
+)
+def test_places_are_those_in_the_argument(
+    call: Callable[[], object], argument: str, place: tuple[int, ...]
+) -> None:
+    with pytest.raises(ArgumentError) as caught:
+        call()
+    assert (caught.value.argument, caught.value.place) == (argument, place)
+
+
+def mounted(lengths: list[list[float]], position: ArrayLike) -> Driveline:
+    return TWO.with_bearings([(1, position)], lengths=lengths)
+
+
+@pytest.mark.parametrize(
     ("cases", "own", "base"),
     [(VALUES, ArgumentValueError, ValueError), (TYPES, ArgumentTypeError, TypeError)],
 )
@@ -142,8 +192,8 @@ def test_copies_are_whole(case: tuple[Any, ...]) -> None:
     for other in (pickle.loads(pickle.dumps(error)), copy.copy(error), copy.deepcopy(error)):
         assert type(other) is type(error)
         assert str(other) == str(error)
-        fields = (other.argument, other.place, other.problem, other.__notes__)
-        assert fields == (error.argument, error.place, error.problem, error.__notes__)
+        assert vars(other) == vars(error)
+        assert other.__notes__ == error.__notes__
 
 
 def refused(bend: float) -> None:

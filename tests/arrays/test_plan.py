@@ -334,7 +334,7 @@ def test_sweeps_as_values() -> None:
     [
         (lambda: Sweep(0, 1, 0), ValueError, "num is 0; it must be at least 1"),
         (lambda: Sweep(0, 1, 2.5), TypeError, "num is 2.5; it must be an integer"),  # type: ignore[arg-type]
-        (lambda: Sweep(0, math.nan, 3), ValueError, "stop is NaN rad"),
+        (lambda: Sweep(0, math.nan, 3), ValueError, "stop is nan rad"),
         (lambda: Sweep(-2e12, 0, 3), ValueError, "within 1e12 rad"),
         (lambda: Sweep("a", 0, 3), TypeError, "start is 'a'; it must be a number"),  # type: ignore[arg-type]
         (lambda: Sweep(0, "b", 3), TypeError, "stop is 'b'; it must be a number"),  # type: ignore[arg-type]

@@ -549,3 +549,24 @@ def test_orders_of_joints_that_compensate_each_other() -> None:
     ratio = line.evaluate(angle, "acceleration_ratio").acceleration_ratio
     orders = np.abs(np.fft.rfft(ratio, axis=0))[1:3].T / 2048.0
     np.testing.assert_allclose(found.acceleration_ratio, orders, rtol=1e-9, atol=1e-13)
+
+
+@pytest.mark.parametrize("tolerance", [None, 0.0, 1e-6])
+@pytest.mark.parametrize("steep", [False, True])
+def test_bits_do_not_depend_on_the_outputs_asked_for(tolerance: float | None, steep: bool) -> None:
+    """One loop computes an output alone, another one beside others."""
+    rng = np.random.default_rng(5)
+    bends = rng.uniform(1.0, 1.4, (6, 3)) if steep else rng.uniform(0.0, 0.6, (6, 3))
+    lines = Driveline.from_bends(bends[:, np.newaxis], 0.4, 0.2).with_deviations(
+        *rng.uniform(-0.02, 0.02, (3, 6, 1, 3))
+    )
+    angle = rng.uniform(-7.0, 7.0, 160)
+    names = (*MOTION, *SCALARS, *VECTORS)
+    pairs = itertools.combinations(MOTION, 2)
+    asked = [(name,) for name in names] + [*pairs, MOTION, ("jerk_ratio", "torque"), names]
+    for line in (lines, lines[0, 0]):
+        every = line.evaluate(angle, names, shafts=slice(None), load=LOAD, tolerance=tolerance)
+        for some in asked:
+            found = line.evaluate(angle, some, shafts=slice(None), load=LOAD, tolerance=tolerance)
+            for name in some:
+                np.testing.assert_array_equal(found[name], every[name], err_msg=f"{name}: {some}")

@@ -744,5 +744,5 @@ def test_wrong_types(arguments: dict[str, Any], message: str) -> None:
 
 
 def test_errors_of_the_start_are_those_of_the_driveline() -> None:
-    with pytest.raises(ArgumentValueError, match=r"^bends\[0\] is 2 rad; a bend must lie in"):
+    with pytest.raises(ArgumentValueError, match=r"^bends\[0\] is 2\.0 rad; a bend must lie in"):
         cardan.optimise(lambda x: Driveline.from_bends(x), [2.0])

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cardan import _core
 from cardan.arrays import FloatArray, as_float64, common_shape, positive, scalar_or_array
 from cardan.errors import wrong_element
 
@@ -80,23 +81,14 @@ def tube(
     thickness = 0.5 * diameter if wall is None else positive("wall", wall)
     span, shear = positive("length", length), positive("shear_modulus", shear_modulus)
     elastic, rho = positive("elastic_modulus", elastic_modulus), positive("density", density)
-    common_shape(
-        outer_diameter=diameter.shape,
-        wall=thickness.shape,
-        length=span.shape,
-        shear_modulus=shear.shape,
-        elastic_modulus=elastic.shape,
-        density=rho.shape,
-    )
+    dimensions = (diameter, thickness, span, shear, elastic, rho)
+    names = ("outer_diameter", "wall", "length", "shear_modulus", "elastic_modulus", "density")
+    shapes = (array.shape for array in dimensions)
+    shape = common_shape(**dict(zip(names, shapes, strict=True)))
     thick = np.broadcast_to(thickness, np.broadcast_shapes(thickness.shape, diameter.shape))
     if np.any(thick > 0.5 * diameter):
         rule = " m; a wall is at most half the outer diameter"
         raise wrong_element("wall", thick, thick > 0.5 * diameter, rule)
-    # The differences of powers are written as products, which keep the digits of thin walls.
-    radius, inner = 0.5 * diameter, 0.5 * diameter - thickness
-    area = np.pi * thickness * (radius + inner)
-    polar = 0.5 * area * (radius**2 + inner**2)
-    critical = (np.pi / span) ** 2 * np.sqrt(elastic * 0.5 * polar / (rho * area))
-    figures = (shear * polar / span, rho * polar * span, rho * area * span, critical)
-    stiffness, inertia, mass, speed = (scalar_or_array(np.asarray(x)) for x in figures)
-    return Tube(stiffness, inertia, mass, speed, np.asarray(radius / polar))
+    flat = _core.tubes([np.broadcast_to(array, shape).ravel() for array in dimensions])
+    stiffness, inertia, mass, speed, shear_per_torque = flat.reshape(5, *shape)
+    return Tube(stiffness, inertia, mass, speed, np.asarray(shear_per_torque))

@@ -12,6 +12,7 @@
 //! | [`run`] | threads, blocks, chunks, loops over slices, and reductions |
 //! | [`turns`] | what outputs do over a turn of the drive |
 //! | [`wear`] | friction and fatigue of the pins, from means over a turn |
+//! | [`design`] | closed forms of drivelines and shafts: excitations, steering, splines, tubes |
 //! | [`dynamics`] | torsional vibration of drivelines with compliant shafts |
 //! | [`measured`] | the motion of a measured drive: integral and derivatives of its speed |
 //! | [`error`] | errors in the input, with argument, position and rule |
@@ -21,6 +22,7 @@
 // Tests compare with the platform's functions.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+pub mod design;
 pub mod dynamics;
 pub mod error;
 pub mod input;
@@ -33,9 +35,12 @@ mod sincos;
 pub mod turns;
 pub mod wear;
 
+pub use design::{Excitations, Spline, SplineForce, Steering, Tube};
 pub use dynamics::{ShaftEnds, TorsionalSystem};
-pub use error::{Error, Result};
-pub use input::{Angles, Drivelines, Load, Samples, Source, Sweep};
+pub use error::{Error, Problem, Result, Rule};
+pub use input::batch::{check_bearings, check_length, check_shaft};
+pub use input::broadcast::unravel;
+pub use input::{Angles, Batch, Drivelines, Load, Samples, Source, Sweep, strides};
 pub use mechanics::as_built::check_deviations;
 pub use mechanics::chain::Equivalent;
 pub use mechanics::general::General;

@@ -3,17 +3,17 @@
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Axes, Differentiated, Execution, Parameters, Spread, SpreadAngles, SpreadLoad, Wanted,
-    q_derivatives,
+    Axes, Differentiated, End, Execution, Output, Parameters, Spread, SpreadAngles, SpreadLoad,
+    Wanted, level, q_derivatives,
 };
 use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 
-use crate::convert::{argument_error, slice};
+use crate::convert::{OrRaise, argument_error, slice};
 use crate::lines::Lines;
-use crate::plan::{DriveSweep, axes, end, named_level, quantity};
+use crate::plan::DriveSweep;
 use crate::watch::{reserve, run_released, threads};
 
 /// The fewest joints in all whose derivatives are interruptible.
@@ -32,17 +32,17 @@ pub(crate) fn dq<'py>(
     by: &str,
     workers: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<Complex64>>> {
-    let joints = lines.joints();
+    let joints = lines.batch().joints();
     if shaft > joints {
         let problem = format!("shaft is {shaft}; there are {}", joints + 1);
         return Err(PyIndexError::new_err(problem));
     }
     let by = parameters(by)?;
-    lines.check_ideal("q and its derivatives are")?;
+    lines.batch().check_ideal("q and its derivatives are").or_raise()?;
     lines.with(py, |lines| {
         let count = lines.bends.len() / joints;
         if by == Parameters::Points && lines.lengths.len() != count * (joints + 1) {
-            return Err(argument_error("by", &[], "is \"points\"; the shafts have no lengths"));
+            return Err(argument_error("by", "is \"points\"; the shafts have no lengths"));
         }
         let mut out = vec![];
         reserve(&mut out, count.saturating_mul(by.count(joints)))?;
@@ -62,7 +62,7 @@ fn parameters(name: &str) -> PyResult<Parameters> {
         "twists" => Ok(Parameters::Twists),
         "phases" => Ok(Parameters::Phases),
         "points" => Ok(Parameters::Points),
-        other => Err(argument_error("by", &[], format!("is {other:?}, which is unknown"))),
+        other => Err(argument_error("by", format!("is {other:?}, which is unknown"))),
     }
 }
 
@@ -99,12 +99,13 @@ pub(crate) fn differentiate<'py>(
     workers: Option<usize>,
     level: Option<&str>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let joints = lines.joints();
+    let joints = lines.batch().joints();
     let wanted = self::wanted(&wanted)?;
-    let level = level.map(named_level).transpose()?;
-    let (axes, driven) = (axes(&modes.0)?, modes.1);
-    let bearings = lines.bearings().unwrap_or_default();
-    let name = |(name, items): (PyBackedStr, Vec<usize>)| Ok((quantity(&name)?, items));
+    let level = level.map(level::named).transpose().or_raise()?;
+    let (axes, driven) = (Axes::named(&modes.0).or_raise()?, modes.1);
+    let bearings = lines.batch().bearings.as_deref().unwrap_or_default();
+    let name =
+        |(name, items): (PyBackedStr, Vec<usize>)| Ok((Output::named(&name).or_raise()?, items));
     let outputs = outputs.into_iter().map(name).collect::<PyResult<Vec<_>>>()?;
     let angle = match &angle {
         AngleInput::Sweep(sweep) => SpreadAngles::Sweep(sweep.sweep()),
@@ -119,28 +120,28 @@ pub(crate) fn differentiate<'py>(
         None => None,
     };
     if wanted.points {
-        lines.check_ideal("derivatives by points are")?;
+        lines.batch().check_ideal("derivatives by points are").or_raise()?;
     }
-    if wanted.deviations || lines.is_as_built() {
+    if wanted.deviations || lines.batch().as_built {
         check_as_built(axes, driven)?;
         if let Some((output, _)) = outputs.iter().find(|(output, _)| output.is_ideal()) {
             let name = output.row().name;
             let problem = format!("have {name:?}, which has no derivatives by deviations");
-            return Err(argument_error("outputs", &[], problem));
+            return Err(argument_error("outputs", problem));
         }
     }
     lines.with(py, |lines| {
         let task =
             Differentiated { joints, lines, bearings, samples, outputs, axes, angle, driven, load };
         let total = task.line_count().saturating_mul(samples);
-        let misfit = |name: &str| argument_error(name, &[], "does not fit the samples");
+        let misfit = |name: &'static str| argument_error(name, "does not fit the samples");
         if !task.is_complete() {
             return Err(misfit("angle"));
         }
         if (wanted.points || wanted.lengths)
             && lines.lengths.len() != task.line_count() * (joints + 1)
         {
-            return Err(argument_error("by", &[], "needs lengths, which are unknown"));
+            return Err(argument_error("by", "needs lengths, which are unknown"));
         }
         if let Some(weights) = &weights
             && (weights.len() != task.planes() || weights.iter().any(|x| x.len() != total))
@@ -186,10 +187,13 @@ fn check_as_built(axes: Axes, driven: bool) -> PyResult<()> {
     } else {
         return Ok(());
     };
-    Err(argument_error("joints", &[], problem))
+    Err(argument_error("joints", problem))
 }
 
-fn spread<'a>(name: &str, (array, per_line, per_sample): &'a Stepped<'_>) -> PyResult<Spread<'a>> {
+fn spread<'a>(
+    name: &'static str,
+    (array, per_line, per_sample): &'a Stepped<'_>,
+) -> PyResult<Spread<'a>> {
     let data = slice(name, array)?;
     Ok(Spread { data, per_line: *per_line, per_sample: *per_sample })
 }
@@ -200,12 +204,12 @@ fn spread_load<'a>(load: &'a SteppedLoad<'_>, joints: usize) -> PyResult<SpreadL
     for (shaft, stepped) in of_shafts {
         let Some(inertia) = inertias.get_mut(*shaft) else {
             let problem = format!("are of shaft {shaft}; there are {}", joints + 1);
-            return Err(argument_error("inertias", &[], problem));
+            return Err(argument_error("inertias", problem));
         };
         *inertia = Some(spread("inertias", stepped)?);
     }
     Ok(SpreadLoad {
-        end: end(given)?.0,
+        end: End::named(given).or_raise()?,
         torque: spread("torque", torque)?,
         speed: spread("speed", speed)?,
         acceleration: spread("acceleration", acceleration)?,
@@ -229,7 +233,7 @@ fn wanted(names: &[PyBackedStr]) -> PyResult<Wanted> {
             "positions" => &mut wanted.positions,
             "deviations" => &mut wanted.deviations,
             other => {
-                return Err(argument_error("by", &[], format!("is {other:?}, which is unknown")));
+                return Err(argument_error("by", format!("is {other:?}, which is unknown")));
             }
         };
         *place = true;

@@ -2,14 +2,14 @@
 
 use std::sync::atomic::Ordering;
 
-use cardan::optimal_phases_of_batch;
-use cardan::{Equivalent, Error, Execution, General, Geometry, Vector};
+use cardan::{
+    Equivalent, Execution, General, Geometry, Vector, check_length, check_shaft,
+    optimal_phases_of_batch, unravel,
+};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
-use crate::convert::{
-    Input, argument_error, check_length, count, slice, unravel, value_error, vectors,
-};
+use crate::convert::{Input, OrRaise, argument_error, count, slice, vectors};
 use crate::lines::Lines;
 use crate::watch::{check_memory, reserve, run_interruptible, run_released};
 
@@ -36,8 +36,7 @@ fn for_each_line(
     each: &mut (dyn FnMut(usize) -> cardan::Result<()> + Send),
 ) -> PyResult<()> {
     if lines < MIN_INTERRUPTIBLE {
-        let result = py.detach(|| (0..lines).try_for_each(each));
-        return result.map_err(|error| value_error(&error));
+        return py.detach(|| (0..lines).try_for_each(each)).or_raise();
     }
     run_interruptible(py, Some(1), &mut |stop| {
         let go_on = |line: &usize| !line.is_multiple_of(PIECE) || !stop.load(Ordering::Relaxed);
@@ -45,11 +44,13 @@ fn for_each_line(
     })
 }
 
-/// Computes the geometry of each driveline of a batch and collects the flat arrays.
+/// Computes the geometry of each driveline of a batch and collects the flat arrays. Errors are
+/// shown in degrees to a caller who gave them.
 fn lay_out<'py>(
     py: Python<'py>,
     joints: usize,
     shape: &[usize],
+    degrees: bool,
     each: impl Fn(usize) -> cardan::Result<Geometry> + Sync,
 ) -> PyResult<Flat<'py>> {
     let lines = count(shape)?;
@@ -64,7 +65,10 @@ fn lay_out<'py>(
     }
     let [mut bends, mut twists, mut directions, mut normals] = flat;
     for_each_line(py, lines, &mut |line| {
-        let geometry = each(line).map_err(|error| at_line(error, line, shape))?;
+        let geometry = each(line).map_err(|error| {
+            let error = error.within(&unravel(line, shape));
+            if degrees { error.in_degrees() } else { error }
+        })?;
         bends.extend(&geometry.bends);
         twists.extend(&geometry.twists);
         directions.extend(geometry.directions.iter().flat_map(|v| v.iter()));
@@ -79,9 +83,10 @@ fn lay_out<'py>(
     ))
 }
 
-/// The same error, with the driveline's position in the batch.
-fn at_line(error: Error, line: usize, shape: &[usize]) -> Error {
-    error.within(&unravel(line, shape))
+/// The number of drivelines with these bends.
+fn count_of(bends: &[f64], joints: usize) -> PyResult<usize> {
+    let none = || argument_error("joints", "is 0; a driveline has at least one");
+    bends.len().checked_div(joints).ok_or_else(none)
 }
 
 /// The part of a flat array for one driveline.
@@ -90,8 +95,10 @@ fn part(flat: &[f64], line: usize, each: usize) -> &[f64] {
     flat.get(first..first.saturating_add(each)).unwrap_or(&[])
 }
 
-/// Drivelines from bends `(…, n)`, twists and phases `(…, n − 1)` in rad.
+/// Drivelines from bends `(…, n)`, twists and phases `(…, n − 1)` in rad, which the caller may have
+/// been given in degrees.
 #[pyfunction]
+#[pyo3(signature = (joints, shape, bends, twists, phases, degrees=false))]
 pub(crate) fn from_bends<'py>(
     py: Python<'py>,
     joints: usize,
@@ -99,12 +106,13 @@ pub(crate) fn from_bends<'py>(
     bends: Input<'py>,
     twists: Input<'py>,
     phases: Input<'py>,
+    degrees: bool,
 ) -> PyResult<Flat<'py>> {
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
     let phases = slice("phases", &phases)?;
     let between = joints.saturating_sub(1);
-    lay_out(py, joints, &shape, |line| {
+    lay_out(py, joints, &shape, degrees, |line| {
         Geometry::from_bends(
             part(bends, line, joints),
             part(twists, line, between),
@@ -149,7 +157,7 @@ fn from_vectors<'py>(
     let flat = slice("vectors", flat)?;
     let phases = slice("phases", phases)?;
     let each = joints.saturating_add(more).saturating_mul(3);
-    lay_out(py, joints, shape, |line| {
+    lay_out(py, joints, shape, false, |line| {
         let between = part(phases, line, joints.saturating_sub(1));
         make(&vectors(part(flat, line, each)), between)
     })
@@ -166,13 +174,28 @@ pub(crate) fn check_deviations(
 ) -> PyResult<()> {
     let (bends, deviations) = (slice("bends", &bends)?, slice("deviations", &deviations)?);
     let lines = count(&shape)?;
-    check_length("bends", bends.len(), lines, joints)?;
-    check_length("deviations", deviations.len(), lines, joints.saturating_mul(3))?;
+    check_length("bends", bends.len(), lines, joints).or_raise()?;
+    check_length("deviations", deviations.len(), lines, joints.saturating_mul(3)).or_raise()?;
     for_each_line(py, lines, &mut |line| {
         let own = part(deviations, line, joints.saturating_mul(3));
         cardan::check_deviations(part(bends, line, joints), own)
-            .map_err(|error| at_line(error, line, &shape))
+            .map_err(|error| error.within(&unravel(line, &shape)))
     })
+}
+
+/// Checks that bearings lie between the ends of their shafts, from lengths `(…, n + 1)` and
+/// positions `(…, bearings)`.
+#[pyfunction]
+pub(crate) fn check_bearings(
+    joints: usize,
+    shape: Vec<usize>,
+    bearings: Vec<usize>,
+    lengths: Input<'_>,
+    positions: Input<'_>,
+) -> PyResult<()> {
+    let (lengths, positions) = (slice("lengths", &lengths)?, slice("positions", &positions)?);
+    count(&shape)?;
+    cardan::check_bearings(joints, &shape, &bearings, lengths, positions).or_raise()
 }
 
 /// The mean over a turn by which a shaft is ahead of the drive in each driveline, in rad.
@@ -182,11 +205,8 @@ pub(crate) fn mean_leads<'py>(
     lines: &Lines,
     shaft: usize,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let joints = lines.joints();
-    if shaft > joints {
-        let problem = format!("is {shaft}; there are {}", joints + 1);
-        return Err(argument_error("shaft", &[], problem));
-    }
+    let joints = lines.batch().joints();
+    check_shaft(joints, shaft).or_raise()?;
     let mut leads = vec![];
     let between = shaft.saturating_sub(1);
     lines.with(py, |lines| {
@@ -221,17 +241,14 @@ pub(crate) fn equivalent<'py>(
     twists: Input<'py>,
     phases: Input<'py>,
 ) -> PyResult<[Bound<'py, PyArray1<f64>>; 8]> {
-    if joints == 0 || shaft > joints {
-        let problem = format!("is {shaft}; there are {}", joints + 1);
-        return Err(argument_error("shaft", &[], problem));
-    }
+    check_shaft(joints, shaft).or_raise()?;
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
     let phases = slice("phases", &phases)?;
-    let lines = bends.len() / joints;
-    check_length("bends", bends.len(), lines, joints)?;
-    check_length("twists", twists.len(), lines, joints - 1)?;
-    check_length("phases", phases.len(), lines, joints - 1)?;
+    let lines = count_of(bends, joints)?;
+    check_length("bends", bends.len(), lines, joints).or_raise()?;
+    check_length("twists", twists.len(), lines, joints - 1).or_raise()?;
+    check_length("phases", phases.len(), lines, joints - 1).or_raise()?;
     let mut columns = [const { Vec::<f64>::new() }; 8];
     for column in &mut columns {
         reserve(column, lines)?;
@@ -276,12 +293,10 @@ pub(crate) fn optimal_phases<'py>(
     let bends = slice("bends", &bends)?;
     let twists = slice("twists", &twists)?;
     let phases = slice("phases", &phases)?;
-    let Some(lines) = bends.len().checked_div(joints) else {
-        return Err(argument_error("joints", &[], "is 0; a driveline has at least one"));
-    };
-    check_length("bends", bends.len(), lines, joints)?;
-    check_length("twists", twists.len(), lines, joints - 1)?;
-    check_length("phases", phases.len(), lines, joints - 1)?;
+    let lines = count_of(bends, joints)?;
+    check_length("bends", bends.len(), lines, joints).or_raise()?;
+    check_length("twists", twists.len(), lines, joints - 1).or_raise()?;
+    check_length("phases", phases.len(), lines, joints - 1).or_raise()?;
     let mut best = vec![];
     reserve(&mut best, phases.len())?;
     best.extend_from_slice(phases);

@@ -1,14 +1,14 @@
 //! The native module `cardan._core`: it converts arguments, releases the interpreter, calls the
 //! core and maps errors.
 //!
-//! `python/cardan` passes contiguous arrays of the right type. This module checks that their
-//! lengths fit, broadcasts them over the samples and fills the results.
+//! `python/cardan` passes contiguous arrays of the right type. The core checks that they fit.
 
 #![deny(unsafe_code)]
 #![allow(clippy::needless_pass_by_value, reason = "arguments from Python arrive by value")]
 
 mod convert;
 mod derivatives;
+mod design;
 mod driveline;
 mod lines;
 mod measured;
@@ -28,9 +28,11 @@ mod _core {
     #[pymodule_export]
     use super::derivatives::{differentiate, dq};
     #[pymodule_export]
+    use super::design::{excitations, spline_forces, steering, tubes};
+    #[pymodule_export]
     use super::driveline::{
-        check_deviations, equivalent, from_bends, from_directions, from_points, mean_leads,
-        optimal_phases,
+        check_bearings, check_deviations, equivalent, from_bends, from_directions, from_points,
+        mean_leads, optimal_phases,
     };
     #[pymodule_export]
     use super::lines::Lines;

@@ -1,11 +1,11 @@
 //! The motion of a measured drive.
 
-use cardan::Level;
 use cardan::measured::{Integral, derivatives};
+use cardan::{Level, check_length};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
-use crate::convert::{Input, argument_error, check_length, slice};
+use crate::convert::{Input, OrRaise, argument_error, slice};
 use crate::watch::reserve;
 
 /// The integral of a signal over time by the trapezoidal rule, which is exact for a ramp.
@@ -32,7 +32,7 @@ impl NativeIntegral {
         values: Input<'py>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (time, values) = (slice("time", &time)?, slice("values", &values)?);
-        check_length("values", values.len(), time.len(), 1)?;
+        check_length("values", values.len(), time.len(), 1).or_raise()?;
         let mut integral = zeros(time.len())?;
         py.detach(|| self.0.extend(time, values, &mut integral));
         Ok(integral.into_pyarray(py))
@@ -51,9 +51,9 @@ pub(crate) fn derivatives_at<'py>(
     end: usize,
 ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
     let (time, values) = (slice("time", &time)?, slice("values", &values)?);
-    check_length("values", values.len(), time.len(), 1)?;
+    check_length("values", values.len(), time.len(), 1).or_raise()?;
     if begin > end || end > time.len() {
-        return Err(argument_error("end", &[], "is not a row of the signal"));
+        return Err(argument_error("end", "is not a row of the signal"));
     }
     let (mut first, mut second) = (zeros(end - begin)?, zeros(end - begin)?);
     py.detach(|| {

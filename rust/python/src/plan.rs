@@ -6,8 +6,8 @@ use std::iter::once;
 use std::sync::atomic::AtomicBool;
 
 use cardan::{
-    Angles, Axes, Call, Drivelines, End, Execution, FoldedDriveline, Level, Load, Output, Plan,
-    Planes, Precision, Reduction, Request, Rows, Samples, Sought, Source, Sweep, Turns, level,
+    Angles, Axes, Call, Drivelines, End, Execution, FoldedDriveline, Load, Output, Plan, Planes,
+    Precision, Reduction, Request, Rows, Samples, Sought, Source, Sweep, Turns, level, strides,
     uses_threads,
 };
 use numpy::npyffi::npy_intp;
@@ -19,7 +19,7 @@ use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 use pyo3::types::{PyDict, PyList, PyString, PyTuple};
 
-use crate::convert::{argument_error, count, not_contiguous, slice_mut, value_error};
+use crate::convert::{OrRaise, argument_error, count, not_contiguous, slice_mut};
 use crate::lines::Lines;
 use crate::turns::run_rows;
 use crate::watch::{check_memory, no_memory, run_interruptible, threads};
@@ -30,6 +30,9 @@ const MIN_DETACHED: usize = 1000;
 /// The fewest numbers, results and folded joints together, for which a run is interruptible. They
 /// take some milliseconds, and less than half a second on the slowest instruction set.
 const MIN_INTERRUPTIBLE: usize = 1 << 21;
+
+/// What messages call the shape of the batch.
+const BATCH: &str = "the driveline's batch";
 
 /// An array that is broadcast to the samples.
 type Spread = Py<PyArrayDyn<f64>>;
@@ -78,7 +81,7 @@ impl DriveSweep {
             Some((start, stop)) => Sweep::new(start, stop, count),
             None => Sweep::of_turns(count, per_turn),
         };
-        sweep.map(Self).map_err(|error| value_error(&error))
+        sweep.map(Self).or_raise()
     }
 
     /// The angles from `first` on, each rounded to a double.
@@ -139,41 +142,42 @@ impl NativePlan {
             [numbers(shaft_items.iter())?, numbers(joint_items.iter())?];
         let (mut end, mut load_arrays, mut inertias) = (None, vec![], vec![]);
         if let Some((given, torque, speed, acceleration, of_shafts)) = load {
-            let (of, name) = self::end(&given)?;
+            let of = End::named(&given).or_raise()?;
             end = Some(of);
-            load_arrays = vec![(name, torque), ("speed", speed), ("acceleration", acceleration)];
+            load_arrays =
+                vec![(of.torque_name(), torque), ("speed", speed), ("acceleration", acceleration)];
             for (shaft, array) in of_shafts {
                 inertias.push(shaft);
                 load_arrays.push(("inertias", array));
             }
         }
         let items = shaft_items.len().saturating_add(joint_items.len());
-        check_memory(lines.get().joints().saturating_add(items).saturating_mul(2048))?;
+        check_memory(lines.get().batch().joints().saturating_add(items).saturating_mul(2048))?;
         let shape = |(name, (items, is_vector)): (Bound<'_, PyAny>, _)| {
             Ok(OutputShape { name: name.cast_into::<PyString>()?.unbind(), items, is_vector })
         };
         let shapes = outputs.iter().zip(shapes).map(shape).collect::<PyResult<_>>()?;
-        let outputs = outputs.iter().map(|name| quantity(&name.extract::<PyBackedStr>()?));
+        let outputs =
+            outputs.iter().map(|name| Output::named(&name.extract::<PyBackedStr>()?).or_raise());
         let outputs = outputs.collect::<PyResult<Vec<_>>>()?;
+        let batch = lines.get().batch();
         let request = Request {
-            largest_bends: lines.get().largest_bends(),
+            largest_bends: &batch.largest_bends,
             outputs: &outputs,
             shafts: &shaft_items,
             joints: &joint_items,
             load: end,
             inertias: &inertias,
-            bearings: lines.get().bearings(),
-            as_built: lines.get().is_as_built(),
-            axes: self::axes(axes)?,
+            bearings: batch.bearings.as_deref(),
+            as_built: batch.as_built,
+            axes: Axes::named(axes).or_raise()?,
         };
-        let plan = Plan::new(&request).map_err(|error| value_error(&error))?;
+        let plan = Plan::new(&request).or_raise()?;
         let precision = plan.precision(tolerance, single);
-        let reduction = reduction.map(self::reduction).transpose()?;
+        let reduction = reduction.map(Reduction::named).transpose().or_raise()?;
         let results = reduction.map_or(plan.planes(), |reduction| reduction.results(&plan));
         let constants = if lines.get().is_one() {
-            let fold = |arrays: Drivelines<'_>| {
-                plan.fold(&arrays, precision).map_err(|error| value_error(&error))
-            };
+            let fold = |arrays: Drivelines<'_>| plan.fold(&arrays, precision).or_raise();
             Some(lines.get().with(lines.py(), fold)?)
         } else {
             None
@@ -235,9 +239,7 @@ impl NativePlan {
         sweep: Option<&DriveSweep>,
     ) -> PyResult<String> {
         let lines = self.lines.get();
-        let Some(line_strides) = strides(lines.shape(), &shape) else {
-            return Err(misfit(py, "the driveline's batch", lines.shape(), &shape));
-        };
+        let line_strides = strides(BATCH, &lines.batch().shape, &shape).or_raise()?;
         let still = vec![0; shape.len()];
         let angle = match sweep {
             Some(sweep) => Angles::Sweep(sweep.0),
@@ -250,7 +252,7 @@ impl NativePlan {
         lines.with(py, |lines| {
             let (shape, line_strides) = (&shape, &line_strides);
             let samples = Samples { shape, lines, line_strides, angle, load };
-            self.steps.explain(&samples, call).map_err(|error| value_error(&error))
+            self.steps.explain(&samples, call).or_raise()
         })
     }
 
@@ -272,7 +274,7 @@ impl NativePlan {
         workers: Option<usize>,
         level: Option<&str>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let level = level.map(named_level).transpose()?;
+        let level = level.map(level::named).transpose().or_raise()?;
         let angle = match angle.extract() {
             Ok(array) => AngleArgument::Array(array),
             Err(error) => {
@@ -293,16 +295,13 @@ impl NativePlan {
             Some(shape) => (own, shape.as_slice(), shape.as_slice()),
             None => (&[count][..], &[count][..], own),
         };
-        let strides_of = |name: &str, own: &[usize]| {
-            strides(own, shape).ok_or_else(|| misfit(py, name, own, shape))
-        };
         let lines = self.lines.get();
-        let line_strides = strides_of("the driveline's batch", lines.shape())?;
-        let angle_strides = strides_of("angle", own)?;
+        let line_strides = strides(BATCH, &lines.batch().shape, shape).or_raise()?;
+        let angle_strides = strides("angle", own, shape).or_raise()?;
         let load = self.read_load(py, shape)?;
         let rows = match (self.reduction, shape.split_last()) {
             (Some(_), Some((1.., rows))) => rows,
-            (Some(_), _) => return Err(argument_error("shape", &[], "has no samples to reduce")),
+            (Some(_), _) => return Err(argument_error("shape", "has no samples to reduce")),
             (None, _) => rows,
         };
         let angle = match &angle {
@@ -346,8 +345,8 @@ impl NativePlan {
         body: impl Fn(&Turns<'_>, Execution<'_>) -> cardan::Result<R> + Sync,
     ) -> PyResult<R> {
         let lines = self.lines.get();
-        let line_strides = strides(lines.shape(), shape)
-            .ok_or_else(|| misfit(py, "the driveline's batch", lines.shape(), shape))?;
+        let line_strides =
+            strides("the driveline's batch", &lines.batch().shape, shape).or_raise()?;
         let load = self.read_load(py, shape)?;
         let load = self.load_of(&load)?;
         lines.with(py, |lines| {
@@ -359,10 +358,9 @@ impl NativePlan {
 
     /// The arrays of the load with their strides over samples of this shape.
     fn read_load<'py>(&self, py: Python<'py>, shape: &[usize]) -> PyResult<Vec<Strided<'py>>> {
-        let read = |(name, array): &(&str, Spread)| {
+        let read = |(name, array): &(&'static str, Spread)| {
             let array = array.bind(py).try_readonly()?;
-            let own = array.shape();
-            let strides = strides(own, shape).ok_or_else(|| misfit(py, name, own, shape))?;
+            let strides = strides(name, array.shape(), shape).or_raise()?;
             Ok((array, strides))
         };
         self.load.iter().map(read).collect()
@@ -445,7 +443,7 @@ impl NativePlan {
                 }
             }
         };
-        let joints = if constants.is_some() { 0 } else { self.lines.get().joints() };
+        let joints = if constants.is_some() { 0 } else { self.lines.get().batch().joints() };
         let result = if total.saturating_mul(plan.planes() + joints) >= MIN_INTERRUPTIBLE {
             return run_interruptible(py, workers, &mut |stop| run(Some(stop)));
         } else if total < MIN_DETACHED {
@@ -453,7 +451,7 @@ impl NativePlan {
         } else {
             py.detach(|| run(None))
         };
-        result.map_err(|error| value_error(&error))
+        result.or_raise()
     }
 }
 
@@ -541,84 +539,10 @@ pub(crate) fn elements<'a>(array: &'a PyReadonlyArrayDyn<'_, f64>) -> Option<&'a
     array.as_slice().ok().filter(|_| c_order)
 }
 
-/// Strides, in elements, of an array in C order over the samples; `None` if it does not broadcast
-/// to their shape.
-pub(crate) fn strides(own: &[usize], shape: &[usize]) -> Option<Cow<'static, [usize]>> {
-    match (own, shape) {
-        // Small calls need no allocation.
-        ([], [_]) => return Some(Cow::Borrowed(&[0])),
-        ([own], [count]) if own == count && *own > 1 => return Some(Cow::Borrowed(&[1])),
-        _ => {}
-    }
-    let before = shape.len().checked_sub(own.len())?;
-    let mut strides = vec![0; shape.len()];
-    let mut step = 1_usize;
-    for (axis, &length) in own.iter().enumerate().rev() {
-        if length != 1 {
-            if length != shape[before + axis] {
-                return None;
-            }
-            strides[before + axis] = step;
-        }
-        step = step.saturating_mul(length);
-    }
-    Some(Cow::Owned(strides))
-}
-
-pub(crate) fn misfit(py: Python<'_>, name: &str, own: &[usize], shape: &[usize]) -> PyErr {
-    match (PyTuple::new(py, own), PyTuple::new(py, shape)) {
-        (Ok(own), Ok(shape)) => argument_error(
-            name,
-            &[],
-            format!("has shape {own}, which does not broadcast to the samples' {shape}"),
-        ),
-        (Err(error), _) | (_, Err(error)) => error,
-    }
-}
-
 /// Extracts integers; items of lists and tuples are faster to read than those of a general
 /// sequence.
 fn numbers<'py>(items: impl Iterator<Item = Bound<'py, PyAny>>) -> PyResult<Vec<usize>> {
     items.map(|item| item.extract()).collect()
-}
-
-/// An end of the driveline, and the name of its torque in messages.
-pub(crate) fn end(name: &str) -> PyResult<(End, &'static str)> {
-    match name {
-        "drive" => Ok((End::Drive, "drive_torque")),
-        "output" => Ok((End::Output, "output_torque")),
-        other => Err(argument_error("load", &[], format!("is {other:?}"))),
-    }
-}
-
-pub(crate) fn axes(name: &str) -> PyResult<Axes> {
-    match name {
-        "space" => Ok(Axes::Space),
-        "shaft" => Ok(Axes::Shaft),
-        other => Err(argument_error("axes", &[], format!("is {other:?}"))),
-    }
-}
-
-fn reduction(name: &str) -> PyResult<Reduction> {
-    Reduction::ALL
-        .into_iter()
-        .find(|reduction| reduction.name() == name)
-        .ok_or_else(|| argument_error("reduce", &[], format!("is {name:?}, which is unknown")))
-}
-
-pub(crate) fn quantity(name: &str) -> PyResult<Output> {
-    Output::ALL
-        .into_iter()
-        .find(|output| output.row().name == name)
-        .ok_or_else(|| argument_error("outputs", &[], format!("holds {name:?}, which is unknown")))
-}
-
-pub(crate) fn named_level(name: &str) -> PyResult<Level> {
-    level::available()
-        .into_iter()
-        .find(|(known, _)| *known == name)
-        .map(|(_, level)| level)
-        .ok_or_else(|| argument_error("level", &[], format!("{name:?} is not available here")))
 }
 
 /// The instruction sets that the kernels can use on this machine, strongest first.

@@ -3,12 +3,12 @@
 use std::sync::atomic::AtomicBool;
 
 use cardan::dynamics::{self, AtDrive, Failure, Instant, Runs, ShaftEnds};
-use cardan::{Execution, TorsionalSystem};
+use cardan::{Execution, TorsionalSystem, check_length, unravel};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 
-use crate::convert::{Input, argument_error, check_length, slice, unravel, value_error};
+use crate::convert::{Input, OrRaise, argument_error, slice};
 use crate::lines::Lines;
 use crate::watch::{check_memory, reserve, run_interruptible, threads};
 
@@ -35,7 +35,7 @@ impl NativeTorsion {
         shafts: [Input<'_>; 3],
         load: [Input<'_>; 2],
     ) -> PyResult<Self> {
-        let n = lines.joints();
+        let n = lines.batch().joints();
         let line = slice("line", &line)?;
         let [inertias, stiffnesses, dampings] = &shafts;
         let inertias = slice("inertias", inertias)?;
@@ -50,11 +50,11 @@ impl NativeTorsion {
             ("load_torque", torques, 1),
             ("load_damping", viscous, 1),
         ] {
-            check_length(name, array.len(), line.len(), each)?;
+            check_length(name, array.len(), line.len(), each).or_raise()?;
         }
         let mut systems = vec![];
         reserve(&mut systems, line.len())?;
-        lines.check_ideal("torsional systems are")?;
+        lines.batch().check_ideal("torsional systems are").or_raise()?;
         lines.with(py, |lines| {
             let part = |array: &[f64], each: usize, at: usize| {
                 array.get(at * each..(at + 1) * each).map(<[f64]>::to_vec)
@@ -80,7 +80,8 @@ impl NativeTorsion {
                 };
                 let load = [torques[i], viscous[i]];
                 let system = TorsionalSystem::new(&bends, &twists, &phases, of_shafts, load)
-                    .map_err(|error| value_error(&error.within(&unravel(i, &shape))))?;
+                    .map_err(|error| error.within(&unravel(i, &shape)))
+                    .or_raise()?;
                 systems.push(system);
             }
             Ok(())
@@ -174,7 +175,7 @@ impl NativeTorsion {
         let system = self.only()?;
         let m = system.unknowns();
         let state = slice("state", &state)?;
-        check_length("state", state.len(), 1, 2 * m)?;
+        check_length("state", state.len(), 1, 2 * m).or_raise()?;
         let (errors, speeds) = state.split_at(m);
         let mut out: Vec<f64> = speeds.iter().map(|speed| speed - drive_speed).collect();
         out.resize(2 * m + 2, 0.0);
@@ -209,7 +210,7 @@ impl NativeTorsion {
         let m = system.unknowns();
         let rows = slice("rows", &rows)?;
         let count = rows.len() / (2 * m + 2);
-        check_length("rows", rows.len(), count, 2 * m + 2)?;
+        check_length("rows", rows.len(), count, 2 * m + 2).or_raise()?;
         let record = 4 * system.shafts() + m;
         check_memory(count.saturating_mul(record).saturating_mul(8))?;
         let mut out = vec![0.0; count * record];
@@ -251,7 +252,7 @@ impl NativeTorsion {
         let (system, speed) = (slice("system", system)?, slice("speed", speed)?);
         if system.len() != speed.len() {
             let problem = format!("has {} values for {} systems", speed.len(), system.len());
-            return Err(argument_error("speed", &[], problem));
+            return Err(argument_error("speed", problem));
         }
         let count = speed.len();
         check_memory(count.saturating_mul(record.saturating_add(4)).saturating_mul(8))?;

@@ -5,7 +5,7 @@ use numpy::{Complex64, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
 
-use crate::convert::slice;
+use crate::convert::{OrRaise, slice};
 use crate::lines::Lines;
 use crate::watch::{check_memory, reserve};
 
@@ -17,14 +17,14 @@ pub(crate) struct NativeTransmission(Vec<Ideal>);
 impl NativeTransmission {
     #[new]
     fn new(py: Python<'_>, lines: &Lines, shaft: usize) -> PyResult<Self> {
-        let joints = lines.joints();
+        let joints = lines.batch().joints();
         if shaft > joints {
             return Err(PyIndexError::new_err(format!(
                 "shaft is {shaft}; there are {}",
                 joints + 1
             )));
         }
-        lines.check_ideal("a transmission by q is")?;
+        lines.batch().check_ideal("a transmission by q is").or_raise()?;
         lines.with(py, |lines| {
             let count = lines.bends.len() / joints;
             check_memory(count.saturating_mul(size_of::<Ideal>()))?;

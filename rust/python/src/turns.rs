@@ -2,17 +2,16 @@
 
 use std::borrow::Cow;
 
-use cardan::{Execution, Load, Rows, Source, Wear, pin_means as means};
-use numpy::PyUntypedArrayMethods;
-use numpy::{IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn};
+use cardan::{End, Execution, Load, Rows, Source, Wear, check_length, pin_means as means, strides};
+use numpy::{
+    IntoPyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use pyo3::pybacked::PyBackedStr;
 
-use crate::convert::{
-    Input, argument_error, check_length, count, not_contiguous, slice, value_error,
-};
+use crate::convert::{Input, OrRaise, count, not_contiguous, slice};
 use crate::lines::Lines;
-use crate::plan::{elements, end, misfit, strides};
+use crate::plan::elements;
 use crate::watch::{check_memory, reserve, run_interruptible, threads};
 
 /// An array that is broadcast to the rows.
@@ -35,7 +34,7 @@ pub(crate) fn run_rows<R: Send>(
 ) -> PyResult<R> {
     if rows < MIN_INTERRUPTIBLE {
         let alone = Execution { workers: Some(1), ..Execution::default() };
-        return py.detach(|| body(alone)).map_err(|error| value_error(&error));
+        return py.detach(|| body(alone)).or_raise();
     }
     let (workers, mut found) = (threads(workers), None);
     run_interruptible(py, workers, &mut |stop| {
@@ -56,26 +55,19 @@ pub(crate) fn pin_means<'py>(
     wear: &str,
     workers: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let known = Wear::NAMES.into_iter().find(|(name, _)| *name == wear);
-    let Some((_, wear)) = known else {
-        return Err(argument_error("wear", &[], format!("is {wear:?}, which is unknown")));
-    };
+    let wear = Wear::named(wear).or_raise()?;
     let (given, torque, speed, acceleration, inertias) = load;
-    let (end, torque_name) = end(&given)?;
-    let [torque, speed, acceleration] = [
-        Broadcast::new(py, torque_name, &torque, &shape)?,
-        Broadcast::new(py, "speed", &speed, &shape)?,
-        Broadcast::new(py, "acceleration", &acceleration, &shape)?,
-    ];
+    let end = End::named(&given).or_raise()?;
+    let torque = Broadcast::new(end.torque_name(), &torque, &shape)?;
+    let speed = Broadcast::new("speed", &speed, &shape)?;
+    let acceleration = Broadcast::new("acceleration", &acceleration, &shape)?;
     let of_shaft = |(shaft, array): &(usize, Spread<'py>)| {
-        Ok((*shaft, Broadcast::new(py, "inertias", array, &shape)?))
+        Ok((*shaft, Broadcast::new("inertias", array, &shape)?))
     };
     let inertias = inertias.iter().map(of_shaft).collect::<PyResult<Vec<_>>>()?;
-    let Some(line_strides) = strides(lines.shape(), &shape) else {
-        return Err(misfit(py, "the driveline's batch", lines.shape(), &shape));
-    };
+    let line_strides = strides("the driveline's batch", &lines.batch().shape, &shape).or_raise()?;
     let rows = count(&shape)?;
-    let total = rows.saturating_mul(wear.count(lines.joints()));
+    let total = rows.saturating_mul(wear.count(lines.batch().joints()));
     check_memory(total.saturating_mul(size_of::<f64>()))?;
     if rows == 0 {
         return Ok(vec![].into_pyarray(py));
@@ -94,7 +86,7 @@ pub(crate) fn pin_means<'py>(
             Rows { shape: &shape, lines: arrays, line_strides: &line_strides, load: Some(load) };
         run_rows(py, rows, workers, |execution| {
             let mut out = vec![0.0; total];
-            means(&turned, lines.largest_bends(), end, wear, &mut out, execution)?;
+            means(&turned, &lines.batch().largest_bends, end, wear, &mut out, execution)?;
             Ok(out)
         })
     })?;
@@ -109,15 +101,9 @@ struct Broadcast<'py> {
 }
 
 impl<'py> Broadcast<'py> {
-    fn new(
-        py: Python<'py>,
-        name: &'static str,
-        array: &Spread<'py>,
-        shape: &[usize],
-    ) -> PyResult<Self> {
+    fn new(name: &'static str, array: &Spread<'py>, shape: &[usize]) -> PyResult<Self> {
         let array = array.try_readonly()?;
-        let strides =
-            strides(array.shape(), shape).ok_or_else(|| misfit(py, name, array.shape(), shape))?;
+        let strides = strides(name, array.shape(), shape).or_raise()?;
         Ok(Self { name, array, strides })
     }
 
@@ -141,9 +127,9 @@ pub(crate) fn hours<'py>(
     let bends = slice("bends", &bends)?;
     let joints = bends.len();
     let [rpm, rating] = [slice("rpm", &rpm)?, slice("rating", &rating)?];
-    check_length("means", means.len(), joints, 5)?;
-    check_length("rpm", rpm.len(), joints, 1)?;
-    check_length("rating", rating.len(), joints, 1)?;
+    check_length("means", means.len(), joints, 5).or_raise()?;
+    check_length("rpm", rpm.len(), joints, 1).or_raise()?;
+    check_length("rating", rating.len(), joints, 1).or_raise()?;
     let mut columns = [const { Vec::<f64>::new() }; 2];
     for column in &mut columns {
         reserve(column, joints)?;

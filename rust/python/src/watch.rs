@@ -12,7 +12,7 @@ use cardan::Result;
 use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 
-use crate::convert::value_error;
+use crate::convert::OrRaise;
 
 /// The interval between checks for signals.
 const SIGNAL_INTERVAL: Duration = Duration::from_millis(50);
@@ -73,7 +73,7 @@ pub(crate) fn run_interruptible(
     });
     match raised {
         Some(error) => Err(error),
-        None => result.map_err(|error| value_error(&error)),
+        None => result.or_raise(),
     }
 }
 

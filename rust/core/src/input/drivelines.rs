@@ -1,6 +1,7 @@
 //! Batches of drivelines as flat arrays.
 
 use crate::error::{Error, Result};
+use crate::input::batch::check_length;
 use crate::mechanics::as_built::DEVIATIONS;
 use crate::mechanics::exact::Chains;
 
@@ -54,30 +55,39 @@ impl<'a> Drivelines<'a> {
 
     /// Checks that the arrays fit together; returns the number of drivelines.
     pub(crate) fn check(&self, n: usize) -> Result<usize> {
-        let count = self.bends.len() / n;
-        let lengths = [
-            ("bends", self.bends.len(), n),
-            ("twists", self.twists.len(), n - 1),
-            ("phases", self.phases.len(), n - 1),
-            ("directions", self.directions.len(), 3 * (n + 1)),
-            ("normals", self.normals.len(), 3 * n),
-        ];
-        for (name, found, each) in lengths {
-            if found != count * each {
-                let problem = format!("has {found} values; {count} drivelines need {each} each");
-                return Err(Error::new(name, &[], problem));
-            }
-        }
-        let deviations = count * n * DEVIATIONS;
-        if !self.deviations.is_empty() && self.deviations.len() != deviations {
-            let found = self.deviations.len();
-            let problem = format!("has {found} values; {count} drivelines need {deviations}");
-            return Err(Error::new("deviations", &[], problem));
+        let count = self.bends.len().checked_div(n).unwrap_or(0);
+        self.check_geometry(n, count)?;
+        if !self.deviations.is_empty() {
+            check_length("deviations", self.deviations.len(), count, n * DEVIATIONS)?;
         }
         if count == 0 {
             return Err(Error::new("bends", &[], "has no driveline"));
         }
         Ok(count)
+    }
+
+    /// Checks the arrays that every driveline has, for `count` drivelines of `n` joints.
+    pub(crate) fn check_geometry(&self, n: usize, count: usize) -> Result<()> {
+        if n == 0 {
+            return Err(Error::new("joints", &[], "is 0; a driveline has at least one"));
+        }
+        for (name, array, each) in [
+            ("bends", self.bends, n),
+            ("twists", self.twists, n - 1),
+            ("phases", self.phases, n - 1),
+            ("directions", self.directions, 3 * (n + 1)),
+            ("normals", self.normals, 3 * n),
+        ] {
+            check_length(name, array.len(), count, each)?;
+        }
+        Ok(())
+    }
+
+    /// Bends, twists and phases of the driveline with this number; all have `joints` joints.
+    pub(crate) fn chain(&self, joints: usize, line: usize) -> (&[f64], &[f64], &[f64]) {
+        let part = |array: &'a [f64], each: usize| &array[line * each..][..each];
+        let between = joints - 1;
+        (part(self.bends, joints), part(self.twists, between), part(self.phases, between))
     }
 
     /// The joints and intermediate shafts of the drivelines, `joints` each.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::slice::from_ref;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, Rule};
 use crate::number::double_double::DoubleDouble;
 use crate::number::reduction::{self, HALF_PI, ROUNDING};
 
@@ -33,8 +33,8 @@ impl Sweep {
     pub fn new(start: f64, stop: f64, count: usize) -> Result<Self> {
         for (name, end) in [("start", start), ("stop", stop)] {
             if end.is_nan() || end.abs() > Self::FARTHEST {
-                let problem = format!("is {end} rad; a sweep must end within 1e12 rad of zero");
-                return Err(Error::new(name, &[], problem));
+                let rule = Rule::new("rad", "a sweep must end within 1e12 rad of zero");
+                return Err(Error::of_value(name, &[], end, rule));
             }
         }
         check_count("num", count)?;

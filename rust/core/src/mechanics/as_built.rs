@@ -18,7 +18,7 @@
 //! The angle error is `arg[(Y + i X)(D − i C)]` with `X = sin α ((1 − cos β) cos α + μ)` and
 //! `Y = cos β cos² α + sin² α − μ cos α`. Derived for this library.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, shown_in_degrees};
 use crate::mechanics::joint::Joint;
 use crate::number::Number;
 use crate::number::atan::AtanRange;
@@ -84,9 +84,8 @@ impl JointAsBuilt<DoubleDouble> {
 pub fn check_deviations(bends: &[f64], deviations: &[f64]) -> Result<()> {
     for (joint, (&bend, own)) in bends.iter().zip(deviations.as_chunks().0).enumerate() {
         if !JointAsBuilt::with_error_terms(bend, *own).turns() {
-            // Without the digits that the conversion adds.
-            let shown = |angle: f64| (angle.to_degrees() * 1e9).round() / 1e9;
-            let ([driving, cross, driven], bend) = (own.map(shown), shown(bend));
+            let [driving, cross, driven] = own.map(shown_in_degrees);
+            let bend = shown_in_degrees(bend);
             let problem = format!(
                 "are {driving} deg (driving yoke), {cross} deg (cross) and {driven} deg (driven \
                  yoke) at a bend of {bend} deg, with which the joint cannot turn; it turns if \
@@ -203,30 +202,21 @@ impl<T: Real> JointAsBuilt<T> {
         (b.mul_add(c_term, s * root) * inverse, s.mul_add(c_term, -(b * root)) * inverse)
     }
 
-    /// `(Q D + C P − C′ V)/(V D)` with `P = V′/2` and `Q = a b′ − b a′`.
+    /// Speed ratio, with the bits that it has beside the other rates.
     #[inline(always)]
     pub(crate) fn speed_ratio(&self, s: T, c: T) -> T {
-        let Position { c_term, square, root, .. } = self.position(s, c);
-        let p = s * self.sin2.mul_add(c, self.cos * self.driving);
-        let q = (-self.driving).mul_add(c, self.cos);
-        let rest = c_term.mul_add(p, -(self.driven * s * square));
-        q.mul_add(root, rest) / (square * root)
+        let [ratio, ..] = self.rates::<false>(s, c);
+        ratio
     }
 
     /// Speed ratio `r`, acceleration ratio and, if `JERK`, jerk ratio; otherwise the last is 0.
     ///
-    /// `r = G + E/D` with `G = Q/V`, `F = P/V` and `E = C F − C′`. The derivative of `1/D` is
-    /// `−L/D` with `L = (P − C C′)/D²`.
+    /// `r = G + E/D` with `G = Q/V`, `F = P/V` and `E = C F − C′`, where `P = V′/2` and
+    /// `Q = a b′ − b a′`. The derivative of `1/D` is `−L/D` with `L = (P − C C′)/D²`.
     #[inline(always)]
     pub(crate) fn rates<const JERK: bool>(&self, s: T, c: T) -> [T; 3] {
-        let Position { square, root, .. } = self.position(s, c);
-        self.rates_by::<JERK>(s, c, (square * root).recip())
-    }
-
-    /// The same, given `1/(V D)`.
-    #[inline(always)]
-    fn rates_by<const JERK: bool>(&self, s: T, c: T, both: T) -> [T; 3] {
         let Position { c_term, square, root, .. } = self.position(s, c);
+        let both = (square * root).recip();
         let two = T::from_f64(2.0);
         let (of_square, of_root) = (root * both, square * both);
         let of_root2 = of_root.square();
@@ -321,16 +311,11 @@ struct LeaningPins<T> {
 
 impl<T: Number> JointAsBuilt<T> {
     /// The angle error within a third, without its value at a right angle, speed ratio and
-    /// acceleration ratio, with one division.
+    /// acceleration ratio, with the bits that each has alone.
     #[inline(always)]
     pub(crate) fn motion(&self, s: T, c: T) -> [T; 3] {
-        let (y, x) = self.error_tangent(s, c);
-        let Position { square, root, .. } = self.position(s, c);
-        let product = square * root;
-        let inverse = (product * x).recip();
-        let [ratio, acceleration, _] = self.rates_by::<false>(s, c, x * inverse);
-        let error = T::atan_third(y * (product * inverse), T::from_f64(1.0));
-        [error, ratio, acceleration]
+        let [ratio, acceleration, _] = self.rates::<false>(s, c);
+        [self.angle_error(AtanRange::Third, s, c), ratio, acceleration]
     }
 
     /// The angle error within a range of tangents, without its value at a right angle. The widest

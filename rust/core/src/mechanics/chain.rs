@@ -120,10 +120,16 @@ impl Transfer {
     /// Appends a joint: `(A, B) → (A − k B̄, B − k Ā)`. A straight joint changes nothing.
     #[inline(always)]
     pub(crate) fn pass_joint(&mut self, joint: &Joint<DoubleDouble>) {
+        self.pass(joint.k, joint.complement());
+    }
+
+    /// The same, given `k` and `1 − k²`.
+    #[inline(always)]
+    pub(crate) fn pass(&mut self, k: DoubleDouble, complement: DoubleDouble) {
         let (a, b) = (self.a, self.b);
-        self.a = a - b.conj().times(joint.k);
-        self.b = b - a.conj().times(joint.k);
-        self.complement = self.complement * joint.complement();
+        self.a = a - b.conj().times(k);
+        self.b = b - a.conj().times(k);
+        self.complement = self.complement * complement;
     }
 
     /// The same map in words that do not overlap. Without this, steep joints magnify what the
@@ -150,6 +156,12 @@ impl Transfer {
         let inverse = size.recip();
         let (turn_cos, turn_sin) = half_turn(z.re * inverse, -z.im * inverse);
         if straight { Equivalent::STRAIGHT } else { Equivalent { joint, turn_cos, turn_sin } }
+    }
+
+    /// `q = B/A`, rounded.
+    pub(crate) fn q(&self) -> nalgebra::Complex<f64> {
+        let [a, b] = [self.a, self.b].map(|z| nalgebra::Complex::new(z.re.value(), z.im.value()));
+        b * a.conj() / a.norm_sqr()
     }
 
     /// The constants of the shaft's motion in twice the drive angle.
@@ -371,7 +383,12 @@ impl Equivalent {
     /// assert!((one.joint.bend() - bend).abs() < 1e-15);
     /// ```
     pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64]) -> Self {
-        let equivalent = Transfer::of_chain(bends, twists, phases).equivalent();
+        Self::of_transfer(&Transfer::of_chain(bends, twists, phases), bends)
+    }
+
+    /// The same from the map of the chain with these bends.
+    pub(crate) fn of_transfer(transfer: &Transfer, bends: &[f64]) -> Self {
+        let equivalent = transfer.equivalent();
         let mut bent = bends.iter().filter(|&&bend| bend != 0.0);
         match (bent.next(), bent.next()) {
             // The joint's own constants hold where tan²(β/2) is too small for a double.

@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 
-use crate::error::{BEND_RULE, Error, Result};
+use crate::error::{BEND_RULE, Error, FINITE, Result};
 use crate::number::elementary::atan2;
 use crate::number::trig;
 
@@ -134,7 +134,8 @@ impl Geometry {
             let straight = cosine > 0.0 && sine <= STRAIGHT * cosine;
             let bend = if straight { 0.0 } else { atan2(sine, cosine) };
             if bend >= FRAC_PI_2 {
-                let problem = format!("give bends[{j}] = {bend} rad; {BEND_RULE}");
+                let rule = BEND_RULE.text;
+                let problem = format!("give bends[{j}] = {bend} rad; {rule}");
                 return Err(Error::new(argument, &[], problem));
             }
             bends.push(bend);
@@ -173,7 +174,7 @@ fn check_bend(joint: usize, bend: f64) -> Result<()> {
     if (0.0..FRAC_PI_2).contains(&bend) {
         return Ok(());
     }
-    Err(Error::new("bends", &[joint], format!("is {bend} rad; {BEND_RULE}")))
+    Err(Error::of_value("bends", &[joint], bend, BEND_RULE))
 }
 
 /// Checks twists or phases: one finite value per intermediate shaft.
@@ -184,10 +185,7 @@ fn check_between(argument: &'static str, values: &[f64], joints: usize) -> Resul
         return Err(Error::new(argument, &[], problem));
     }
     match values.iter().position(|x| !x.is_finite()) {
-        Some(i) => {
-            let problem = format!("is {}; it must be finite", values[i]);
-            Err(Error::new(argument, &[i], problem))
-        }
+        Some(i) => Err(Error::of_value(argument, &[i], values[i], FINITE)),
         None => Ok(()),
     }
 }
@@ -271,6 +269,6 @@ mod tests {
         let error = Geometry::from_directions(&[Vector::x(); 3], &[0.3; 2]).unwrap_err();
         assert_eq!(error.to_string(), "phases has 2 values; 2 joints need 1");
         let error = Geometry::from_bends(&[0.1; 2], &[f64::NAN], &[0.3]).unwrap_err();
-        assert_eq!(error.to_string(), "twists[0] is NaN; it must be finite");
+        assert_eq!(error.to_string(), "twists[0] is nan; it must be finite");
     }
 }

@@ -53,6 +53,11 @@ impl Ideal {
         Self { equivalent: Equivalent::of_chain(bends, twists, phases) }
     }
 
+    /// The joint that moves the last shaft as the chain does.
+    pub(crate) fn equivalent(&self) -> &Equivalent {
+        &self.equivalent
+    }
+
     /// `q = B/A`; `|q| = tan²(β/2)` of the equivalent bend `β`.
     pub fn q(&self) -> Complex<f64> {
         let Equivalent { joint, turn_cos, turn_sin } = self.equivalent;

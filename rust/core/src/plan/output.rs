@@ -1,5 +1,6 @@
 //! The table of outputs: one row for each quantity that can be requested.
 
+use crate::error::{Error, Result};
 use crate::plan::request::Axes;
 
 /// The part of a driveline that an output describes.
@@ -142,6 +143,15 @@ outputs! {
 }
 
 impl Output {
+    /// The output with this name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        let found = Self::ALL.into_iter().find(|output| output.row().name == name);
+        found.ok_or_else(|| Error::new("outputs", &[], format!("holds {name:?}, which is unknown")))
+    }
+
     /// Whether the output needs a load.
     pub fn needs_load(self) -> bool {
         !matches!(self.row().needs, Needs::Motion(_) | Needs::Cross(_))
@@ -190,5 +200,19 @@ impl OutputPlanes {
 
     pub(crate) fn set(&mut self, output: Output, plane: usize) {
         self.0[output as usize] = Some(plane);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_output_has_a_name() {
+        for output in Output::ALL {
+            assert_eq!(Output::named(output.row().name), Ok(output));
+        }
+        let error = Output::named("angel").unwrap_err();
+        assert_eq!(error.to_string(), "outputs holds \"angel\", which is unknown");
     }
 }

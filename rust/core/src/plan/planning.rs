@@ -1,6 +1,7 @@
 //! Planning: which steps a request needs, and in which order.
 
 use crate::error::{Error, Result};
+use crate::input::batch::check_shafts;
 use crate::mechanics::joint::Joint;
 use crate::plan::forces::ForceStep;
 use crate::plan::load::{LoadStep, Station};
@@ -19,6 +20,7 @@ impl Plan {
         check_items("shafts", request.shafts, n + 1)?;
         check_items("joints", request.joints, n)?;
         check_items("inertias", request.inertias, n + 1)?;
+        check_shafts(n, request.bearings.unwrap_or_default())?;
         let joints = vec![JointStep::default(); n];
         let least_cosines = least_cosines(request.largest_bends);
         let has_vectors = request.outputs.iter().any(|output| output.is_vector());
@@ -107,14 +109,18 @@ impl Plan {
             plan.plan_load(end, request.inertias, &torque);
         }
         plan.shafts.sort_by_key(|step| step.shaft);
-        let steps = plan.joints.iter().enumerate();
-        let pin_loops: usize = steps.map(|(joint, step)| step.pin_loops(joint)).sum();
-        plan.any_joint = JointNeeds {
-            cross: plan.joints.iter().any(|step| step.needs_cross),
-            torsion: plan.joints.iter().any(JointStep::needs_load),
-            pin_loops: pin_loops + usize::from(plan.needs_inverse_squares()),
-        };
+        plan.any_joint = plan.needs_of_any_joint();
         Ok(plan)
+    }
+
+    fn needs_of_any_joint(&self) -> JointNeeds {
+        let steps = self.joints.iter().enumerate();
+        let pin_loops: usize = steps.map(|(joint, step)| step.pin_loops(joint)).sum();
+        JointNeeds {
+            cross: self.joints.iter().any(|step| step.needs_cross),
+            torsion: self.joints.iter().any(JointStep::needs_load),
+            pin_loops: pin_loops + usize::from(self.needs_inverse_squares()),
+        }
     }
 
     pub(super) fn step(&mut self, shaft: usize) -> &mut ShaftStep {

@@ -1,5 +1,6 @@
 //! Reductions of a row of samples to one number.
 
+use crate::error::{Error, Result};
 use crate::plan::steps::Plan;
 
 /// A reduction of a row of samples. NaN among the samples gives NaN.
@@ -37,6 +38,15 @@ impl Reduction {
         }
     }
 
+    /// The reduction with this name.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        let found = Self::ALL.into_iter().find(|reduction| reduction.name() == name);
+        found.ok_or_else(|| Error::new("reduce", &[], format!("is {name:?}, which is unknown")))
+    }
+
     /// The number of the plan's planes that each result combines: one, or three for the peak of a
     /// vector.
     pub(crate) fn groups(self, plan: &Plan) -> Vec<usize> {
@@ -48,5 +58,19 @@ impl Reduction {
     /// The number of results for a plan, and so of the planes that [`Plan::reduce`] fills.
     pub fn results(self, plan: &Plan) -> usize {
         self.groups(plan).len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reduction_has_a_name() {
+        for reduction in Reduction::ALL {
+            assert_eq!(Reduction::named(reduction.name()), Ok(reduction));
+        }
+        let error = Reduction::named("most").unwrap_err();
+        assert_eq!(error.to_string(), "reduce is \"most\", which is unknown");
     }
 }

@@ -1,5 +1,6 @@
 //! What a plan is made for.
 
+use crate::error::{Error, Result};
 use crate::plan::output::Output;
 
 /// The end of the driveline at which the load's torque is given.
@@ -11,6 +12,28 @@ pub enum End {
     Output,
 }
 
+impl End {
+    /// The end with this name, `"drive"` or `"output"`.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        match name {
+            "drive" => Ok(Self::Drive),
+            "output" => Ok(Self::Output),
+            _ => Err(Error::new("load", &[], format!("is {name:?}; it is of drive or output"))),
+        }
+    }
+
+    /// The name of its torque in messages.
+    pub fn torque_name(self) -> &'static str {
+        match self {
+            Self::Drive => "drive_torque",
+            Self::Output => "output_torque",
+        }
+    }
+}
+
 /// The axes along which vectors have their components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Axes {
@@ -19,6 +42,20 @@ pub enum Axes {
     /// Axes that turn with the shaft on which a vector acts: x along the shaft, y along its
     /// input-side pin (of shaft 0, its output-side pin), z across both.
     Shaft,
+}
+
+impl Axes {
+    /// The axes with this name, `"space"` or `"shaft"`.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        match name {
+            "space" => Ok(Self::Space),
+            "shaft" => Ok(Self::Shaft),
+            _ => Err(Error::new("axes", &[], format!("is {name:?}; they are of space or shaft"))),
+        }
+    }
 }
 
 /// What to compute for a driveline.
@@ -43,4 +80,17 @@ pub struct Request<'a> {
     pub as_built: bool,
     /// The axes of vectors.
     pub axes: Axes,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_ends_have_a_name() {
+        assert_eq!(End::named("drive").map(End::torque_name), Ok("drive_torque"));
+        assert_eq!(End::named("output").map(End::torque_name), Ok("output_torque"));
+        let error = End::named("middle").unwrap_err();
+        assert_eq!(error.to_string(), "load is \"middle\"; it is of drive or output");
+    }
 }

@@ -6,6 +6,7 @@
 
 use crate::error::{Error, Result};
 use crate::input::Drivelines;
+use crate::input::batch::check_length;
 use crate::number::Precision;
 use crate::number::atan::AtanRange;
 use crate::plan::forces::ForceStep;
@@ -180,16 +181,8 @@ impl Plan {
             return Err(Error::new("deviations", &[], problem));
         }
         let Some(forces) = &self.forces else { return Ok(count) };
-        let lengths = [
-            ("lengths", lines.lengths.len(), self.joint_count + 1),
-            ("positions", lines.positions.len(), forces.bearings),
-        ];
-        for (name, found, each) in lengths {
-            if found != count * each {
-                let problem = format!("has {found} values; {count} drivelines need {each} each");
-                return Err(Error::new(name, &[], problem));
-            }
-        }
+        check_length("lengths", lines.lengths.len(), count, self.joint_count + 1)?;
+        check_length("positions", lines.positions.len(), count, forces.bearings)?;
         Ok(count)
     }
 

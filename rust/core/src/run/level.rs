@@ -4,6 +4,8 @@ use cardan_memory::Stores;
 pub use fearless_simd::Level;
 use fearless_simd::Simd;
 
+use crate::error::{Error, Result};
+
 /// Runs the expression compiled for the level. Levels before AVX2 have no fused multiply-add and
 /// gain nothing over the baseline of the machine. Outside x86 the baseline has everything that the
 /// kernels need.
@@ -135,4 +137,28 @@ pub fn available() -> Vec<(&'static str, Level)> {
         levels.push(("fallback", best));
     }
     levels
+}
+
+/// The level with this name.
+///
+/// # Errors
+/// A level that this machine cannot run, or an unknown name.
+pub fn named(name: &str) -> Result<Level> {
+    let found = available().into_iter().find(|(known, _)| *known == name);
+    let missing = || Error::new("level", &[], format!("{name:?} is not available here"));
+    found.map(|(_, level)| level).ok_or_else(missing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_has_a_name() {
+        for (name, _) in available() {
+            assert!(named(name).is_ok());
+        }
+        let error = named("abacus").unwrap_err();
+        assert_eq!(error.to_string(), "level \"abacus\" is not available here");
+    }
 }

@@ -1,6 +1,6 @@
 //! Means over a turn of the moments of the pins and of the way that they turn in their bearings.
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::plan::output::Output;
 use crate::plan::request::{Axes, End, Request};
 use crate::plan::steps::Plan;
@@ -30,9 +30,17 @@ impl Wear {
         }
     }
 
-    /// The names used in the Python interface.
-    pub const NAMES: [(&'static str, Self); 2] =
-        [("friction", Self::Friction), ("fatigue", Self::Fatigue)];
+    /// The kind of wear with this name, `"friction"` or `"fatigue"`.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub fn named(name: &str) -> Result<Self> {
+        match name {
+            "friction" => Ok(Self::Friction),
+            "fatigue" => Ok(Self::Fatigue),
+            _ => Err(Error::new("wear", &[], format!("is {name:?}; it is friction or fatigue"))),
+        }
+    }
 }
 
 /// The means over a turn of what wears the pins, [`Wear::count`] for each row, for a load whose

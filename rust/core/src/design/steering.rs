@@ -1,0 +1,108 @@
+//! Steering columns: the ratio straight ahead, its slope there, and symmetry of left and right.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use crate::design::records::fill_records;
+use crate::input::Drivelines;
+use crate::mechanics::transmission::Ideal;
+use crate::run::execution::Execution;
+
+/// What a steering column does about straight ahead.
+///
+/// The last shaft follows the column as the driven shaft of one joint. Its ratio is even about
+/// every multiple of a quarter turn of that joint's input angle and about no other angle, so left
+/// and right are symmetric if and only if straight ahead is at such a multiple.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steering {
+    /// Speed of the last shaft over that of the column, straight ahead.
+    pub ratio: f64,
+    /// Derivative of the ratio by the angle of the column there, per rad.
+    pub slope: f64,
+    /// Angle in rad by which straight ahead is beyond the nearest symmetric position, in
+    /// `[−π/4, π/4]`.
+    pub offset: f64,
+    /// Whether that position is one of the largest ratio.
+    pub quick: bool,
+    /// By how much to turn the driving yoke of joint 0 on the column, in rad in `[−π/2, π/2]`, so
+    /// that the ratio is largest straight ahead.
+    pub turn_to_quick: f64,
+    /// The same for the least ratio.
+    pub turn_to_slow: f64,
+}
+
+impl Steering {
+    /// The number of fields.
+    pub const COUNT: usize = 6;
+
+    /// From `n` bends, `n − 1` twists and `n − 1` phases, and the angle of the column straight
+    /// ahead, in rad.
+    pub fn of_chain(bends: &[f64], twists: &[f64], phases: &[f64], centre: f64) -> Self {
+        let ideal = Ideal::of_chain(bends, twists, phases);
+        let motion = ideal.motion(centre);
+        let at = centre + ideal.equivalent().angle_offset();
+        let quarters = (at / FRAC_PI_2).round_ties_even();
+        let within_quarter = |angle: f64| angle - PI * (angle / PI).round_ties_even();
+        Self {
+            ratio: motion.speed_ratio,
+            slope: motion.acceleration_ratio,
+            offset: at - FRAC_PI_2 * quarters,
+            quick: quarters % 2.0 == 0.0,
+            turn_to_quick: within_quarter(-at),
+            turn_to_slow: within_quarter(FRAC_PI_2 - at),
+        }
+    }
+}
+
+/// The steering of drivelines of a batch with `joints` joints each, given by their numbers, at
+/// these angles straight ahead, as records of [`Steering::COUNT`] numbers in the order of the
+/// fields; `quick` is 1 or 0.
+pub fn steering_of_batch(
+    joints: usize,
+    lines: &Drivelines<'_>,
+    numbers: &[usize],
+    centres: &[f64],
+    out: &mut [f64],
+    execution: Execution<'_>,
+) {
+    fill_records(Steering::COUNT, out, execution, |i, record| {
+        let (bends, twists, phases) = lines.chain(joints, numbers[i]);
+        let Steering { ratio, slope, offset, quick, turn_to_quick, turn_to_slow } =
+            Steering::of_chain(bends, twists, phases, centres[i]);
+        let quick = f64::from(u8::from(quick));
+        record.copy_from_slice(&[ratio, slope, offset, quick, turn_to_quick, turn_to_slow]);
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turned_yokes_make_left_and_right_alike() {
+        let (bends, twists, phases) = ([0.4, 0.3], [0.8], [-0.2]);
+        let ideal = Ideal::of_chain(&bends, &twists, &phases);
+        let found = Steering::of_chain(&bends, &twists, &phases, 0.7);
+        for (turn, quick) in [(found.turn_to_quick, true), (found.turn_to_slow, false)] {
+            assert!(turn.abs() <= FRAC_PI_2);
+            let turned = Steering::of_chain(&bends, &twists, &phases, 0.7 + turn);
+            assert!(turned.slope.abs() < 1e-14 && turned.offset.abs() < 1e-14);
+            assert_eq!(turned.quick, quick);
+            for side in [0.1, 0.5, 1.2] {
+                let [left, right] = [side, -side].map(|by| ideal.motion(0.7 + turn + by));
+                assert!((left.speed_ratio - right.speed_ratio).abs() < 1e-14);
+                assert_eq!(left.speed_ratio < turned.ratio, quick);
+            }
+        }
+    }
+
+    #[test]
+    fn straight_ahead_has_the_motion_there() {
+        let found = Steering::of_chain(&[0.5], &[], &[], 0.2);
+        let step = 1e-5;
+        let ratio = |angle: f64| Ideal::of_chain(&[0.5], &[], &[]).motion(angle).speed_ratio;
+        assert_eq!(found.ratio, ratio(0.2));
+        let slope = (ratio(0.2 + step) - ratio(0.2 - step)) / (2.0 * step);
+        assert!((found.slope - slope).abs() < 1e-9);
+        assert!(found.quick && (found.offset - 0.2).abs() < 1e-15);
+    }
+}
