@@ -45,7 +45,7 @@ impl<T: Real> Tube<T> {
     /// ```
     /// use cardan::design::tube::{Round, Tube};
     ///
-    /// let steel = Round {
+    /// let steel: Round = Round {
     ///     diameter: 0.09,
     ///     wall: 0.003,
     ///     length: 1.5,
