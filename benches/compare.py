@@ -20,9 +20,8 @@ import numpy as np
 import picture
 import report
 from job import JOBS, Call, Job, JobRun, Method, recorded_angles
-from judge import Judge, WorstErrors
+from judge import ComparisonRow, Judge, WorstErrors
 from peers import PEERS, methods
-from row import ComparisonRow
 
 SHORTEST_SAMPLE = 1e-3  # s: shorter calls are timed several at a time
 LONGEST = 3.0  # s: what calls of one method may take in all rounds of a case

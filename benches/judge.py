@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from job import SWEEP_STOP, TORQUE, JobRun
+from job import SWEEP_STOP, TORQUE, Job, JobRun, Method
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
 from oracle import Exact, ExactJoint, ExactTurn, Fold, mp
@@ -73,3 +74,20 @@ class Judge:
 
     def _length(self) -> float:
         return float(max(np.max(np.abs(exact.high)) for exact in self._planes))
+
+
+@dataclass(frozen=True)
+class ComparisonRow:
+    """What one method took for one case."""
+
+    job: Job
+    num: int
+    threads: int
+    method: Method
+    best: float  # ns per angle
+    median: float
+    verdict: WorstErrors
+
+    @property
+    def wrong(self) -> bool:
+        return not self.verdict.relative <= self.method.permitted

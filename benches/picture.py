@@ -16,7 +16,7 @@ import report
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from row import ComparisonRow
+    from judge import ComparisonRow
 
 JOB = "motion"
 MM = 1.0 / 25.4

@@ -14,7 +14,7 @@ import numpy as np
 from job import JOBS, Method
 
 if TYPE_CHECKING:
-    from row import ComparisonRow
+    from judge import ComparisonRow
 
 # Errors this close to each other count as the same.
 SAME = 3.0

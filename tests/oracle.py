@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import math
+import tomllib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -312,3 +313,14 @@ class Fold:
         least = self.complement / abs(self.a) ** 2 / (1 + k) ** 2
         joint = ExactJoint(bend, 2 * mp.sqrt(k) / (1 + k), least, 2 * k / (1 + k))
         return joint.jerk_term(ExactTurn(mp.nan, sine, cosine))
+
+
+LIMIT_TABLE: dict[str, Any] = tomllib.loads((DATA / "limits.toml").read_text(encoding="utf-8"))
+"""The one table of the limits of errors; the file explains its columns."""
+
+OUTPUT_LIMITS: dict[str, dict[str, Any]] = LIMIT_TABLE["output"]
+
+
+def limits(column: str, table: str = "output") -> dict[str, Any]:
+    """Return a column of limits, of those rows that have one."""
+    return {name: row[column] for name, row in LIMIT_TABLE[table].items() if column in row}

@@ -26,8 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan import Driveline, Load
-from limits import limits
-from oracle import Doubles
+from oracle import Doubles, limits
 
 Complexes = NDArray[np.clongdouble]
 LIMITS = limits("worst", "python")

@@ -16,9 +16,8 @@ from cardan.arrays import FloatArray, common_shape
 from cardan.arrays.planes import PlanePlace
 from cardan.equivalent import equivalent
 from cardan.errors import ArgumentTypeError, ArgumentValueError, wrong_element
-from cardan.order_sums import OrderSums, Repeatable, order_sums
+from cardan.order_sums import ComplexArray, OrderSums, Repeatable, order_sums
 from cardan.request import Request, item_indices
-from cardan.rows import ComplexArray
 
 _EPSILON = float(np.finfo(np.float64).eps)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
-from cardan.rows import ComplexArray
+from cardan.order_sums import ComplexArray
 
 ORDERED = ("angle_error", "acceleration")
 """What has orders as quantities."""

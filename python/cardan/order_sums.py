@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Protocol, TypeAlias
 
@@ -18,8 +18,9 @@ from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.request import Request
 from cardan.result import Result
-from cardan.rows import ComplexArray, blocks, of_rows
 from cardan.sweep import Sweep
+
+ComplexArray: TypeAlias = NDArray[np.complex128]
 
 OrderSums: TypeAlias = tuple[ComplexArray, FloatArray, FloatArray]
 """Complex amplitudes with the orders last, mean, and bound on the error of both."""
@@ -102,8 +103,8 @@ def _size_without_inertias(
     """
     turn, count = Sweep.revolutions(1, _TERMS), math.prod(rows)
     found = np.empty((count, planes[0], 1))
-    for block in blocks(count, _ROWS):
-        part = of_rows(replace(request, angle_of="drive"), rows, block)
+    for block in _blocks(count, _ROWS):
+        part = _of_rows(replace(request, angle_of="drive"), rows, block)
         torques = plan._again(replace(part, names=("torque",), shafts=slice(None)))(turn)["torque"]
         given = np.broadcast_to(np.abs(load.torque), rows).ravel()[block]
         largest = np.maximum(np.max(np.abs(torques), axis=(0, -1)), given)
@@ -111,3 +112,34 @@ def _size_without_inertias(
         values = np.abs(plan._again(alone)(turn)[name]).reshape(planes[0], len(given), -1)
         found[block, :, 0] = np.max(values, axis=-1).T
     return found.reshape(*rows, planes[0], 1)
+
+
+def _blocks(count: int, size: int) -> Iterator[slice]:
+    """Yield slices of at most ``size`` that cover ``count``."""
+    return (slice(start, min(start + size, count)) for start in range(0, count, size))
+
+
+def _of_rows(request: Request, rows: tuple[int, ...], block: slice) -> Request:
+    """Return the request for some of the rows, each an entry of the first of two axes.
+
+    Args:
+        request: of drivelines and loads that broadcast to ``rows``.
+        rows: their shape together.
+        block: which of the rows, counted flat.
+    """
+    line: Any = request.line
+    index = np.broadcast_to(np.arange(line.size).reshape(line.shape), rows).ravel()[block]
+    load = request.load
+    if load is not None:
+        values: dict[str, Any] = {"inertias": load.inertias}
+        for name in ("torque", "speed", "acceleration"):
+            array = getattr(load, name)
+            taken = np.broadcast_to(array, rows).ravel()[block, np.newaxis]
+            values[name] = taken if array.ndim else array
+        if load.inertias is not None and load.inertias.ndim > 1:
+            each = load.inertias.shape[-1]
+            spread = np.broadcast_to(load.inertias, (*rows, each)).reshape(-1, each)
+            values["inertias"] = spread[block, np.newaxis]
+        values[f"{load.end}_torque"] = values.pop("torque")
+        load = Load(**values)
+    return replace(request, line=line.reshape(-1)[index][:, np.newaxis], load=load)

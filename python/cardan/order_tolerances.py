@@ -16,8 +16,8 @@ import numpy as np
 from cardan.arrays import FloatArray
 from cardan.errors import ArgumentValueError
 from cardan.order_quantities import farthest_signs, order_amplitude
+from cardan.order_sums import ComplexArray
 from cardan.request import item_index
-from cardan.rows import ComplexArray
 from cardan.sweep import Sweep
 from cardan.tolerances.worst import largest_of_corners
 

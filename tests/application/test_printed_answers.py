@@ -30,7 +30,7 @@ from cardan.words.steering import steering_text
 from cardan.words.summary import figure_text
 from example_scenes import example
 from heights import HEIGHTS, NAMES, SPEED, drivelines, scene_text
-from printed import EXAMPLES, blocks, first_number, printed, rows
+from pages import EXAMPLES, blocks, first_number, printed, rows
 
 _Figures = TypeVar("_Figures")
 

@@ -14,7 +14,7 @@ from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.torsion_stability import SpeedRange, UnstableRange
 from cardan.scene import Scene
 from cardan.words.torsion import stability_lines, torsion_check_text, torsion_text
-from printed import EXAMPLES, blocks, first_number
+from pages import EXAMPLES, blocks, first_number
 
 
 def needed(name: str) -> TorsionFigures:

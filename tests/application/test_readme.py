@@ -13,7 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from cardan.command import commands
-from limits import OUTPUTS
+from oracle import OUTPUT_LIMITS
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -52,6 +52,6 @@ def test_the_accuracy_table_has_the_limits() -> None:
     rows = re.findall(r"^\| `([^`]+)`.*? \| (\d+) ulp \| (\d+) ulp \|.*\| (\d+) ulp", table, re.M)
     assert len(rows) == table.count("\n| `") == 6
     for name, *shown in rows:
-        row = OUTPUTS[name]
+        row = OUTPUT_LIMITS[name]
         columns = (row["samples"], row["worst"], row["tolerance_0"])
         assert tuple(map(int, shown)) == columns, name

@@ -13,8 +13,7 @@ import pytest
 
 from cardan import Driveline, Load, Plan, Sweep
 from cardan.request import REDUCTIONS, Reduction
-from limits import limits
-from oracle import mp
+from oracle import limits, mp
 
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")
 CHAIN = Driveline.from_bends([0.5, 0.0, 0.9], [0.3, -1.0], [0.7, 0.2])

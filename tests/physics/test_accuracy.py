@@ -31,8 +31,7 @@ import pytest
 import tiers
 from cardan import Driveline, Load, Result, _core
 from cardan.plan import Plan
-from limits import limits
-from oracle import EPS, Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, mp
+from oracle import EPS, Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, limits, mp
 
 # --- one joint -------------------------------------------------------------------------------
 

@@ -19,7 +19,7 @@ import pytest
 
 from cardan import ball_joint
 from cardan.ball_joint import BallJoint, layer_compliance, layers
-from limits import TABLE
+from oracle import LIMIT_TABLE
 from oracle import EPS, Doubles, Exact, MpNumber, mp, radians, read
 
 DATA = read("ball_joint.json")
@@ -308,7 +308,7 @@ def test_friction_of_a_small_contact() -> None:
 
 # --- accuracy --------------------------------------------------------------------------------
 
-LIMITS = TABLE["ball_joint"]
+LIMITS = LIMIT_TABLE["ball_joint"]
 
 
 def judge(law: str, name: str, got: Doubles, want: Sequence[MpNumber], at: Sequence[Any]) -> None:

@@ -20,8 +20,7 @@ import numpy as np
 import pytest
 
 from cardan import Driveline, Sweep
-from limits import limits
-from oracle import Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, mp, read
+from oracle import Doubles, Exact, ExactJoint, ExactTurn, Fold, MpNumber, limits, mp, read
 
 DIGITS = 260
 MOTION = ("angle", "angle_error", "speed_ratio", "acceleration_ratio", "jerk_ratio")

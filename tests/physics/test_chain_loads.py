@@ -17,11 +17,11 @@ import pytest
 
 import tiers
 from cardan import Driveline, Load, Result, Sweep
-from limits import OUTPUTS, TABLE
+from oracle import OUTPUT_LIMITS, LIMIT_TABLE
 from oracle import Doubles, Exact, ExactJoint, ExactTurn, mp
 from vectors import ExactLoads, Frames
 
-LIMITS: dict[str, float] = {name: row["tolerance_0"] for name, row in TABLE["chain"].items()}
+LIMITS: dict[str, float] = {name: row["tolerance_0"] for name, row in LIMIT_TABLE["chain"].items()}
 NAMES = tuple(LIMITS)
 RIGHT = math.pi / 2
 
@@ -216,7 +216,7 @@ def test_drive_and_inertia_that_nearly_cancel() -> None:
     load = Load(output_torque=output, inertias=inertias, speed=speed)
     line = Driveline.from_bends(bends[:, None])
     for tolerance, unit, limit in (
-        (None, term.ulp, OUTPUTS["torque of a flywheel"]["worst"]),
+        (None, term.ulp, OUTPUT_LIMITS["torque of a flywheel"]["worst"]),
         (0, want.ulp, LIMITS["torque"]),
     ):
         got = line.evaluate(angles, "torque", load=load, shafts=1, tolerance=tolerance).torque

@@ -15,8 +15,7 @@ import pytest
 from cardan import ArgumentValueError, Driveline, Load, Sweep, TorsionalSystem, _core
 from cardan.plan import Plan
 from deviation_oracle import LeaningChain, LeaningJoint
-from limits import limits
-from oracle import EPS, Doubles, mp, read
+from oracle import EPS, Doubles, limits, mp, read
 
 ORACLE = read("deviations.json")
 KEPT = read("worst_as_built.json")["cases"]

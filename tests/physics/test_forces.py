@@ -16,7 +16,7 @@ import pytest
 from cardan import Driveline, Load, Sweep
 from deviation_oracle import LeaningFrames
 from equilibrium import BearingPlace, assignments, forces, solved, system
-from limits import TABLE
+from oracle import LIMIT_TABLE
 from oracle import Doubles, Exact, ExactTurn, mp, read
 from vectors import ExactLoads, Frames
 
@@ -154,7 +154,7 @@ def vars_of(load: Load) -> dict[str, Any]:
 
 # --- accuracy ----------------------------------------------------------------------------------
 
-LIMITS = TABLE["force"]
+LIMITS = LIMIT_TABLE["force"]
 
 
 def frames_of(line: Driveline) -> Frames:

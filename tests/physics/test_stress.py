@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from cardan import OUTPUTS, Driveline, Load
-from limits import limits
-from oracle import Exact, ExactJoint, ExactTurn, MpNumber, mp, read
+from oracle import Exact, ExactJoint, ExactTurn, MpNumber, limits, mp, read
 from stress import LIMITS as PYTHON_LIMITS
 from stress import SURFACES, stress
 

@@ -11,11 +11,11 @@ from cardan.words.slip import slip_lines, slip_sentences
 
 
 def slip(found: SlipFigures) -> dict[str, Any]:
-    """Return a spline as plain data for ``slip.html``."""
+    """Return a spline as plain data for the page."""
     return {
         "class": shown(found.verdict),
         "sentences": list(slip_sentences(found)),
-        "table": Table(
-            f"Spline of shaft {found.slip.shaft}", ("Figure", "Value"), slip_lines(found)
-        ),
+        "tables": [
+            Table(f"Spline of shaft {found.slip.shaft}", ("Figure", "Value"), slip_lines(found))
+        ],
     }

@@ -11,10 +11,10 @@ from cardan.words.steering import HEADINGS, steering_rows, steering_sentences
 
 
 def steering(found: SteeringFigures) -> dict[str, Any]:
-    """Return a steering column as plain data for ``steering.html``."""
+    """Return a steering column as plain data for the page."""
     caption = f"Straight ahead, at a drive angle of {found.centre_deg:.6g} deg"
     return {
         "class": shown(found.verdict),
         "sentences": list(steering_sentences(found)),
-        "table": Table(caption, ("State", *HEADINGS), steering_rows(found)),
+        "tables": [Table(caption, ("State", *HEADINGS), steering_rows(found))],
     }

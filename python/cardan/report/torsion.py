@@ -23,7 +23,7 @@ _CLASSES = {"unstable": "bad", "reversing": "fair", "resonant": "fair", "clear":
 
 
 def torsion(found: TorsionFigures) -> dict[str, Any]:
-    """Return torsional vibration as plain data for ``torsion.html``."""
+    """Return torsional vibration as plain data for the page."""
     tables = (
         ("Natural frequencies", ("Frequency", "Twisted, with shares in the energy"), mode_lines),
         ("Critical speeds", ("Drive speed", "What meets"), critical_lines),

@@ -24,6 +24,18 @@ use crate::judge::{Quantity, Tier};
 use crate::samples::{Kind, Random};
 use crate::shape_errors::ShapeErrors;
 
+/// What the report says above the table.
+const ABOUT: &str = r"With `tolerance=0` the errors of chains are in ulp of the result, and those of the jerk ratio in ulp
+of the larger of its two terms. The digits of the oracle, 2⁻⁹⁴, are allowed for. Otherwise a chain
+turns its equivalent joint by an angle that has a rounding error, so near a zero an error cannot be
+compared with the result alone. The unit is then `ulp(f) + e |∂f/∂α| + n 2⁻⁶⁰ K/|A| |∂f/∂q|`. The
+drive angle has the precision `e = 2⁻⁵²` (2⁻²³ in single precision). The sine and cosine of each of
+the `n` joints and shafts have the precision 2⁻⁶². `K` is the sum of `tan²(β/2)`, at most 1, and `A`
+belongs to the map of the chain, in which the lengths of the pins are not normalised. In these units
+a chain meets the limits of one joint, unless `tests/data/limits.toml` has a `worst_chain` for the
+default.
+";
+
 /// Angles for each chain.
 const ANGLES: usize = 50;
 
@@ -133,7 +145,7 @@ type ChainErrors = ShapeErrors<ChainShape, 4, 5>;
 
 /// Judges at least so many samples of each kind.
 pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
-    let head = ("Chains", include_str!("../chains.md"));
+    let head = ("Chains", ABOUT);
     ErrorTable::of(
         head,
         MOTION.map(|(quantity, _)| quantity.name()),

@@ -14,6 +14,11 @@ use crate::shape_errors::ShapeErrors;
 use crate::space::{Span, cross, dot};
 use crate::wide::two_sum;
 
+/// What the table of the report is about.
+const ABOUT: &str = "The span between two points is a rounded difference, so its direction is known to `e`, the rounding \
+    error divided by the length of the span. Bends are in units of `ulp + e + e'`, and twists in units \
+    of `2⁻⁵² + Σ e/sin β`, for the adjacent spans and bends.\n";
+
 /// The largest errors of bends and of twists, in these units.
 fn limits() -> [f64; 2] {
     ["bends", "twists"].map(|name| limit("points", "", name).expect("the table has it"))
@@ -81,7 +86,7 @@ type PointErrors = ShapeErrors<PointsShape, 1, 2>;
 
 /// Judges at least so many samples of each kind.
 pub(crate) fn table(seed: u64, samples: u64) -> ErrorTable {
-    let head = ("Points", include_str!("../points.md"));
+    let head = ("Points", ABOUT);
     ErrorTable::of(
         head,
         ["bends", "twists"],

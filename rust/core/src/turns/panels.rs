@@ -45,7 +45,7 @@ pub(crate) struct Integrands<'a> {
     pub(crate) of: Fill<'a>,
 }
 
-/// A mean over a turn, with an estimate of its error.
+/// A mean over a turn, with a bound on what its panels leave out.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Mean {
     pub(crate) value: f64,
@@ -218,7 +218,7 @@ impl Row<'_> {
                 }
                 for (function, found) in found.iter().enumerate() {
                     means[function].value += found.mean * part;
-                    means[function].error += found.error * part;
+                    means[function].error += Found::LARGER * found.error * part;
                     settled[function] += found.mean.abs() * part;
                 }
             }

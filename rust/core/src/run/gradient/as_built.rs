@@ -9,9 +9,9 @@ use crate::number::float::Real;
 use crate::plan::forces::ForceStep;
 use crate::plan::{End, Output};
 use crate::run::gradient::as_built_forces::{self, PlacesAsBuilt, solve_as_built};
-use crate::run::gradient::carried::{Carried, Direction, WIDTH};
 use crate::run::gradient::line::{Counts, Wanted};
 use crate::run::gradient::sample::LoadAt;
+use crate::run::gradient::{Carried, Direction, WIDTH};
 
 /// A parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use crate::mechanics::bearings::Carrier;
 use crate::mechanics::forces::across;
 use crate::number::dual::Dual;
 use crate::plan::forces::{Balance, ForceOf, ForceStep, JointLoad};
-use crate::run::gradient::carried::{Carried, Direction};
+use crate::run::gradient::{Carried, Direction};
 
 /// The places of joints and bearings along their shafts.
 pub(super) struct PlacesAsBuilt {

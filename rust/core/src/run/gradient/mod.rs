@@ -8,7 +8,6 @@ mod as_built;
 mod as_built_forces;
 mod as_built_sums;
 mod blocks;
-mod carried;
 mod columns;
 mod forces;
 mod line;
@@ -20,6 +19,7 @@ mod sample;
 use crate::input::{Drivelines, Sweep};
 use crate::mechanics::geometry::Vector;
 use crate::mechanics::phasing::is_set;
+use crate::number::dual::Dual;
 use crate::plan::forces::ForceStep;
 use crate::plan::{Axes, End, Output, Per};
 use crate::run::execution::Execution;
@@ -31,6 +31,16 @@ pub use line::{Counts, Wanted};
 use line::{LineConstants, Sums};
 use motion::CHUNK;
 use sample::{Common, LineAt, LoadAt, Pull};
+
+/// The derivatives of joints as built that one pass over the samples finds.
+const WIDTH: usize = 4;
+
+/// A number that carries its derivatives by the parameters of a pass through the formulas of joints as
+/// built.
+type Carried = Dual<WIDTH>;
+
+/// A vector of such numbers.
+type Direction = [Carried; 3];
 
 /// The samples of a block that one thread sums.
 const BLOCK: usize = 32 * CHUNK;
