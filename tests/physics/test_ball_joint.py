@@ -19,8 +19,7 @@ import pytest
 
 from cardan import ball_joint
 from cardan.ball_joint import BallJoint, layer_compliance, layers
-from oracle import LIMIT_TABLE
-from oracle import EPS, Doubles, Exact, MpNumber, mp, radians, read
+from oracle import EPS, LIMIT_TABLE, Doubles, Exact, MpNumber, mp, radians, read
 
 DATA = read("ball_joint.json")
 RIGHT = math.pi / 2

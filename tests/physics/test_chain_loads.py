@@ -17,8 +17,7 @@ import pytest
 
 import tiers
 from cardan import Driveline, Load, Result, Sweep
-from oracle import OUTPUT_LIMITS, LIMIT_TABLE
-from oracle import Doubles, Exact, ExactJoint, ExactTurn, mp
+from oracle import LIMIT_TABLE, OUTPUT_LIMITS, Doubles, Exact, ExactJoint, ExactTurn, mp
 from vectors import ExactLoads, Frames
 
 LIMITS: dict[str, float] = {name: row["tolerance_0"] for name, row in LIMIT_TABLE["chain"].items()}

@@ -16,8 +16,7 @@ import pytest
 from cardan import Driveline, Load, Sweep
 from deviation_oracle import LeaningFrames
 from equilibrium import BearingPlace, assignments, forces, solved, system
-from oracle import LIMIT_TABLE
-from oracle import Doubles, Exact, ExactTurn, mp, read
+from oracle import LIMIT_TABLE, Doubles, Exact, ExactTurn, mp, read
 from vectors import ExactLoads, Frames
 
 ANGLES = np.linspace(-3.0, 4.0, 7)

@@ -36,7 +36,7 @@ from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion_answer import TORSION_CHECK_SCHEMA, torsion_check_data
 from cardan.figures.torsion_modes import torsion_basics
 from cardan.figures.tubes import TUBES_SCHEMA, tube_figures, tubes_data
-from cardan.files import Progress
+from cardan.files.progress import Progress
 from cardan.finding import VERDICTS, Finding, non_uniformity
 from cardan.scene.ball_joint_scene import BallJointScene
 from cardan.scene.scene import Scene

@@ -11,7 +11,7 @@ from typing import IO, Any
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.files import Progress
+from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
 
 

@@ -13,8 +13,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 from cardan.arrays import import_optional
-from cardan.files import Progress
 from cardan.files.ahead import read_ahead, write_behind
+from cardan.files.progress import Progress
 from cardan.files.recording import read_chunks
 from cardan.files.whole_file import whole_file
 from cardan.result import Result

@@ -6,7 +6,7 @@ import os
 from os import PathLike
 from pathlib import Path
 
-from cardan.files import Progress
+from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
 from cardan.report.page import page
 from cardan.scene.ball_joint_scene import BallJointScene

@@ -23,7 +23,7 @@ from cardan.figures.tolerances import tolerance_figures
 from cardan.figures.torsion import torsion_figures
 from cardan.figures.tubes import tube_figures
 from cardan.figures.yokes import yoke_settings
-from cardan.files import Progress
+from cardan.files.progress import Progress
 from cardan.report import tables
 from cardan.report.answer import answer
 from cardan.report.ball_joint import ball_joint, page_data

@@ -24,8 +24,8 @@ import numpy as np
 
 from cardan._core import __version__
 from cardan.arrays import FloatArray, import_optional
-from cardan.files import Progress
 from cardan.files.columns import write_columns
+from cardan.files.progress import Progress
 from cardan.files.whole_file import whole_file
 from cardan.scene.axes import Axis
 from cardan.scene.curves import study_columns

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from cardan.arrays import FloatArray
-from cardan.files import Progress
 from cardan.files.columns import write_columns
+from cardan.files.progress import Progress
 from cardan.scene.scene import Scene, SceneResult
 from cardan.scene.study import StudyPart, StudyResult
 from cardan.scene.units import converted

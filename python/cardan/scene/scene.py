@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
-from cardan.files import Progress
 from cardan.files.ahead import read_ahead
+from cardan.files.progress import Progress
 from cardan.limits import Limits
 from cardan.load import Load
 from cardan.outputs import OUTPUTS, Output

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
-from cardan.files import Progress
+from cardan.files.progress import Progress
 from cardan.load import Load
 from cardan.scene.axes import Axis, axes_of
 from cardan.scene.axis_rules import Spread

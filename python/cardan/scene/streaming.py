@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
-from cardan.files import Progress
+from cardan.files.progress import Progress
 from cardan.files.tables import ROWS, write_pieces
 from cardan.scene.curves import columns
 from cardan.scene.scene import Scene, SceneResult

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from cardan.arrays import FloatArray, import_optional
 from cardan.driveline import Driveline
 from cardan.errors import ArgumentValueError
-from cardan.files import Progress
+from cardan.files.progress import Progress
 from cardan.load import Load
 from cardan.outputs import OUTPUTS
 from cardan.request import Reduction
