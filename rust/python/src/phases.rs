@@ -64,7 +64,9 @@ pub(crate) fn common_phases<'py>(
     if let Some(place) = teeth.iter().position(|&teeth| teeth == 0) {
         return Err(argument_error("teeth", &[place], "is 0; a spline has at least 1 tooth"));
     }
+    // The result and, on each thread, some matrices of second derivatives.
     check_memory(lines.saturating_mul(joints).saturating_mul(size_of::<f64>()))?;
+    check_memory(joints.saturating_mul(joints).saturating_mul(8 * size_of::<f64>()))?;
     let states = States { joints, bends, twists, phases, weights, held: &held, teeth: &teeth };
     let (mut found, brief) = (vec![], bends.len() < MIN_INTERRUPTIBLE_STATES);
     run_released(py, brief, workers, &mut |workers, stop| {

@@ -133,14 +133,18 @@ impl Chain {
         for (shaft, &change) in turns.iter().enumerate() {
             let turn = self.turn(shaft, change);
             point[0] *= turn;
-            slopes.iter_mut().for_each(|slope| slope[0] *= turn);
+            for slope in &mut slopes {
+                slope[0] *= turn;
+            }
             if free.get(slopes.len()) == Some(&shaft) {
                 slopes.push([RATE * point[0], START[0]]);
                 let onward = RATE * self.rest(turns, shaft)[0];
                 mixed.extend(slopes.iter().map(|slope| onward * slope[0]));
             }
             point = self.past(shaft + 1, point);
-            slopes.iter_mut().for_each(|slope| *slope = self.past(shaft + 1, *slope));
+            for slope in &mut slopes {
+                *slope = self.past(shaft + 1, *slope);
+            }
         }
         let b = point[0];
         sums.value += self.share(b);

@@ -18,7 +18,7 @@ use crate::number::elementary;
 
 /// Settings that are tried, and how many of the best of them are refined.
 const TRIED: usize = 512;
-const REFINED: usize = 12;
+const REFINED: usize = 24;
 
 /// Means of `|q|` that differ by less are as good.
 const AS_GOOD: f64 = 1e-12;
@@ -111,7 +111,9 @@ impl<'a> States<'a> {
         let starts = std::iter::once(now).chain(tried.into_iter().map(|(_, change)| change));
         let mut found: Vec<_> = starts.map(|start| refined(chains, start, &free, stop)).collect();
         for (_, change) in &mut found {
-            change.iter_mut().for_each(|x| *x = within_half_turn(*x));
+            for x in change {
+                *x = within_half_turn(*x);
+            }
         }
         let least = found.iter().map(|(value, _)| value.sqrt()).fold(f64::INFINITY, f64::min);
         found.retain(|(value, _)| value.sqrt() <= least * (1.0 + 1e-9) + AS_GOOD);

@@ -36,16 +36,10 @@ pub(super) fn least_turned(
     let width = shafts.min(SHAFTS);
     let all = teeth.iter().map(|&teeth| period(teeth)).fold(1, u64::saturating_mul);
     let positions: Vec<Vec<i64>> = if all <= SETTINGS {
-        teeth
-            .iter()
-            .map(|&teeth| (0..period(teeth)).map(|i| turn(teeth, i.into())).collect())
-            .map(|mut turns: Vec<i64>| {
-                turns.sort_unstable();
-                turns
-            })
-            .collect()
+        teeth.iter().map(|&teeth| every(teeth)).collect()
     } else {
-        let most = (1..).take_while(|most: &u64| most.pow(width as u32) <= SETTINGS).count();
+        let fit = |most: &u64| most.pow(width as u32) <= SETTINGS;
+        let most = (1..=SETTINGS).take_while(fit).count();
         teeth.iter().zip(best).map(|(&teeth, &best)| nearest(teeth, best, most)).collect()
     };
     let mut turns: Vec<i64> = positions.iter().map(|own| own[0]).collect();
@@ -79,6 +73,13 @@ pub(super) fn least_turned(
 /// many positions as within half a turn of the spline.
 fn period(teeth: u64) -> u64 {
     if teeth.is_multiple_of(2) { teeth / 2 } else { teeth }
+}
+
+/// The turns to all positions, from the one farthest counter-clockwise.
+fn every(teeth: u64) -> Vec<i64> {
+    let period = period(teeth) as i64;
+    let before = (period - 1) / 2;
+    (-before..period - before).collect()
 }
 
 /// The turn in teeth, the shorter way, to a position counted in parts of half a turn.
@@ -197,8 +198,7 @@ mod tests {
                 assert!(within_half_turn(turned(turn, teeth) - position).abs() < 1e-14);
             }
             turns.sort_unstable();
-            let first = -((period(teeth) as i64 - 1) / 2);
-            assert!(turns.iter().enumerate().all(|(i, &turn)| turn == first + i as i64));
+            assert_eq!(turns, every(teeth));
         }
         let many = (1 << 63) - 1;
         assert!((turned(turn(many, 3), many) - (3.0 * PI / many as f64 - PI)).abs() < 1e-15);
