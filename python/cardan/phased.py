@@ -50,7 +50,7 @@ class Phased(InService):
             weights: how much each state counts, ``(states,)``; by default all alike.
             teeth: of the spline of each shaft between two joints, ``(n - 1,)`` or one for all; the
                 phases are then those that teeth permit, counted from the present ones. All
-                combinations are compared up to 65 536, beyond that the nearest to the best phases.
+                combinations are compared up to 65 536, beyond that the nearest to good phases.
             fixed: shafts, counted from 0, whose yokes stay as they are.
             degrees: whether to return the phases in degrees.
 

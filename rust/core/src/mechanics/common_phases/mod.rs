@@ -68,59 +68,52 @@ impl<'a> States<'a> {
     /// when `stop` is set. Of settings that are as good it is the one that turns the yokes least.
     pub(crate) fn search(&self, stop: Option<&AtomicBool>) -> Vec<f64> {
         let chains = Chains::new(self);
-        let change = self.least(&chains, stop);
-        let now = &self.phases[..self.between()];
+        let now = self.phases[..self.between()].iter();
         if self.teeth.is_empty() {
-            return now.iter().zip(change).map(|(now, x)| now + x).collect();
+            let valleys = self.valleys(&chains, stop).into_iter();
+            let size = |change: &Vec<f64>| change.iter().map(|x| x * x).sum();
+            let (_, found) = turning_least(valleys, AS_GOOD, size).unwrap_or_default();
+            return now.zip(found).map(|(now, x)| now + x).collect();
         }
         // A yoke that is held has one position.
         let settable = self.teeth.iter().zip(self.held);
         let teeth: Vec<u64> =
             settable.map(|(&teeth, &held)| if held { 1 } else { teeth }).collect();
-        let turns = least_turned(&chains, &teeth, &change, stop);
-        now.iter()
-            .zip(turns.iter().zip(&teeth))
-            .map(|(now, (&t, &of))| now + turned(t, of))
-            .collect()
+        let valleys = || self.valleys(&chains, stop).into_iter().map(|(_, change)| change);
+        let turns = least_turned(&chains, &teeth, valleys, stop);
+        now.zip(turns.iter().zip(&teeth)).map(|(now, (&t, &of))| now + turned(t, of)).collect()
     }
 
-    /// The change of each phase if every phase is possible.
-    fn least(&self, chains: &Chains, stop: Option<&AtomicBool>) -> Vec<f64> {
+    /// Changes of the phases from which none nearby is better, with the mean of `|q|` of each. The
+    /// best of them is the best that is found, and one is near to the present phases.
+    fn valleys(&self, chains: &Chains, stop: Option<&AtomicBool>) -> Vec<(f64, Vec<f64>)> {
         let between = self.between();
         let free: Vec<usize> = (0..between).filter(|&shaft| !self.held[shaft]).collect();
         let now = vec![0.0; between];
+        let rated = |change: Vec<f64>| (chains.mean_square(&change).sqrt(), change);
         if free.is_empty() {
-            return now;
+            return vec![rated(now)];
         }
-        let mut tried: Vec<_> =
-            (0..self.weights.len()).map(|state| self.best_of_state(state, stop)).collect();
+        let of_states = (0..self.weights.len()).map(|state| self.best_of_state(state, stop));
+        let mut tried: Vec<_> = of_states.map(rated).collect();
         if tried.len() == 1 && free.len() == between {
-            return tried.remove(0);
+            return tried;
         }
         tried.extend(spread(free.len()).map(|point| {
             let mut change = now.clone();
             for (&shaft, x) in free.iter().zip(point) {
                 change[shaft] = PI * (x - 0.5);
             }
-            change
+            rated(change)
         }));
-        let mut tried: Vec<_> =
-            tried.into_iter().map(|change| (chains.mean_square(&change), change)).collect();
         tried.sort_by(|(one, _), (other, _)| one.total_cmp(other));
         tried.truncate(REFINED);
         let starts = std::iter::once(now).chain(tried.into_iter().map(|(_, change)| change));
-        let mut found: Vec<_> = starts.map(|start| refined(chains, start, &free, stop)).collect();
-        for (_, change) in &mut found {
-            for x in change {
-                *x = within_half_turn(*x);
-            }
-        }
-        let least = found.iter().map(|(value, _)| value.sqrt()).fold(f64::INFINITY, f64::min);
-        found.retain(|(value, _)| value.sqrt() <= least * (1.0 + 1e-9) + AS_GOOD);
-        let size = |change: &[f64]| -> f64 { change.iter().map(|x| x * x).sum() };
-        let nearest =
-            found.into_iter().min_by(|(_, one), (_, other)| size(one).total_cmp(&size(other)));
-        nearest.map_or_else(Vec::new, |(_, change)| change)
+        let found = starts.map(|start| {
+            let (value, change) = refined(chains, start, &free, stop);
+            (value.sqrt(), change.into_iter().map(within_half_turn).collect())
+        });
+        found.collect()
     }
 
     /// The change to the phases that are best for one state alone, where yokes are not held.
@@ -147,6 +140,19 @@ fn within_half_turn(angle: f64) -> f64 {
 /// The angle of a turn in teeth.
 fn turned(turn: i64, teeth: u64) -> f64 {
     TAU * turn as f64 / teeth as f64
+}
+
+/// Of settings with the mean of `|q|` of each the one that turns the yokes least, by the sum of the
+/// squares that `size` gives, among those that are as good as the least but for `rounding`.
+fn turning_least<S>(
+    settings: impl Iterator<Item = (f64, S)> + Clone,
+    rounding: f64,
+    size: impl Fn(&S) -> f64,
+) -> Option<(f64, S)> {
+    let least = settings.clone().map(|(root, _)| root).fold(f64::INFINITY, f64::min);
+    let as_good = settings.filter(|(root, _)| *root <= least * (1.0 + 1e-9) + rounding);
+    let sizes = as_good.map(|setting| (size(&setting.1), setting));
+    sizes.min_by(|(one, _), (other, _)| one.total_cmp(other)).map(|(_, setting)| setting)
 }
 
 /// Points that fill a cube evenly: multiples of the powers of `1/φ`, modulo 1, where

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use nalgebra::Complex;
 
 use crate::mechanics::common_phases::chain::{Chain, Chains};
-use crate::mechanics::common_phases::turned;
+use crate::mechanics::common_phases::{turned, turning_least};
 use crate::mechanics::phasing::is_set;
 use crate::number::elementary;
 
@@ -23,48 +23,40 @@ const ROUNDING: f64 = 1e-15;
 /// set.
 ///
 /// All positions of all shafts are compared if there are not too many: three shafts of 80 teeth, or
-/// five of 18. Otherwise it is the positions nearest to the `best` change, of twelve neighbouring
-/// shafts at a time until nothing improves. Of settings that differ by rounding only, the one that
-/// turns the yokes least is taken.
-pub(super) fn least_turned(
+/// five of 18. Otherwise it is the positions nearest to each of the `valleys`, changes of the phases
+/// that are good. Of settings that differ by rounding only, the one that turns the yokes least is
+/// taken.
+pub(super) fn least_turned<V: Iterator<Item = Vec<f64>>>(
     chains: &Chains,
     teeth: &[u64],
-    best: &[f64],
+    valleys: impl FnOnce() -> V,
     stop: Option<&AtomicBool>,
 ) -> Vec<i64> {
-    let shafts = teeth.len();
-    let width = shafts.min(SHAFTS);
     let all = teeth.iter().map(|&teeth| period(teeth)).fold(1, u64::saturating_mul);
-    let positions: Vec<Vec<i64>> = if all <= SETTINGS {
-        teeth.iter().map(|&teeth| every(teeth)).collect()
-    } else {
-        let fit = |most: &u64| most.pow(width as u32) <= SETTINGS;
-        let most = (1..=SETTINGS).take_while(fit).count();
-        teeth.iter().zip(best).map(|(&teeth, &best)| nearest(teeth, best, most)).collect()
+    if all <= SETTINGS {
+        let positions: Vec<_> = teeth.iter().map(|&teeth| every(teeth)).collect();
+        return Comparison { chains, teeth, positions: &positions }.least(stop).1;
+    }
+    let width = teeth.len().min(SHAFTS) as u32;
+    let most = (1..=SETTINGS).take_while(|most| most.pow(width) <= SETTINGS).count();
+    let near = |change: Vec<f64>| -> Vec<_> {
+        teeth.iter().zip(change).map(|(&teeth, x)| nearest(teeth, x, most)).collect()
     };
-    let mut turns: Vec<i64> = positions.iter().map(|own| own[0]).collect();
-    let mut groups: Vec<Range<usize>> = (0..=shafts - width)
-        .step_by((width / 2).max(1))
-        .map(|first| first..first + width)
+    let mut compared: Vec<Vec<Vec<i64>>> = valleys().map(near).collect();
+    // The same valley is found from several starts.
+    compared.sort_unstable();
+    compared.dedup();
+    let found: Vec<_> = compared
+        .iter()
+        .map(|positions| Comparison { chains, teeth, positions }.least(stop))
         .collect();
-    if shafts > width {
-        groups.push(shafts - width..shafts);
-    }
-    let mut least = f64::INFINITY;
-    loop {
-        let mut found = f64::INFINITY;
-        for group in &groups {
-            if is_set(stop) {
-                return turns;
-            }
-            let group = Group { chains, teeth, positions: &positions, shafts: group.clone() };
-            found = group.choose(&mut turns);
-        }
-        if groups.len() == 1 || found >= least - ROUNDING {
-            return turns;
-        }
-        least = found;
-    }
+    let nearest = turning_least(found.into_iter(), ROUNDING, |turns| size(turns.iter().zip(teeth)));
+    nearest.map_or_else(Vec::new, |(_, turns)| turns)
+}
+
+/// The sum of the squares of turns on splines.
+fn size<'a>(turns: impl Iterator<Item = (&'a i64, &'a u64)>) -> f64 {
+    turns.map(|(&turn, &teeth)| turned(turn, teeth).powi(2)).sum()
 }
 
 /// The number of positions of a yoke, which looks the same after half a turn.
@@ -102,62 +94,75 @@ fn nearest(teeth: u64, change: f64, most: usize) -> Vec<i64> {
     steps.map(|step| turn(teeth, first as i128 + side * step)).collect()
 }
 
-/// Neighbouring shafts whose teeth are compared while the others stay.
-struct Group<'a> {
+/// Positions of all shafts that are compared.
+struct Comparison<'a> {
     chains: &'a Chains,
     teeth: &'a [u64],
     positions: &'a [Vec<i64>],
-    shafts: Range<usize>,
 }
 
-impl Group<'_> {
-    /// Takes the best teeth; returns the root of their mean.
-    fn choose(&self, turns: &mut [i64]) -> f64 {
-        let spin =
-            |shaft: usize, turn: i64| elementary::turn(2.0 * turned(turn, self.teeth[shaft]));
-        let own = &self.positions[self.shafts.clone()];
-        let spins: Vec<Vec<_>> = self
-            .shafts
-            .clone()
-            .zip(own)
-            .map(|(shaft, own)| own.iter().map(|&turn| spin(shaft, turn)).collect())
+impl Comparison<'_> {
+    /// The best turns with the root of their mean: of neighbouring shafts at a time until nothing
+    /// improves.
+    fn least(&self, stop: Option<&AtomicBool>) -> (f64, Vec<i64>) {
+        let shafts = self.teeth.len();
+        let width = shafts.min(SHAFTS);
+        let mut groups: Vec<Range<usize>> = (0..=shafts - width)
+            .step_by((width / 2).max(1))
+            .map(|first| first..first + width)
             .collect();
-        let others: Vec<_> =
-            turns.iter().enumerate().map(|(shaft, &turn)| spin(shaft, turn)).collect();
-        let mut means = vec![0.0; own.iter().map(Vec::len).product()];
+        if shafts > width {
+            groups.push(shafts - width..shafts);
+        }
+        let mut turns: Vec<i64> = self.positions.iter().map(|own| own[0]).collect();
+        let mut least = f64::INFINITY;
+        loop {
+            let mut found = f64::INFINITY;
+            for group in &groups {
+                if is_set(stop) {
+                    return (found, turns);
+                }
+                found = self.choose(group.clone(), &mut turns);
+            }
+            if groups.len() == 1 || found >= least - ROUNDING {
+                return (found, turns);
+            }
+            least = found;
+        }
+    }
+
+    /// Takes the best teeth of some shafts while the others stay; returns the root of their mean.
+    fn choose(&self, shafts: Range<usize>, turns: &mut [i64]) -> f64 {
+        let spin = |(&turn, &teeth): (&i64, &u64)| elementary::turn(2.0 * turned(turn, teeth));
+        let (positions, teeth) = (&self.positions[shafts.clone()], &self.teeth[shafts.clone()]);
+        let spins: Vec<Vec<_>> = positions
+            .iter()
+            .zip(teeth)
+            .map(|(own, teeth)| own.iter().map(|turn| spin((turn, teeth))).collect())
+            .collect();
+        let others: Vec<_> = turns.iter().zip(self.teeth).map(spin).collect();
+        let mut means = vec![0.0; positions.iter().map(Vec::len).product()];
         for chain in self.chains.iter() {
-            let first = chain.before(&others, self.shafts.start);
-            let rest = chain.rest(&others, self.shafts.end - 1);
-            add_settings(chain, first, self.shafts.start, &spins, rest, &mut means.iter_mut());
+            let first = chain.before(&others, shafts.start);
+            let rest = chain.rest(&others, shafts.end - 1);
+            add_settings(chain, first, shafts.start, &spins, rest, &mut means.iter_mut());
         }
-        let least = means.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
-        let as_good = least * (1.0 + 1e-9) + ROUNDING;
-        let settings = means.iter().enumerate().filter(|(_, mean)| mean.sqrt() <= as_good);
-        let sizes = settings.map(|(i, mean)| (self.size(i), i, mean.sqrt()));
-        let Some((_, taken, root)) = sizes.min_by(|(one, ..), (other, ..)| one.total_cmp(other))
-        else {
-            return least;
-        };
-        for (shaft, turn) in self.setting(taken) {
-            turns[shaft] = turn;
-        }
+        let settings = means.iter().map(|mean| mean.sqrt()).zip(0..);
+        let size = |&index: &usize| size(setting(positions, index).iter().zip(teeth));
+        let (root, taken) = turning_least(settings, ROUNDING, size).unwrap_or_default();
+        turns[shafts].copy_from_slice(&setting(positions, taken));
         root
     }
+}
 
-    /// The turn of each shaft of a setting, the last shaft first.
-    fn setting(&self, mut index: usize) -> impl Iterator<Item = (usize, i64)> {
-        self.shafts.clone().rev().map(move |shaft| {
-            let own = &self.positions[shaft];
-            let turn = own[index % own.len()];
-            index /= own.len();
-            (shaft, turn)
-        })
+/// The turn of each shaft of a setting, the last shaft changing fastest.
+fn setting(positions: &[Vec<i64>], mut index: usize) -> Vec<i64> {
+    let mut turns = vec![0; positions.len()];
+    for (turn, own) in turns.iter_mut().zip(positions).rev() {
+        *turn = own[index % own.len()];
+        index /= own.len();
     }
-
-    /// The sum of the squared turns of a setting.
-    fn size(&self, index: usize) -> f64 {
-        self.setting(index).map(|(shaft, turn)| turned(turn, self.teeth[shaft]).powi(2)).sum()
-    }
+    turns
 }
 
 /// Adds the share of a chain to the mean of every setting, the last shaft changing fastest.
@@ -233,20 +238,28 @@ mod tests {
             teeth: &teeth,
         };
         let chains = Chains::new(&states);
-        let best = states.least(&chains, None);
-        let turns = least_turned(&chains, &teeth, &best, None);
+        let valleys = [0.3, -0.8].map(|x| vec![x; 15]);
+        let turns = least_turned(&chains, &teeth, || valleys.clone().into_iter(), None);
         let mean = |turns: &[i64]| {
             let change: Vec<f64> = turns.iter().map(|&turn| turned(turn, 16)).collect();
             chains.mean_square(&change).sqrt()
         };
-        for shaft in 0..15 {
-            // The nearest positions of twelve shafts at once are two for each.
-            let own = nearest(16, best[shaft], 2);
-            for turn in own {
+        // The nearest positions of twelve shafts at once are two for each.
+        let of_turns = |valley: &[f64]| {
+            let near = |(turn, x): (&i64, &f64)| nearest(16, *x, 2).contains(turn);
+            turns.iter().zip(valley).all(near)
+        };
+        let valley = valleys.iter().find(|valley| of_turns(valley)).unwrap();
+        for (shaft, x) in valley.iter().enumerate() {
+            for turn in nearest(16, *x, 2) {
                 let mut other = turns.clone();
                 other[shaft] = turn;
                 assert!(mean(&other) >= mean(&turns) - 1e-14);
             }
+        }
+        for valley in &valleys {
+            let start: Vec<i64> = valley.iter().map(|x| nearest(16, *x, 1)[0]).collect();
+            assert!(mean(&turns) <= mean(&start));
         }
     }
 }
