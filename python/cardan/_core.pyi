@@ -18,6 +18,7 @@ __all__ = [
     "__version__",
     "check_bearings",
     "check_deviations",
+    "common_phases",
     "derivatives_at",
     "differentiate",
     "dq",
@@ -83,6 +84,16 @@ def check_deviations(
 def mean_leads(lines: Lines, shaft: int) -> _Flat: ...
 def optimal_phases(
     joints: int, bends: _Flat, twists: _Flat, phases: _Flat, workers: int | None
+) -> _Flat: ...
+def common_phases(
+    joints: int,
+    bends: _Flat,
+    twists: _Flat,
+    phases: _Flat,
+    weights: _Flat,
+    held: list[bool],
+    teeth: list[int],
+    workers: int | None,
 ) -> _Flat: ...
 def derivatives_at(
     time: _Flat, values: _Flat, reach: int, begin: int, end: int

@@ -50,7 +50,7 @@ class Phased(InService):
             weights: how much each state counts, ``(states,)``; by default all alike.
             teeth: of the spline of each shaft between two joints, ``(n - 1,)`` or one for all; the
                 phases are then those that teeth permit, counted from the present ones. All
-                combinations are compared up to 65 536, beyond that the nearest to the best phases.
+                combinations are compared up to 65 536, beyond that the nearest to good phases.
             fixed: shafts, counted from 0, whose yokes stay as they are.
             degrees: whether to return the phases in degrees.
 
@@ -66,9 +66,10 @@ class Phased(InService):
             "best phases follow from one equivalent joint, which exists",
             "cardan.optimise minimises an output as built, such as 'angle_error_peak'",
         )
-        bends, twists, present, *_ = self._geometry.flat()
-        best = _core.optimal_phases(self.n_joints, bends, twists, present, threads.at_most(None))
-        phases = best.reshape(self.phases.shape)
-        if not (states is weights is teeth is fixed is None):
-            phases = common_phases(self, phases, states, weights, teeth, fixed)
+        if states is weights is teeth is fixed is None:
+            bends, twists, now, *_ = self._geometry.flat()
+            best = _core.optimal_phases(self.n_joints, bends, twists, now, threads.at_most(None))
+            phases = best.reshape(self.phases.shape)
+        else:
+            phases = common_phases(self, states, weights, teeth, fixed)
         return np.degrees(phases) if degrees else phases

@@ -291,15 +291,7 @@ def optimal_phases(
     Raises:
         ValueError: no state, states with different numbers of joints, not one weight per state.
     """
-    states = [states] if isinstance(states, Shafts) else list(states)
-    weights = [1.0] * len(states) if weights is None else weights
-    if len({len(state.phases) for state in states}) != 1:
-        raise ArgumentValueError("states", "must be drivelines with the same number of joints")
-    if len(weights) != len(states):
-        raise ArgumentValueError(
-            "weights", f"has {len(weights)} values; there are {len(states)} states"
-        )
-    search = _Search(states, [math.sqrt(weight / math.fsum(weights)) for weight in weights])
+    search = _search(states, weights)
     grid = search.grid()
     worst = max(grid.values())
     if not search.present or worst < _STRAIGHT:
@@ -321,6 +313,48 @@ def optimal_phases(
             sizes[best] = search.size(best, _enough(least))
     good = [best for best, size in sizes.items() if size <= min(sizes.values()) + _AS_GOOD * worst]
     return min(good, key=lambda best: math.dist(best, search.present))
+
+
+def best_teeth(
+    states: Shafts | Sequence[Shafts],
+    teeth: Sequence[int],
+    weights: Sequence[float] | None = None,
+) -> tuple[int, ...]:
+    """Return by how many teeth to turn the output-side yokes from their present phases.
+
+    Every combination is tried. Of those that are as good the yokes turn least.
+
+    Args:
+        states: a driveline, or one per state; all have the phases of the first.
+        teeth: of the spline of each shaft between two joints.
+        weights: how much each state counts; by default all alike.
+
+    Errors: those of the angle error, by which combinations are compared.
+
+    Raises:
+        ValueError: no state, states with different numbers of joints, not one weight per state.
+    """
+    search = _search(states, weights)
+    count = _enough(min(math.prod(map(math.cos, state.bends)) for state in search.states))
+    sizes, turned = {}, {}
+    for turns in product(*(range(-of // 2, of // 2 + 1) for of in teeth)):
+        angles = [2.0 * math.pi * turn / of for turn, of in zip(turns, teeth, strict=True)]
+        setting = tuple(map(sum, zip(search.present, angles, strict=True)))
+        sizes[turns], turned[turns] = search.size(setting, count), math.hypot(*angles)
+    as_good = min(sizes.values()) + _AS_GOOD * max(sizes.values()) + _STRAIGHT
+    return min((turns for turns in sizes if sizes[turns] <= as_good), key=turned.__getitem__)
+
+
+def _search(states: Shafts | Sequence[Shafts], weights: Sequence[float] | None) -> _Search:
+    states = [states] if isinstance(states, Shafts) else list(states)
+    weights = [1.0] * len(states) if weights is None else weights
+    if len({len(state.phases) for state in states}) != 1:
+        raise ArgumentValueError("states", "must be drivelines with the same number of joints")
+    if len(weights) != len(states):
+        raise ArgumentValueError(
+            "weights", f"has {len(weights)} values; there are {len(states)} states"
+        )
+    return _Search(states, [math.sqrt(weight / math.fsum(weights)) for weight in weights])
 
 
 @dataclass(frozen=True)

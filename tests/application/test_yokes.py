@@ -21,7 +21,6 @@ from cardan.figures.advice import advice, arrangement, scene_advice
 from cardan.figures.catalogue import fork_signs
 from cardan.scene import Scene
 from cardan.scene.starters import STARTERS
-from cardan.tooth_turns import tooth_turns
 from cardan.words.advice import remedies
 from example_scenes import EXAMPLES
 
@@ -50,6 +49,11 @@ def bend_deg(line: Driveline, phases: ArrayLike | None = None) -> float:
     return float(
         np.degrees((line if phases is None else line.with_phases(phases)).equivalent().bend)
     )
+
+
+def tooth_turns(line: Driveline, teeth: int) -> list[int]:
+    off = line.optimal_phases(teeth=teeth) - line.phases
+    return [round(turn) for turn in off * teeth / (2 * np.pi)]
 
 
 # --- senses and axes --------------------------------------------------------------------------
@@ -400,12 +404,12 @@ def test_no_other_teeth_are_better(
 def test_an_odd_number_of_teeth_has_half_steps() -> None:
     """Of 15 teeth 7 backwards are 168°, and that is 12° forwards for a yoke."""
     line = Driveline.from_bends([15, 15], [12], degrees=True)
-    assert tooth_turns(line, [15], line.optimal_phases()).tolist() == [-7]
+    assert tooth_turns(line, 15) == [-7]
     reached = line.with_phases(-7 * 2 * np.pi / 15)
     assert reached.equivalent().k < 1e-15
     # With an even number half a turn is a whole number of teeth.
-    assert tooth_turns(line, [30], line.optimal_phases()).tolist() == [1]
-    assert tooth_turns(line, [16], line.optimal_phases()).tolist() == [1]
+    assert tooth_turns(line, 30) == [1]
+    assert tooth_turns(line, 16) == [1]
 
 
 @pytest.mark.parametrize(("n", "teeth"), [(8, 36), (25, 16)])
@@ -417,7 +421,7 @@ def test_many_shafts_come_near_as_well(n: int, teeth: int) -> None:
     )
     best = line.optimal_phases()
     pitch = 2 * np.pi / teeth
-    turns = tooth_turns(line, [teeth] * (n - 1), best)
+    turns = np.array(tooth_turns(line, teeth))
     rounded = pitch * np.round((best - line.phases) / pitch)
     reached = bend_deg(line, line.phases + pitch * turns)
     assert reached <= bend_deg(line, line.phases + rounded)

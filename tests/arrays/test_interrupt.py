@@ -79,6 +79,19 @@ CASES = {
         "line = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, 20_000))\n"
         "interrupted(line.optimal_phases)"
     ),
+    "one setting for states": (
+        "bends = np.random.default_rng(1).uniform(0.01, 0.3, (10_000, 5, 6))\n"
+        "lines = Driveline.from_bends(bends)\n"
+        "interrupted(lambda: lines.optimal_phases(states=1))"
+    ),
+    "one setting of a long driveline": (
+        "line = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, (3, 400)))\n"
+        "interrupted(lambda: line.optimal_phases(states=0))"
+    ),
+    "best teeth": (
+        "lines = Driveline.from_bends(np.random.default_rng(1).uniform(0.01, 0.3, (50_000, 6)))\n"
+        "interrupted(lambda: lines.optimal_phases(teeth=18))"
+    ),
 }
 
 

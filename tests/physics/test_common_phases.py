@@ -10,6 +10,7 @@ import pytest
 
 from cardan import Driveline
 from cardan.arrays import FloatArray
+from phase_oracle import Chains, least, least_turned
 
 
 def mean_square(line: Driveline, phases: FloatArray, weights: FloatArray | None = None) -> float:
@@ -38,6 +39,30 @@ def test_no_point_of_a_grid_is_better(seed: int, joints: int, grid: int) -> None
     # The grid is fine enough to find the same valley.
     step = np.pi / grid
     assert least <= found + joints**2 * step**2
+
+
+@pytest.mark.parametrize("states", [1, 3, 8])
+@pytest.mark.parametrize(("joints", "most"), [(2, 1.5), (3, 0.1), (3, 1.2), (4, 0.5), (6, 1.2)])
+@pytest.mark.parametrize("teeth", [None, 16, 7])
+@pytest.mark.parametrize("fixed", [None, 1])
+def test_a_search_in_numpy_finds_nothing_better(
+    states: int, joints: int, most: float, teeth: int | None, fixed: int | None
+) -> None:
+    rng = np.random.default_rng([states, joints])
+    line = states_of(rng, joints, states, most)
+    weights = rng.uniform(0.1, 1.0, states)
+    found = line.optimal_phases(states=0, weights=weights, teeth=teeth, fixed=fixed)
+    chains = Chains(line.bends, line.twists, weights / np.sum(weights))
+    free = np.arange(1, joints) != fixed
+    now = line.phases[0]
+    other = least(chains, now, line.optimal_phases(), free)
+    if teeth is not None:
+        counts = np.where(free, teeth, 1).tolist()
+        turns = least_turned(chains.root, now, counts, other)
+        other = now + 2.0 * np.pi * turns / np.array(counts)
+    root, best = chains.root(np.array([found, other]))
+    # What the search calls as good.
+    assert root <= best * (1.0 + 1e-9) + 1e-12
 
 
 def test_two_joints_have_a_closed_form_up_to_the_product_of_their_k() -> None:
@@ -192,6 +217,12 @@ LINE = Driveline.from_bends(np.full((2, 3), 0.1), phases=[[0.0, 0.1], [0.0, 0.2]
 def test_errors(kind: type[Exception], arguments: dict[str, Any], message: str) -> None:
     with pytest.raises(kind, match=message):
         LINE.optimal_phases(**arguments)
+
+
+def test_no_driveline_needs_no_setting() -> None:
+    none = Driveline.from_bends(np.empty((0, 2, 3)))
+    assert none.optimal_phases(states=1, teeth=16).shape == (0, 2)
+    assert none.optimal_phases(fixed=1).shape == (0, 2, 2)
 
 
 def test_an_empty_axis_has_no_setting() -> None:

@@ -226,6 +226,20 @@ def test_common_phases(joints: int, count: int) -> None:
         assert turn(found, best) <= SAME_TURN
 
 
+@pytest.mark.parametrize("teeth", [[16], [15], [6, 7], [8, 1], [4, 3, 5]])
+def test_best_teeth(teeth: list[int]) -> None:
+    joints = len(teeth) + 1
+    rng = np.random.default_rng(sum(teeth))
+    bends = rng.uniform(0.05, 0.6, (2, joints))
+    twists = rng.uniform(-3.0, 3.0, joints - 1) + rng.uniform(-0.4, 0.4, (2, joints - 1))
+    phases, weights = rng.uniform(-3.0, 3.0, joints - 1), [1.0, 0.4]
+    both = [pair(*state, phases) for state in zip(bends, twists, strict=True)]
+    lines = Driveline.concatenate([line.reshape(1) for line, _ in both])
+    best = lines.optimal_phases(states=0, weights=weights, teeth=teeth)
+    turns = np.array(slow.best_teeth([own for _, own in both], teeth, weights))
+    np.testing.assert_allclose(best, phases + 2.0 * np.pi * turns / teeth, atol=1e-12)
+
+
 @pytest.mark.parametrize(
     ("joints", "weights", "message"),
     [([2, 3], None, "states must be drivelines"), ([2, 2], [1.0], "weights has 1 values")],

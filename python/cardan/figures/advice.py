@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cardan.arrays import FloatArray
 from cardan.driveline import Driveline
@@ -14,7 +13,6 @@ from cardan.figures.answers import record
 from cardan.figures.rounding import ROUNDING, equivalent_bend_deg
 from cardan.limits import MAX_EQUIVALENT_BEND
 from cardan.scene.scene import Scene
-from cardan.tooth_turns import tooth_turns
 from cardan.workshop import turn
 
 ARRANGEMENTS = ("straight", "single bend", "W", "Z", "planar", "spatial")
@@ -131,7 +129,8 @@ def scene_advice(scene: Scene) -> dict[str, Any] | None:
     best = line.optimal_phases()
     found = advice(line, limit_of(scene), best)
     if scene.teeth:
-        phases, found["teeth"] = on_teeth(line, scene.teeth, best)
+        phases = line.optimal_phases(teeth=scene.teeth)
+        found["teeth"] = on_teeth(line, phases, scene.teeth)
         found["equivalent_bend_deg"]["on_teeth"] = equivalent_bend_deg(line.with_phases(phases))
     return found
 
@@ -148,10 +147,9 @@ def states_advice(scene: Scene) -> dict[str, Any]:
     settings = {"present": line.phases, "best": best}
     found = advice(line, limit_of(scene), best)
     if scene.teeth:
-        teeth = np.asarray(scene.teeth)
         phases = lines.optimal_phases(states=0, weights=states.weights, teeth=scene.teeth)
-        turns = np.round((phases - line.phases) * teeth / (2.0 * np.pi)).astype(int)
-        settings["on_teeth"], found["teeth"] = phases, _on_teeth(phases, turns, scene.teeth)
+        settings["on_teeth"] = phases
+        found["teeth"] = on_teeth(line, phases, scene.teeth)
     each = {
         key: [equivalent_bend_deg(one) for one in lines.with_phases(phases)]
         for key, phases in settings.items()
@@ -174,18 +172,9 @@ def states_advice(scene: Scene) -> dict[str, Any]:
     }
 
 
-def on_teeth(
-    line: Driveline, teeth: Sequence[int], best: FloatArray
-) -> tuple[FloatArray, list[dict[str, Any]]]:
-    """Return the best phases on splines in rad, and how to set each shaft as plain data."""
-    turns = tooth_turns(line, teeth, best)
-    phases = line.phases + 2.0 * np.pi * turns / np.asarray(teeth)
-    return phases, _on_teeth(phases, turns, teeth)
-
-
-def _on_teeth(
-    phases: FloatArray, turns: NDArray[np.int64], teeth: Sequence[int]
-) -> list[dict[str, Any]]:
+def on_teeth(line: Driveline, phases: FloatArray, teeth: Sequence[int]) -> list[dict[str, Any]]:
+    """Return how to set each shaft to phases in rad that its teeth permit, as plain data."""
+    turns = np.round((phases - line.phases) * teeth / (2.0 * np.pi)).astype(int)
     return [
         {
             "shaft": i + 1,

@@ -83,7 +83,8 @@ def yoke_settings(scene: Scene) -> dict[str, Any]:
     settings = {"present": line.phases, "best": best}
     teeth: list[dict[str, Any]] = []
     if scene.teeth:
-        settings["on_teeth"], teeth = on_teeth(line, scene.teeth, best)
+        settings["on_teeth"] = line.optimal_phases(teeth=scene.teeth)
+        teeth = on_teeth(line, settings["on_teeth"], scene.teeth)
         found["equivalent_bend_deg"]["on_teeth"] = equivalent_bend_deg(
             line.with_phases(settings["on_teeth"])
         )

@@ -2,16 +2,13 @@
 
 use std::sync::atomic::Ordering;
 
-use cardan::{
-    Equivalent, Execution, General, Geometry, Vector, check_length, check_shaft,
-    optimal_phases_of_batch, unravel,
-};
+use cardan::{Equivalent, General, Geometry, Vector, check_length, check_shaft, unravel};
 use numpy::{IntoPyArray, PyArray1};
 use pyo3::prelude::*;
 
 use crate::convert::{Input, OrRaise, argument_error, count, slice, vectors};
 use crate::lines::Lines;
-use crate::watch::{check_memory, reserve, run_interruptible, run_released};
+use crate::watch::{check_memory, reserve, run_interruptible};
 
 /// Bends, twists, directions and normals, each flat.
 type Flat<'py> = (
@@ -24,10 +21,8 @@ type Flat<'py> = (
 /// The number of drivelines between two checks of the stop flag.
 const PIECE: usize = 64;
 
-/// The fewest drivelines whose construction takes long enough to be interruptible, and the fewest
-/// joints in all for which the search for phases does.
+/// The fewest drivelines whose construction takes long enough to be interruptible.
 const MIN_INTERRUPTIBLE: usize = 1 << 14;
-const MIN_INTERRUPTIBLE_SEARCH: usize = 1 << 10;
 
 /// Calls `each` with the number of every driveline, with the interpreter released.
 fn for_each_line(
@@ -84,7 +79,7 @@ fn lay_out<'py>(
 }
 
 /// The number of drivelines with these bends.
-fn count_of(bends: &[f64], joints: usize) -> PyResult<usize> {
+pub(crate) fn count_of(bends: &[f64], joints: usize) -> PyResult<usize> {
     let none = || argument_error("joints", "is 0; a driveline has at least one");
     bends.len().checked_div(joints).ok_or_else(none)
 }
@@ -277,33 +272,4 @@ pub(crate) fn equivalent<'py>(
         Ok(())
     })?;
     Ok(columns.map(|column| column.into_pyarray(py)))
-}
-
-/// The phases that bring each driveline's last shaft closest to constant velocity.
-#[pyfunction]
-#[pyo3(signature = (joints, bends, twists, phases, workers))]
-pub(crate) fn optimal_phases<'py>(
-    py: Python<'py>,
-    joints: usize,
-    bends: Input<'py>,
-    twists: Input<'py>,
-    phases: Input<'py>,
-    workers: Option<usize>,
-) -> PyResult<Bound<'py, PyArray1<f64>>> {
-    let bends = slice("bends", &bends)?;
-    let twists = slice("twists", &twists)?;
-    let phases = slice("phases", &phases)?;
-    let lines = count_of(bends, joints)?;
-    check_length("bends", bends.len(), lines, joints).or_raise()?;
-    check_length("twists", twists.len(), lines, joints - 1).or_raise()?;
-    check_length("phases", phases.len(), lines, joints - 1).or_raise()?;
-    let mut best = vec![];
-    reserve(&mut best, phases.len())?;
-    best.extend_from_slice(phases);
-    let brief = bends.len() < MIN_INTERRUPTIBLE_SEARCH;
-    run_released(py, brief, workers, &mut |workers, stop| {
-        let execution = Execution { workers, stop, ..Execution::default() };
-        optimal_phases_of_batch(joints, bends, twists, &mut best, execution);
-    })?;
-    Ok(best.into_pyarray(py))
 }

@@ -12,6 +12,7 @@ mod design;
 mod driveline;
 mod lines;
 mod measured;
+mod phases;
 mod plan;
 mod torsion;
 mod transmission;
@@ -32,12 +33,14 @@ mod _core {
     #[pymodule_export]
     use super::driveline::{
         check_bearings, check_deviations, equivalent, from_bends, from_directions, from_points,
-        mean_leads, optimal_phases,
+        mean_leads,
     };
     #[pymodule_export]
     use super::lines::Lines;
     #[pymodule_export]
     use super::measured::{NativeIntegral, derivatives_at};
+    #[pymodule_export]
+    use super::phases::{common_phases, optimal_phases};
     #[pymodule_export]
     use super::plan::{DriveSweep, NativePlan, levels, outputs};
     #[pymodule_export]

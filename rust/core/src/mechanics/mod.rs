@@ -4,6 +4,7 @@
 pub mod as_built;
 pub(crate) mod bearings;
 pub mod chain;
+pub mod common_phases;
 pub(crate) mod cross;
 pub(crate) mod derivatives;
 pub(crate) mod double_angle;

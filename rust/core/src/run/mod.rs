@@ -6,6 +6,7 @@ mod as_built_constants;
 mod block;
 mod by_strips;
 mod chunk_length;
+pub mod common_phases;
 mod constants;
 mod evaluation;
 pub mod execution;
