@@ -56,7 +56,7 @@ def test_an_answer_does_not_depend_on_its_neighbours(joints: int) -> None:
     count = part(400)
     random = np.random.default_rng(joints)
     bends = np.radians(random.uniform(0.0, 60.0, (count, joints)))
-    bends[:: max(1, count // 4)] = np.radians(89.0)
+    bends[:: max(1, count // 4), 0] = np.radians(89.0)
     line = Driveline.from_bends(
         bends,
         random.uniform(-3.0, 3.0, (count, joints - 1)),

@@ -27,9 +27,11 @@ const APART: f64 = 1e-8;
 /// The part of a mean that a panel adds to its error at most, once it has settled.
 const SETTLED: f64 = 2e-15;
 
-/// How often a panel is halved at most, and how many panels are open at a time at most.
+/// How often a panel is halved at most, and how many panels may be open for each of the first ones.
+/// Kinks and narrow peaks keep a few of them open; where all are, the rounding of a steep chain is what
+/// does not settle.
 const MOST_HALVINGS: usize = 48;
-const MOST_PANELS: usize = 1 << 12;
+const MOST_OPEN: usize = 32;
 
 /// Fills the values of functions at some samples, one function after another, from their angles and
 /// a plan's planes there.
@@ -204,7 +206,7 @@ impl Row<'_> {
                 }
             }
             let size = |function: usize| sizes[function - function % together];
-            let last = halvings == MOST_HALVINGS || open.len() > MOST_PANELS;
+            let last = halvings == MOST_HALVINGS || open.len() > MOST_OPEN * cut.panels.len();
             let mut halves = vec![];
             for (&(start, width), found) in each() {
                 let part = width / PI;
