@@ -40,7 +40,7 @@ pub struct Orders {
 }
 
 impl Turns<'_> {
-    /// The highest order of an output: more would take more than [`MOST`] samples.
+    /// The highest order of an output: more would take more than a million samples of half a turn.
     pub const HIGHEST_ORDER: usize = MOST >> 2;
 
     /// Mean and orders of the outputs over a turn: over the drive angle, or if `driven` over the
