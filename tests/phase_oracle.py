@@ -1,4 +1,4 @@
-"""One setting of the yokes for all states in NumPy, by starts and formulas of its own.
+"""An independent search, in NumPy, for one setting of the yokes that serves all states.
 
 A chain makes ``A w + B conj(w)`` of ``w = exp(i a)``: joint ``j`` has the matrix ``[[1, -k], [-k,
 1]]``, ``k = tan(bend/2)**2``, a shaft ``diag(exp(i p), exp(-i p))`` with ``p = phase - twist +

@@ -141,7 +141,7 @@ class Loads:
 
 @dataclass(frozen=True)
 class Cross:
-    """Where the cross of one joint stands at one drive angle, and how it turns in its yokes.
+    """The position of the cross of one joint at one drive angle, and its rates in both yokes.
 
     Attributes:
         driving_pin: unit vector along the pin of the driving yoke.

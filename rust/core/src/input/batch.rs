@@ -8,7 +8,7 @@ use crate::mechanics::as_built::DEVIATIONS;
 /// The rule for lengths.
 const LENGTH_RULE: Rule = Rule::new("", "a length must be positive and finite");
 
-/// What a plan needs of a batch of drivelines whose arrays fit together.
+/// A batch of drivelines whose arrays fit together, as a plan reads it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
     /// The shape of the batch; empty for one driveline.

@@ -33,7 +33,7 @@ pub(crate) enum Needs {
     Motion(Option<f64>),
     /// Where the cross stands, which depends on the sense of the pins; its rates also need the speed
     /// ratio of the driving shaft.
-    Cross(Cross),
+    Cross(OfCross),
     /// The power entering a shaft.
     Power,
     /// The moments of the joints at both ends of a shaft.
@@ -46,7 +46,7 @@ pub(crate) enum Needs {
 
 /// What an output says of the cross of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Cross {
+pub(crate) enum OfCross {
     Tilt,
     Swing,
     Pin,
@@ -129,17 +129,17 @@ outputs! {
     /// Force that a bearing exerts on its shaft.
     BearingForce: "bearing_force", Bearing, "N", VECTOR, Needs::Force;
     /// Signed tilt `ψ₁` of the cross against the driving shaft.
-    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Cross(Cross::Tilt);
+    TiltDriving: "tilt_driving", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt);
     /// Signed tilt `ψ₂` of the cross against the driven shaft.
-    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Cross(Cross::Tilt);
+    TiltDriven: "tilt_driven", Joint, "rad", SCALAR, Needs::Cross(OfCross::Tilt);
     /// Rate of the cross in the driving yoke per radian of the drive.
-    SwingDriving: "swing_driving", Joint, "1", SCALAR, Needs::Cross(Cross::Swing);
+    SwingDriving: "swing_driving", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing);
     /// Rate of the cross in the driven yoke per radian of the drive.
-    SwingDriven: "swing_driven", Joint, "1", SCALAR, Needs::Cross(Cross::Swing);
+    SwingDriven: "swing_driven", Joint, "1", SCALAR, Needs::Cross(OfCross::Swing);
     /// Unit vector along the pin of the driving yoke.
-    DrivingPin: "driving_pin", Joint, "1", VECTOR, Needs::Cross(Cross::Pin);
+    DrivingPin: "driving_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin);
     /// Unit vector along the pin of the driven yoke.
-    DrivenPin: "driven_pin", Joint, "1", VECTOR, Needs::Cross(Cross::Pin);
+    DrivenPin: "driven_pin", Joint, "1", VECTOR, Needs::Cross(OfCross::Pin);
 }
 
 impl Output {
@@ -160,7 +160,7 @@ impl Output {
     /// Whether only ideal joints have it.
     pub fn is_ideal(self) -> bool {
         self == Self::PinMoment
-            || matches!(self.row().needs, Needs::Cross(Cross::Swing | Cross::Pin))
+            || matches!(self.row().needs, Needs::Cross(OfCross::Swing | OfCross::Pin))
     }
 
     /// Whether half a turn, after which ideal joints look the same but for the sense of their pins,

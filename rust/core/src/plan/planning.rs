@@ -5,7 +5,7 @@ use crate::input::batch::check_shafts;
 use crate::mechanics::joint::Joint;
 use crate::plan::forces::ForceStep;
 use crate::plan::load::{LoadStep, Station};
-use crate::plan::output::{Cross, Needs, Output, Per};
+use crate::plan::output::{Needs, OfCross, Output, Per};
 use crate::plan::request::{Axes, End, Request};
 use crate::plan::steps::{JointNeeds, JointStep, Plan, ShaftStep, Support, range};
 
@@ -89,7 +89,7 @@ impl Plan {
                     Needs::Cross(of) => {
                         plan.joints[item].planes.set(output, plane);
                         plan.joints[item].needs_cross = true;
-                        if of == Cross::Swing {
+                        if of == OfCross::Swing {
                             plan.step(item).keep_ratio = true;
                         }
                     }

@@ -8,7 +8,7 @@ use crate::mechanics::moment::Pose;
 use crate::number::atan::AtanRange;
 use crate::number::double_double::DoubleDouble;
 use crate::number::{Number, Precision};
-use crate::plan::output::{Cross, Needs, Output};
+use crate::plan::output::{Needs, OfCross, Output};
 use crate::plan::reduction::Reduction;
 use crate::plan::request::Axes;
 use crate::plan::route::{Route, Routes};
@@ -192,9 +192,9 @@ impl Plan {
                 step.planes.get(*output).is_some() && output.row().needs == Needs::Cross(of)
             };
             let parts = [
-                (Cross::Tilt, "tilts of the cross"),
-                (Cross::Swing, "rates of the cross from the speed ratio"),
-                (Cross::Pin, "pins in space"),
+                (OfCross::Tilt, "tilts of the cross"),
+                (OfCross::Swing, "rates of the cross from the speed ratio"),
+                (OfCross::Pin, "pins in space"),
             ];
             for (of, name) in parts {
                 if Output::ALL.iter().any(|output| is_of(output, of)) {

@@ -331,7 +331,7 @@ impl<T: Angle> Folded<T> {
     }
 }
 
-/// Appends what a joint needs for its moments and for its cross.
+/// Appends the constants of a joint for its moments and its cross.
 #[inline(always)]
 fn push_places<T: Angle>(
     step: &JointStep,

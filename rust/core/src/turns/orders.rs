@@ -19,7 +19,7 @@ use crate::run::execution::Execution;
 use crate::turns::Turns;
 use crate::turns::driven::Driven;
 use crate::turns::each_row::each_row;
-use crate::turns::panels::{Integrands, Row};
+use crate::turns::panels::{Integrands, RowMeans};
 
 /// Outputs have errors of some ulp, and chains amplify those of their constants.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
@@ -95,7 +95,7 @@ struct Search<'a> {
 
 /// How a plane behaves over half a turn.
 #[derive(Clone, Copy, Debug)]
-struct Plane {
+struct Symmetry {
     reverses: bool,
     has_kinks: bool,
     /// The number of the output of a shaft, joint or bearing of which it is a component.
@@ -106,7 +106,7 @@ impl Search<'_> {
     /// Fills mean, error and amplitudes of each plane of one row.
     fn run(&self, row: usize, out: &mut [f64]) -> Result<()> {
         let plan = self.turns.plan;
-        let planes: Vec<Plane> = plan
+        let planes: Vec<Symmetry> = plan
             .outputs
             .iter()
             .enumerate()
@@ -115,7 +115,7 @@ impl Search<'_> {
                 let has_kinks = output.has_kinks() && !plan.as_built;
                 (0..output.components()).map(move |component| {
                     let reverses = output.reverses(component, plan.axes);
-                    Plane { reverses, has_kinks, item }
+                    Symmetry { reverses, has_kinks, item }
                 })
             })
             .collect();
@@ -129,7 +129,7 @@ impl Search<'_> {
     }
 
     /// Sums over equal steps, of which there are enough.
-    fn by_equal_steps(&self, row: usize, planes: &[Plane], out: &mut [f64]) -> Result<()> {
+    fn by_equal_steps(&self, row: usize, planes: &[Symmetry], out: &mut [f64]) -> Result<()> {
         let mut samples = self.samples(row);
         let mut before = f64::INFINITY;
         loop {
@@ -145,7 +145,13 @@ impl Search<'_> {
 
     /// Sums over `samples` equal steps of half a turn. Returns by how many roundings they differ
     /// from sums over half as many.
-    fn sums(&self, row: usize, planes: &[Plane], samples: usize, out: &mut [f64]) -> Result<f64> {
+    fn sums(
+        &self,
+        row: usize,
+        planes: &[Symmetry],
+        samples: usize,
+        out: &mut [f64],
+    ) -> Result<f64> {
         let whole = self.turns.plan.as_built;
         let count = if whole { 2 * samples } else { samples };
         let step = PI / samples as f64;
@@ -205,7 +211,7 @@ impl Search<'_> {
     }
 
     /// Sums between kinks; only of magnitudes, which half a turn does not change.
-    fn by_panels(&self, row: usize, planes: &[Plane], out: &mut [f64]) -> Result<()> {
+    fn by_panels(&self, row: usize, planes: &[Symmetry], out: &mut [f64]) -> Result<()> {
         let kinked: Vec<usize> = (0..planes.len()).filter(|&i| planes[i].has_kinks).collect();
         let together = 1 + 2 * self.orders.len();
         let fill = |angles: &[f64], values: &[&[f64]], out: &mut [f64]| {
@@ -226,8 +232,12 @@ impl Search<'_> {
             }
         };
         let integrands = Integrands { count: kinked.len() * together, together, of: &fill };
-        let row =
-            Row { turns: self.turns, index: row, integrands: &integrands, driven: self.driven };
+        let row = RowMeans {
+            turns: self.turns,
+            index: row,
+            integrands: &integrands,
+            driven: self.driven,
+        };
         let means = row.means()?;
         let each = 2 + 2 * self.orders.len();
         for (&plane, means) in kinked.iter().zip(means.chunks(together)) {

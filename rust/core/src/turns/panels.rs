@@ -19,7 +19,7 @@ use crate::run::execution::Execution;
 use crate::turns::Turns;
 use crate::turns::driven::Driven;
 use crate::turns::each_row::each_piece;
-use crate::turns::rule::{self, Found, RULES, Rule};
+use crate::turns::rule::{self, LobattoRule, PanelMean, RULES};
 
 /// Kinks that are nearer to each other count as one: what is between them adds the square of it.
 const APART: f64 = 1e-8;
@@ -94,7 +94,7 @@ impl Turns<'_> {
                 let start = place * each;
                 let planes = values.chunks(angles.len()).map(|plane| &plane[start..][..each]);
                 let planes: Vec<&[f64]> = planes.collect();
-                let row = Row { turns: self, index: first + i, integrands, driven: None };
+                let row = RowMeans { turns: self, index: first + i, integrands, driven: None };
                 let means = row.settled(cut, &angles[start..][..each], &planes)?;
                 for (out, mean) in out[i * integrands.count..].iter_mut().zip(means) {
                     *out = mean.value;
@@ -160,20 +160,20 @@ impl Cut {
 }
 
 /// The angles at the nodes of some panels.
-fn angles(rule: &Rule, panels: &[Panel]) -> Vec<f64> {
+fn angles(rule: &LobattoRule, panels: &[Panel]) -> Vec<f64> {
     let of = |&(start, width): &Panel| rule.nodes.iter().map(move |x| start + width * x);
     panels.iter().flat_map(of).collect()
 }
 
 /// One row of a turn, over the angle of the last shaft if that is given.
-pub(crate) struct Row<'a> {
+pub(crate) struct RowMeans<'a> {
     pub(crate) turns: &'a Turns<'a>,
     pub(crate) index: usize,
     pub(crate) integrands: &'a Integrands<'a>,
     pub(crate) driven: Option<&'a Driven>,
 }
 
-impl Row<'_> {
+impl RowMeans<'_> {
     /// The means over the turn.
     pub(crate) fn means(&self) -> Result<Vec<Mean>> {
         let (rows, joints) = (self.turns.rows, self.turns.plan.joint_count);
@@ -211,7 +211,7 @@ impl Row<'_> {
             for (&(start, width), found) in each() {
                 let part = width / PI;
                 // NaN settles.
-                let unsettled = |(function, found): (usize, &Found)| {
+                let unsettled = |(function, found): (usize, &PanelMean)| {
                     found.error * part > SETTLED * size(function)
                 };
                 if !last && found.iter().enumerate().any(unsettled) {
@@ -220,7 +220,7 @@ impl Row<'_> {
                 }
                 for (function, found) in found.iter().enumerate() {
                     means[function].value += found.mean * part;
-                    means[function].error += Found::LARGER * found.error * part;
+                    means[function].error += PanelMean::LARGER * found.error * part;
                     settled[function] += found.mean.abs() * part;
                 }
             }
@@ -236,11 +236,11 @@ impl Row<'_> {
     }
 
     /// What the rule finds of each function in each panel, panel by panel.
-    fn found(&self, rule: &Rule, angles: &[f64], planes: &[&[f64]]) -> Vec<Found> {
+    fn found(&self, rule: &LobattoRule, angles: &[f64], planes: &[&[f64]]) -> Vec<PanelMean> {
         let (count, order) = (self.integrands.count, rule.nodes.len());
         let mut values = vec![0.0; count * angles.len()];
         (self.integrands.of)(angles, planes, &mut values);
-        let mut found = vec![Found::default(); count * angles.len() / order];
+        let mut found = vec![PanelMean::default(); count * angles.len() / order];
         for (function, values) in values.chunks(angles.len()).enumerate() {
             for (panel, values) in values.chunks(order).enumerate() {
                 found[panel * count + function] = rule.of(values);

@@ -21,11 +21,12 @@ const SPARE: f64 = 2.0;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// The rules of [`ORDERS`].
-pub(crate) static RULES: LazyLock<[Rule; ORDERS.len()]> = LazyLock::new(|| ORDERS.map(Rule::new));
+pub(crate) static RULES: LazyLock<[LobattoRule; ORDERS.len()]> =
+    LazyLock::new(|| ORDERS.map(LobattoRule::new));
 
 /// A rule for functions on an interval.
 #[derive(Debug)]
-pub(crate) struct Rule {
+pub(crate) struct LobattoRule {
     /// The nodes as parts of the interval, in ascending order.
     pub(crate) nodes: Vec<f64>,
     /// The weights of the mean over the interval.
@@ -37,19 +38,19 @@ pub(crate) struct Rule {
 
 /// What a rule finds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Found {
+pub(crate) struct PanelMean {
     /// The mean over the interval.
     pub(crate) mean: f64,
     /// An estimate of its error.
     pub(crate) error: f64,
 }
 
-impl Found {
+impl PanelMean {
     /// By how much the error may exceed its estimate where a function has a kink.
     pub(crate) const LARGER: f64 = 32.0;
 }
 
-impl Rule {
+impl LobattoRule {
     fn new(order: usize) -> Self {
         let mut rule =
             Self { nodes: vec![], weights: vec![], coefficients: [const { Vec::new() }; 4] };
@@ -82,7 +83,7 @@ impl Rule {
     /// the first that the rule does not integrate, which are twice as high, by more than from the
     /// middle to the last. Those of a function with a kink fall little; the estimate is at least a
     /// thirty-second of the error then.
-    pub(crate) fn of(&self, values: &[f64]) -> Found {
+    pub(crate) fn of(&self, values: &[f64]) -> PanelMean {
         let dot = |weights: &[f64]| -> f64 { weights.iter().zip(values).map(|(w, x)| w * x).sum() };
         let [middle, above, lower, upper] = self.coefficients.each_ref().map(|row| dot(row).abs());
         let (middle, last) = (middle + above, lower + upper);
@@ -90,7 +91,7 @@ impl Rule {
         let largest = values.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
         let rounding = ROUNDING * values.len() as f64 * largest;
         let error = if last > rounding { last * fall } else { 0.0 };
-        Found { mean: dot(&self.weights), error }
+        PanelMean { mean: dot(&self.weights), error }
     }
 }
 
@@ -143,7 +144,7 @@ mod tests {
                 let found = of(&|x: f64| 1.0 / (x + pole));
                 let off = (found.mean - (1.0 / pole).ln_1p()).abs();
                 assert!(
-                    off <= Found::LARGER * found.error + 1e-15,
+                    off <= PanelMean::LARGER * found.error + 1e-15,
                     "{pole}: {off:e} of {:e}",
                     found.error
                 );
@@ -153,7 +154,7 @@ mod tests {
                 let found = of(&|x: f64| (x - kink).abs());
                 let off = (found.mean - 0.5 + kink * (1.0 - kink)).abs();
                 assert!(
-                    off <= Found::LARGER * found.error + 1e-15,
+                    off <= PanelMean::LARGER * found.error + 1e-15,
                     "{kink}: {off:e} of {:e}",
                     found.error
                 );

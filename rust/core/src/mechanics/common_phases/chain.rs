@@ -18,7 +18,7 @@ const RATE: Complex<f64> = Complex::new(0.0, 2.0);
 const START: [Complex<f64>; 2] = [Complex::new(0.0, 0.0), Complex::new(1.0, 0.0)];
 
 /// The chains of all states.
-pub(super) struct Chains(Vec<Chain>);
+pub(super) struct StateChains(Vec<Chain>);
 
 /// The chain of one state.
 pub(super) struct Chain {
@@ -37,7 +37,7 @@ pub(super) struct Derivatives {
     pub(super) hessian: DMatrix<f64>,
 }
 
-impl Chains {
+impl StateChains {
     pub(super) fn new(states: &States<'_>) -> Self {
         let between = states.between();
         // Doubling an angle could overflow.
@@ -179,8 +179,8 @@ mod tests {
     const WEIGHTS: [f64; 2] = [0.25, 0.75];
     const CHANGE: [f64; 4] = [0.2, -0.4, 0.9, 0.1];
 
-    fn chains() -> Chains {
-        Chains::new(&States {
+    fn chains() -> StateChains {
+        StateChains::new(&States {
             joints: 5,
             bends: &BENDS,
             twists: &TWISTS,

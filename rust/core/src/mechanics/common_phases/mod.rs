@@ -10,7 +10,7 @@ mod teeth;
 use std::f64::consts::{PI, TAU};
 use std::sync::atomic::AtomicBool;
 
-use crate::mechanics::common_phases::chain::Chains;
+use crate::mechanics::common_phases::chain::StateChains;
 use crate::mechanics::common_phases::newton::refined;
 use crate::mechanics::common_phases::teeth::least_turned;
 use crate::mechanics::phasing::search_phases;
@@ -67,7 +67,7 @@ impl<'a> States<'a> {
     /// The phases of one driveline that minimise the weighted mean of `|q|²`, or the best so far
     /// when `stop` is set. Of settings that are as good it is the one that turns the yokes least.
     pub(crate) fn search(&self, stop: Option<&AtomicBool>) -> Vec<f64> {
-        let chains = Chains::new(self);
+        let chains = StateChains::new(self);
         let now = self.phases[..self.between()].iter();
         if self.teeth.is_empty() {
             let valleys = self.valleys(&chains, stop).into_iter();
@@ -86,7 +86,7 @@ impl<'a> States<'a> {
 
     /// Changes of the phases from which none nearby is better, with the mean of `|q|` of each. The
     /// best of them is the best that is found, and one is near to the present phases.
-    fn valleys(&self, chains: &Chains, stop: Option<&AtomicBool>) -> Vec<(f64, Vec<f64>)> {
+    fn valleys(&self, chains: &StateChains, stop: Option<&AtomicBool>) -> Vec<(f64, Vec<f64>)> {
         let between = self.between();
         let free: Vec<usize> = (0..between).filter(|&shaft| !self.held[shaft]).collect();
         let now = vec![0.0; between];

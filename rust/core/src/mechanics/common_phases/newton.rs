@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::{DVector, SymmetricEigen};
 
-use crate::mechanics::common_phases::chain::{Chains, Derivatives};
+use crate::mechanics::common_phases::chain::{Derivatives, StateChains};
 use crate::mechanics::phasing::is_set;
 
 /// The most steps and the most lengths of a step; a handful suffices unless the least is flat.
@@ -20,7 +20,7 @@ const SMALL: f64 = 1e-30;
 
 /// The least nearby, with its mean of `|q|²`; the best so far when `stop` is set.
 pub(super) fn refined(
-    chains: &Chains,
+    chains: &StateChains,
     mut change: Vec<f64>,
     free: &[usize],
     stop: Option<&AtomicBool>,

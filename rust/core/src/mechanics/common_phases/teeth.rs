@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use nalgebra::Complex;
 
-use crate::mechanics::common_phases::chain::{Chain, Chains};
+use crate::mechanics::common_phases::chain::{Chain, StateChains};
 use crate::mechanics::common_phases::{turned, turning_least};
 use crate::mechanics::phasing::is_set;
 use crate::number::elementary;
@@ -27,7 +27,7 @@ const ROUNDING: f64 = 1e-15;
 /// that are good. Of settings that differ by rounding only, the one that turns the yokes least is
 /// taken.
 pub(super) fn least_turned<V: Iterator<Item = Vec<f64>>>(
-    chains: &Chains,
+    chains: &StateChains,
     teeth: &[u64],
     valleys: impl FnOnce() -> V,
     stop: Option<&AtomicBool>,
@@ -96,7 +96,7 @@ fn nearest(teeth: u64, change: f64, most: usize) -> Vec<i64> {
 
 /// Positions of all shafts that are compared.
 struct Comparison<'a> {
-    chains: &'a Chains,
+    chains: &'a StateChains,
     teeth: &'a [u64],
     positions: &'a [Vec<i64>],
 }
@@ -237,7 +237,7 @@ mod tests {
             held: &[false; 15],
             teeth: &teeth,
         };
-        let chains = Chains::new(&states);
+        let chains = StateChains::new(&states);
         let valleys = [0.3, -0.8].map(|x| vec![x; 15]);
         let turns = least_turned(&chains, &teeth, || valleys.clone().into_iter(), None);
         let mean = |turns: &[i64]| {

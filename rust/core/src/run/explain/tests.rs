@@ -7,13 +7,13 @@ use crate::run::execution::{Execution, Planes};
 use crate::run::taken;
 
 /// Drivelines of three joints.
-struct Batch {
+struct BatchCase {
     bends: Vec<f64>,
     between: Vec<f64>,
     frame: Vec<f64>,
 }
 
-impl Batch {
+impl BatchCase {
     fn new(bends: &[[f64; 3]]) -> Self {
         let count = bends.len();
         let between = [0.3, 0.4].repeat(count);
@@ -50,7 +50,7 @@ impl Batch {
 const MOTION: &[Output] = &[Output::AngleError, Output::SpeedRatio, Output::AccelerationRatio];
 
 fn text(outputs: &[Output], shafts: &[usize], precision: Precision, angle: Angles<'_>) -> String {
-    let batch = Batch::new(&[[0.1, 0.0, 0.2]]);
+    let batch = BatchCase::new(&[[0.1, 0.0, 0.2]]);
     let count = if let Angles::Sweep(sweep) = &angle { sweep.count() } else { 2 };
     let shape = &[count];
     let samples = Samples { shape, lines: batch.lines(), line_strides: &[0], angle, load: None };
@@ -124,11 +124,11 @@ fn sweeps_have_steps_of_their_own() {
 fn what_is_explained_is_what_runs() {
     let moderate = [0.1, 0.0, 0.2];
     let batches = [
-        Batch::new(&[moderate]),
-        Batch::new(&[[1.5, 0.3, 0.8]]),
-        Batch::new(&[[0.0, 0.0, 0.4]]),
+        BatchCase::new(&[moderate]),
+        BatchCase::new(&[[1.5, 0.3, 0.8]]),
+        BatchCase::new(&[[0.0, 0.0, 0.4]]),
         // Each of the first two is moderate by itself; the bound for the batch is steep.
-        Batch::new(&[[0.6, 0.6, 0.0], moderate, [1.2, 0.9, 0.2]]),
+        BatchCase::new(&[[0.6, 0.6, 0.0], moderate, [1.2, 0.9, 0.2]]),
     ];
     let array: Vec<f64> = (0..5000).map(|i| f64::from(i) * 0.01).collect();
     let sweeps = [

@@ -108,11 +108,15 @@ impl ChunkPins {
     }
 
     /// The sums over whole rows of [`LANES`] samples, and over the row that the last samples begin.
-    fn sum(&self, columns: [Option<&[f64]>; 2], over: impl Fn(Rows<'_>) -> [f64; 3]) -> [f64; 3] {
+    fn sum(
+        &self,
+        columns: [Option<&[f64]>; 2],
+        over: impl Fn(PinRows<'_>) -> [f64; 3],
+    ) -> [f64; 3] {
         let whole = self.length - self.length % LANES;
         let columns = columns.map(|column| column.unwrap_or(&ZEROS[..self.length]));
         let rows = |at: std::ops::Range<usize>, columns| {
-            over(Rows { sines: &self.sines[at.clone()], cosines: &self.cosines[at], columns })
+            over(PinRows { sines: &self.sines[at.clone()], cosines: &self.cosines[at], columns })
         };
         let sums = rows(0..whole, columns.map(|column| &column[..whole]));
         if whole == self.length {
@@ -207,7 +211,7 @@ pub(super) fn turned(s: f64, c: f64, [turn_cos, turn_sin]: [f64; 2]) -> (f64, f6
 }
 
 #[inline(always)]
-fn rate_sums(shaft: &ShaftConstants, rows: Rows<'_>, compact: bool) -> [f64; 3] {
+fn rate_sums(shaft: &ShaftConstants, rows: PinRows<'_>, compact: bool) -> [f64; 3] {
     let ShaftConstants { cosine: e, sine2, turn, .. } = *shaft;
     let (e2, twice) = (e * e, 2.0 * sine2);
     let (by_c2, by_s2) = (e2 * (-2.0_f64).mul_add(e2, 6.0), 6.0_f64.mul_add(e2, -2.0));
@@ -233,7 +237,7 @@ fn rate_sums(shaft: &ShaftConstants, rows: Rows<'_>, compact: bool) -> [f64; 3] 
 
 /// The jerk ratio is `−2 sin² β Re ρψ²`.
 #[inline(always)]
-fn jerk_sums(shaft: &ShaftConstants, rows: Rows<'_>, compact: bool) -> [f64; 3] {
+fn jerk_sums(shaft: &ShaftConstants, rows: PinRows<'_>, compact: bool) -> [f64; 3] {
     let ShaftConstants { cosine: e, sine2, turn, .. } = *shaft;
     rows.sum(
         compact,
@@ -256,7 +260,7 @@ fn jerk_sums(shaft: &ShaftConstants, rows: Rows<'_>, compact: bool) -> [f64; 3] 
 
 /// The derivative of the angle error is `−i (1 + e)/2 (c − i s)(e c − i s)/D`.
 #[inline(always)]
-fn error_sums(shaft: &ShaftConstants, rows: Rows<'_>, compact: bool) -> [f64; 3] {
+fn error_sums(shaft: &ShaftConstants, rows: PinRows<'_>, compact: bool) -> [f64; 3] {
     let ShaftConstants { cosine: e, versine, turn, .. } = *shaft;
     rows.sum(
         compact,
@@ -273,13 +277,13 @@ fn error_sums(shaft: &ShaftConstants, rows: Rows<'_>, compact: bool) -> [f64; 3]
 
 /// Whole rows of [`LANES`] samples: their pins, and two numbers of each.
 #[derive(Clone, Copy)]
-struct Rows<'a> {
+struct PinRows<'a> {
     sines: &'a [f64],
     cosines: &'a [f64],
     columns: [&'a [f64]; 2],
 }
 
-impl Rows<'_> {
+impl PinRows<'_> {
     /// The sums of three products per sample, whose order depends on the number of samples only.
     #[inline(always)]
     fn sum(self, compact: bool, terms: impl Fn(f64, f64, [f64; 2]) -> [(f64, f64); 3]) -> [f64; 3] {
